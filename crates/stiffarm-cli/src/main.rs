@@ -1,0 +1,2 @@
+//! stiffarm.
+fn main() {}

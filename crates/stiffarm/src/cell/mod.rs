@@ -1,0 +1,105 @@
+//! A robot cell: what is measured, within which bounds, how exactly.
+//!
+//! Values only; reading and writing `cell.toml` is in [`file`].
+
+#[cfg(feature = "files")]
+pub mod file;
+mod limits;
+
+pub use limits::{LimitKind, LimitMargin, Limits};
+
+use crate::error::{Code, Error, Result};
+use crate::observation::Setup;
+use crate::posture::Posture;
+
+/// Measurement noise of a displacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Variance of one tracker reading per axis \[m²\].
+    pub reading_variance: f64,
+    /// Readings behind one displacement: 1 as the paper counts, 2 for an
+    /// honest difference of a loaded and an unloaded reading.
+    pub readings_per_displacement: u32,
+    /// Standard deviation τ of a shift common to all points of a posture
+    /// \[m\]: load, rope, drift. Zero in the paper.
+    pub posture_common_std: f64,
+}
+
+impl Noise {
+    /// Variance σ² of one displacement component \[m²\].
+    pub fn displacement_variance(&self) -> f64 {
+        self.reading_variance * f64::from(self.readings_per_displacement)
+    }
+
+    /// Standard deviation σ of one displacement component \[m\].
+    pub fn displacement_std(&self) -> f64 {
+        self.displacement_variance().sqrt()
+    }
+
+    /// ρ of a posture's precision (I − ρ 11ᵀ ⊗ I₃)/σ² with `points` measuring
+    /// points: ρ = τ²/(σ² + mτ²). Zero without a common part or at σ = 0.
+    pub fn common_weight(&self, points: usize) -> f64 {
+        let tau2 = self.posture_common_std.powi(2);
+        let total = self.displacement_variance() + points as f64 * tau2;
+        if tau2 > 0.0 && total > 0.0 { tau2 / total } else { 0.0 }
+    }
+}
+
+/// Everything a plan, a simulation or an identification needs to know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// Name of the cell.
+    pub name: String,
+    /// Robot, tool and load.
+    pub setup: Setup,
+    /// Bounds of the controller angles for selection \[rad\] (Table 1).
+    pub bounds: Vec<[f64; 2]>,
+    /// Where tool points, flange and wrist may be, and the rope's length.
+    pub limits: Limits,
+    /// Measurement noise.
+    pub noise: Noise,
+    /// Prior joint stiffness k \[N·m/rad\], one per spring, where one is known.
+    pub prior: Option<Vec<f64>>,
+    /// Characteristic length L of the normalised Jacobian \[m\], Eq. (20);
+    /// `None` asks for the one that minimises k(J_N).
+    pub characteristic_length: Option<f64>,
+    /// Postures kept for validation; held to the machine's limits, not to `bounds`.
+    pub validation: Vec<Posture>,
+}
+
+impl Cell {
+    /// The prior stiffness, or an error that says which key gives it.
+    ///
+    /// # Errors
+    /// The cell has no prior.
+    pub fn require_prior(&self) -> Result<&[f64]> {
+        self.prior.as_deref().ok_or_else(|| {
+            Error::new(Code::MissingKey, "This needs a prior joint stiffness, and the cell has none.")
+                .key("stiffness.prior_nm_per_rad")
+                .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad")
+        })
+    }
+
+    /// L of Eq. (20) \[m\], or an error where it is still to be computed.
+    ///
+    /// # Errors
+    /// The cell leaves the length open;
+    /// [`with_characteristic_length`](crate::optimise::with_characteristic_length) computes it.
+    pub fn require_characteristic_length(&self) -> Result<f64> {
+        self.characteristic_length.ok_or_else(|| {
+            Error::new(Code::MissingKey, "The characteristic length of Eq. (20) is not set.")
+                .key("robot.characteristic_length_mm")
+        })
+    }
+
+    /// First joint whose angle leaves the machine's limits, with the angle \[rad\].
+    pub fn outside_machine_limits(&self, q: &[f64]) -> Option<(usize, f64)> {
+        self.setup
+            .robot
+            .joints()
+            .iter()
+            .zip(q)
+            .position(|(joint, a)| !(joint.limits[0] - 1e-9..=joint.limits[1] + 1e-9).contains(a))
+            .map(|j| (j, q[j]))
+    }
+}

@@ -1,0 +1,336 @@
+//! The one error type of the library: what is wrong, where, what to do.
+
+use std::fmt;
+use std::ops::Range;
+
+/// Result with this library's [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Kind of an error; stable names for scripts, listed in `docs/errors.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Code {
+    /// A file could not be opened or read.
+    FileRead,
+    /// A file could not be written.
+    FileWrite,
+    /// The output exists and nothing allows overwriting it.
+    FileExists,
+    /// The text is not valid UTF-8.
+    Encoding,
+    /// The text is not valid TOML.
+    TomlSyntax,
+    /// A key that the format does not know.
+    UnknownKey,
+    /// A key that must be there and is not.
+    MissingKey,
+    /// A value of the wrong kind (text for a number, …).
+    WrongType,
+    /// A value that is not allowed (negative length, empty range, …).
+    InvalidValue,
+    /// NaN or infinity where a finite number is needed.
+    NotFinite,
+    /// Keys or columns that exclude or contradict each other.
+    Conflict,
+    /// The table's heading lacks a column or has one that nobody knows.
+    TableHeading,
+    /// A row of a table cannot be read.
+    TableRow,
+    /// A comma used as decimal sign in a comma-separated table.
+    DecimalComma,
+    /// The same name or row twice.
+    Duplicate,
+    /// A name that is not defined.
+    UnknownName,
+    /// Lengths of two inputs do not fit.
+    Dimension,
+    /// A joint angle outside the machine's limits.
+    OutsideLimits,
+    /// The robot or its structure is not supported.
+    Unsupported,
+    /// The JSON result file cannot be used.
+    ResultFile,
+    /// Too few measurements for the number of unknowns.
+    TooFewData,
+    /// The observation matrix loses rank: joints cannot be determined.
+    NotIdentifiable,
+    /// A numerical routine did not converge.
+    Numerical,
+    /// Interrupted by the user.
+    Interrupted,
+    /// Wrong use of the command line.
+    Usage,
+    /// A fault of the program itself.
+    Internal,
+}
+
+impl Code {
+    /// Every code, in the order of the documentation.
+    pub const ALL: [Code; 26] = [
+        Code::FileRead,
+        Code::FileWrite,
+        Code::FileExists,
+        Code::Encoding,
+        Code::TomlSyntax,
+        Code::UnknownKey,
+        Code::MissingKey,
+        Code::WrongType,
+        Code::InvalidValue,
+        Code::NotFinite,
+        Code::Conflict,
+        Code::TableHeading,
+        Code::TableRow,
+        Code::DecimalComma,
+        Code::Duplicate,
+        Code::UnknownName,
+        Code::Dimension,
+        Code::OutsideLimits,
+        Code::Unsupported,
+        Code::ResultFile,
+        Code::TooFewData,
+        Code::NotIdentifiable,
+        Code::Numerical,
+        Code::Interrupted,
+        Code::Usage,
+        Code::Internal,
+    ];
+
+    /// Stable name, as in the `code` of a JSON error.
+    pub fn as_str(self) -> &'static str {
+        self.describe().0
+    }
+
+    /// One sentence for the documentation.
+    pub fn meaning(self) -> &'static str {
+        self.describe().1
+    }
+
+    /// Exit code of the command for this error: 2 bad input or usage,
+    /// 1 a finding, 3 our own fault, 130 interrupted.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Code::NotIdentifiable => 1,
+            Code::Internal | Code::Numerical => 3,
+            Code::Interrupted => 130,
+            _ => 2,
+        }
+    }
+
+    fn describe(self) -> (&'static str, &'static str) {
+        match self {
+            Code::FileRead => ("file-read", "A file could not be opened or read."),
+            Code::FileWrite => ("file-write", "A file could not be written."),
+            Code::FileExists => (
+                "file-exists",
+                "The output exists; nothing is overwritten without --force.",
+            ),
+            Code::Encoding => ("encoding", "The text is not valid UTF-8."),
+            Code::TomlSyntax => ("toml-syntax", "The cell file is not valid TOML."),
+            Code::UnknownKey => ("unknown-key", "The cell file has a key the format does not know."),
+            Code::MissingKey => ("missing-key", "A key that must be there is missing."),
+            Code::WrongType => ("wrong-type", "A value is of the wrong kind."),
+            Code::InvalidValue => ("invalid-value", "A value is not allowed."),
+            Code::NotFinite => ("not-finite", "NaN or infinity where a finite number is needed."),
+            Code::Conflict => ("conflict", "Keys, columns or options exclude each other."),
+            Code::TableHeading => (
+                "table-heading",
+                "A table's heading lacks a column or has one nobody knows.",
+            ),
+            Code::TableRow => ("table-row", "A row of a table cannot be read."),
+            Code::DecimalComma => (
+                "decimal-comma",
+                "A decimal comma in a comma-separated table: the columns cannot be told apart.",
+            ),
+            Code::Duplicate => ("duplicate", "The same name or row stands twice."),
+            Code::UnknownName => ("unknown-name", "A name (robot, point, built-in) is not defined."),
+            Code::Dimension => ("dimension", "Lengths of two inputs do not fit each other."),
+            Code::OutsideLimits => ("outside-limits", "A joint angle lies outside the machine's limits."),
+            Code::Unsupported => ("unsupported", "The robot or set-up is not supported by this version."),
+            Code::ResultFile => ("result-file", "A saved result cannot be used here."),
+            Code::TooFewData => ("too-few-data", "Fewer measurements than unknowns."),
+            Code::NotIdentifiable => (
+                "not-identifiable",
+                "The postures and the load cannot determine every joint; the joints are named.",
+            ),
+            Code::Numerical => ("numerical", "A numerical routine did not converge on finite input."),
+            Code::Interrupted => ("interrupted", "Stopped by the user (Ctrl-C)."),
+            Code::Usage => ("usage", "Wrong use of the command line."),
+            Code::Internal => ("internal", "A fault of the program itself; please report it."),
+        }
+    }
+}
+
+/// Place of an error: file, 1-based line and column, key path, byte span.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Place {
+    /// File name as the user gave it, or `builtin:…`.
+    pub file: Option<String>,
+    /// Line, counted from 1.
+    pub line: Option<usize>,
+    /// Column in characters, counted from 1.
+    pub column: Option<usize>,
+    /// Key path in a cell file, or column name in a table.
+    pub key: Option<String>,
+    /// Byte range in the file's text.
+    pub span: Option<Range<usize>>,
+}
+
+/// What is wrong, where, and what to do about it.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("{}", DisplayError(.0))]
+pub struct Error(Box<Inner>);
+
+#[derive(Debug, Clone)]
+struct Inner {
+    code: Code,
+    message: String,
+    place: Place,
+    hint: Option<String>,
+}
+
+struct DisplayError<'a>(&'a Inner);
+
+impl fmt::Display for DisplayError<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = &self.0.place;
+        if let Some(file) = &place.file {
+            write!(f, "{file}:")?;
+            if let Some(line) = place.line {
+                write!(f, "{line}:")?;
+                if let Some(column) = place.column {
+                    write!(f, "{column}:")?;
+                }
+            }
+            write!(f, " ")?;
+        }
+        if let Some(key) = &place.key {
+            write!(f, "{key}: ")?;
+        }
+        write!(f, "{}", self.0.message)?;
+        if let Some(hint) = &self.0.hint {
+            write!(f, "\n  hint: {hint}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Error {
+    /// An error with its code and a full sentence.
+    pub fn new(code: Code, message: impl Into<String>) -> Self {
+        Error(Box::new(Inner {
+            code,
+            message: message.into(),
+            place: Place::default(),
+            hint: None,
+        }))
+    }
+
+    /// Adds what the user can do.
+    #[must_use]
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.0.hint = Some(hint.into());
+        self
+    }
+
+    /// Adds the key path or column name.
+    #[must_use]
+    pub fn key(mut self, key: impl Into<String>) -> Self {
+        self.0.place.key = Some(key.into());
+        self
+    }
+
+    /// Adds the file's name.
+    #[must_use]
+    pub fn file(mut self, file: impl Into<String>) -> Self {
+        self.0.place.file = Some(file.into());
+        self
+    }
+
+    /// Adds line and column, both counted from 1.
+    #[must_use]
+    pub fn line(mut self, line: usize, column: Option<usize>) -> Self {
+        self.0.place.line = Some(line);
+        self.0.place.column = column;
+        self
+    }
+
+    /// Adds a byte span of `text`, with the line and column it starts at.
+    #[must_use]
+    pub fn span(mut self, text: &str, span: Range<usize>) -> Self {
+        let mut start = span.start.min(text.len());
+        while !text.is_char_boundary(start) {
+            start -= 1;
+        }
+        let before = &text[..start];
+        let line = before.matches('\n').count() + 1;
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        self.0.place.line = Some(line);
+        self.0.place.column = Some(before[line_start..].chars().count() + 1);
+        self.0.place.span = Some(start..span.end.clamp(start, text.len()));
+        self
+    }
+
+    /// The kind of error.
+    pub fn code(&self) -> Code {
+        self.0.code
+    }
+
+    /// The sentence, without place and hint.
+    pub fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// Where the fault lies.
+    pub fn place(&self) -> &Place {
+        &self.0.place
+    }
+
+    /// What to do, if we know.
+    pub fn hint_text(&self) -> Option<&str> {
+        self.0.hint.as_deref()
+    }
+}
+
+/// ` (did you mean "…"?)` for the nearest of `known` to `name`, else empty.
+pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let lower = name.to_lowercase();
+    known
+        .into_iter()
+        .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
+        .filter(|(distance, k)| *distance <= 2.max(k.chars().count() / 3))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, k)| format!("did you mean \"{k}\"?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_unique_and_complete() {
+        let mut names: Vec<_> = Code::ALL.iter().map(|c| c.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Code::ALL.len());
+    }
+
+    #[test]
+    fn display_has_place_key_and_hint() {
+        let text = "a = 1\nbß = 2\n";
+        let error = Error::new(Code::UnknownKey, "unknown key \"bß\".")
+            .span(text, 6..9)
+            .file("cell.toml")
+            .key("bß")
+            .hint("did you mean \"b\"?");
+        assert_eq!(
+            error.to_string(),
+            "cell.toml:2:1: bß: unknown key \"bß\".\n  hint: did you mean \"b\"?"
+        );
+    }
+
+    #[test]
+    fn span_inside_a_character_does_not_panic() {
+        let error = Error::new(Code::TomlSyntax, "x").span("ß", 1..9);
+        assert_eq!(error.place().column, Some(1));
+    }
+}

@@ -1,0 +1,27 @@
+//! Which postures to measure, what joint stiffness the measurements give and
+//! how sure that is, and how far an industrial robot bends at work.
+//!
+//! The method starts from Zhang, Guo, Sun, Sun, *Method of Postures Selection
+//! for Industrial Robot Joint Stiffness Identification*, IEEE Access 2021,
+//! doi:10.1109/ACCESS.2021.3073671 ("the paper"; "Eq. (n)" is its numbering).
+//!
+//! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
+//! exist only in files, on the command line and in tables.
+
+
+#[cfg(feature = "files")]
+pub mod builtin;
+pub mod cell;
+pub mod error;
+pub mod kinematics;
+pub mod load;
+pub mod measurement;
+pub mod observation;
+pub mod posture;
+pub mod robot;
+#[cfg(feature = "files")]
+pub mod table;
+pub mod tool;
+pub mod units;
+
+pub use error::{Code, Error, Result};

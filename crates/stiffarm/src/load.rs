@@ -1,0 +1,134 @@
+//! Loads and the wrench they put on the loading point.
+
+use crate::kinematics::Frames;
+use nalgebra::Vector3;
+
+/// Force and moment at the loading point, base axes: W = \[F; M\], the wrench
+/// *on* the robot \[N, N·m\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wrench {
+    /// Force F \[N\].
+    pub force: Vector3<f64>,
+    /// Moment M about the loading point \[N·m\].
+    pub moment: Vector3<f64>,
+}
+
+impl Wrench {
+    /// A pure force through the loading point.
+    pub fn force(force: Vector3<f64>) -> Self {
+        Wrench { force, moment: Vector3::zeros() }
+    }
+
+    /// The same wrench about another point: M' = M + (from − to) × F.
+    #[must_use]
+    pub fn moved(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Self {
+        Wrench { force: self.force, moment: self.moment + (from - to).cross(&self.force) }
+    }
+}
+
+/// Axes in which a constant wrench is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axes {
+    /// Fixed in the robot's base.
+    Base,
+    /// Turning with the flange.
+    Tool,
+}
+
+/// How the robot is loaded.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Load {
+    /// A rope from the loading point P1 to a fixed anchor P2 (Section IV.A):
+    /// F = G (P2 − P1)/‖P2 − P1‖, M = 0.
+    Rope {
+        /// Anchor P2 in the base frame \[m\].
+        anchor: Vector3<f64>,
+        /// Rope force G \[N\].
+        magnitude: f64,
+    },
+    /// A hanging weight: constant force along gravity.
+    Weight {
+        /// Weight force \[N\].
+        magnitude: f64,
+        /// Direction of gravity, unit vector in base axes.
+        direction: Vector3<f64>,
+    },
+    /// A constant wrench at the loading point.
+    Constant {
+        /// The wrench, in the axes named by `axes`.
+        wrench: Wrench,
+        /// Base or tool axes.
+        axes: Axes,
+    },
+    /// The wrench comes with each measurement.
+    Measured,
+}
+
+impl Load {
+    /// Wrench at the loading point at one posture, or `None` for [`Load::Measured`].
+    ///
+    /// `loading_point` is in the base frame \[m\]. A rope whose loading point
+    /// lies on its anchor has no direction: the force is zero then.
+    pub fn wrench(&self, frames: &Frames, loading_point: &Vector3<f64>) -> Option<Wrench> {
+        match self {
+            Load::Rope { anchor, magnitude } => {
+                // F = G (P2 − P1)/‖P2 − P1‖, Section IV.A.
+                let unit = (anchor - loading_point).try_normalize(f64::MIN_POSITIVE);
+                Some(Wrench::force(unit.unwrap_or_default() * *magnitude))
+            }
+            Load::Weight { magnitude, direction } => Some(Wrench::force(direction * *magnitude)),
+            Load::Constant { wrench, axes: Axes::Base } => Some(*wrench),
+            Load::Constant { wrench, axes: Axes::Tool } => Some(Wrench {
+                force: frames.direction(&wrench.force),
+                moment: frames.direction(&wrench.moment),
+            }),
+            Load::Measured => None,
+        }
+    }
+
+    /// Rope length ‖P2 − P1‖ \[m\], for a rope.
+    pub fn rope_length(&self, loading_point: &Vector3<f64>) -> Option<f64> {
+        match self {
+            Load::Rope { anchor, .. } => Some((anchor - loading_point).norm()),
+            _ => None,
+        }
+    }
+
+    /// Adds to `gradient` the derivative with respect to θ of
+    /// `force_adjoint · F + moment_adjoint · M`, where `columns` are the linear
+    /// Jacobian columns at the loading point.
+    pub(crate) fn add_wrench_gradient(
+        &self,
+        frames: &Frames,
+        loading_point: &Vector3<f64>,
+        columns: &[Vector3<f64>],
+        wrench: &Wrench,
+        force_adjoint: &Vector3<f64>,
+        moment_adjoint: &Vector3<f64>,
+        gradient: &mut [f64],
+    ) {
+        match self {
+            Load::Rope { anchor, magnitude } => {
+                // dF = −(G/ℓ)(I − u uᵀ) dP1.
+                let rope = anchor - loading_point;
+                let length = rope.norm();
+                if length <= f64::MIN_POSITIVE {
+                    return;
+                }
+                let unit = rope / length;
+                let across = force_adjoint - unit * unit.dot(force_adjoint);
+                let factor = -magnitude / length;
+                for (g, column) in gradient.iter_mut().zip(columns) {
+                    *g += factor * across.dot(column);
+                }
+            }
+            Load::Constant { axes: Axes::Tool, .. } => {
+                let turn = wrench.force.cross(force_adjoint) + wrench.moment.cross(moment_adjoint);
+                for (g, axis) in gradient.iter_mut().zip(frames.axes()) {
+                    *g += axis.dot(&turn);
+                }
+            }
+            Load::Weight { .. } | Load::Constant { .. } | Load::Measured => {}
+        }
+    }
+}

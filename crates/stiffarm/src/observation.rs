@@ -1,0 +1,335 @@
+//! Observation matrix Ψ, Eqs. (9)–(11): Ψ H = Δ.
+//!
+//! Rows: for posture, for measuring point, x, y, z in base axes. Columns: one
+//! per spring. Ψ_ij = J^m_ij · Γ_j with Γ = (J^f)ᵀ W, where J^f belongs to the
+//! loading point and J^m to the measuring point.
+
+use crate::error::{Code, Error, Result};
+use crate::kinematics::Frames;
+use crate::load::{Load, Wrench};
+use crate::robot::Robot;
+use crate::tool::Tool;
+use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+
+/// What is loaded and measured: robot, tool and load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// The robot.
+    pub robot: Robot,
+    /// Its tool.
+    pub tool: Tool,
+    /// Its load.
+    pub load: Load,
+}
+
+/// Which rows a measuring point gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rows {
+    /// Translations x, y, z \[m\]: 3 rows (the paper's choice, Section IV).
+    Translations,
+    /// Translations and rotations: 6 rows; the rotations are multiplied by
+    /// `length` \[m\] so that all rows share one unit.
+    FullPose {
+        /// Length that weighs radians against metres \[m\].
+        length: f64,
+    },
+}
+
+/// Everything of one posture that Ψ and its derivatives need.
+#[derive(Debug, Clone)]
+pub struct PostureTerms {
+    pub(crate) frames: Frames,
+    pub(crate) loading_point: Vector3<f64>,
+    pub(crate) loading_columns: Vec<Vector3<f64>>,
+    pub(crate) measuring_points: Vec<Vector3<f64>>,
+    /// Linear joint columns at the measuring points, point by point (m · n).
+    pub(crate) columns: Vec<Vector3<f64>>,
+    pub(crate) wrench: Wrench,
+    pub(crate) torque: Vec<f64>,
+}
+
+impl PostureTerms {
+    /// Terms at the controller angles `q` \[rad\]. `wrench` replaces the load's
+    /// own (a measured wrench at the loading point, base axes).
+    ///
+    /// # Errors
+    /// The load is [`Load::Measured`] and no wrench is given, or `q` has the
+    /// wrong length or an entry that is not finite.
+    pub fn new(setup: &Setup, q: &[f64], wrench: Option<&Wrench>) -> Result<Self> {
+        let robot = &setup.robot;
+        check_angles(robot, q)?;
+        let frames = Frames::new(robot, q);
+        let n = robot.joint_count();
+        let m = setup.tool.point_count();
+        let mut terms = PostureTerms {
+            frames,
+            loading_point: Vector3::zeros(),
+            loading_columns: vec![Vector3::zeros(); n],
+            measuring_points: vec![Vector3::zeros(); m],
+            columns: vec![Vector3::zeros(); m * n],
+            wrench: Wrench::force(Vector3::zeros()),
+            torque: vec![0.0; n],
+        };
+        terms.fill(setup, wrench)?;
+        Ok(terms)
+    }
+
+    /// Recomputes everything at `q` without allocating.
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`], except that `q` is trusted.
+    pub(crate) fn update(&mut self, setup: &Setup, q: &[f64]) -> Result<()> {
+        self.frames.update(&setup.robot, q);
+        self.fill(setup, None)
+    }
+
+    fn fill(&mut self, setup: &Setup, wrench: Option<&Wrench>) -> Result<()> {
+        let n = setup.robot.joint_count();
+        self.loading_point = self.frames.point(&setup.tool.loading_point);
+        self.wrench = match wrench {
+            Some(given) => *given,
+            None => setup.load.wrench(&self.frames, &self.loading_point).ok_or_else(|| {
+                Error::new(
+                    Code::MissingKey,
+                    "The load is measured, but this posture comes with no force.",
+                )
+                .hint("give fx_n, fy_n, fz_n with each measurement, or set another [load] kind")
+            })?,
+        };
+        for j in 0..n {
+            self.loading_columns[j] = self.frames.column(j, &self.loading_point);
+            // Γ = (J^f)ᵀ W, Eq. (4).
+            self.torque[j] = self.loading_columns[j].dot(&self.wrench.force)
+                + self.frames.axes()[j].dot(&self.wrench.moment);
+        }
+        for (a, point) in setup.tool.measuring_points.iter().enumerate() {
+            let p = self.frames.point(&point.position);
+            self.measuring_points[a] = p;
+            for j in 0..n {
+                self.columns[a * n + j] = self.frames.column(j, &p);
+            }
+        }
+        Ok(())
+    }
+
+    /// The joint frames.
+    pub fn frames(&self) -> &Frames {
+        &self.frames
+    }
+
+    /// Loading point, base frame \[m\].
+    pub fn loading_point(&self) -> &Vector3<f64> {
+        &self.loading_point
+    }
+
+    /// Measuring points, base frame \[m\].
+    pub fn measuring_points(&self) -> &[Vector3<f64>] {
+        &self.measuring_points
+    }
+
+    /// Wrench at the loading point, base axes.
+    pub fn wrench(&self) -> &Wrench {
+        &self.wrench
+    }
+
+    /// Joint torques Γ = (J^f)ᵀ W, Eq. (4), serial joints \[N·m\].
+    pub fn torque(&self) -> &[f64] {
+        &self.torque
+    }
+
+    /// Loads of the springs: Γ itself, or E⁻ᵀ Γ in elastic coordinates \[N·m\].
+    pub fn spring_loads(&self, robot: &Robot) -> DVector<f64> {
+        let torque = DVector::from_column_slice(&self.torque);
+        match robot.spring_mixing() {
+            None => torque,
+            Some(mixing) => mixing.tr_mul(&torque),
+        }
+    }
+
+    /// Linear spring columns at the measuring points, 3m × n \[m/rad\]: rows
+    /// for measuring point, x, y, z; mixed by E⁻¹ where the springs are not
+    /// the joints.
+    pub fn spring_columns(&self, robot: &Robot) -> DMatrix<f64> {
+        let n = self.torque.len();
+        let m = self.measuring_points.len();
+        let mut joints = DMatrix::zeros(3 * m, n);
+        for a in 0..m {
+            for j in 0..n {
+                joints.fixed_view_mut::<3, 1>(3 * a, j).copy_from(&self.columns[a * n + j]);
+            }
+        }
+        match robot.spring_mixing() {
+            None => joints,
+            Some(mixing) => joints * mixing,
+        }
+    }
+
+    /// This posture's block of Ψ, 3m × n, translations only, Eq. (11).
+    pub fn block(&self, robot: &Robot) -> DMatrix<f64> {
+        let mut block = self.spring_columns(robot);
+        let loads = self.spring_loads(robot);
+        for j in 0..block.ncols() {
+            // Ψ_ij = J^m_ij Γ_j, Eq. (11).
+            block.column_mut(j).scale_mut(loads[j]);
+        }
+        block
+    }
+
+    /// Rotational rows of this posture's Ψ, 3 × n \[rad\]: every point of the
+    /// rigid tool turns alike.
+    pub fn rotation_block(&self, robot: &Robot) -> DMatrix<f64> {
+        let n = self.torque.len();
+        let mut joints = DMatrix::zeros(3, n);
+        for j in 0..n {
+            joints.fixed_view_mut::<3, 1>(0, j).copy_from(&self.frames.axes()[j]);
+        }
+        let mut block = match robot.spring_mixing() {
+            None => joints,
+            Some(mixing) => joints * mixing,
+        };
+        let loads = self.spring_loads(robot);
+        for j in 0..n {
+            block.column_mut(j).scale_mut(loads[j]);
+        }
+        block
+    }
+
+    /// Known displacement of the measuring points from the series compliance
+    /// between flange and reflectors, 3m \[m\]; zero without one.
+    pub fn known_displacement(&self, tool: &Tool) -> DVector<f64> {
+        let m = self.measuring_points.len();
+        let mut known = DVector::zeros(3 * m);
+        let Some(series) = &tool.series_compliance else { return known };
+        let origin = self.frames.point(&series.origin);
+        let at_origin = self.wrench.moved(&self.loading_point, &origin);
+        let rotation = self.frames.flange().rotation;
+        let force = rotation.inverse_transform_vector(&at_origin.force);
+        let moment = rotation.inverse_transform_vector(&at_origin.moment);
+        let twist = series.matrix
+            * Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        let shift = rotation * Vector3::new(twist[0], twist[1], twist[2]);
+        let turn = rotation * Vector3::new(twist[3], twist[4], twist[5]);
+        for (a, point) in self.measuring_points.iter().enumerate() {
+            known.fixed_rows_mut::<3>(3 * a).copy_from(&(shift + turn.cross(&(point - origin))));
+        }
+        known
+    }
+
+    /// Derivative with respect to θ of Σ adjoint ∘ block, added to `gradient`.
+    /// `adjoint` has the shape of [`block`](Self::block).
+    pub(crate) fn add_block_gradient(&self, setup: &Setup, adjoint: &DMatrix<f64>, gradient: &mut [f64]) {
+        let n = self.torque.len();
+        let m = self.measuring_points.len();
+        let mixing = setup.robot.spring_mixing();
+        let mixed = mixing.map(|_| (self.spring_columns(&setup.robot), self.spring_loads(&setup.robot)));
+        // Adjoint of the springs' loads, then of the joints' torques.
+        let mut torque_adjoint = vec![0.0; n];
+        for a in 0..m {
+            for j in 0..n {
+                let r = Vector3::new(adjoint[(3 * a, j)], adjoint[(3 * a + 1, j)], adjoint[(3 * a + 2, j)]);
+                let column = match &mixed {
+                    None => self.columns[a * n + j],
+                    Some((columns, _)) => columns.fixed_view::<3, 1>(3 * a, j).into_owned(),
+                };
+                torque_adjoint[j] += r.dot(&column);
+            }
+        }
+        if let Some(mixing) = mixing {
+            let unmixed = mixing * DVector::from_column_slice(&torque_adjoint);
+            torque_adjoint.copy_from_slice(unmixed.as_slice());
+        }
+        let mut column_adjoint = vec![Vector3::zeros(); n];
+        for a in 0..m {
+            column_adjoint.fill(Vector3::zeros());
+            for j in 0..n {
+                let r = Vector3::new(adjoint[(3 * a, j)], adjoint[(3 * a + 1, j)], adjoint[(3 * a + 2, j)]);
+                match (&mixed, mixing) {
+                    (Some((_, loads)), Some(mixing)) => {
+                        for i in 0..n {
+                            column_adjoint[i] += r * (loads[j] * mixing[(i, j)]);
+                        }
+                    }
+                    _ => column_adjoint[j] = r * self.torque[j],
+                }
+            }
+            self.frames.add_column_gradient(&self.columns[a * n..(a + 1) * n], &column_adjoint, gradient);
+        }
+        self.add_torque_gradient(&setup.load, &torque_adjoint, gradient);
+    }
+
+    /// Derivative with respect to θ of Σ_i adjoint_i Γ_i, added to `gradient`.
+    pub(crate) fn add_torque_gradient(&self, load: &Load, adjoint: &[f64], gradient: &mut [f64]) {
+        let n = self.torque.len();
+        let force_by_joint: Vec<Vector3<f64>> = adjoint.iter().map(|t| self.wrench.force * *t).collect();
+        self.frames.add_column_gradient(&self.loading_columns, &force_by_joint, gradient);
+        let moment_by_joint: Vec<Vector3<f64>> = adjoint.iter().map(|t| self.wrench.moment * *t).collect();
+        self.frames.add_axis_gradient(&moment_by_joint, gradient);
+        let mut force_adjoint = Vector3::zeros();
+        let mut moment_adjoint = Vector3::zeros();
+        for i in 0..n {
+            force_adjoint += self.loading_columns[i] * adjoint[i];
+            moment_adjoint += self.frames.axes()[i] * adjoint[i];
+        }
+        load.add_wrench_gradient(
+            &self.frames,
+            &self.loading_point,
+            &self.loading_columns,
+            &self.wrench,
+            &force_adjoint,
+            &moment_adjoint,
+            gradient,
+        );
+    }
+}
+
+/// Observation matrix of several postures (controller angles, rad), stacked
+/// posture by posture: (3m · postures) × n for [`Rows::Translations`],
+/// (6m · postures) × n for [`Rows::FullPose`].
+///
+/// # Errors
+/// As [`PostureTerms::new`].
+pub fn observation_matrix<Q: AsRef<[f64]>>(setup: &Setup, postures: &[Q], rows: Rows) -> Result<DMatrix<f64>> {
+    let n = setup.robot.spring_count();
+    let m = setup.tool.point_count();
+    let per_point = match rows {
+        Rows::Translations => 3,
+        Rows::FullPose { .. } => 6,
+    };
+    let mut psi = DMatrix::zeros(per_point * m * postures.len(), n);
+    for (p, q) in postures.iter().enumerate() {
+        let terms = PostureTerms::new(setup, q.as_ref(), None)?;
+        let block = terms.block(&setup.robot);
+        let start = per_point * m * p;
+        match rows {
+            Rows::Translations => psi.rows_mut(start, 3 * m).copy_from(&block),
+            Rows::FullPose { length } => {
+                let turn = terms.rotation_block(&setup.robot) * length;
+                for a in 0..m {
+                    psi.rows_mut(start + 6 * a, 3).copy_from(&block.rows(3 * a, 3));
+                    psi.rows_mut(start + 6 * a + 3, 3).copy_from(&turn);
+                }
+            }
+        }
+    }
+    Ok(psi)
+}
+
+/// Checks length and finiteness of controller angles.
+///
+/// # Errors
+/// Wrong number of angles, or one that is not finite.
+pub fn check_angles(robot: &Robot, q: &[f64]) -> Result<()> {
+    if q.len() != robot.joint_count() {
+        return Err(Error::new(
+            Code::Dimension,
+            format!("{} angles for the {} joints of {}.", q.len(), robot.joint_count(), robot.name()),
+        ));
+    }
+    match q.iter().position(|v| !v.is_finite()) {
+        Some(j) => Err(Error::new(
+            Code::NotFinite,
+            format!("The angle of {} is not a finite number.", robot.joints()[j].name),
+        )),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,37 @@
+//! Postures and named groups of them.
+
+/// One posture: controller angles q \[rad\] under a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posture {
+    /// Name used in tables and files.
+    pub name: String,
+    /// Controller angles \[rad\], one per joint.
+    pub q: Vec<f64>,
+}
+
+impl AsRef<[f64]> for Posture {
+    fn as_ref(&self) -> &[f64] {
+        &self.q
+    }
+}
+
+/// A named list of postures that are measured together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostureGroup {
+    /// Name, for example `Group 1`.
+    pub name: String,
+    /// The postures, in the order they are measured.
+    pub postures: Vec<Posture>,
+}
+
+impl PostureGroup {
+    /// A group from controller angles \[rad\], postures named `1`, `2`, ….
+    pub fn from_angles(name: impl Into<String>, angles: impl IntoIterator<Item = Vec<f64>>) -> Self {
+        let postures = angles
+            .into_iter()
+            .enumerate()
+            .map(|(i, q)| Posture { name: (i + 1).to_string(), q })
+            .collect();
+        PostureGroup { name: name.into(), postures }
+    }
+}

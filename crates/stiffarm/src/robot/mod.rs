@@ -1,0 +1,230 @@
+//! Serial revolute robots of any number of joints.
+//!
+//! Whatever the description (modified or standard Denavit–Hartenberg rows), a
+//! robot becomes one chain: each joint turns about the z axis of its own frame,
+//! placed by a fixed transform in the frame of the joint before it.
+
+mod catalogue;
+mod dh;
+
+pub use catalogue::{CatalogueEntry, JointStiffness, catalogue, find as find_in_catalogue};
+pub use dh::{DhConvention, DhRow};
+
+use crate::error::{Code, Error, Result};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
+
+/// One revolute joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name used in tables and messages, for example `joint 2`.
+    pub name: String,
+    /// Frame of this joint at serial angle zero in the frame of the joint
+    /// before it (of the base for the first); the joint turns about its z \[m\].
+    pub placement: Isometry3<f64>,
+    /// The machine's limits of the controller angle \[rad\].
+    pub limits: [f64; 2],
+}
+
+/// A serial chain of n revolute joints with elastic joints.
+///
+/// Controllers report angles q; the mechanism has the serial angles
+/// θ = offset + C q. Jacobians, torques and stiffness live in θ; bounds, files
+/// and pendant values in q.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    name: String,
+    joints: Vec<Joint>,
+    flange: Isometry3<f64>,
+    offset: DVector<f64>,
+    coupling: DMatrix<f64>,
+    /// θ-from-e matrix E⁻¹ (n × n) when the springs are not the joint axes.
+    spring_mixing: Option<DMatrix<f64>>,
+    down: Vector3<f64>,
+}
+
+impl Robot {
+    /// Builds a chain from Denavit–Hartenberg rows (see [`DhConvention`]).
+    ///
+    /// `base` places the first frame in the robot's base frame. Controller
+    /// angles equal serial angles (C = 1) and limits are ±2π until
+    /// [`with_coupling`](Self::with_coupling) and
+    /// [`with_limits`](Self::with_limits) say otherwise.
+    ///
+    /// # Errors
+    /// No rows, or a number that is not finite.
+    pub fn from_dh(
+        name: impl Into<String>,
+        convention: DhConvention,
+        rows: &[DhRow],
+        base: Isometry3<f64>,
+    ) -> Result<Self> {
+        if rows.is_empty() {
+            return Err(Error::new(Code::InvalidValue, "A robot needs at least one joint."));
+        }
+        let (placements, flange) = dh::chain(convention, rows, base)?;
+        let joints = placements
+            .into_iter()
+            .enumerate()
+            .map(|(i, placement)| Joint {
+                name: format!("joint {}", i + 1),
+                placement,
+                limits: [-std::f64::consts::TAU, std::f64::consts::TAU],
+            })
+            .collect();
+        let n = rows.len();
+        Ok(Robot {
+            name: name.into(),
+            joints,
+            flange,
+            offset: DVector::from_iterator(n, rows.iter().map(|r| r.offset)),
+            coupling: DMatrix::identity(n, n),
+            spring_mixing: None,
+            down: -Vector3::z(),
+        })
+    }
+
+    /// Sets C of θ = offset + C q (n × n, invertible).
+    ///
+    /// # Errors
+    /// Wrong size, not finite, or singular.
+    pub fn with_coupling(mut self, coupling: DMatrix<f64>) -> Result<Self> {
+        self.check_square("C (theta_from_q)", &coupling)?;
+        self.coupling = coupling;
+        Ok(self)
+    }
+
+    /// Sets E of the elastic coordinates e = E θ (n × n, invertible), for
+    /// parallelogram arms whose springs act on actuator coordinates. The
+    /// default is the identity: one spring per joint axis.
+    ///
+    /// # Errors
+    /// Wrong size, not finite, or singular.
+    pub fn with_elastic_coordinates(mut self, e_from_theta: DMatrix<f64>) -> Result<Self> {
+        let inverse = self.check_square("E (elastic_from_theta)", &e_from_theta)?;
+        let identity = DMatrix::identity(self.joint_count(), self.joint_count());
+        self.spring_mixing = (e_from_theta != identity).then_some(inverse);
+        Ok(self)
+    }
+
+    /// Sets the machine's limits of the controller angles \[rad\], one pair per joint.
+    ///
+    /// # Errors
+    /// Wrong number of pairs, or a lower limit that is not below the upper.
+    pub fn with_limits(mut self, limits: &[[f64; 2]]) -> Result<Self> {
+        if limits.len() != self.joint_count() {
+            return Err(Error::new(
+                Code::Dimension,
+                format!("{} joint limits for {} joints.", limits.len(), self.joint_count()),
+            ));
+        }
+        for (joint, limit) in self.joints.iter_mut().zip(limits) {
+            if !(limit[0] < limit[1]) {
+                return Err(Error::new(
+                    Code::InvalidValue,
+                    format!("The lower limit of {} is not below the upper one.", joint.name),
+                ));
+            }
+            joint.limits = *limit;
+        }
+        Ok(self)
+    }
+
+    /// Sets the direction of gravity in base axes (default −z), for wall- and
+    /// ceiling-mounted robots. The vector is normalised.
+    ///
+    /// # Errors
+    /// A zero or non-finite vector.
+    pub fn with_down(mut self, down: Vector3<f64>) -> Result<Self> {
+        let unit = down.try_normalize(1e-12).filter(|u| u.iter().all(|v| v.is_finite()));
+        self.down = unit.ok_or_else(|| {
+            Error::new(Code::InvalidValue, "The direction of gravity needs a length above zero.")
+        })?;
+        Ok(self)
+    }
+
+    fn check_square(&self, what: &str, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>> {
+        let n = self.joint_count();
+        if matrix.shape() != (n, n) {
+            return Err(Error::new(
+                Code::Dimension,
+                format!("{what} is {} × {}, but the robot has {n} joints.", matrix.nrows(), matrix.ncols()),
+            ));
+        }
+        if matrix.iter().any(|v| !v.is_finite()) {
+            return Err(Error::new(Code::NotFinite, format!("{what} has an entry that is not finite.")));
+        }
+        let scale = matrix.amax();
+        matrix
+            .clone()
+            .try_inverse()
+            .filter(|inverse| inverse.iter().all(|v| v.is_finite()) && inverse.amax() * scale < 1e12)
+            .ok_or_else(|| Error::new(Code::InvalidValue, format!("{what} is singular.")))
+    }
+
+    /// Name of the robot.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of joints n.
+    pub fn joint_count(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Number of springs, the unknowns of an identification (n today).
+    pub fn spring_count(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Names of the springs, in the order of the columns of Ψ.
+    pub fn spring_names(&self) -> Vec<String> {
+        self.joints.iter().map(|j| j.name.clone()).collect()
+    }
+
+    /// The joints, base to flange.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Flange in the frame of the last joint.
+    pub fn flange(&self) -> &Isometry3<f64> {
+        &self.flange
+    }
+
+    /// C of θ = offset + C q (n × n).
+    pub fn coupling(&self) -> &DMatrix<f64> {
+        &self.coupling
+    }
+
+    /// E⁻¹ (n × n) where the springs are not simply the joint axes.
+    pub fn spring_mixing(&self) -> Option<&DMatrix<f64>> {
+        self.spring_mixing.as_ref()
+    }
+
+    /// Direction of gravity, unit vector in base axes.
+    pub fn down(&self) -> &Vector3<f64> {
+        &self.down
+    }
+
+    /// Serial angles θ = offset + C q \[rad\].
+    ///
+    /// # Panics
+    /// If `q` does not have n entries.
+    pub fn serial_angles(&self, q: &[f64]) -> DVector<f64> {
+        assert_eq!(q.len(), self.joint_count(), "one controller angle per joint");
+        let mut theta = self.offset.clone();
+        for (i, t) in theta.iter_mut().enumerate() {
+            for (j, qj) in q.iter().enumerate() {
+                *t += self.coupling[(i, j)] * qj;
+            }
+        }
+        theta
+    }
+
+    /// Gradient with respect to q from the one with respect to θ: Cᵀ g.
+    pub fn gradient_to_controller(&self, theta_gradient: &[f64], q_gradient: &mut [f64]) {
+        for (j, out) in q_gradient.iter_mut().enumerate() {
+            *out = theta_gradient.iter().enumerate().map(|(i, g)| self.coupling[(i, j)] * g).sum();
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Tables: postures and displacements.

@@ -1,0 +1,232 @@
+//! The command line of `cargo xtask`: text to [`Command`].
+
+use crate::run::Failure;
+
+/// What `cargo xtask help` prints.
+pub const HELP: &str = "\
+Developer commands of the stiffarm workspace.
+
+Usage: cargo xtask <command> [options]
+
+Commands:
+  test [--install] [--require PARTS]
+      Runs every test and closes with one line, `total: N passed, N failed, N skipped`.
+      --install         installs what a part needs and the machine lacks (Debian packages, as root)
+      --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, python, browser
+      Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
+  generate [--check]
+      Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
+      --check           writes nothing and fails when one of them is out of date
+  lint
+      Formatting, clippy, documentation, feature combinations, generated files, licences, unused dependencies.
+  ci [options of test]
+      lint, then test: what the continuous integration runs.
+  help
+      This text.
+
+Exit codes: 0 done, 1 a test failed or a generated file is out of date, 2 wrong usage, 3 a command could not be
+run; a step of lint that fails passes on its own code.
+";
+
+/// One parsed command line.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Print [`HELP`].
+    Help,
+    /// Run the tests.
+    Test(TestOptions),
+    /// Write the generated files, or with `check` compare them.
+    Generate {
+        /// Compare only.
+        check: bool,
+    },
+    /// Every check that is not a test.
+    Lint,
+    /// [`Command::Lint`], then [`Command::Test`].
+    Ci(TestOptions),
+}
+
+/// Options of `cargo xtask test`.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct TestOptions {
+    /// Install what the machine lacks.
+    pub install: bool,
+    /// Parts that must not skip anything.
+    pub require: Vec<Part>,
+}
+
+/// A part of the test suite that a machine may or may not be able to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// `cargo test` of the whole workspace, with doc tests.
+    Rust,
+    /// The Rust tests that read the reference data.
+    Reference,
+    /// The Python package.
+    Python,
+    /// The pages in a real browser.
+    Browser,
+}
+
+impl Part {
+    const ALL: [Part; 4] = [Part::Rust, Part::Reference, Part::Python, Part::Browser];
+
+    /// The name that `--require` takes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Rust => "rust",
+            Part::Reference => "reference",
+            Part::Python => "python",
+            Part::Browser => "browser",
+        }
+    }
+}
+
+/// Parses the arguments after `cargo xtask`.
+pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
+    let Some((name, rest)) = arguments.split_first() else {
+        return Ok(Command::Help);
+    };
+    match name.as_str() {
+        "help" | "--help" | "-h" => Ok(Command::Help),
+        _ if rest.iter().any(|a| a == "--help" || a == "-h") => Ok(Command::Help),
+        "test" => Ok(Command::Test(parse_test(name, rest)?)),
+        "ci" => Ok(Command::Ci(parse_test(name, rest)?)),
+        "generate" => match rest {
+            [] => Ok(Command::Generate { check: false }),
+            [flag] if flag == "--check" => Ok(Command::Generate { check: true }),
+            [flag] => Err(unexpected(name, flag)),
+            [_, second, ..] => Err(unexpected(name, second)),
+        },
+        "lint" => match rest {
+            [] => Ok(Command::Lint),
+            [first, ..] => Err(unexpected(name, first)),
+        },
+        _ => Err(Failure::usage(
+            format!("`{name}` is no command of `cargo xtask`"),
+            "use test, generate, lint, ci or help",
+        )),
+    }
+}
+
+/// Parses the options of `test`, which `ci` passes on.
+fn parse_test(command: &str, rest: &[String]) -> Result<TestOptions, Failure> {
+    let mut options = TestOptions::default();
+    let mut rest = rest.iter();
+    while let Some(argument) = rest.next() {
+        if argument == "--install" {
+            options.install = true;
+        } else if let Some(parts) = argument.strip_prefix("--require=") {
+            parse_parts(parts, &mut options.require)?;
+        } else if argument == "--require" {
+            let parts = rest.next().ok_or_else(|| {
+                Failure::usage(
+                    "`--require` has no value",
+                    "name the parts after it, for example `--require rust,reference`",
+                )
+            })?;
+            parse_parts(parts, &mut options.require)?;
+        } else {
+            return Err(unexpected(command, argument));
+        }
+    }
+    Ok(options)
+}
+
+/// Adds the comma-separated part names in `text` to `parts`.
+fn parse_parts(text: &str, parts: &mut Vec<Part>) -> Result<(), Failure> {
+    for name in text.split(',') {
+        let part = Part::ALL.into_iter().find(|part| part.name() == name);
+        let part = part.ok_or_else(|| {
+            Failure::usage(
+                format!("`--require {text}`: `{name}` is no part of the tests"),
+                format!("use {}", Part::ALL.map(Part::name).join(", ")),
+            )
+        })?;
+        if !parts.contains(&part) {
+            parts.push(part);
+        }
+    }
+    Ok(())
+}
+
+fn unexpected(command: &str, argument: &str) -> Failure {
+    Failure::usage(
+        format!("`cargo xtask {command}` does not take `{argument}`"),
+        "see `cargo xtask help`",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(line: &str) -> Result<Command, Failure> {
+        let words: Vec<String> = line.split_whitespace().map(String::from).collect();
+        parse(&words)
+    }
+
+    #[test]
+    fn nothing_and_every_spelling_of_help_are_help() {
+        for line in ["", "help", "--help", "-h", "test --help", "generate -h"] {
+            assert_eq!(parsed(line).unwrap(), Command::Help, "{line}");
+        }
+    }
+
+    #[test]
+    fn test_options_are_read_in_both_spellings() {
+        let expected = TestOptions {
+            install: true,
+            require: vec![Part::Rust, Part::Reference],
+        };
+        let command = parsed("test --install --require rust,reference").unwrap();
+        assert_eq!(command, Command::Test(expected));
+        let expected = TestOptions {
+            install: false,
+            require: vec![Part::Python, Part::Browser],
+        };
+        let command = parsed("ci --require=python --require browser,python").unwrap();
+        assert_eq!(command, Command::Ci(expected));
+    }
+
+    #[test]
+    fn generate_takes_check_alone() {
+        assert_eq!(
+            parsed("generate").unwrap(),
+            Command::Generate { check: false }
+        );
+        assert_eq!(
+            parsed("generate --check").unwrap(),
+            Command::Generate { check: true }
+        );
+        assert_eq!(parsed("lint").unwrap(), Command::Lint);
+    }
+
+    #[test]
+    fn wrong_usage_is_a_sentence_with_a_fix_and_code_2() {
+        for (line, message) in [
+            ("tset", "`tset` is no command of `cargo xtask`"),
+            ("test --fast", "`cargo xtask test` does not take `--fast`"),
+            ("ci all", "`cargo xtask ci` does not take `all`"),
+            ("lint -v", "`cargo xtask lint` does not take `-v`"),
+            (
+                "generate --check x",
+                "`cargo xtask generate` does not take `x`",
+            ),
+            ("test --require", "`--require` has no value"),
+            (
+                "test --require rust,",
+                "`--require rust,`: `` is no part of the tests",
+            ),
+            (
+                "test --require ruby",
+                "`--require ruby`: `ruby` is no part of the tests",
+            ),
+        ] {
+            let failure = parsed(line).unwrap_err();
+            assert_eq!(failure.message, message);
+            assert_eq!(failure.code, 2);
+            assert!(!failure.fix.is_empty());
+        }
+    }
+}

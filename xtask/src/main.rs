@@ -1,0 +1,43 @@
+//! Developer commands of the stiffarm workspace: `cargo xtask <command>`.
+//!
+//! Standard library only, so that they compile in seconds and need nothing but Rust. `cargo xtask help` lists the
+//! commands; CI runs the same ones.
+
+mod arguments;
+mod checks;
+mod generate;
+mod run;
+mod tally;
+mod test;
+
+use std::process::ExitCode;
+
+use arguments::Command;
+use run::{Failure, Workspace};
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match dispatch(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.print();
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+/// Parses `arguments` and runs the command they name.
+fn dispatch(arguments: &[String]) -> Result<(), Failure> {
+    let command = arguments::parse(arguments)?;
+    let workspace = Workspace::find()?;
+    match command {
+        Command::Help => {
+            print!("{}", arguments::HELP);
+            Ok(())
+        }
+        Command::Test(options) => test::run(&workspace, &options),
+        Command::Generate { check } => generate::run(&workspace, check),
+        Command::Lint => checks::lint(&workspace),
+        Command::Ci(options) => checks::ci(&workspace, &options),
+    }
+}

@@ -1,0 +1,269 @@
+//! Running other programs, and the one error type of this program.
+
+use std::fmt;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::Instant;
+
+/// Why a command stopped: what is wrong, what to do, and the exit code that says it to a script.
+#[derive(Debug)]
+pub struct Failure {
+    /// What is wrong, and where. Empty when it has been printed already.
+    pub message: String,
+    /// What to do about it.
+    pub fix: String,
+    /// The exit code of `cargo xtask`.
+    pub code: u8,
+}
+
+impl Failure {
+    /// A finding of a check: exit code 1.
+    pub fn finding(message: impl Into<String>, fix: impl Into<String>) -> Self {
+        Self::new(message, fix, 1)
+    }
+
+    /// Wrong usage: exit code 2.
+    pub fn usage(message: impl Into<String>, fix: impl Into<String>) -> Self {
+        Self::new(message, fix, 2)
+    }
+
+    /// Something that could not be run, read or written: exit code 3.
+    pub fn internal(message: impl Into<String>, fix: impl Into<String>) -> Self {
+        Self::new(message, fix, 3)
+    }
+
+    /// A finding that the output tells already, so that nothing is printed after its closing line.
+    pub fn already_told() -> Self {
+        Self::finding("", "")
+    }
+
+    fn new(message: impl Into<String>, fix: impl Into<String>, code: u8) -> Self {
+        Failure {
+            message: message.into(),
+            fix: fix.into(),
+            code,
+        }
+    }
+
+    /// Prints the failure to standard error, unless the output has told it already.
+    pub fn print(&self) {
+        if !self.message.is_empty() {
+            eprintln!("error: {}\n  fix: {}", self.message, self.fix);
+        }
+    }
+}
+
+/// The folder that holds the workspace's `Cargo.toml`.
+pub struct Workspace {
+    root: PathBuf,
+}
+
+impl Workspace {
+    /// Finds the workspace from where cargo says this package lies.
+    pub fn find() -> Result<Self, Failure> {
+        let package = std::env::var_os("CARGO_MANIFEST_DIR")
+            .unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
+        match Path::new(&package).parent() {
+            Some(root) if root.join("Cargo.toml").is_file() => Ok(Workspace {
+                root: root.to_path_buf(),
+            }),
+            _ => Err(Failure::internal(
+                format!(
+                    "`{}` does not lie in the workspace",
+                    package.to_string_lossy()
+                ),
+                "start it as `cargo xtask` inside the checkout",
+            )),
+        }
+    }
+
+    /// The root itself.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// A call of cargo in the workspace root.
+    pub fn cargo<'a>(&'a self, arguments: &[&str]) -> Cargo<'a> {
+        Cargo {
+            workspace: self,
+            variables: Vec::new(),
+            arguments: arguments.iter().map(|a| a.to_string()).collect(),
+        }
+    }
+}
+
+/// A call of cargo that can be run, and shown as the line a developer would type.
+pub struct Cargo<'a> {
+    workspace: &'a Workspace,
+    variables: Vec<(&'static str, String)>,
+    arguments: Vec<String>,
+}
+
+impl Cargo<'_> {
+    /// Adds an environment variable.
+    pub fn env(mut self, name: &'static str, value: impl Into<String>) -> Self {
+        self.variables.push((name, value.into()));
+        self
+    }
+
+    /// Runs it with the terminal as its own; an unsuccessful end is a failure with the same exit code.
+    pub fn run(&self) -> Result<(), Failure> {
+        let status = self.command().status().map_err(|e| self.unstarted(&e))?;
+        self.check(status)
+    }
+
+    /// Runs it and returns what it wrote to standard output; standard error goes to the terminal.
+    pub fn output(&self) -> Result<Vec<u8>, Failure> {
+        let mut command = self.command();
+        let output = command
+            .stderr(Stdio::inherit())
+            .output()
+            .map_err(|e| self.unstarted(&e))?;
+        self.check(output.status)?;
+        Ok(output.stdout)
+    }
+
+    /// Runs it, shows its standard output as it comes and hands every line of it to `see`.
+    pub fn stream(&self, see: impl FnMut(&str)) -> Result<ExitStatus, Failure> {
+        let mut command = self.command();
+        command.stdout(Stdio::piped());
+        let mut child = command.spawn().map_err(|e| self.unstarted(&e))?;
+        if let Some(output) = child.stdout.take() {
+            copy_lines(BufReader::new(output), std::io::stdout(), see)
+                .map_err(|e| self.unstarted(&e))?;
+        }
+        child.wait().map_err(|e| self.unstarted(&e))
+    }
+
+    /// Whether it succeeds; prints nothing.
+    pub fn succeeds(&self) -> bool {
+        let mut command = self.command();
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    }
+
+    fn command(&self) -> Command {
+        let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let mut command = Command::new(program);
+        command
+            .args(&self.arguments)
+            .current_dir(self.workspace.root())
+            .stdin(Stdio::null());
+        for (name, value) in &self.variables {
+            command.env(name, value);
+        }
+        command
+    }
+
+    fn check(&self, status: ExitStatus) -> Result<(), Failure> {
+        if status.success() {
+            return Ok(());
+        }
+        let code = status.code().and_then(|code| u8::try_from(code).ok());
+        Err(Failure::new(
+            format!("`{self}` failed: {status}"),
+            "correct what it printed above, then run it again",
+            code.unwrap_or(3),
+        ))
+    }
+
+    fn unstarted(&self, error: &std::io::Error) -> Failure {
+        Failure::internal(
+            format!("`{self}` could not be run: {error}"),
+            "check that `cargo --version` works in this terminal",
+        )
+    }
+}
+
+impl fmt::Display for Cargo<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, value) in &self.variables {
+            write!(f, "{name}={} ", quoted(value))?;
+        }
+        write!(f, "cargo")?;
+        for argument in &self.arguments {
+            write!(f, " {}", quoted(argument))?;
+        }
+        Ok(())
+    }
+}
+
+/// `word` as a shell takes it back: in single quotes where it holds more than plain characters.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=:/.,+@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_string()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// Copies `from` to `to` line by line, at once, and hands every line without its end to `see`.
+fn copy_lines(
+    mut from: impl BufRead,
+    mut to: impl Write,
+    mut see: impl FnMut(&str),
+) -> std::io::Result<()> {
+    let mut line = Vec::new();
+    while from.read_until(b'\n', &mut line)? > 0 {
+        to.write_all(&line)?;
+        to.flush()?;
+        see(String::from_utf8_lossy(&line).trim_end_matches(['\r', '\n']));
+        line.clear();
+    }
+    Ok(())
+}
+
+/// Prints `heading`, does `work` and prints how long it took.
+pub fn step(
+    heading: impl fmt::Display,
+    work: impl FnOnce() -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    println!("\n== {heading}");
+    let start = Instant::now();
+    let outcome = work();
+    println!("   {:.1} s", start.elapsed().as_secs_f64());
+    outcome
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_copied_unchanged_and_shown_without_their_end() {
+        let input: &[u8] = b"one\r\n\xff two\n\nlast";
+        let mut copy = Vec::new();
+        let mut seen = Vec::new();
+        copy_lines(input, &mut copy, |line| seen.push(line.to_string())).unwrap();
+        assert_eq!(copy, input);
+        assert_eq!(seen, ["one", "\u{fffd} two", "", "last"]);
+    }
+
+    #[test]
+    fn a_call_is_shown_as_it_would_be_typed() {
+        let workspace = Workspace::find().unwrap();
+        let call = workspace
+            .cargo(&["doc", "--features=a,b", "it's"])
+            .env("RUSTDOCFLAGS", "-D warnings");
+        assert_eq!(
+            call.to_string(),
+            r"RUSTDOCFLAGS='-D warnings' cargo doc --features=a,b 'it'\''s'"
+        );
+    }
+
+    #[test]
+    fn a_failing_call_passes_its_exit_code_on() {
+        let workspace = Workspace::find().unwrap();
+        let call = workspace.cargo(&["no-such-subcommand-of-cargo"]);
+        assert!(!call.succeeds());
+        let failure = call.run().unwrap_err();
+        assert_eq!(failure.code, 101);
+        assert!(
+            failure
+                .message
+                .starts_with("`cargo no-such-subcommand-of-cargo` failed")
+        );
+    }
+}
