@@ -11,7 +11,8 @@ Usage: cargo xtask <command> [options]
 Commands:
   test [--install] [--require PARTS]
       Runs every test and closes with one line, `total: N passed, N failed, N skipped`.
-      --install         installs what a part needs and the machine lacks (Debian packages, as root)
+      --install         installs what a part needs and the machine lacks; nothing in this version, which
+                        needs Rust alone
       --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, python, browser
       Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
   generate [--check]

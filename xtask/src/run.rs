@@ -1,5 +1,6 @@
 //! Running other programs, and the one error type of this program.
 
+use std::ffi::OsString;
 use std::fmt;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -89,6 +90,7 @@ impl Workspace {
             workspace: self,
             variables: Vec::new(),
             arguments: arguments.iter().map(|a| a.to_string()).collect(),
+            fix: "correct what it printed above, then run it again",
         }
     }
 }
@@ -96,14 +98,21 @@ impl Workspace {
 /// A call of cargo that can be run, and shown as the line a developer would type.
 pub struct Cargo<'a> {
     workspace: &'a Workspace,
-    variables: Vec<(&'static str, String)>,
+    variables: Vec<(&'static str, OsString)>,
     arguments: Vec<String>,
+    fix: &'static str,
 }
 
 impl Cargo<'_> {
     /// Adds an environment variable.
-    pub fn env(mut self, name: &'static str, value: impl Into<String>) -> Self {
+    pub fn env(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
         self.variables.push((name, value.into()));
+        self
+    }
+
+    /// Says what to do when it fails.
+    pub fn fix(mut self, fix: &'static str) -> Self {
+        self.fix = fix;
         self
     }
 
@@ -130,8 +139,12 @@ impl Cargo<'_> {
         command.stdout(Stdio::piped());
         let mut child = command.spawn().map_err(|e| self.unstarted(&e))?;
         if let Some(output) = child.stdout.take() {
-            copy_lines(BufReader::new(output), std::io::stdout(), see)
-                .map_err(|e| self.unstarted(&e))?;
+            copy_lines(BufReader::new(output), std::io::stdout(), see).map_err(|e| {
+                Failure::internal(
+                    format!("the output of `{self}` could not be passed on: {e}"),
+                    "leave the output open until the command ends",
+                )
+            })?;
         }
         child.wait().map_err(|e| self.unstarted(&e))
     }
@@ -149,7 +162,9 @@ impl Cargo<'_> {
         command
             .args(&self.arguments)
             .current_dir(self.workspace.root())
-            .stdin(Stdio::null());
+            .stdin(Stdio::null())
+            // `cargo run` sets it for this program, and cargo-machete takes it for a call without cargo.
+            .env_remove("CARGO_PKG_NAME");
         for (name, value) in &self.variables {
             command.env(name, value);
         }
@@ -163,7 +178,7 @@ impl Cargo<'_> {
         let code = status.code().and_then(|code| u8::try_from(code).ok());
         Err(Failure::new(
             format!("`{self}` failed: {status}"),
-            "correct what it printed above, then run it again",
+            self.fix,
             code.unwrap_or(3),
         ))
     }
@@ -179,7 +194,7 @@ impl Cargo<'_> {
 impl fmt::Display for Cargo<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (name, value) in &self.variables {
-            write!(f, "{name}={} ", quoted(value))?;
+            write!(f, "{name}={} ", quoted(&value.to_string_lossy()))?;
         }
         write!(f, "cargo")?;
         for argument in &self.arguments {
@@ -258,7 +273,8 @@ mod tests {
         let workspace = Workspace::find().unwrap();
         let call = workspace.cargo(&["no-such-subcommand-of-cargo"]);
         assert!(!call.succeeds());
-        let failure = call.run().unwrap_err();
+        let status = call.command().stderr(Stdio::null()).status().unwrap();
+        let failure = call.check(status).unwrap_err();
         assert_eq!(failure.code, 101);
         assert!(
             failure

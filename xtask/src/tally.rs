@@ -11,6 +11,8 @@ pub struct Tally {
     pub failed: usize,
     /// Tests that were ignored, in the order of the output.
     pub ignored: Vec<Ignored>,
+    /// Ignored tests by the result lines, which count also those whose own line other output ran into.
+    counted: usize,
     /// A test program has announced its tests and not yet given their result.
     running: bool,
 }
@@ -24,14 +26,27 @@ pub struct Ignored {
     pub reason: Option<String>,
 }
 
+impl Ignored {
+    fn nameless() -> Self {
+        Ignored {
+            name: "(a test whose line is garbled by other output)".to_string(),
+            reason: None,
+        }
+    }
+}
+
 impl Tally {
     /// Takes in one line of standard output.
     pub fn see(&mut self, line: &str) {
         let line = without_colour(line);
-        if let Some((passed, failed)) = parse_result(&line) {
+        if let Some([passed, failed, ignored]) = parse_result(&line) {
             self.running = false;
             self.passed += passed;
             self.failed += failed;
+            self.counted += ignored;
+            while self.ignored.len() < self.counted {
+                self.ignored.push(Ignored::nameless());
+            }
         } else if is_announcement(&line) {
             self.close();
             self.running = true;
@@ -75,14 +90,14 @@ impl fmt::Display for Total {
     }
 }
 
-/// Passed and failed of `test result: ok. 3 passed; 0 failed; 1 ignored; …`.
-fn parse_result(line: &str) -> Option<(usize, usize)> {
+/// Passed, failed and ignored of `test result: ok. 3 passed; 0 failed; 1 ignored; …`.
+fn parse_result(line: &str) -> Option<[usize; 3]> {
     let (_verdict, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
     let count = |what: &str| {
         let mut fields = counts.split("; ");
         fields.find_map(|field| field.strip_suffix(what)?.trim_end().parse().ok())
     };
-    Some((count("passed")?, count("failed")?))
+    Some([count("passed")?, count("failed")?, count("ignored")?])
 }
 
 /// Whether the line is `running 3 tests`.
@@ -96,7 +111,7 @@ fn is_announcement(line: &str) -> bool {
 
 /// The test of `test a::b ... ignored, reason`.
 fn parse_ignored(line: &str) -> Option<Ignored> {
-    let (name, outcome) = line.strip_prefix("test ")?.rsplit_once(" ... ignored")?;
+    let (name, outcome) = line.strip_prefix("test ")?.split_once(" ... ignored")?;
     let reason = match outcome {
         "" => None,
         _ => Some(outcome.strip_prefix(", ")?.to_string()),
@@ -187,25 +202,34 @@ all doctests ran in 0.36s; merged doctests compilation took 0.14s
     fn a_test_program_that_dies_is_a_failure() {
         let died = "running 2 tests\ntest a ... ok\n";
         assert_eq!(tally(died).failed, 1);
-        let followed =
-            format!("{died}\nrunning 1 test\ntest b ... ok\n\ntest result: ok. 1 passed; 0 failed");
+        let followed = format!(
+            "{died}\nrunning 1 test\ntest b ... ok\n\ntest result: ok. 1 passed; 0 failed; 0 ignored"
+        );
         assert_eq!((tally(&followed).passed, tally(&followed).failed), (1, 1));
+    }
+
+    #[test]
+    fn an_ignored_test_in_a_garbled_line_still_counts() {
+        let output = "running 2 tests\ntest a ... ignored\nhellotest b ... ignored, slow\n\n\
+                      test result: ok. 0 passed; 0 failed; 2 ignored";
+        let expected = [ignored("a", None), Ignored::nameless()];
+        assert_eq!(tally(output).ignored, expected);
     }
 
     #[test]
     fn result_lines_are_told_from_text_about_them() {
         assert_eq!(
             parse_result("test result: ok. 12 passed; 0 failed; 3 ignored"),
-            Some((12, 0))
+            Some([12, 0, 3])
         );
         assert_eq!(
             parse_result("test result: FAILED. 0 passed; 7 failed; 0 ignored"),
-            Some((0, 7))
+            Some([0, 7, 0])
         );
         for line in [
             "test result: pending",
             "  left: \"test result: ok. 1 passed; 0 failed\"",
-            "test result: ok. some passed; 0 failed",
+            "test result: ok. some passed; 0 failed; 0 ignored",
             "",
         ] {
             assert_eq!(parse_result(line), None, "{line}");
@@ -236,12 +260,8 @@ all doctests ran in 0.36s; merged doctests compilation took 0.14s
 
     #[test]
     fn colours_do_not_hide_a_result() {
-        let line =
-            "test result: \u{1b}[32mok\u{1b}(B\u{1b}[m. 1 passed; 2 failed; 0 ignored".to_string();
-        assert_eq!(
-            parse_result(&without_colour(&line.replace("\u{1b}(B", ""))),
-            Some((1, 2))
-        );
+        let line = "test result: \u{1b}[32mok\u{1b}[0m. 1 passed; 2 failed; 0 ignored";
+        assert_eq!(parse_result(&without_colour(line)), Some([1, 2, 0]));
         let line = "test a ... \u{1b}[33mignored, slow\u{1b}[0m";
         assert_eq!(
             parse_ignored(&without_colour(line)),

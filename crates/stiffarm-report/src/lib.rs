@@ -1,1 +1,13 @@
 //! Figures as data and their SVG renderer.
+//!
+//! A [`Figure`] holds series, units and labels and nothing about pixels, so
+//! that the numbers of a figure can be stored, compared and tested like any
+//! other result. [`render_svg`] turns it into a picture for a paper or a page:
+//! one legend per figure, the same colour for the same label everywhere, and
+//! the same bytes for the same data.
+
+pub mod figure;
+pub mod svg;
+
+pub use figure::{Axis, Figure, Panel, Scale, Series, Style};
+pub use svg::{render_svg, series_colour};

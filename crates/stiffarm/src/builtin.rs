@@ -1,1 +1,91 @@
-//! Built-in cells and posture groups.
+//! Built-in cells and posture groups: `builtin:comau`, `builtin:comau-group1`, ….
+//!
+//! The files lie in `data/cells`, sources in their comments.
+
+use crate::cell::Cell;
+use crate::cell::file::parse_cell;
+use crate::error::{Code, Error, Result, did_you_mean};
+use crate::posture::Posture;
+use crate::robot::Robot;
+use crate::table::read_postures;
+
+/// What stands before a built-in name where a file name could stand.
+pub const PREFIX: &str = "builtin:";
+
+const CELLS: [(&str, &str); 3] = [
+    ("comau", include_str!("../data/cells/comau.toml")),
+    (
+        "comau-reference",
+        include_str!("../data/cells/comau-reference.toml"),
+    ),
+    (
+        "fanuc-r2000ic",
+        include_str!("../data/cells/fanuc-r2000ic.toml"),
+    ),
+];
+
+const POSTURES: [(&str, &str); 1] = [(
+    "comau-group1",
+    include_str!("../data/cells/comau-group1.csv"),
+)];
+
+/// Names of the built-in cells; the first is the default cell.
+pub fn cell_names() -> Vec<&'static str> {
+    CELLS.iter().map(|(name, _)| *name).collect()
+}
+
+/// Names of the built-in posture groups.
+pub fn postures_names() -> Vec<&'static str> {
+    POSTURES.iter().map(|(name, _)| *name).collect()
+}
+
+/// All built-in names, cells first.
+pub fn names() -> Vec<&'static str> {
+    [cell_names(), postures_names()].concat()
+}
+
+/// Text of a built-in `cell.toml`; `name` without [`PREFIX`].
+pub fn cell_text(name: &str) -> Option<&'static str> {
+    text(&CELLS, name)
+}
+
+/// Text of a built-in posture table; `name` without [`PREFIX`].
+pub fn postures_text(name: &str) -> Option<&'static str> {
+    text(&POSTURES, name)
+}
+
+/// A built-in cell; `name` without [`PREFIX`].
+///
+/// # Errors
+/// There is no built-in cell of this name.
+pub fn cell(name: &str) -> Result<Cell> {
+    let text = cell_text(name).ok_or_else(|| unknown("cell", name, cell_names()))?;
+    parse_cell(text, &format!("{PREFIX}{name}"))
+}
+
+/// A built-in posture group for `robot`; `name` without [`PREFIX`].
+///
+/// # Errors
+/// There is no built-in group of this name, or it belongs to another robot.
+pub fn postures(name: &str, robot: &Robot) -> Result<Vec<Posture>> {
+    let text =
+        postures_text(name).ok_or_else(|| unknown("posture group", name, postures_names()))?;
+    read_postures(text.as_bytes(), &format!("{PREFIX}{name}"), robot)
+}
+
+fn text(files: &[(&'static str, &'static str)], name: &str) -> Option<&'static str> {
+    files
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, text)| *text)
+}
+
+fn unknown(what: &str, name: &str, known: Vec<&'static str>) -> Error {
+    let hint = did_you_mean(name, known.iter().copied())
+        .unwrap_or_else(|| format!("built in: {}", known.join(", ")));
+    Error::new(
+        Code::UnknownName,
+        format!("There is no built-in {what} \"{name}\"."),
+    )
+    .hint(hint)
+}

@@ -265,7 +265,9 @@ impl Error {
         let line = before.matches('\n').count() + 1;
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         self.0.place.line = Some(line);
-        self.0.place.column = Some(before[line_start..].chars().count() + 1);
+        // A byte order mark takes no column: editors don't show it.
+        let in_line = before[line_start..].trim_start_matches('\u{feff}');
+        self.0.place.column = Some(in_line.chars().count() + 1);
         self.0.place.span = Some(start..span.end.clamp(start, text.len()));
         self
     }

@@ -6,7 +6,7 @@
 //! c_i is the linear part of column i.
 
 use crate::robot::Robot;
-use nalgebra::{Isometry3, Matrix6xX, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix6xX, UnitQuaternion, Vector3};
 
 /// Axes and origins of all joints and the flange, in base axes \[m\].
 #[derive(Debug, Clone)]
@@ -152,13 +152,4 @@ impl Frames {
             ahead += self.axes[k].cross(&adjoints[k]);
         }
     }
-}
-
-/// Moves a rigid pose by a small displacement of its origin and a small
-/// rotation vector, both in base axes.
-pub(crate) fn displace(pose: &Isometry3<f64>, linear: Vector3<f64>, angular: Vector3<f64>) -> Isometry3<f64> {
-    Isometry3::from_parts(
-        Translation3::from(pose.translation.vector + linear),
-        UnitQuaternion::from_scaled_axis(angular) * pose.rotation,
-    )
 }

@@ -13,15 +13,23 @@
 pub mod builtin;
 pub mod cell;
 pub mod error;
+pub mod identify;
+pub mod index;
+pub mod information;
 pub mod kinematics;
 pub mod load;
 pub mod measurement;
 pub mod observation;
+pub mod optimise;
 pub mod posture;
 pub mod robot;
 #[cfg(feature = "files")]
 pub mod table;
+pub mod select;
+pub mod simulate;
+pub mod stiffness;
 pub mod tool;
 pub mod units;
+pub mod validate;
 
 pub use error::{Code, Error, Result};

@@ -83,7 +83,7 @@ impl PostureTerms {
         self.fill(setup, None)
     }
 
-    fn fill(&mut self, setup: &Setup, wrench: Option<&Wrench>) -> Result<()> {
+    pub(crate) fn fill(&mut self, setup: &Setup, wrench: Option<&Wrench>) -> Result<()> {
         let n = setup.robot.joint_count();
         self.loading_point = self.frames.point(&setup.tool.loading_point);
         self.wrench = match wrench {

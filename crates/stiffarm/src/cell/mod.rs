@@ -94,12 +94,6 @@ impl Cell {
 
     /// First joint whose angle leaves the machine's limits, with the angle \[rad\].
     pub fn outside_machine_limits(&self, q: &[f64]) -> Option<(usize, f64)> {
-        self.setup
-            .robot
-            .joints()
-            .iter()
-            .zip(q)
-            .position(|(joint, a)| !(joint.limits[0] - 1e-9..=joint.limits[1] + 1e-9).contains(a))
-            .map(|j| (j, q[j]))
+        self.setup.robot.outside_limits(q)
     }
 }

@@ -142,6 +142,41 @@ impl Robot {
         Ok(self)
     }
 
+    /// Sets the robot's name.
+    #[must_use]
+    pub fn with_name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// Sets the names of the joints, one each.
+    ///
+    /// # Errors
+    /// Wrong number of names, or a name that stands twice.
+    pub fn with_joint_names(mut self, names: &[String]) -> Result<Self> {
+        if names.len() != self.joint_count() {
+            return Err(Error::new(
+                Code::Dimension,
+                format!("{} joint names for {} joints.", names.len(), self.joint_count()),
+            ));
+        }
+        for (j, name) in names.iter().enumerate() {
+            if names[..j].contains(name) {
+                return Err(Error::new(Code::Duplicate, format!("The joint name \"{name}\" stands twice.")));
+            }
+            self.joints[j].name.clone_from(name);
+        }
+        Ok(self)
+    }
+
+    /// Places the whole robot: `pose` is the pose of what was its base frame
+    /// in the new one \[m\].
+    #[must_use]
+    pub fn with_base(mut self, pose: &Isometry3<f64>) -> Self {
+        self.joints[0].placement = pose * self.joints[0].placement;
+        self
+    }
+
     fn check_square(&self, what: &str, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>> {
         let n = self.joint_count();
         if matrix.shape() != (n, n) {
@@ -204,6 +239,16 @@ impl Robot {
     /// Direction of gravity, unit vector in base axes.
     pub fn down(&self) -> &Vector3<f64> {
         &self.down
+    }
+
+    /// First joint whose controller angle leaves the machine's limits by more
+    /// than 1e-9 rad (or is not a number), with the angle \[rad\].
+    pub fn outside_limits(&self, q: &[f64]) -> Option<(usize, f64)> {
+        self.joints
+            .iter()
+            .zip(q)
+            .position(|(joint, a)| !(joint.limits[0] - 1e-9..=joint.limits[1] + 1e-9).contains(a))
+            .map(|j| (j, q[j]))
     }
 
     /// Serial angles θ = offset + C q \[rad\].

@@ -1,1 +1,47 @@
-//! Reading and writing `cell.toml`.
+//! Reading and writing `cell.toml`, format 1.
+//!
+//! Every key carries its unit as a suffix (`_mm`, `_deg`, `_n`, `_nm_per_rad`,
+//! …); inside the library the values are SI. Unknown keys are errors that
+//! suggest the nearest key. Each error names file, line, column and key path;
+//! list entries count from 1, so `tool.measuring_point[2]` is the second
+//! measuring point.
+
+mod convert;
+mod keys;
+mod load;
+mod raw;
+mod robot;
+#[cfg(feature = "schema")]
+mod schema;
+mod source;
+mod template;
+
+#[cfg(feature = "schema")]
+pub use schema::cell_schema;
+pub use template::{displacements_template, postures_template, template};
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::table::decode;
+use source::Source;
+
+/// Reads a cell from the text of a `cell.toml`; `file_name` is for messages.
+///
+/// A byte order mark and CRLF line ends are accepted.
+///
+/// # Errors
+/// Not TOML, a format this version does not know, unknown or missing keys,
+/// values of the wrong kind, size or range: each with its place and a hint.
+pub fn parse_cell(text: &str, file_name: &str) -> Result<Cell> {
+    let source = Source::new(text, file_name);
+    let raw = keys::read(&source)?;
+    convert::cell(&source, &raw)
+}
+
+/// Reads a cell from the bytes of a `cell.toml`.
+///
+/// # Errors
+/// Bytes that are not UTF-8, and everything of [`parse_cell`].
+pub fn parse_cell_bytes(bytes: &[u8], file_name: &str) -> Result<Cell> {
+    parse_cell(decode(bytes, file_name)?, file_name)
+}

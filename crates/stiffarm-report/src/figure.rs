@@ -1,0 +1,229 @@
+//! What a figure shows: panels, axes and series as plain data.
+//!
+//! The types carry no drawing decisions beyond the kind of mark, so the same
+//! value can be rendered, written as JSON next to the picture, or checked in a
+//! test.
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// A grid of panels with one title, one caption and one legend.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Figure {
+    /// Short stable name, used for file names and links.
+    pub id: String,
+    /// Heading drawn above the panels.
+    pub title: String,
+    /// What the reader should take from the figure. It becomes the
+    /// description of the picture for assistive technology and is printed by
+    /// the page that embeds the figure, not drawn into the picture.
+    pub caption: String,
+    /// Panels per row; 0 counts as 1, and more than there are panels as their
+    /// number.
+    pub columns: usize,
+    /// The panels, row by row.
+    pub panels: Vec<Panel>,
+}
+
+/// One pair of axes and the series drawn on it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Panel {
+    /// Heading of the panel; may be empty.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// The data, drawn in order within each kind of mark.
+    pub series: Vec<Series>,
+    /// Draw one unit equally long on both axes. Needs two linear axes without
+    /// categories and is ignored otherwise. The ranges are widened to fill
+    /// the panel.
+    #[serde(default)]
+    pub equal_aspect: bool,
+}
+
+/// An axis: its label, unit, scale and extent.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Axis {
+    /// Name of the quantity.
+    pub label: String,
+    /// Unit, drawn in brackets after the label; empty for none.
+    #[serde(default)]
+    pub unit: String,
+    /// Linear or logarithmic.
+    #[serde(default)]
+    pub scale: Scale,
+    /// Category names; empty for a numeric axis. Category `i` (from 0) lies
+    /// at coordinate `i`; scale and range do not apply.
+    #[serde(default)]
+    pub categories: Vec<String>,
+    /// Fixed extent in either order, or `None` to fit the data. An extent the
+    /// axis cannot show (empty, not finite, not positive on a logarithmic
+    /// axis) counts as `None`.
+    #[serde(default)]
+    pub range: Option<[f64; 2]>,
+}
+
+/// How values are spread along an axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Scale {
+    /// Equal steps for equal differences.
+    #[default]
+    Linear,
+    /// Equal steps for equal ratios (base 10).
+    Log,
+}
+
+/// One set of values that shares a label and a kind of mark.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Series {
+    /// Legend text; it also decides the colour (see
+    /// [`series_colour`](crate::series_colour)). Empty for no legend entry.
+    pub label: String,
+    /// Kind of mark.
+    pub style: Style,
+    /// Horizontal coordinates, or category indices.
+    #[serde(deserialize_with = "null_as_nan")]
+    pub x: Vec<f64>,
+    /// Vertical coordinates.
+    #[serde(deserialize_with = "null_as_nan")]
+    pub y: Vec<f64>,
+    /// Half lengths of symmetric vertical error bars, one per point (0 for
+    /// none), or empty.
+    #[serde(default, deserialize_with = "null_as_nan")]
+    pub error: Vec<f64>,
+}
+
+/// Kind of mark a series is drawn with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Style {
+    /// Solid line with markers.
+    Line,
+    /// Dashed line without markers, e.g. theory next to a simulation.
+    Dashed,
+    /// Filled markers without a line.
+    Points,
+    /// Bars, side by side for several series.
+    Bars,
+    /// Box and whiskers over the samples that share an `x`: quartiles,
+    /// median, whiskers from the 5 % to the 95 % quantile, and every sample
+    /// as a faint point. Side by side for several series.
+    Box,
+    /// Thin grey polyline: floor, workspace limit and other surroundings.
+    Outline,
+    /// Thick polyline with a dot at every vertex: the links of a robot arm.
+    Path,
+    /// Hollow markers without a line, e.g. values beyond a validity limit.
+    Hollow,
+}
+
+impl Axis {
+    /// A linear axis that fits its data.
+    pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            unit: unit.into(),
+            ..Self::default()
+        }
+    }
+
+    /// A logarithmic axis that fits its data.
+    pub fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            scale: Scale::Log,
+            ..Self::linear(label, unit)
+        }
+    }
+
+    /// An axis with one place per name.
+    pub fn categorical<S: Into<String>>(
+        label: impl Into<String>,
+        categories: impl IntoIterator<Item = S>,
+    ) -> Self {
+        Self {
+            categories: categories.into_iter().map(Into::into).collect(),
+            ..Self::linear(label, "")
+        }
+    }
+
+    /// The same axis with a fixed extent.
+    pub fn with_range(mut self, from: f64, to: f64) -> Self {
+        self.range = Some([from, to]);
+        self
+    }
+
+    /// Label and unit as drawn: `label [unit]`.
+    pub fn heading(&self) -> String {
+        match (self.label.is_empty(), self.unit.is_empty()) {
+            (_, true) => self.label.clone(),
+            (true, false) => format!("[{}]", self.unit),
+            (false, false) => format!("{} [{}]", self.label, self.unit),
+        }
+    }
+}
+
+impl Series {
+    /// A series without error bars.
+    pub fn new(label: impl Into<String>, style: Style, x: Vec<f64>, y: Vec<f64>) -> Self {
+        Self {
+            label: label.into(),
+            style,
+            x,
+            y,
+            error: Vec::new(),
+        }
+    }
+
+    /// The same series with symmetric error bars.
+    pub fn with_error(mut self, error: Vec<f64>) -> Self {
+        self.error = error;
+        self
+    }
+}
+
+/// JSON has no way to write a value that is not finite; such values are
+/// written as `null` and have to come back as "no value", not as an error.
+fn null_as_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    let values = Vec::<Option<f64>>::deserialize(deserializer)?;
+    Ok(values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heading_joins_label_and_unit() {
+        assert_eq!(Axis::linear("force", "N").heading(), "force [N]");
+        assert_eq!(Axis::linear("joint", "").heading(), "joint");
+        assert_eq!(Axis::linear("", "mm").heading(), "[mm]");
+        assert_eq!(Axis::default().heading(), "");
+    }
+
+    #[test]
+    fn json_round_trip_keeps_missing_values_missing() {
+        let figure = Figure {
+            id: "a".into(),
+            title: "A".into(),
+            caption: String::new(),
+            columns: 1,
+            panels: vec![Panel {
+                title: String::new(),
+                x: Axis::linear("x", "m").with_range(0.0, 1.0),
+                y: Axis::log("y", ""),
+                series: vec![Series::new(
+                    "s",
+                    Style::Line,
+                    vec![0.0, 1.0],
+                    vec![f64::NAN, 2.5],
+                )],
+                equal_aspect: false,
+            }],
+        };
+        let text = serde_json::to_string(&figure).expect("figures are plain data");
+        let back: Figure = serde_json::from_str(&text).expect("what was written can be read");
+        assert_eq!(back.panels[0].x, figure.panels[0].x);
+        assert!(back.panels[0].series[0].y[0].is_nan());
+        assert_eq!(back.panels[0].series[0].y[1], 2.5);
+    }
+}

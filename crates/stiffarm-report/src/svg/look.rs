@@ -1,0 +1,375 @@
+//! Colours, markers, dashes and hatches of series.
+//!
+//! The colour follows from the label alone, so that a label looks the same in
+//! every figure. Grey printing and colour blindness need a second sign; it
+//! too starts from the label, and moves on within a figure when another label
+//! of the same colour already uses it.
+
+use super::canvas::{Canvas, Point, Rect, Stroke};
+use crate::figure::{Figure, Style};
+
+/// The Okabe–Ito colours without yellow, which is too faint on white.
+const PALETTE: [&str; 7] = [
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000",
+];
+
+/// Grey of outlines.
+const GREY: &str = "#8a8a8a";
+
+/// Labels with a fixed place in the palette, without trailing parentheses.
+const KNOWN: [(&str, usize); 9] = [
+    ("Group 1", 0),
+    ("Group 2", 1),
+    ("Group 3", 2),
+    ("scaled", 3),
+    ("expected error", 6),
+    ("measured", 6),
+    ("true", 6),
+    ("predicted", 4),
+    ("nominal", 5),
+];
+
+const MARKERS: [Marker; 7] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Up,
+    Marker::Diamond,
+    Marker::Down,
+    Marker::Cross,
+    Marker::Star,
+];
+
+const DASHES: [&str; 7] = [
+    "7 3",
+    "3 2",
+    "8 2 2 2",
+    "1.5 2",
+    "10 4",
+    "5 2 1.5 2 1.5 2",
+    "4 4",
+];
+
+const OUTLINE_DASHES: [&str; 3] = ["", "5 3", "1.5 2.5"];
+
+/// Directions of hatch lines as (x, y) steps.
+const HATCHES: [&[(f64, f64)]; 7] = [
+    &[],
+    &[(1.0, -1.0)],
+    &[(1.0, 1.0)],
+    &[(1.0, -1.0), (1.0, 1.0)],
+    &[(1.0, 0.0)],
+    &[(0.0, 1.0)],
+    &[(1.0, 0.0), (0.0, 1.0)],
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Marker {
+    Circle,
+    Square,
+    Up,
+    Diamond,
+    Down,
+    Cross,
+    Star,
+}
+
+/// Kinds of marks that can be confused with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    Marks,
+    Hollow,
+    Dashes,
+    Areas,
+    Outlines,
+}
+
+fn family(style: Style) -> Family {
+    match style {
+        Style::Line | Style::Points | Style::Path => Family::Marks,
+        Style::Hollow => Family::Hollow,
+        Style::Dashed => Family::Dashes,
+        Style::Bars | Style::Box => Family::Areas,
+        Style::Outline => Family::Outlines,
+    }
+}
+
+/// The colour of a series as `#rrggbb`.
+///
+/// The same label has the same colour in every figure. What follows the first
+/// comma is a variant and shares the colour: `Group 1, theory` looks like
+/// `Group 1`. The posture groups, `scaled`, `expected error` and a few other
+/// labels are fixed; numbered labels such as `Joint 1`, `Joint 2` take the
+/// palette in turn; the colour of any other label is a hash of its text.
+pub fn series_colour(label: &str) -> &'static str {
+    PALETTE[place(label)]
+}
+
+/// Place of a label in the palette.
+fn place(label: &str) -> usize {
+    let name = label.split(',').next().unwrap_or(label).trim();
+    let plain = match name.split_once(" (") {
+        Some((before, _)) => before.trim_end(),
+        None => name,
+    };
+    if let Some((_, i)) = KNOWN
+        .iter()
+        .find(|(known, _)| known.eq_ignore_ascii_case(plain))
+    {
+        return *i;
+    }
+    let stem = plain.trim_end_matches(|c: char| c.is_ascii_digit());
+    if let (false, Ok(number)) = (stem.is_empty(), plain[stem.len()..].parse::<usize>()) {
+        return number.saturating_sub(1) % PALETTE.len();
+    }
+    // FNV-1a: the hasher of the standard library may change between releases.
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| {
+        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
+    });
+    (hash % PALETTE.len() as u64) as usize
+}
+
+/// How the marks of one series look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Look {
+    pub colour: &'static str,
+    pub dash: &'static str,
+    variant: usize,
+}
+
+/// The looks of all series of a figure.
+pub(super) struct Looks {
+    entries: Vec<(String, Family, usize)>,
+}
+
+impl Looks {
+    pub(super) fn of(figure: &Figure) -> Self {
+        let mut entries: Vec<(String, Family, usize)> = Vec::new();
+        for series in figure.panels.iter().flat_map(|p| &p.series) {
+            let kind = family(series.style);
+            let label = &series.label;
+            if entries.iter().any(|(l, k, _)| l == label && *k == kind) {
+                continue;
+            }
+            let variant = if kind == Family::Outlines {
+                entries.iter().filter(|(_, k, _)| *k == kind).count()
+            } else {
+                let base = place(label);
+                let taken = |v: usize| {
+                    entries
+                        .iter()
+                        .any(|(l, k, w)| *k == kind && *w == v && place(l) == base)
+                };
+                (base..base + PALETTE.len())
+                    .map(|v| v % PALETTE.len())
+                    .find(|v| !taken(*v))
+                    .unwrap_or(base)
+            };
+            entries.push((label.clone(), kind, variant));
+        }
+        Self { entries }
+    }
+
+    pub(super) fn look(&self, label: &str, style: Style) -> Look {
+        let kind = family(style);
+        let variant = self
+            .entries
+            .iter()
+            .find(|(l, k, _)| l == label && *k == kind)
+            .map_or(0, |(_, _, v)| *v);
+        match kind {
+            Family::Outlines => Look {
+                colour: GREY,
+                dash: OUTLINE_DASHES[variant % OUTLINE_DASHES.len()],
+                variant,
+            },
+            Family::Dashes => Look {
+                colour: series_colour(label),
+                dash: DASHES[variant % DASHES.len()],
+                variant,
+            },
+            _ => Look {
+                colour: series_colour(label),
+                dash: "",
+                variant,
+            },
+        }
+    }
+}
+
+impl Look {
+    /// Draws the marker of this look, filled or hollow.
+    pub(super) fn marker(&self, canvas: &mut Canvas, at: Point, r: f64, hollow: bool) {
+        // A white rim separates filled markers that touch.
+        let (fill, stroke) = if hollow {
+            ("#ffffff", Stroke::solid(self.colour, 1.4))
+        } else {
+            (self.colour, Stroke::solid("#ffffff", 0.6))
+        };
+        let corners: &[(f64, f64)] = match MARKERS[self.variant % MARKERS.len()] {
+            Marker::Circle => return canvas.circle(at, r, fill, stroke),
+            Marker::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+            Marker::Up => &[(0.0, -1.25), (1.1, 0.8), (-1.1, 0.8)],
+            Marker::Down => &[(0.0, 1.25), (1.1, -0.8), (-1.1, -0.8)],
+            Marker::Diamond => &[(0.0, -1.3), (1.15, 0.0), (0.0, 1.3), (-1.15, 0.0)],
+            Marker::Cross => &[
+                (-0.42, -1.2),
+                (0.42, -1.2),
+                (0.42, -0.42),
+                (1.2, -0.42),
+                (1.2, 0.42),
+                (0.42, 0.42),
+                (0.42, 1.2),
+                (-0.42, 1.2),
+                (-0.42, 0.42),
+                (-1.2, 0.42),
+                (-1.2, -0.42),
+                (-0.42, -0.42),
+            ],
+            Marker::Star => &[
+                (0.0, -1.4),
+                (0.35, -0.49),
+                (1.33, -0.43),
+                (0.57, 0.19),
+                (0.82, 1.13),
+                (0.0, 0.6),
+                (-0.82, 1.13),
+                (-0.57, 0.19),
+                (-1.33, -0.43),
+                (-0.35, -0.49),
+            ],
+        };
+        let corners: Vec<Point> = corners
+            .iter()
+            .map(|(dx, dy)| (at.0 + r * dx, at.1 + r * dy))
+            .collect();
+        canvas.polygon(&corners, fill, stroke);
+    }
+
+    /// Fills a rectangle: solid for bars, light for boxes, hatched unless
+    /// this is the plain variant.
+    pub(super) fn area(&self, canvas: &mut Canvas, rect: Rect, light: bool) {
+        let none = Stroke::solid("none", 0.0);
+        canvas.rect(rect, self.colour, if light { 0.22 } else { 0.92 }, none);
+        let lines = if light { self.colour } else { "#ffffff" };
+        let mut runs = Vec::new();
+        for (dx, dy) in HATCHES[self.variant % HATCHES.len()] {
+            hatch(rect, (*dx, *dy), &mut runs);
+        }
+        canvas.path(&runs, Stroke::solid(lines, if light { 0.6 } else { 1.0 }));
+        canvas.rect(rect, "none", 1.0, Stroke::solid(self.colour, 1.0));
+    }
+}
+
+/// Adds parallel lines across a rectangle. They sit on a common raster of the
+/// picture, so that neighbouring bars have the same texture.
+fn hatch(rect: Rect, (dx, dy): (f64, f64), runs: &mut Vec<Vec<Point>>) {
+    const GAP: f64 = 5.0;
+    // Lines of direction (dx, dy) are the level sets of x·dy − y·dx.
+    let level = |p: Point| p.0 * dy - p.1 * dx;
+    let levels = [
+        level((rect.x, rect.y)),
+        level((rect.x + rect.w, rect.y)),
+        level((rect.x, rect.y + rect.h)),
+        level((rect.x + rect.w, rect.y + rect.h)),
+    ];
+    let low = levels.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let reach = rect.w + rect.h;
+    let middle = (rect.x + 0.5 * rect.w, rect.y + 0.5 * rect.h);
+    let squared = dx * dx + dy * dy;
+    let spacing = GAP * squared.sqrt();
+    let first = (low / spacing).ceil() as i64;
+    let last = (high / spacing).floor() as i64;
+    for k in first..=last {
+        let shift = (k as f64 * spacing - level(middle)) / squared;
+        let on_line = (middle.0 + shift * dy, middle.1 - shift * dx);
+        let from = (on_line.0 - reach * dx, on_line.1 - reach * dy);
+        let to = (on_line.0 + reach * dx, on_line.1 + reach * dy);
+        if let Some((a, b)) = rect.clip(from, to) {
+            runs.push(vec![a, b]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::{Axis, Panel, Series};
+
+    fn figure(labels: &[&str]) -> Figure {
+        Figure {
+            id: String::new(),
+            title: String::new(),
+            caption: String::new(),
+            columns: 1,
+            panels: vec![Panel {
+                title: String::new(),
+                x: Axis::default(),
+                y: Axis::default(),
+                series: labels
+                    .iter()
+                    .map(|l| Series::new(*l, Style::Line, vec![], vec![]))
+                    .collect(),
+                equal_aspect: false,
+            }],
+        }
+    }
+
+    #[test]
+    fn known_labels_have_their_own_colours() {
+        let labels = [
+            "Group 1",
+            "Group 2 (classical)",
+            "Group 3 (novel)",
+            "scaled",
+            "expected error",
+        ];
+        for (i, a) in labels.iter().enumerate() {
+            for b in &labels[..i] {
+                assert_ne!(series_colour(a), series_colour(b), "{a} and {b}");
+            }
+        }
+        assert_eq!(series_colour("Group 1"), "#0072B2");
+        assert_eq!(series_colour("Group 2"), series_colour(labels[1]));
+        assert_eq!(series_colour("Group 3 (novel), theory"), "#009E73");
+    }
+
+    #[test]
+    fn numbered_labels_differ_from_their_neighbours() {
+        let colours: Vec<_> = (1..=7)
+            .map(|n| series_colour(&format!("Posture {n}")))
+            .collect();
+        for (i, a) in colours.iter().enumerate() {
+            assert!(!colours[..i].contains(a));
+        }
+        assert_eq!(series_colour("42"), series_colour("42"));
+        assert_eq!(series_colour("Posture 99999999999999999999999"), {
+            series_colour("Posture 99999999999999999999999")
+        });
+    }
+
+    #[test]
+    fn labels_of_one_colour_get_different_markers() {
+        let looks = Looks::of(&figure(&[
+            "Joint 1",
+            "Joint 8",
+            "Joint 1, again",
+            "Joint 2",
+        ]));
+        let look = |l| looks.look(l, Style::Line);
+        assert_eq!(look("Joint 1").colour, look("Joint 8").colour);
+        assert_ne!(look("Joint 1"), look("Joint 8"));
+        assert_ne!(look("Joint 1, again"), look("Joint 8"));
+        assert_ne!(look("Joint 1, again"), look("Joint 1"));
+    }
+
+    #[test]
+    fn colour_does_not_depend_on_the_company() {
+        let alone = Looks::of(&figure(&["a series"]));
+        let among = Looks::of(&figure(&["x", "y", "z", "a series"]));
+        assert_eq!(
+            alone.look("a series", Style::Line).colour,
+            among.look("a series", Style::Line).colour
+        );
+    }
+}

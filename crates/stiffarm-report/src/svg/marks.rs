@@ -1,0 +1,145 @@
+//! Lines, markers and error bars of one series.
+
+use super::canvas::{Canvas, Point, Rect, Stroke};
+use super::data::{self, Datum};
+use super::look::Look;
+use super::scale::Extent;
+use crate::figure::{Series, Style};
+
+/// Radius of a marker.
+pub(super) const MARKER: f64 = 3.6;
+/// Half width of the cap of an error bar.
+const CAP: f64 = 3.0;
+
+/// The plot area and its axes.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    pub area: Rect,
+    pub x: Extent,
+    pub y: Extent,
+}
+
+impl Frame {
+    pub(super) fn px(&self, x: f64) -> f64 {
+        self.area.x + self.x.fraction(x) * self.area.w
+    }
+
+    pub(super) fn py(&self, y: f64) -> f64 {
+        self.area.y + (1.0 - self.y.fraction(y)) * self.area.h
+    }
+
+    pub(super) fn place(&self, d: &Datum) -> Point {
+        (self.px(d.x), self.py(d.y))
+    }
+
+    /// The visible parts of a polyline with gaps.
+    pub(super) fn runs(&self, points: &[Option<Point>]) -> Vec<Vec<Point>> {
+        let mut runs: Vec<Vec<Point>> = Vec::new();
+        for pair in points.windows(2) {
+            let [Some(a), Some(b)] = pair else { continue };
+            let Some((from, to)) = self.area.clip(*a, *b) else {
+                continue;
+            };
+            match runs.last_mut() {
+                Some(run) if run.last() == Some(&from) => run.push(to),
+                _ => runs.push(vec![from, to]),
+            }
+        }
+        runs
+    }
+}
+
+/// What drawing left behind for the rest of the panel.
+#[derive(Default)]
+pub(super) struct Trace {
+    /// Where marks are, to find a free corner for the note.
+    pub marks: Vec<Point>,
+    /// Accepted values beyond a fixed extent.
+    pub outside: usize,
+}
+
+impl Trace {
+    /// Records a mark; true if it is inside the plot area.
+    pub(super) fn add(&mut self, area: &Rect, at: Point) -> bool {
+        let inside = area.contains(at);
+        if inside {
+            self.marks.push(at);
+        } else {
+            self.outside += 1;
+        }
+        inside
+    }
+}
+
+/// Draws a series of any style but bars and boxes.
+pub(super) fn draw(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    series: &Series,
+    look: Look,
+    trace: &mut Trace,
+) {
+    let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
+    let places: Vec<Option<Point>> = points
+        .iter()
+        .map(|d| d.as_ref().map(|d| frame.place(d)))
+        .collect();
+    let stroke = |width| Stroke {
+        colour: look.colour,
+        width,
+        dash: look.dash,
+    };
+    let line = |canvas: &mut Canvas, width| canvas.path(&frame.runs(&places), stroke(width));
+    let visible = |p: &&Point| frame.area.contains(**p);
+    match series.style {
+        Style::Outline => return line(canvas, 1.1),
+        Style::Dashed => {
+            line(canvas, 1.5);
+            trace.marks.extend(places.iter().flatten().filter(visible));
+            return;
+        }
+        Style::Path => {
+            line(canvas, 3.0);
+            for p in places.iter().flatten().filter(visible) {
+                look.marker(canvas, *p, 1.15 * MARKER, false);
+                trace.marks.push(*p);
+            }
+            return;
+        }
+        Style::Line => line(canvas, 1.5),
+        Style::Points | Style::Hollow | Style::Bars | Style::Box => {}
+    }
+    for d in points.iter().flatten() {
+        error_bar(canvas, frame, d, frame.px(d.x), stroke(1.1));
+    }
+    // Markers on a dense line would merge into a band.
+    let stride = match series.style {
+        Style::Line => (places.len() as f64 * 8.0 / frame.area.w).ceil().max(1.0) as usize,
+        _ => 1,
+    };
+    for (i, p) in places.iter().enumerate() {
+        let Some(p) = p else { continue };
+        if trace.add(&frame.area, *p) && i % stride == 0 {
+            look.marker(canvas, *p, MARKER, series.style == Style::Hollow);
+        }
+    }
+}
+
+/// An error bar at a horizontal place. An end beyond the frame has no cap, so
+/// that a cut bar does not look like a shorter one.
+pub(super) fn error_bar(canvas: &mut Canvas, frame: &Frame, d: &Datum, at: f64, stroke: Stroke) {
+    if d.error <= 0.0 {
+        return;
+    }
+    let (low, high) = (frame.py(d.y - d.error), frame.py(d.y + d.error));
+    let Some((a, b)) = frame.area.clip((at, low), (at, high)) else {
+        return;
+    };
+    let mut runs = vec![vec![a, b]];
+    for end in [low, high] {
+        if frame.area.contains((at, end)) {
+            runs.push(vec![(at - CAP, end), (at + CAP, end)]);
+        }
+    }
+    canvas.path(&runs, stroke);
+}

@@ -1,0 +1,357 @@
+//! Properties every rendered figure has, whatever its data.
+
+use proptest::collection::vec;
+use proptest::option;
+use proptest::prelude::*;
+use roxmltree::{Document, Node};
+use stiffarm_report::{Axis, Figure, Panel, Scale, Series, Style, render_svg, series_colour};
+
+const STYLES: [Style; 8] = [
+    Style::Line,
+    Style::Dashed,
+    Style::Points,
+    Style::Bars,
+    Style::Box,
+    Style::Outline,
+    Style::Path,
+    Style::Hollow,
+];
+
+fn panel(x: Axis, y: Axis, series: Vec<Series>) -> Panel {
+    Panel {
+        title: "panel".into(),
+        x,
+        y,
+        series,
+        equal_aspect: false,
+    }
+}
+
+fn figure(panels: Vec<Panel>) -> Figure {
+    Figure {
+        id: "test".into(),
+        title: "figure".into(),
+        caption: "caption".into(),
+        columns: 2,
+        panels,
+    }
+}
+
+fn texts(svg: &str) -> Vec<String> {
+    let document = Document::parse(svg).expect("the renderer writes XML");
+    document
+        .descendants()
+        .filter(|n| n.has_tag_name("text"))
+        .map(|n| {
+            n.descendants()
+                .filter_map(|t| t.text().filter(|_| t.is_text()))
+                .collect()
+        })
+        .collect()
+}
+
+fn number(node: &Node, name: &str) -> f64 {
+    node.attribute(name)
+        .and_then(|v| v.parse().ok())
+        .expect("the attribute is a number")
+}
+
+/// Parses the picture and checks what has to hold for all of them.
+fn check(svg: &str) {
+    let document = Document::parse(svg).expect("the renderer writes XML");
+    let root = document.root_element();
+    assert_eq!(root.attribute("role"), Some("img"));
+    let (w, h) = (number(&root, "width"), number(&root, "height"));
+    assert!(w > 0.0 && h > 0.0);
+    assert!(root.children().any(|n| n.has_tag_name("title")));
+    assert!(root.children().any(|n| n.has_tag_name("desc")));
+    for node in document.descendants().filter(|n| n.has_tag_name("text")) {
+        let (x, y) = (number(&node, "x"), number(&node, "y"));
+        assert!((0.0..=w).contains(&x) && (0.0..=h).contains(&y), "{node:?}");
+        if node.attribute("transform").is_some() {
+            continue;
+        }
+        // No font of the family list is narrower on average.
+        let letters = node.text().map_or(0, |t| t.chars().count());
+        let long = 0.4 * number(&node, "font-size") * letters as f64;
+        let from = match node.attribute("text-anchor") {
+            Some("middle") => x - 0.5 * long,
+            Some("end") => x - long,
+            _ => x,
+        };
+        assert!(from >= 0.0 && from + long <= w, "{node:?} is cut off");
+    }
+    for node in document.descendants().filter(|n| n.has_tag_name("rect")) {
+        assert!(node.attribute("width").is_none_or(|v| !v.starts_with('-')));
+        assert!(node.attribute("height").is_none_or(|v| !v.starts_with('-')));
+    }
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    assert!(document.descendants().all(|n| n.attribute("id").is_none()));
+}
+
+#[test]
+fn equal_figures_give_equal_bytes() {
+    let make = || {
+        figure(vec![panel(
+            Axis::categorical("joint", ["1", "2"]),
+            Axis::log("deviation", "%"),
+            STYLES
+                .iter()
+                .map(|s| Series::new("Group 1", *s, vec![0.0, 1.0], vec![3.0, 40.0]))
+                .collect(),
+        )])
+    };
+    let svg = render_svg(&make());
+    assert_eq!(svg, render_svg(&make()));
+    check(&svg);
+}
+
+#[test]
+fn texts_are_escaped() {
+    let nasty = "a<b> & \"c\" 'd' ]]> \u{1}";
+    let mut f = figure(vec![panel(
+        Axis::linear(nasty, nasty),
+        Axis::categorical(nasty, [nasty]),
+        vec![Series::new(nasty, Style::Line, vec![1.0], vec![0.0])],
+    )]);
+    (f.id, f.title, f.caption) = (nasty.into(), nasty.into(), nasty.into());
+    f.panels[0].title = nasty.into();
+    let svg = render_svg(&f);
+    let document = Document::parse(&svg).expect("the renderer writes XML");
+    let shown = nasty.replace('\u{1}', "\u{fffd}");
+    let root = document.root_element();
+    assert_eq!(root.attribute("data-figure"), Some(shown.as_str()));
+    let desc = root.children().find(|n| n.has_tag_name("desc"));
+    assert_eq!(desc.and_then(|n| n.text()), Some(shown.as_str()));
+    assert!(
+        texts(&svg)
+            .iter()
+            .filter(|t| t.starts_with("a<b> & "))
+            .count()
+            >= 4
+    );
+}
+
+#[test]
+fn lost_values_are_counted_in_a_note() {
+    let series = Series::new(
+        "s",
+        Style::Line,
+        vec![1.0, 2.0, 3.0, 4.0, 5.0],
+        vec![1.0, 0.0, f64::NAN, 10.0, 20.0],
+    );
+    let svg = render_svg(&figure(vec![panel(
+        Axis::linear("x", ""),
+        Axis::log("y", ""),
+        vec![series.clone()],
+    )]));
+    assert!(texts(&svg).contains(&"2 values not drawn".to_owned()));
+    let svg = render_svg(&figure(vec![panel(
+        Axis::linear("x", "").with_range(0.0, 4.5),
+        Axis::linear("y", ""),
+        vec![series],
+    )]));
+    let shown = texts(&svg);
+    assert!(shown.contains(&"1 value not drawn".to_owned()));
+    assert!(shown.contains(&"1 value beyond the axes".to_owned()));
+}
+
+#[test]
+fn complete_data_has_no_note() {
+    let svg = render_svg(&figure(vec![panel(
+        Axis::linear("x", ""),
+        Axis::linear("y", ""),
+        vec![Series::new(
+            "s",
+            Style::Points,
+            vec![1.0, 2.0],
+            vec![0.0, -3.0],
+        )],
+    )]));
+    assert!(!svg.contains("not drawn") && !svg.contains("beyond"));
+}
+
+#[test]
+fn empty_input_is_drawn_as_such() {
+    let none = figure(vec![]);
+    let bare = figure(vec![panel(Axis::default(), Axis::default(), vec![])]);
+    let hollow = figure(vec![
+        panel(
+            Axis::categorical("", ["a"]),
+            Axis::log("", ""),
+            STYLES
+                .iter()
+                .map(|s| Series::new("", *s, vec![], vec![]))
+                .collect(),
+        );
+        3
+    ]);
+    for f in [none, bare, hollow] {
+        let svg = render_svg(&f);
+        check(&svg);
+        assert!(texts(&svg).contains(&"no data".to_owned()));
+    }
+}
+
+#[test]
+fn a_single_value_is_enough_for_every_style_and_scale() {
+    for style in STYLES {
+        for value in [0.0, 1.0, -7.0, 1e-300, 1e300, 5e-324] {
+            for y in [Axis::linear("y", ""), Axis::log("y", "")] {
+                let series = Series::new("s", style, vec![value], vec![value]);
+                let mut p = panel(Axis::linear("x", ""), y, vec![series]);
+                p.equal_aspect = true;
+                check(&render_svg(&figure(vec![p])));
+            }
+        }
+    }
+}
+
+#[test]
+fn log_axes_label_decades_and_short_ones_also_two_and_five() {
+    let draw = |values: Vec<f64>| {
+        texts(&render_svg(&figure(vec![panel(
+            Axis::linear("x", "").with_range(0.0, 0.1),
+            Axis::log("y", ""),
+            vec![Series::new("s", Style::Outline, vec![0.05; 2], values)],
+        )])))
+    };
+    let long = draw(vec![0.05, 2000.0]);
+    for label in ["0.1", "1", "10", "100", "1000"] {
+        assert!(long.iter().any(|t| t == label), "{label} in {long:?}");
+    }
+    assert!(!long.iter().any(|t| t == "20" || t == "50"));
+    let short = draw(vec![2e4, 9e4]);
+    for label in ["2×104", "5×104", "105"] {
+        assert!(short.iter().any(|t| t == label), "{label} in {short:?}");
+    }
+}
+
+#[test]
+fn a_label_has_one_colour_everywhere_and_one_legend_entry() {
+    let with = |others: &[&str]| {
+        let series = |l: &str| Series::new(l, Style::Points, vec![1.0], vec![1.0]);
+        let mut all: Vec<Series> = others.iter().map(|l| series(l)).collect();
+        all.push(series("Group 3 (novel)"));
+        panel(Axis::linear("x", ""), Axis::linear("y", ""), all)
+    };
+    let panels = vec![with(&[]), with(&["Group 1", "scaled"]), with(&["other"])];
+    let colour = series_colour("Group 3 (novel)");
+    let svg = render_svg(&figure(panels));
+    // One marker in each of three panels and one in the legend.
+    assert_eq!(svg.matches(&format!("fill=\"{colour}\"")).count(), 4);
+    let entries = texts(&svg);
+    assert_eq!(
+        entries.iter().filter(|t| *t == "Group 3 (novel)").count(),
+        1
+    );
+}
+
+#[test]
+fn the_legend_shows_every_label_once_even_if_there_are_many() {
+    let labels: Vec<String> = (0..23).map(|i| format!("series number {i}")).collect();
+    let series = labels
+        .iter()
+        .map(|l| Series::new(l, Style::Line, vec![0.0, 1.0], vec![1.0, 2.0]))
+        .collect();
+    let svg = render_svg(&figure(vec![panel(
+        Axis::linear("x", ""),
+        Axis::linear("y", ""),
+        series,
+    )]));
+    check(&svg);
+    let shown = texts(&svg);
+    for label in &labels {
+        assert_eq!(shown.iter().filter(|t| *t == label).count(), 1);
+    }
+}
+
+/// Any bit pattern, and ordinary values often enough to reach the drawing.
+fn value() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any::<u64>().prop_map(f64::from_bits),
+        -10.0..10.0_f64,
+        (0..6_u8).prop_map(f64::from),
+    ]
+}
+
+fn axis() -> impl Strategy<Value = Axis> {
+    (
+        any::<bool>(),
+        0..5_usize,
+        option::of([value(), value()]),
+        any::<bool>(),
+    )
+        .prop_map(|(log, categories, range, named)| Axis {
+            label: "quantity".into(),
+            unit: "unit".into(),
+            scale: if log { Scale::Log } else { Scale::Linear },
+            categories: if named {
+                (0..categories)
+                    .map(|c| format!("place number {c}"))
+                    .collect()
+            } else {
+                Vec::new()
+            },
+            range,
+        })
+}
+
+fn series() -> impl Strategy<Value = Series> {
+    (
+        0..STYLES.len(),
+        0..4_u8,
+        vec(value(), 0..12),
+        vec(value(), 0..12),
+        vec(value(), 0..12),
+    )
+        .prop_map(|(style, label, x, y, error)| {
+            Series::new(format!("label {label}"), STYLES[style], x, y).with_error(error)
+        })
+}
+
+fn any_figure() -> impl Strategy<Value = Figure> {
+    let panels = (axis(), axis(), vec(series(), 0..5), any::<bool>()).prop_map(
+        |(x, y, series, equal_aspect)| Panel {
+            title: "a title".into(),
+            x,
+            y,
+            series,
+            equal_aspect,
+        },
+    );
+    (any::<usize>(), 0..5_usize, vec(panels, 0..5)).prop_map(|(wild, tame, panels)| Figure {
+        columns: if wild % 2 == 0 { wild } else { tame },
+        ..figure(panels)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 400,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn any_values_give_a_sound_picture(f in any_figure()) {
+        check(&render_svg(&f));
+    }
+
+    #[test]
+    fn any_texts_give_a_sound_picture(texts in vec(any::<String>(), 8)) {
+        let mut p = panel(
+            Axis::categorical(&texts[0], [&texts[1], &texts[2]]),
+            Axis::linear(&texts[3], &texts[4]),
+            vec![Series::new(&texts[5], Style::Line, vec![0.0, 1.0], vec![1.0, 2.0])],
+        );
+        p.title.clone_from(&texts[6]);
+        let mut f = figure(vec![p]);
+        f.title.clone_from(&texts[7]);
+        f.id.clone_from(&texts[7]);
+        f.caption.clone_from(&texts[7]);
+        let svg = render_svg(&f);
+        prop_assert!(Document::parse(&svg).is_ok());
+        prop_assert!(series_colour(&texts[5]).starts_with('#'));
+    }
+}

@@ -1,0 +1,126 @@
+//! `[load]`: the kind of load and the keys that belong to it.
+
+use super::raw::{At, RawLoad};
+use super::source::Source;
+use crate::error::{Code, Result, did_you_mean};
+use crate::load::{Axes, Load, Wrench};
+use crate::robot::Robot;
+use crate::units::mm_to_m;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// The kinds of load, and the keys that each of them has beside `kind`.
+const KINDS: [(&str, &[&str]); 4] = [
+    ("rope", &["magnitude_n", "anchor_mm"]),
+    ("weight", &["magnitude_n"]),
+    ("wrench", &["force_n", "moment_nm", "axes"]),
+    ("measured", &[]),
+];
+
+/// The load of `robot`, whose direction of gravity a weight follows.
+pub(super) fn load(
+    source: &Source<'_>,
+    table: &Option<At<RawLoad>>,
+    robot: &Robot,
+) -> Result<Load> {
+    let hint = "add a table [load] with kind = \"rope\", \"weight\", \"wrench\" or \"measured\"";
+    let table = source.required(table, "load", None, hint)?;
+    let raw = table.get();
+    let hint = "kind is one of \"rope\", \"weight\", \"wrench\", \"measured\"";
+    let kind = source.required(&raw.kind, "load.kind", Some(table.span()), hint)?;
+    let Some((name, keys)) = KINDS.iter().find(|(name, _)| name == kind.get()) else {
+        let message = format!("There is no load \"{}\".", kind.get());
+        let nearest = did_you_mean(kind.get(), KINDS.iter().map(|(name, _)| *name));
+        let error = source.error(Code::InvalidValue, "load.kind", kind.span(), message);
+        return Err(error.hint(nearest.unwrap_or_else(|| hint.to_string())));
+    };
+    refuse_foreign_keys(source, raw, name, keys)?;
+    match *name {
+        "rope" => rope(source, table),
+        "weight" => Ok(Load::Weight {
+            magnitude: magnitude(source, table)?,
+            direction: *robot.down(),
+        }),
+        "wrench" => wrench(source, table),
+        _ => Ok(Load::Measured),
+    }
+}
+
+/// A key of another kind of load would be ignored; that is refused.
+fn refuse_foreign_keys(
+    source: &Source<'_>,
+    raw: &RawLoad,
+    kind: &str,
+    keys: &[&str],
+) -> Result<()> {
+    let given: [(&str, Option<Range<usize>>); 5] = [
+        ("magnitude_n", raw.magnitude_n.as_ref().map(At::span)),
+        ("anchor_mm", raw.anchor_mm.as_ref().map(At::span)),
+        ("force_n", raw.force_n.as_ref().map(At::span)),
+        ("moment_nm", raw.moment_nm.as_ref().map(At::span)),
+        ("axes", raw.axes.as_ref().map(At::span)),
+    ];
+    for (key, span) in given {
+        let Some(span) = span.filter(|_| !keys.contains(&key)) else {
+            continue;
+        };
+        let owners: Vec<String> = KINDS
+            .iter()
+            .filter(|(_, keys)| keys.contains(&key))
+            .map(|(name, _)| format!("\"{name}\""))
+            .collect();
+        let message = format!("A load of kind \"{kind}\" has no {key}.");
+        let hint = format!("remove it, or set kind = {}", owners.join(" or "));
+        let key = format!("load.{key}");
+        return Err(source.error(Code::Conflict, &key, span, message).hint(hint));
+    }
+    Ok(())
+}
+
+fn magnitude(source: &Source<'_>, table: &At<RawLoad>) -> Result<f64> {
+    let key = "load.magnitude_n";
+    let hint = "give the force in newtons: magnitude_n = 500";
+    let value = source.required(&table.get().magnitude_n, key, Some(table.span()), hint)?;
+    source.positive(value, key)
+}
+
+fn rope(source: &Source<'_>, table: &At<RawLoad>) -> Result<Load> {
+    let magnitude = magnitude(source, table)?;
+    let key = "load.anchor_mm";
+    let hint = "give the rope's fixed end: anchor_mm = [x, y, z] in the base frame";
+    let anchor = source.required(&table.get().anchor_mm, key, Some(table.span()), hint)?;
+    let anchor = source.vector(anchor, key)?.map(mm_to_m);
+    Ok(Load::Rope { anchor, magnitude })
+}
+
+fn wrench(source: &Source<'_>, table: &At<RawLoad>) -> Result<Load> {
+    let (raw, at) = (table.get(), Some(table.span()));
+    let key = "load.force_n";
+    let hint = "give the force on the robot: force_n = [x, y, z] in newtons";
+    let given = source.required(&raw.force_n, key, at.clone(), hint)?;
+    let force = source.vector(given, key)?;
+    let moment = match &raw.moment_nm {
+        Some(moment) => source.vector(moment, "load.moment_nm")?,
+        None => Vector3::zeros(),
+    };
+    if force == Vector3::zeros() && moment == Vector3::zeros() {
+        let message = "Force and moment are zero: nothing loads the robot.";
+        return Err(source.error(Code::InvalidValue, key, given.span(), message));
+    }
+    let key = "load.axes";
+    let hint = "axes = \"base\" (fixed) or axes = \"tool\" (turning with the flange)";
+    let given = source.required(&raw.axes, key, at, hint)?;
+    let axes = match given.get().as_str() {
+        "base" => Axes::Base,
+        "tool" => Axes::Tool,
+        other => {
+            let message = format!("There are no axes \"{other}\".");
+            let error = source.error(Code::InvalidValue, key, given.span(), message);
+            return Err(error.hint(hint));
+        }
+    };
+    Ok(Load::Constant {
+        wrench: Wrench { force, moment },
+        axes,
+    })
+}

@@ -1,0 +1,288 @@
+//! The cell file as it is written: optional keys, each with its place.
+//!
+//! Every key is optional here so that a missing one is reported in the field's
+//! words by the conversion; the doc comments are the descriptions of the JSON
+//! Schema. Keys carry their unit as a suffix.
+
+use serde::Deserialize;
+#[cfg(feature = "schema")]
+use {
+    schemars::{JsonSchema, Schema, SchemaGenerator},
+    std::borrow::Cow,
+};
+
+/// A value and the bytes it was read from.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(transparent)]
+pub(super) struct At<T>(pub(super) toml::Spanned<T>);
+
+#[cfg(feature = "schema")]
+impl<T: JsonSchema> JsonSchema for At<T> {
+    fn inline_schema() -> bool {
+        T::inline_schema()
+    }
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+    fn schema_id() -> Cow<'static, str> {
+        T::schema_id()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+}
+
+pub(super) type Number = At<f64>;
+pub(super) type Text = At<String>;
+pub(super) type Numbers = At<Vec<Number>>;
+pub(super) type NumberRows = At<Vec<Numbers>>;
+
+/// A stiffarm cell: robot, tool, load, limits and measurement noise.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Cell"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawCell {
+    /// Version of the file format: 1.
+    #[cfg_attr(feature = "schema", schemars(required, extend("const" = 1)))]
+    #[expect(dead_code, reason = "checked before all other keys")]
+    pub format: Option<At<i64>>,
+    /// Name of the cell in tables and reports (default: the robot's name).
+    pub name: Option<Text>,
+    /// The robot.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub robot: Option<At<RawRobot>>,
+    /// Bounds of the controller angles for choosing postures (default: the machine's limits).
+    pub bounds: Option<At<RawBounds>>,
+    /// The end-effector: where it is loaded and where it is measured.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub tool: Option<At<RawTool>>,
+    /// How the robot is loaded.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub load: Option<At<RawLoad>>,
+    /// Where tool points, flange and wrist may be, base frame (default: anywhere).
+    pub limits: Option<At<RawLimits>>,
+    /// Measurement noise of a displacement.
+    pub noise: Option<At<RawNoise>>,
+    /// Joint stiffness known beforehand.
+    pub stiffness: Option<At<RawStiffness>>,
+    /// Postures kept for validation.
+    pub validation: Option<At<RawValidation>>,
+}
+
+/// The robot: exactly one of `catalogue`, `dh_modified`, `dh_standard`.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Robot"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRobot {
+    /// Robot of the catalogue (`stiffarm robots` lists them).
+    #[cfg_attr(feature = "schema", schemars(extend("examples" = ["comau-nj165-3.0"])))]
+    pub catalogue: Option<Text>,
+    /// Modified (Craig) Denavit–Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg], one per joint:
+    /// T = RotX(alpha) TransX(a) RotZ(theta) TransZ(d).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 4]>>"))]
+    pub dh_modified: Option<NumberRows>,
+    /// Standard Denavit–Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg], one per joint:
+    /// T = RotZ(theta) TransZ(d) TransX(a) RotX(alpha).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 4]>>"))]
+    pub dh_standard: Option<NumberRows>,
+    /// Name of the robot in tables and reports.
+    pub name: Option<Text>,
+    /// Names of the joints, base to flange (default: "joint 1", "joint 2", …).
+    pub joint_names: Option<At<Vec<Text>>>,
+    /// C of theta = offset + C q, one row per serial joint: signs and couplings between
+    /// the controller's angles q and the mechanism's angles theta (default: the
+    /// catalogue's, else the identity).
+    pub theta_from_q: Option<NumberRows>,
+    /// E of the elastic coordinates e = E theta, one row per spring, for parallelogram
+    /// arms (default: the identity, one spring per joint axis).
+    pub elastic_from_theta: Option<NumberRows>,
+    /// Height of the robot's own base frame in the cell's base frame, mm.
+    pub base_z_mm: Option<Number>,
+    /// Origin of the robot's own base frame in the cell's base frame, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub base_xyz_mm: Option<Numbers>,
+    /// Roll, pitch, yaw of the robot's own base frame, degrees: turns about the cell's
+    /// x, then y, then z axis.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub base_rpy_deg: Option<Numbers>,
+    /// The machine's limits [low, high] of each controller angle, degrees (default: the
+    /// catalogue's, else -360 to 360).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 2]>>"))]
+    pub limits_deg: Option<NumberRows>,
+    /// Direction of gravity in base axes, any length (default: [0, 0, -1]); [0, 0, 1] for a
+    /// robot that hangs from the ceiling and whose base frame hangs with it.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub down: Option<Numbers>,
+    /// Characteristic length L of the normalised Jacobian, mm (default: the length that
+    /// minimises its condition number, computed when needed).
+    pub characteristic_length_mm: Option<Number>,
+}
+
+/// Bounds of the controller angles for choosing postures.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Bounds"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBounds {
+    /// Bounds [low, high] of each controller angle, degrees, within the machine's limits.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 2]>>"))]
+    pub q_deg: Option<NumberRows>,
+}
+
+/// The end-effector: where it is loaded and where it is measured, flange axes.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Tool"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawTool {
+    /// Where rope, weight or wrench act, flange axes, mm.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub loading_point_mm: Option<Numbers>,
+    /// The reflectors; the first is the tool centre point.
+    #[cfg_attr(feature = "schema", schemars(required, length(min = 1)))]
+    pub measuring_point: Option<At<Vec<At<RawPoint>>>>,
+    /// True when a force sensor sits between flange and reflectors (default: true where
+    /// series_compliance is given).
+    pub has_sensor: Option<At<bool>>,
+    /// Known compliance of sensor and adapter between flange and reflectors.
+    pub series_compliance: Option<At<RawSeries>>,
+}
+
+/// A measuring point (reflector).
+#[derive(Debug, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(JsonSchema),
+    schemars(rename = "MeasuringPoint")
+)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPoint {
+    /// Name in the measurement table; "base" is reserved for a reflector on the robot's base.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub name: Option<Text>,
+    /// Position in flange axes, mm.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub position_mm: Option<Numbers>,
+}
+
+/// Compliance between flange and reflectors, lumped at one point, along the flange axes.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(JsonSchema),
+    schemars(rename = "SeriesCompliance")
+)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSeries {
+    /// Where it is lumped, flange axes, mm (default: the flange's origin).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub origin_mm: Option<Numbers>,
+    /// Stiffness along the flange's x, y, z, N/m.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub translational_n_per_m: Option<Numbers>,
+    /// Stiffness about the flange's x, y, z, N·m/rad.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub rotational_nm_per_rad: Option<Numbers>,
+}
+
+/// How the robot is loaded.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Load"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLoad {
+    /// "rope": from the loading point to a fixed anchor. "weight": hangs on the loading
+    /// point, along gravity. "wrench": constant force and moment. "measured": the wrench
+    /// comes with each measurement.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(required, extend("enum" = ["rope", "weight", "wrench", "measured"]))
+    )]
+    pub kind: Option<Text>,
+    /// Force of rope or weight, N.
+    pub magnitude_n: Option<Number>,
+    /// Anchor of the rope in the base frame, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub anchor_mm: Option<Numbers>,
+    /// Force on the robot, N, in the axes named by `axes`.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub force_n: Option<Numbers>,
+    /// Moment on the robot about the loading point, N·m, in the axes named by `axes` (default: none).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub moment_nm: Option<Numbers>,
+    /// Axes of force_n and moment_nm: "base" (fixed) or "tool" (turning with the flange).
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["base", "tool"])))]
+    pub axes: Option<Text>,
+}
+
+/// Where tool points, flange and wrist may be, base frame.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Limits"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLimits {
+    /// Lower corner of the box for loading point, measuring points and flange, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub box_min_mm: Option<Numbers>,
+    /// Upper corner of that box, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub box_max_mm: Option<Numbers>,
+    /// Lowest z of loading point, measuring points and flange, mm.
+    pub floor_mm: Option<Number>,
+    /// Radius about axis 1 that these points and the wrist centre stay out of, mm.
+    pub keep_out_radius_mm: Option<Number>,
+    /// Lowest z of the wrist centre, mm.
+    pub wrist_height_mm: Option<Number>,
+    /// Shortest and longest rope [low, high], mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
+    pub rope_length_mm: Option<Numbers>,
+}
+
+/// Measurement noise of a displacement.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Noise"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawNoise {
+    /// Variance of one tracker reading per axis, mm² (default: 9.23e-5, the paper's tracker).
+    pub variance_mm2: Option<Number>,
+    /// Readings behind one displacement: 1 as the paper counts (default), 2 for the
+    /// difference of a loaded and an unloaded reading.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = [1, 2])))]
+    pub readings_per_displacement: Option<At<i64>>,
+    /// Standard deviation of a shift common to all points of a posture (load, rope,
+    /// drift), mm (default: 0).
+    pub posture_common_mm: Option<Number>,
+}
+
+/// Joint stiffness known beforehand.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Stiffness"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawStiffness {
+    /// Prior joint stiffness, one value per joint, N·m/rad (default: the catalogue's first
+    /// published set, where there is one).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
+    pub prior_nm_per_rad: Option<Numbers>,
+}
+
+/// Postures kept for validation.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(JsonSchema),
+    schemars(rename = "Validation")
+)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawValidation {
+    /// Postures that take no part in the identification.
+    pub posture: Option<At<Vec<At<RawPosture>>>>,
+}
+
+/// A posture: held to the machine's limits, not to the bounds.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Posture"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPosture {
+    /// Name of the posture.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub name: Option<Text>,
+    /// Controller angles, degrees, one per joint.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub q_deg: Option<Numbers>,
+}

@@ -1,0 +1,270 @@
+//! The text of a cell file, and the checks of single values in it.
+//!
+//! Each check takes the value with its place and the key path that a message
+//! names; list entries count from 1, as joints do.
+
+use super::raw::{At, Number, NumberRows, Numbers, Text};
+use crate::error::{Code, Error, Result};
+use nalgebra::{DMatrix, Vector3};
+use std::ops::Range;
+
+/// Numbers beyond this are slips of the pen; their squares and fourth powers
+/// must stay finite in everything that is computed from a cell.
+const LARGEST: f64 = 1e30;
+
+/// A cell file's text and name.
+pub(super) struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+    /// Bytes of the byte order mark before the TOML text.
+    mark: usize,
+}
+
+impl<T> At<T> {
+    pub(super) fn get(&self) -> &T {
+        self.0.get_ref()
+    }
+
+    pub(super) fn span(&self) -> Range<usize> {
+        self.0.span()
+    }
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(text: &'a str, file: &'a str) -> Self {
+        let mark = if text.starts_with('\u{feff}') {
+            '\u{feff}'.len_utf8()
+        } else {
+            0
+        };
+        Source { file, text, mark }
+    }
+
+    /// The text without a byte order mark; all spans count from its start.
+    pub(super) fn body(&self) -> &'a str {
+        &self.text[self.mark..]
+    }
+
+    /// An error at the bytes `span` of the body.
+    pub(super) fn error(
+        &self,
+        code: Code,
+        key: &str,
+        span: Range<usize>,
+        message: impl Into<String>,
+    ) -> Error {
+        self.place(Error::new(code, message), key, span)
+    }
+
+    /// Adds the place to an error that has none.
+    pub(super) fn place(&self, error: Error, key: &str, span: Range<usize>) -> Error {
+        let span = span.start + self.mark..span.end + self.mark;
+        let error = error.span(self.text, span).file(self.file);
+        if key.is_empty() {
+            error
+        } else {
+            error.key(key)
+        }
+    }
+
+    /// A key that must be there; `table` is the place of the table that lacks
+    /// it (none where it would stand at the top of the file).
+    pub(super) fn required<'v, T>(
+        &self,
+        value: &'v Option<At<T>>,
+        key: &str,
+        table: Option<Range<usize>>,
+        hint: &str,
+    ) -> Result<&'v At<T>> {
+        value.as_ref().ok_or_else(|| {
+            let error = Error::new(Code::MissingKey, "This key is missing.").hint(hint);
+            match table {
+                Some(span) => self.place(error, key, span),
+                None => error.key(key).file(self.file),
+            }
+        })
+    }
+
+    /// A finite number.
+    pub(super) fn number(&self, value: &Number, key: &str) -> Result<f64> {
+        let number = *value.get();
+        if !number.is_finite() {
+            return Err(self.error(
+                Code::NotFinite,
+                key,
+                value.span(),
+                format!("{number} is not a finite number."),
+            ));
+        }
+        if number.abs() > LARGEST {
+            return Err(self.error(
+                Code::InvalidValue,
+                key,
+                value.span(),
+                format!("{number:e} is too large to be meant."),
+            ));
+        }
+        Ok(number)
+    }
+
+    /// A number above zero.
+    pub(super) fn positive(&self, value: &Number, key: &str) -> Result<f64> {
+        let number = self.number(value, key)?;
+        if number < 1.0 / LARGEST {
+            return Err(self.error(
+                Code::InvalidValue,
+                key,
+                value.span(),
+                format!("{number} is not above zero."),
+            ));
+        }
+        Ok(number)
+    }
+
+    /// Zero or a number above it.
+    pub(super) fn not_negative(&self, value: &Number, key: &str) -> Result<f64> {
+        let number = self.number(value, key)?;
+        if number < 0.0 {
+            return Err(self.error(
+                Code::InvalidValue,
+                key,
+                value.span(),
+                format!("{number} is below zero."),
+            ));
+        }
+        // Values too small to square are zero; −0 is 0.
+        Ok(if number < 1.0 / LARGEST { 0.0 } else { number })
+    }
+
+    /// A list of `count` finite numbers; `what` says what they are.
+    pub(super) fn numbers(
+        &self,
+        list: &Numbers,
+        key: &str,
+        count: usize,
+        what: &str,
+    ) -> Result<Vec<f64>> {
+        self.count(list, key, count, what)?;
+        self.each(list, key, |value, key| self.number(value, key))
+    }
+
+    /// A list of `count` numbers above zero.
+    pub(super) fn positives(
+        &self,
+        list: &Numbers,
+        key: &str,
+        count: usize,
+        what: &str,
+    ) -> Result<Vec<f64>> {
+        self.count(list, key, count, what)?;
+        self.each(list, key, |value, key| self.positive(value, key))
+    }
+
+    /// Three finite numbers.
+    pub(super) fn vector(&self, list: &Numbers, key: &str) -> Result<Vector3<f64>> {
+        let values = self.numbers(list, key, 3, "x, y, z")?;
+        Ok(Vector3::from_column_slice(&values))
+    }
+
+    /// Two numbers, the first below the second.
+    pub(super) fn range(&self, list: &Numbers, key: &str) -> Result<[f64; 2]> {
+        let values = self.numbers(list, key, 2, "[low, high]")?;
+        let (low, high) = (values[0], values[1]);
+        if low >= high {
+            let message = format!("The lower value {low} is not below the upper value {high}.");
+            return Err(self
+                .error(Code::InvalidValue, key, list.span(), message)
+                .hint("write the lower value first: [low, high]"));
+        }
+        Ok([low, high])
+    }
+
+    /// One range per joint, with the place of each.
+    pub(super) fn ranges(
+        &self,
+        rows: &NumberRows,
+        key: &str,
+        joints: usize,
+    ) -> Result<Vec<[f64; 2]>> {
+        self.rows(rows, key, joints, "rows", "one [low, high] per joint")?;
+        self.each(rows, key, |row, key| self.range(row, key))
+    }
+
+    /// A square matrix, row by row.
+    pub(super) fn matrix(&self, rows: &NumberRows, key: &str, n: usize) -> Result<DMatrix<f64>> {
+        self.rows(rows, key, n, "rows", "one per joint")?;
+        let values = self.each(rows, key, |row, key| {
+            self.numbers(row, key, n, "one per joint")
+        })?;
+        Ok(DMatrix::from_fn(n, n, |i, j| values[i][j]))
+    }
+
+    /// A name for tables: not empty, on one line, no spaces around it.
+    pub(super) fn name(&self, text: &Text, key: &str) -> Result<String> {
+        let name = text.get();
+        let wrong = if name.trim().is_empty() {
+            "A name must not be empty."
+        } else if name.trim() != name {
+            "A name must not begin or end with a space."
+        } else if name.chars().any(char::is_control) {
+            "A name must not contain line breaks or other control characters."
+        } else {
+            return Ok(name.clone());
+        };
+        Err(self.error(Code::InvalidValue, key, text.span(), wrong))
+    }
+
+    /// A name that none of `others` has yet.
+    pub(super) fn unique_name<'n>(
+        &self,
+        text: &Text,
+        key: &str,
+        mut others: impl Iterator<Item = &'n str>,
+    ) -> Result<String> {
+        let name = self.name(text, key)?;
+        if others.any(|other| other == name) {
+            let message = format!("The name \"{name}\" stands twice.");
+            return Err(self.error(Code::Duplicate, key, text.span(), message));
+        }
+        Ok(name)
+    }
+
+    /// Applies `check` to each entry of a list, naming it `key[1]`, `key[2]`, ….
+    pub(super) fn each<T, U>(
+        &self,
+        list: &At<Vec<T>>,
+        key: &str,
+        check: impl Fn(&T, &str) -> Result<U>,
+    ) -> Result<Vec<U>> {
+        let entries = list.get().iter().enumerate();
+        entries
+            .map(|(i, entry)| check(entry, &format!("{key}[{}]", i + 1)))
+            .collect()
+    }
+
+    fn count(&self, list: &Numbers, key: &str, count: usize, what: &str) -> Result<()> {
+        self.rows(list, key, count, "numbers", what)
+    }
+
+    /// Checks the number of entries of a list.
+    pub(super) fn rows<T>(
+        &self,
+        list: &At<Vec<T>>,
+        key: &str,
+        count: usize,
+        unit: &str,
+        what: &str,
+    ) -> Result<()> {
+        let found = list.get().len();
+        if found == count {
+            return Ok(());
+        }
+        let unit = if found == 1 {
+            unit.trim_end_matches('s')
+        } else {
+            unit
+        };
+        let message = format!("{found} {unit}, where {count} are needed: {what}.");
+        Err(self.error(Code::Dimension, key, list.span(), message))
+    }
+}

@@ -1,0 +1,259 @@
+//! Commented files to start from: what `stiffarm init` writes.
+
+use super::convert::PAPER_VARIANCE_MM2;
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::load::Load;
+use crate::posture::Posture;
+use crate::robot::{CatalogueEntry, Robot, find_in_catalogue};
+use crate::table::{reading_sheet, write_postures};
+use crate::units::rad_to_shortest_deg;
+
+/// A commented `cell.toml` for a robot of the catalogue, ready to be read by
+/// [`parse_cell`](super::parse_cell) and to be edited: unit, axes and sign
+/// stand at every key. Tool, load and limits are those of the built-in COMAU
+/// cell, an example that fits robots of some 3 m reach.
+///
+/// # Errors
+/// The catalogue has no robot of this name.
+pub fn template(robot_key: &str) -> Result<String> {
+    let entry = find_in_catalogue(robot_key)?;
+    let robot = entry.robot()?;
+    Ok(format!(
+        r#"# Cell of {name} for stiffarm. Every key carries its unit: _mm, _deg, _n, ….
+# Angles are those on the pendant. Base frame: the robot's own, z up along axis 1,
+# x to the front with joint 1 at 0 degrees. Flange axes: those of the last frame of
+# the robot's kinematics, z out of the flange. Forces act on the robot.
+# Replace what is marked EDIT.
+format = 1
+name = "{name} cell"  # EDIT
+
+[robot]
+# `stiffarm robots` lists the catalogue. A robot of your own instead: one row
+# [alpha_deg, a_mm, d_mm, offset_deg] per joint in dh_modified or dh_standard,
+# theta_from_q for signs and couplings of the controller's angles, limits_deg.
+catalogue = "{key}"
+# The machine's limits of the controller angles, if yours differ:
+{limits_comment}
+# Gravity in base axes; [0, 0, 1] for a robot hanging from the ceiling with its base frame.
+down = [0, 0, -1]
+
+[bounds]
+# Controller angles between which postures are chosen: [low, high] per joint.
+# Narrow them to what is safe and visible in your cell. EDIT
+q_deg = [
+{bounds}]
+
+[tool]
+# Where the rope, weight or wrench acts: x, y, z in flange axes. Off the axis
+# of the last joint, or that joint carries no torque and stays unknown. EDIT
+loading_point_mm = [200, 0, 250]
+# true when a force sensor sits between flange and reflectors.
+has_sensor = false
+
+# The reflectors, in flange axes; the first is the tool centre point. The names
+# stand in the measurement table. EDIT
+[[tool.measuring_point]]
+name = "1"
+position_mm = [150, 0, 200]
+
+[[tool.measuring_point]]
+name = "2"
+position_mm = [0, 150, 200]
+
+[[tool.measuring_point]]
+name = "3"
+position_mm = [-150, 0, 200]
+
+[[tool.measuring_point]]
+name = "4"
+position_mm = [0, -150, 200]
+
+# Known compliance between flange and reflectors (sensor, adapter): its share of
+# each displacement is subtracted. Stiffness along and about the flange axes.
+# [tool.series_compliance]
+# origin_mm = [0, 0, 60]
+# translational_n_per_m = [7.5e7, 7.5e7, 1.2e8]
+# rotational_nm_per_rad = [3.3e5, 3.3e5, 3.3e5]
+
+[load]
+# The force on the robot.
+#   "rope":     pulls from the loading point towards the fixed anchor_mm
+#   "weight":   hangs on the loading point, along gravity
+#               (on a floor-mounted robot it leaves joint 1 without torque)
+#   "wrench":   constant force_n, moment_nm (about the loading point) in axes = "base" or "tool"
+#   "measured": fx_n, fy_n, fz_n come with each measurement, base axes
+kind = "rope"
+magnitude_n = 500  # EDIT
+anchor_mm = [1800, 0, 0]  # EDIT: the rope's fixed end, base frame
+
+[limits]
+# Where postures may bring the robot, base frame; leave out what does not apply. EDIT
+# Box for loading point, measuring points and flange:
+box_min_mm = [900, -1900, 300]
+box_max_mm = [3000, 1900, 3000]
+# Radius about axis 1 that these points and the wrist centre stay out of:
+keep_out_radius_mm = 900
+# Lowest z of the wrist centre:
+wrist_height_mm = 300
+# Shortest and longest rope:
+rope_length_mm = [800, 3400]
+# Lowest z of loading point, measuring points and flange, where there is no box:
+# floor_mm = 0
+
+[noise]
+# Variance of one tracker reading per axis. The default is the FARO tracker of
+# Zhang et al. 2021; measure yours by reading one fixed reflector many times. EDIT
+variance_mm2 = {variance:e}
+# 2: a displacement is the difference of a loaded and an unloaded reading.
+# 1: the variance is already that of a displacement (as the paper counts).
+readings_per_displacement = 2
+# Standard deviation of what shifts all reflectors of a posture alike (load, rope, drift).
+posture_common_mm = 0
+
+{stiffness}
+# Postures kept out of the identification, to check its result. They are held
+# to the machine's limits, not to the bounds.
+# [[validation.posture]]
+# name = "V1"
+# q_deg = {example}
+"#,
+        name = entry.name,
+        key = entry.key,
+        limits_comment = limits_comment(&robot, entry),
+        bounds = bounds(entry, &robot),
+        variance = PAPER_VARIANCE_MM2,
+        stiffness = stiffness(entry),
+        example = degrees(&middle(entry, &robot)),
+    ))
+}
+
+/// A posture table to fill in: the heading and one commented example.
+pub fn postures_template(robot: &Robot) -> String {
+    let q: Vec<f64> = robot
+        .joints()
+        .iter()
+        .map(|joint| {
+            ((joint.limits[0] + joint.limits[1]) / 2.0)
+                .to_degrees()
+                .round()
+                .to_radians()
+        })
+        .collect();
+    let table = write_postures(&[Posture {
+        name: "P1".to_string(),
+        q,
+    }]);
+    let (heading, example) = table.split_once('\n').unwrap_or((&table, ""));
+    format!(
+        "# Controller angles in degrees; one row per posture. For example:\n# {}\n{heading}\n",
+        example.trim_end()
+    )
+}
+
+/// A measurement table to fill in: the heading, what its columns mean, and one
+/// commented example row per measuring point.
+pub fn displacements_template(cell: &Cell) -> String {
+    let example = Posture {
+        name: "P1".to_string(),
+        q: cell
+            .bounds
+            .iter()
+            .map(|b| ((b[0] + b[1]) / 2.0).to_degrees().round().to_radians())
+            .collect(),
+    };
+    let sheet = reading_sheet(std::slice::from_ref(&example), &[], cell);
+    let (heading, rows) = sheet.split_once('\n').unwrap_or((&sheet, ""));
+    let force = if cell.setup.load == Load::Measured || cell.setup.tool.has_sensor {
+        "# fx_n fy_n fz_n: force on the robot; loaded minus unloaded reading; base axes\n"
+    } else {
+        "# The force comes from the cell's load; add fx_n fy_n fz_n if it was measured (base axes)\n"
+    };
+    let rows: String = rows.lines().map(|row| format!("# {row}\n")).collect();
+    format!(
+        "# dx_mm dy_mm dz_mm: position of the reflector loaded minus unloaded; base axes\n\
+         {force}\
+         # q1_deg …: controller angles; leave the columns out if the posture file is given\n\
+         # Repeat a row to record a repeated reading. For example:\n\
+         {rows}{heading}\n"
+    )
+}
+
+/// Bounds to start from \[deg\]: the paper's Table 1 for its robot, else the
+/// machine's limits within a quarter turn of joint 1 to each side (the box lies
+/// in front of the robot) and half a turn of the others.
+fn start_bounds(entry: &CatalogueEntry, robot: &Robot) -> Vec<[f64; 2]> {
+    if entry.key == "comau-nj165-3.0" {
+        let table_1 = [
+            [-90, 90],
+            [-60, 40],
+            [-180, -40],
+            [-180, 180],
+            [-90, 90],
+            [-180, 180],
+        ];
+        return table_1.map(|range| range.map(f64::from)).to_vec();
+    }
+    let joints = robot.joints().iter().enumerate();
+    joints
+        .map(|(j, joint)| {
+            let [low, high] = joint.limits.map(rad_to_shortest_deg);
+            let turn: f64 = if j == 0 { 90.0 } else { 180.0 };
+            [low.max(-turn), high.min(turn)]
+        })
+        .collect()
+}
+
+fn middle(entry: &CatalogueEntry, robot: &Robot) -> Vec<f64> {
+    start_bounds(entry, robot)
+        .iter()
+        .map(|[low, high]| ((low + high) / 2.0).round())
+        .collect()
+}
+
+fn degrees(values: &[f64]) -> String {
+    let values: Vec<String> = values.iter().map(f64::to_string).collect();
+    format!("[{}]", values.join(", "))
+}
+
+fn bounds(entry: &CatalogueEntry, robot: &Robot) -> String {
+    let rows = start_bounds(entry, robot);
+    rows.iter()
+        .map(|row| format!("    {},\n", degrees(row)))
+        .collect()
+}
+
+fn limits_comment(robot: &Robot, entry: &CatalogueEntry) -> String {
+    let rows = robot
+        .joints()
+        .iter()
+        .map(|joint| degrees(&joint.limits.map(rad_to_shortest_deg)));
+    let rows: Vec<String> = rows.collect();
+    let doubt = if entry.has_limits() {
+        ""
+    } else {
+        "  # not in the catalogue; see the data sheet"
+    };
+    format!("# limits_deg = [{}]{doubt}", rows.join(", "))
+}
+
+fn stiffness(entry: &CatalogueEntry) -> String {
+    let intro = "[stiffness]\n\
+                 # Joint stiffness known beforehand: weighs the joints against each other when\n\
+                 # postures are chosen. Orders of magnitude suffice.\n";
+    match entry.stiffness.first() {
+        Some(set) => {
+            let doubt = if set.verified { "" } else { " (unverified)" };
+            let values: Vec<String> = set.values.iter().map(f64::to_string).collect();
+            format!(
+                "{intro}# From: {}{doubt}\nprior_nm_per_rad = [{}]\n",
+                set.source,
+                values.join(", ")
+            )
+        }
+        None => format!(
+            "{intro}# Nothing is published for this robot; a robot of 165 kg payload as a guess: EDIT\n\
+             # prior_nm_per_rad = [950000, 3000000, 900000, 250000, 200000, 150000]\n"
+        ),
+    }
+}

@@ -1,0 +1,53 @@
+//! The bound of Eq. (19) on the relative error of the compliance vector.
+
+use crate::error::{Code, Error, Result};
+use serde::{Deserialize, Serialize};
+
+/// Eq. (19) evaluated: an upper bound, valid only while `validity` < 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ErrorBound {
+    /// Upper bound of ‖δH‖/‖H‖; `None` where the bound does not hold.
+    pub bound: Option<f64>,
+    /// cond(Ω)·‖δΩ‖/‖Ω‖, which must stay below 1.
+    pub validity: f64,
+    /// cond(Ω) = cond(Ψ)².
+    pub condition_omega: f64,
+}
+
+/// Eq. (19): ‖δH‖/‖H‖ ≤ cond(Ω)/(1 − cond(Ω)‖δΩ‖/‖Ω‖)·(‖δΛ‖/‖Λ‖ + ‖δΩ‖/‖Ω‖)
+/// with Ω = ΨᵀΨ, Λ = ΨᵀΔ and cond(Ω) = cond(Ψ)². The first "=" of the printed
+/// equation is "≤".
+///
+/// # Errors
+/// A negative or non-finite argument, or a condition number below 1.
+pub fn error_bound(condition_psi: f64, relative_omega: f64, relative_lambda: f64) -> Result<ErrorBound> {
+    let finite = [condition_psi, relative_omega, relative_lambda].iter().all(|v| v.is_finite());
+    if !finite || condition_psi < 1.0 || relative_omega < 0.0 || relative_lambda < 0.0 {
+        return Err(Error::new(
+            Code::InvalidValue,
+            "Eq. (19) needs a condition number of at least 1 and relative errors of at least 0.",
+        ));
+    }
+    let condition_omega = condition_psi * condition_psi;
+    let validity = condition_omega * relative_omega;
+    // Eq. (19)
+    let bound = (validity < 1.0)
+        .then(|| condition_omega / (1.0 - validity) * (relative_lambda + relative_omega));
+    Ok(ErrorBound { bound, validity, condition_omega })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bound_holds_and_says_where_it_does_not() {
+        let exact = error_bound(10.0, 0.0, 0.01).unwrap();
+        assert!((exact.bound.unwrap() - 1.0).abs() < 1e-15);
+        let lost = error_bound(100.0, 1e-3, 0.0).unwrap();
+        assert_eq!(lost.bound, None);
+        assert!((lost.validity - 10.0).abs() < 1e-12);
+        assert!(error_bound(0.5, 0.0, 0.0).is_err());
+    }
+}

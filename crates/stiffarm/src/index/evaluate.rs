@@ -1,0 +1,220 @@
+//! All indices and the expected errors of one group of postures.
+
+use super::dexterity;
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::information::{Factor, whiten_posture};
+use crate::observation::PostureTerms;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// Values of every index; `None` where an index does not exist: a joint is
+/// undetermined, J_N is singular, or the cell has no prior.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Indices {
+    /// max k(J_N).
+    pub classical: Option<f64>,
+    /// cond(Ψ).
+    pub condition: Option<f64>,
+    /// max k(J_N) × cond(Ψ).
+    pub novel: Option<f64>,
+    /// cond(Ψ·diag(1/k)).
+    pub scaled_condition: Option<f64>,
+    /// max k(J_N) × cond(Ψ·diag(1/k)).
+    pub scaled: Option<f64>,
+    /// RMS over joints of the relative standard error of k_j (fraction).
+    pub expected_error: Option<f64>,
+    /// Largest relative standard error over the joints (fraction).
+    pub worst_joint: Option<f64>,
+    /// Largest expected error when any one posture is lost (fraction).
+    pub drop_one: Option<f64>,
+    /// Geometric-mean relative standard error (fraction).
+    pub d: Option<f64>,
+    /// (Π σ_i)^(1/n)/√m with m postures.
+    pub o1: Option<f64>,
+    /// σ_min/σ_max.
+    pub o2: Option<f64>,
+    /// σ_min.
+    pub o3: Option<f64>,
+    /// σ_min²/σ_max.
+    pub o4: Option<f64>,
+    /// 1/Σ(1/σ_i).
+    pub o5: Option<f64>,
+}
+
+impl Indices {
+    /// Value of one index.
+    pub fn get(&self, index: super::Index) -> Option<f64> {
+        use super::Index as I;
+        match index {
+            I::Classical => self.classical,
+            I::Condition => self.condition,
+            I::Novel => self.novel,
+            I::ScaledCondition => self.scaled_condition,
+            I::Scaled => self.scaled,
+            I::ExpectedError => self.expected_error,
+            I::WorstJoint => self.worst_joint,
+            I::DropOne => self.drop_one,
+            I::D => self.d,
+            I::O1 => self.o1,
+            I::O2 => self.o2,
+            I::O3 => self.o3,
+            I::O4 => self.o4,
+            I::O5 => self.o5,
+        }
+    }
+}
+
+/// Indices and expected errors of one group.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GroupEvaluation {
+    /// Name of the group.
+    pub name: String,
+    /// Number of postures.
+    pub posture_count: usize,
+    /// All indices.
+    pub indices: Indices,
+    /// k(J_N) per posture, Eq. (21); `None` at a singularity or for n < 6.
+    pub k_jn: Vec<Option<f64>>,
+    /// Singular values of Ψ, descending \[m·N·m/rad\].
+    pub singular_values: Vec<f64>,
+    /// Relative standard error of k_j per joint at the cell's noise (fraction).
+    pub relative_standard_error: Vec<Option<f64>>,
+    /// Expected |k̂ − k|/k per joint, sqrt(2/π) times the standard error (fraction).
+    pub expected_deviation: Vec<Option<f64>>,
+    /// Names of joints the group cannot determine.
+    pub undetermined_joints: Vec<String>,
+}
+
+impl GroupEvaluation {
+    /// Mean over the joints of the expected deviation (fraction), `None` when a
+    /// joint has none.
+    pub fn mean_expected_deviation(&self) -> Option<f64> {
+        let sum: Option<f64> = self.expected_deviation.iter().copied().sum();
+        sum.map(|s| s / self.expected_deviation.len() as f64)
+    }
+}
+
+/// Evaluates every index of a group of postures (controller angles, rad).
+///
+/// Indices that need a prior stiffness or the characteristic length are `None`
+/// when the cell has none.
+///
+/// # Errors
+/// An empty group, angles of the wrong length or not finite, or a load that
+/// only a measurement gives.
+pub fn evaluate<Q: AsRef<[f64]>>(cell: &Cell, name: &str, postures: &[Q]) -> Result<GroupEvaluation> {
+    if postures.is_empty() {
+        return Err(Error::new(Code::TooFewData, format!("The group \"{name}\" has no postures.")));
+    }
+    let setup = &cell.setup;
+    let robot = &setup.robot;
+    let n = robot.spring_count();
+    let m = setup.tool.point_count();
+    let rho = cell.noise.common_weight(m);
+    let rows = 3 * m;
+    let mut psi = DMatrix::zeros(rows * postures.len(), n);
+    let mut whitened = psi.clone();
+    let mut k_jn = Vec::with_capacity(postures.len());
+    for (p, q) in postures.iter().enumerate() {
+        let terms = PostureTerms::new(setup, q.as_ref(), None)?;
+        let mut block = terms.block(robot);
+        psi.rows_mut(rows * p, rows).copy_from(&block);
+        whiten_posture(&mut block, rho);
+        whitened.rows_mut(rows * p, rows).copy_from(&block);
+        k_jn.push(cell.characteristic_length.and_then(|length| {
+            dexterity::condition_number(terms.frames(), &terms.measuring_points()[0], length)
+        }));
+    }
+    let factor = Factor::new(&psi)?;
+    let full = factor.undetermined().is_empty();
+    let sigma = factor.singular_values(|_| 1.0)?;
+    let ratio = |s: &nalgebra::DVector<f64>| full.then(|| s[0] / s[n - 1]);
+    let condition = ratio(&sigma);
+    // k(J_N)_max exists only where every posture has one.
+    let classical = k_jn.iter().copied().try_fold(0.0_f64, |max, k| k.map(|k| max.max(k)));
+
+    let std = cell.noise.displacement_std();
+    let mut relative = vec![None; n];
+    let (mut scaled_condition, mut d, mut drop_one) = (None, None, None);
+    if let Some(prior) = &cell.prior {
+        scaled_condition = ratio(&factor.singular_values(|j| 1.0 / prior[j])?);
+        let weighted = Factor::new(&whitened)?;
+        relative = relative_errors(&weighted, prior, std);
+        if weighted.undetermined().is_empty() {
+            let s = weighted.singular_values(|j| 1.0 / prior[j])?;
+            d = Some(std * (-s.iter().map(|v| v.ln()).sum::<f64>() / n as f64).exp());
+        }
+        drop_one = drop_one_error(&whitened, rows, postures.len(), prior, std)?;
+    }
+    let rms = rms(&relative);
+    let worst = relative.iter().copied().try_fold(0.0_f64, |max, e| e.map(|e| max.max(e)));
+    let times = |a: Option<f64>, b: Option<f64>| Some(a? * b?);
+    let observability = |f: &dyn Fn() -> f64| full.then(f);
+    let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
+    Ok(GroupEvaluation {
+        name: name.to_string(),
+        posture_count: postures.len(),
+        indices: Indices {
+            classical,
+            condition,
+            novel: times(classical, condition),
+            scaled_condition,
+            scaled: times(classical, scaled_condition),
+            expected_error: rms,
+            worst_joint: worst,
+            drop_one,
+            d,
+            o1: observability(&|| (log_sum() / n as f64).exp() / (postures.len() as f64).sqrt()),
+            o2: observability(&|| sigma[n - 1] / sigma[0]),
+            o3: observability(&|| sigma[n - 1]),
+            o4: observability(&|| sigma[n - 1].powi(2) / sigma[0]),
+            o5: observability(&|| 1.0 / sigma.iter().map(|s| 1.0 / s).sum::<f64>()),
+        },
+        k_jn,
+        singular_values: sigma.iter().copied().collect(),
+        expected_deviation: relative.iter().map(|e| e.map(expected_deviation)).collect(),
+        relative_standard_error: relative,
+        undetermined_joints: factor
+            .undetermined()
+            .iter()
+            .map(|&j| robot.spring_names()[j].clone())
+            .collect(),
+    })
+}
+
+/// Mean of |x| for a normal x of standard deviation `std`: sqrt(2/π)·std.
+pub fn expected_deviation(std: f64) -> f64 {
+    std * std::f64::consts::FRAC_2_PI.sqrt()
+}
+
+/// σ k_j sqrt([(ΨᵀΨ)⁻¹]_jj) per joint.
+fn relative_errors(factor: &Factor, prior: &[f64], std: f64) -> Vec<Option<f64>> {
+    factor.standard_errors().iter().zip(prior).map(|(e, k)| e.map(|e| std * k * e)).collect()
+}
+
+fn rms(values: &[Option<f64>]) -> Option<f64> {
+    let sum: Option<f64> = values.iter().map(|e| e.map(|e| e * e)).sum();
+    sum.map(|s| (s / values.len() as f64).sqrt())
+}
+
+fn drop_one_error(
+    whitened: &DMatrix<f64>,
+    rows: usize,
+    postures: usize,
+    prior: &[f64],
+    std: f64,
+) -> Result<Option<f64>> {
+    if postures < 2 {
+        return Ok(None);
+    }
+    let mut worst = Some(0.0_f64);
+    for p in 0..postures {
+        let rest = whitened.clone().remove_rows(rows * p, rows);
+        let error = rms(&relative_errors(&Factor::new(&rest)?, prior, std));
+        worst = worst.zip(error).map(|(a, b)| a.max(b));
+    }
+    Ok(worst)
+}

@@ -1,0 +1,291 @@
+//! Information of postures about the joint compliances, and what it cannot tell.
+//!
+//! Loops work with ΨᵀΨ; every number that is shown comes from a column-scaled
+//! QR and an SVD of Ψ, which do not square the condition number.
+
+use crate::error::{Code, Error, Result};
+use nalgebra::linalg::{SVD, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
+
+/// Columns smaller than this, relative to the largest, carry no information.
+const ZERO_COLUMN: f64 = 1e-10;
+/// Singular values of the column-scaled Ψ below this, relative to the largest, are zero.
+const RANK_TOLERANCE: f64 = 1e-10;
+/// Share of a joint in the null space above which it is called undetermined.
+const NULL_SHARE: f64 = 1e-6;
+/// Iterations after which a decomposition counts as failed.
+const MAX_ITERATIONS: usize = 1000;
+
+/// Information ΨᵀPΨ of one posture's block, n × n, where P = I − ρ 11ᵀ ⊗ I₃
+/// accounts for a shift common to the posture's points
+/// ([`crate::cell::Noise::common_weight`]); in units of 1/σ².
+pub fn posture_information(block: &DMatrix<f64>, common_weight: f64) -> DMatrix<f64> {
+    let mut information = block.tr_mul(block);
+    if common_weight > 0.0 {
+        let sums = point_sums(block);
+        information -= sums.tr_mul(&sums) * common_weight;
+    }
+    information
+}
+
+/// Sum of the rows x, y, z over the measuring points, 3 × n.
+pub(crate) fn point_sums(block: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut sums = DMatrix::zeros(3, block.ncols());
+    for a in 0..block.nrows() / 3 {
+        sums += block.rows(3 * a, 3);
+    }
+    sums
+}
+
+/// Whitens the rows of one posture against the shift common to its points, in
+/// place: the result has the information of [`posture_information`].
+pub fn whiten_posture(block: &mut DMatrix<f64>, common_weight: f64) {
+    if common_weight <= 0.0 {
+        return;
+    }
+    let points = block.nrows() / 3;
+    let m = points as f64;
+    // (I − β 11ᵀ)² = I − ρ 11ᵀ.
+    let beta = (1.0 - (1.0 - m * common_weight).max(0.0).sqrt()) / m;
+    let shift = point_sums(block) * beta;
+    for a in 0..points {
+        let mut rows = block.rows_mut(3 * a, 3);
+        rows -= &shift;
+    }
+}
+
+/// Column-scaled QR and SVD of Ψ: singular values, rank, covariance, least squares.
+#[derive(Debug, Clone)]
+pub struct Factor {
+    /// Norms of the columns of Ψ (zero columns get 1).
+    scale: DVector<f64>,
+    /// Q of the thin QR of Ψ·diag(1/scale).
+    q: DMatrix<f64>,
+    /// Left singular vectors, values (descending) and right vectors of R.
+    u: DMatrix<f64>,
+    values: DVector<f64>,
+    v: DMatrix<f64>,
+    rank: usize,
+    undetermined: Vec<usize>,
+}
+
+impl Factor {
+    /// Factors Ψ (rows × n).
+    ///
+    /// # Errors
+    /// An entry that is not finite, no columns, or a decomposition that does
+    /// not converge.
+    pub fn new(psi: &DMatrix<f64>) -> Result<Self> {
+        if psi.iter().any(|v| !v.is_finite()) {
+            return Err(Error::new(Code::NotFinite, "The observation matrix has an entry that is not finite."));
+        }
+        let n = psi.ncols();
+        if n == 0 || psi.nrows() == 0 {
+            return Err(Error::new(Code::TooFewData, "The observation matrix is empty."));
+        }
+        let norms = DVector::from_iterator(n, psi.column_iter().map(|c| c.norm()));
+        let largest = norms.max();
+        let empty: Vec<bool> = norms.iter().map(|c| *c <= ZERO_COLUMN * largest).collect();
+        let mut scale = norms;
+        let mut scaled = psi.clone();
+        for j in 0..n {
+            if empty[j] {
+                // Exactly zero, so that rounding noise is not taken for information.
+                scale[j] = 1.0;
+                scaled.column_mut(j).fill(0.0);
+            } else {
+                let factor = 1.0 / scale[j];
+                scaled.column_mut(j).scale_mut(factor);
+            }
+        }
+        if scaled.nrows() < n {
+            // Zero rows add nothing and give R its full size.
+            scaled = scaled.resize_vertically(n, 0.0);
+        }
+        let qr = scaled.qr();
+        let (q, r) = (qr.q(), qr.r());
+        let (u, values, v) = sorted_svd(r)?;
+        let tolerance = RANK_TOLERANCE * values[0];
+        let rank = values.iter().filter(|s| **s > tolerance && **s > 0.0).count();
+        let undetermined = (0..n)
+            .filter(|&j| empty[j] || (rank..n).any(|i| v[(j, i)].abs() > NULL_SHARE))
+            .collect();
+        Ok(Factor { scale, q, u, values, v, rank, undetermined })
+    }
+
+    /// Number of unknowns n.
+    pub fn unknowns(&self) -> usize {
+        self.scale.len()
+    }
+
+    /// Numerical rank of Ψ.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// Unknowns that Ψ does not determine, ascending.
+    pub fn undetermined(&self) -> &[usize] {
+        &self.undetermined
+    }
+
+    /// Condition number of the column-scaled Ψ, `None` when it loses rank.
+    pub fn scaled_condition(&self) -> Option<f64> {
+        (self.rank == self.unknowns()).then(|| self.values[0] / self.values[self.unknowns() - 1])
+    }
+
+    /// R of Ψ·diag(weights) = Q R', rebuilt from the factors, n × n.
+    fn r_times(&self, weights: impl Fn(usize) -> f64) -> DMatrix<f64> {
+        let mut r = &self.u * DMatrix::from_diagonal(&self.values) * self.v.transpose();
+        for j in 0..self.unknowns() {
+            r.column_mut(j).scale_mut(self.scale[j] * weights(j));
+        }
+        r
+    }
+
+    /// Singular values of Ψ·diag(weights), descending.
+    ///
+    /// # Errors
+    /// The decomposition does not converge.
+    pub fn singular_values(&self, weights: impl Fn(usize) -> f64) -> Result<DVector<f64>> {
+        Ok(sorted_svd(self.r_times(weights))?.1)
+    }
+
+    /// (ΨᵀΨ)⁻¹ on the determined unknowns, n × n; rows and columns of
+    /// undetermined ones are those of the pseudo-inverse and mean nothing.
+    pub fn inverse_information(&self) -> DMatrix<f64> {
+        let root = self.scaled_right_inverse();
+        &root * root.transpose()
+    }
+
+    /// D⁻¹ V Σ⁺: its rows' norms are the standard errors per unit σ.
+    fn scaled_right_inverse(&self) -> DMatrix<f64> {
+        let n = self.unknowns();
+        let mut root = self.v.columns(0, self.rank).into_owned();
+        for i in 0..self.rank {
+            root.column_mut(i).scale_mut(1.0 / self.values[i]);
+        }
+        for j in 0..n {
+            root.row_mut(j).scale_mut(1.0 / self.scale[j]);
+        }
+        root
+    }
+
+    /// Least-squares solution of Ψ H = Δ, Eq. (13), minimum norm in scaled
+    /// unknowns where Ψ loses rank.
+    ///
+    /// # Panics
+    /// If `delta` does not have one entry per row of Ψ.
+    pub fn solve(&self, delta: &DVector<f64>) -> DVector<f64> {
+        let mut padded = delta.clone();
+        if padded.len() < self.q.nrows() {
+            padded = padded.resize_vertically(self.q.nrows(), 0.0);
+        }
+        let projected = self.u.tr_mul(&self.q.tr_mul(&padded));
+        self.scaled_right_inverse() * projected.rows(0, self.rank)
+    }
+
+    /// The matrix that takes Δ to H, n × rows: Ψ⁺ in factored form, Eq. (14)
+    /// without the normal equations.
+    pub fn pseudo_inverse(&self, rows: usize) -> DMatrix<f64> {
+        let full = self.scaled_right_inverse() * (&self.q * self.u.columns(0, self.rank)).transpose();
+        full.columns(0, rows.min(full.ncols())).into_owned()
+    }
+
+    /// Standard errors per unit σ: sqrt of the diagonal of (ΨᵀΨ)⁻¹, `None` for
+    /// undetermined unknowns.
+    pub fn standard_errors(&self) -> Vec<Option<f64>> {
+        let root = self.scaled_right_inverse();
+        (0..self.unknowns())
+            .map(|j| (!self.undetermined.contains(&j)).then(|| root.row(j).norm()))
+            .collect()
+    }
+}
+
+/// SVD with singular values in descending order and an iteration cap.
+fn sorted_svd(matrix: DMatrix<f64>) -> Result<(DMatrix<f64>, DVector<f64>, DMatrix<f64>)> {
+    let failed = || Error::new(Code::Numerical, "The singular value decomposition did not converge.");
+    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, MAX_ITERATIONS).ok_or_else(failed)?;
+    let (u, v_t) = (svd.u.ok_or_else(failed)?, svd.v_t.ok_or_else(failed)?);
+    let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
+    order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
+    let values = DVector::from_iterator(order.len(), order.iter().map(|i| svd.singular_values[*i]));
+    Ok((u.select_columns(&order), values, v_t.select_rows(&order).transpose()))
+}
+
+/// Eigenvalues (ascending) and eigenvectors of a symmetric matrix, with an
+/// iteration cap; `None` when an entry is not finite or it does not converge.
+pub(crate) fn symmetric_eigen(matrix: DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    if matrix.iter().any(|v| !v.is_finite()) {
+        return None;
+    }
+    let eigen = SymmetricEigen::try_new(matrix, f64::EPSILON, MAX_ITERATIONS)?;
+    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+    let values = DVector::from_iterator(order.len(), order.iter().map(|i| eigen.eigenvalues[*i]));
+    Some((values, eigen.eigenvectors.select_columns(&order)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> DMatrix<f64> {
+        DMatrix::from_fn(9, 3, |i, j| ((i * 7 + j * 13 + i * j * 5) % 11) as f64 - 4.0)
+    }
+
+    #[test]
+    fn solve_inverts_and_pseudo_inverse_agrees() {
+        let psi = sample();
+        let h = DVector::from_column_slice(&[1e-6, 3e-7, 5e-6]);
+        let factor = Factor::new(&psi).unwrap();
+        let delta = &psi * &h;
+        assert!((factor.solve(&delta) - &h).amax() < 1e-18);
+        assert!((factor.pseudo_inverse(9) * delta - h).amax() < 1e-18);
+    }
+
+    #[test]
+    fn inverse_information_is_the_inverse_of_the_gram_matrix() {
+        let psi = sample();
+        let inverse = psi.tr_mul(&psi).try_inverse().unwrap();
+        let ours = Factor::new(&psi).unwrap().inverse_information();
+        assert!((ours - &inverse).amax() < 1e-12 * inverse.amax());
+    }
+
+    #[test]
+    fn zero_and_dependent_columns_are_named() {
+        let mut psi = sample();
+        psi.column_mut(1).fill(0.0);
+        assert_eq!(Factor::new(&psi).unwrap().undetermined(), [1]);
+        let mut psi = sample();
+        let twice = psi.column(0) * 2.0;
+        psi.column_mut(2).copy_from(&twice);
+        let factor = Factor::new(&psi).unwrap();
+        assert_eq!(factor.undetermined(), [0, 2]);
+        assert_eq!(factor.rank(), 2);
+        assert!(factor.scaled_condition().is_none());
+    }
+
+    #[test]
+    fn fewer_rows_than_unknowns_leave_joints_undetermined() {
+        let psi = sample().rows(0, 2).into_owned();
+        let factor = Factor::new(&psi).unwrap();
+        assert_eq!(factor.rank(), 2);
+        assert!(!factor.undetermined().is_empty());
+        assert_eq!(factor.pseudo_inverse(2).shape(), (3, 2));
+    }
+
+    #[test]
+    fn nan_is_stopped() {
+        let mut psi = sample();
+        psi[(2, 1)] = f64::NAN;
+        assert_eq!(Factor::new(&psi).unwrap_err().code(), Code::NotFinite);
+    }
+
+    #[test]
+    fn whitened_rows_have_the_weighted_information() {
+        let mut block = sample();
+        let direct = posture_information(&block, 0.2);
+        whiten_posture(&mut block, 0.2);
+        assert!((block.tr_mul(&block) - direct).amax() < 1e-10);
+    }
+}

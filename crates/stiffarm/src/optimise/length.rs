@@ -1,0 +1,93 @@
+//! The characteristic length: the L that minimises the smallest attainable
+//! k(J_N) over the joint bounds (Angeles' definition; the paper gives no L).
+
+use super::{Control, Evaluation, Options, minimise};
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::dexterity::log_condition_gradient;
+use crate::kinematics::Frames;
+use sobol_burley::sample;
+
+/// Starts of the search; every start of the reference cell ends at the same L.
+const STARTS: u32 = 64;
+
+/// Result of the search for the characteristic length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CharacteristicLength {
+    /// L \[m\].
+    pub length: f64,
+    /// The smallest k(J_N) over the bounds, attained at this L.
+    pub condition_number: f64,
+    /// A posture that attains it, controller angles \[rad\].
+    pub posture: Vec<f64>,
+}
+
+/// Minimises k(J_N) over the joint bounds and L, at measuring point 1.
+///
+/// Local minimisation from a fixed low-discrepancy set of starts: the result
+/// is the same each time, and global as far as these starts reach.
+///
+/// # Errors
+/// Fewer than six joints, or no posture within the bounds with full-rank J_N.
+pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
+    let robot = &cell.setup.robot;
+    let n = robot.joint_count();
+    if n < 6 {
+        return Err(Error::new(
+            Code::Unsupported,
+            format!("k(J_N) needs at least 6 joints, and {} has {n}.", robot.name()),
+        ));
+    }
+    let tcp = cell.setup.tool.tcp();
+    let reach: f64 = robot.joints().iter().map(|j| j.placement.translation.vector.norm()).sum::<f64>()
+        + robot.flange().translation.vector.norm()
+        + tcp.norm();
+    // ln L between a thousandth of the reach and the reach.
+    let mut bounds = cell.bounds.clone();
+    bounds.push([(1e-3 * reach).ln(), reach.ln()]);
+    let mut frames = Frames::new(robot, &vec![0.0; n]);
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for start in 0..STARTS {
+        let mut x: Vec<f64> = cell
+            .bounds
+            .iter()
+            .enumerate()
+            .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(start, j as u32, 0)))
+            .collect();
+        x.push((0.3 * reach).ln());
+        let evaluate = |x: &[f64]| {
+            frames.update(robot, &x[..n]);
+            let mut theta = vec![0.0; n];
+            let (value, by_length) = log_condition_gradient(&frames, &frames.point(&tcp), x[n].exp(), &mut theta);
+            let mut gradient = vec![0.0; n + 1];
+            robot.gradient_to_controller(&theta, &mut gradient[..n]);
+            gradient[n] = by_length;
+            Evaluation { objective: value, gradient, merit: value, ..Evaluation::default() }
+        };
+        let options = Options { max_iterations: 300, ..Options::default() };
+        let solution = minimise(&x, &bounds, 0, options, Control::default(), |_, _| {}, evaluate);
+        if best.as_ref().is_none_or(|(merit, _)| solution.merit < *merit) && solution.merit.is_finite() {
+            best = Some((solution.merit, solution.x));
+        }
+    }
+    let (merit, mut x) = best.ok_or_else(|| {
+        Error::new(
+            Code::Unsupported,
+            "No posture within the bounds has a full-rank Jacobian, so there is no characteristic length.",
+        )
+    })?;
+    let length = x.pop().unwrap_or(0.0).exp();
+    Ok(CharacteristicLength { length, condition_number: merit.exp(), posture: x })
+}
+
+/// The cell with its characteristic length, computed where it was left open.
+/// Robots with fewer than six joints stay without one.
+///
+/// # Errors
+/// As [`characteristic_length`], except for too few joints.
+pub fn with_characteristic_length(mut cell: Cell) -> Result<Cell> {
+    if cell.characteristic_length.is_none() && cell.setup.robot.joint_count() >= 6 {
+        cell.characteristic_length = Some(characteristic_length(&cell)?.length);
+    }
+    Ok(cell)
+}

@@ -1,0 +1,64 @@
+//! Bounded, constrained minimisation behind one function, and the
+//! characteristic length, which is the result of such a minimisation.
+
+mod length;
+mod slsqp;
+
+pub use length::{CharacteristicLength, characteristic_length, with_characteristic_length};
+pub use slsqp::{Evaluation, Options, Solution, minimise};
+
+use serde::{Deserialize, Serialize};
+
+/// Why a search ended. Not an error: the best result so far comes with it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Termination {
+    /// A local minimum to the tolerance asked for.
+    Converged,
+    /// No better point could be found along the search directions, without
+    /// the optimality conditions being met to the tolerance.
+    Stalled,
+    /// The budget of iterations is used up.
+    IterationLimit,
+    /// The user stopped it.
+    Interrupted,
+    /// No point that satisfies the cell's limits was found.
+    Infeasible,
+}
+
+impl Termination {
+    /// Words for a table.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Termination::Converged => "converged",
+            Termination::Stalled => "stalled",
+            Termination::IterationLimit => "iteration limit",
+            Termination::Interrupted => "interrupted",
+            Termination::Infeasible => "limits not met",
+        }
+    }
+}
+
+/// How a caller watches and stops long work.
+#[derive(Clone, Copy, Default)]
+pub struct Control<'a> {
+    /// Asked now and then; `true` stops with the best result so far.
+    pub stop: Option<&'a (dyn Fn() -> bool + Sync)>,
+    /// Told about finished steps: what, done, of how many.
+    pub progress: Option<&'a (dyn Fn(&str, usize, usize) + Sync)>,
+}
+
+impl Control<'_> {
+    /// True when the work should stop.
+    pub fn stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop())
+    }
+
+    /// Reports progress.
+    pub fn report(&self, what: &str, done: usize, of: usize) {
+        if let Some(progress) = self.progress {
+            progress(what, done, of);
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! The one place that talks to the nonlinear programming library: sequential
+//! least-squares programming (Kraft 1988, DFVLR-FB 88-28) with box bounds,
+//! inequality constraints and closed-form derivatives.
+
+use super::{Control, Termination};
+use basin::{
+    BoxBounds, ConstraintSet, ConstraintSolveError, CostFunction, DenseMatrix, Executor, Gradient,
+    NoLinearConstraints, NoNonlinearBlock, NonlinearBlock, NonlinearBlocks, SelectedFirstOrderState,
+    Slsqp, TerminationCode,
+};
+use std::cell::RefCell;
+
+/// A problem at one point: minimise `objective` with every `margins` ≥ 0.
+#[derive(Debug, Clone, Default)]
+pub struct Evaluation {
+    /// Objective.
+    pub objective: f64,
+    /// Its gradient.
+    pub gradient: Vec<f64>,
+    /// Constraint margins, each to be ≥ 0.
+    pub margins: Vec<f64>,
+    /// Their gradients, row by row.
+    pub margin_gradients: Vec<f64>,
+    /// The value the search is judged by (the objective without its epigraph
+    /// variable), and the largest violation of a hard limit.
+    pub merit: f64,
+    /// Violation of hard limits in their own unit; 0 when all are met.
+    pub violation: f64,
+}
+
+/// Budget and tolerance of one minimisation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Iterations in all restarts together.
+    pub max_iterations: u64,
+    /// Tolerance on objective change and optimality (both are logarithms of
+    /// the index here, so it is a relative one).
+    pub tolerance: f64,
+    /// Largest violation of a hard limit that counts as met.
+    pub feasibility: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { max_iterations: 2000, tolerance: 1e-10, feasibility: 1e-9 }
+    }
+}
+
+/// Result of a minimisation: the best point that meets the hard limits.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The point; the start where nothing feasible was found.
+    pub x: Vec<f64>,
+    /// Merit at the point, infinite where nothing feasible was found.
+    pub merit: f64,
+    /// Why it ended.
+    pub termination: Termination,
+    /// Iterations used.
+    pub iterations: u64,
+    /// Evaluations of the problem.
+    pub evaluations: u64,
+    /// ∞-norm of the projected gradient of the Lagrangian at the last iterate
+    /// (first-order optimality), where the solver reports it.
+    pub stationarity: Option<f64>,
+    /// Largest |multiplier × margin| there.
+    pub complementarity: Option<f64>,
+}
+
+impl Solution {
+    /// This solution as the continuation of `previous`: the better point of
+    /// both, the counts of both, the optimality of this one.
+    #[must_use]
+    pub fn after(self, previous: Solution) -> Solution {
+        let keep = previous.merit < self.merit;
+        Solution {
+            iterations: previous.iterations + self.iterations,
+            evaluations: previous.evaluations + self.evaluations,
+            x: if keep { previous.x } else { self.x },
+            merit: previous.merit.min(self.merit),
+            ..self
+        }
+    }
+}
+
+struct Stopped;
+
+struct Cache<F> {
+    evaluate: F,
+    at: Vec<f64>,
+    last: Evaluation,
+    best: Option<(f64, Vec<f64>)>,
+    evaluations: u64,
+}
+
+struct Problem<'a, F> {
+    cache: &'a RefCell<Cache<F>>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    margins: usize,
+    feasibility: f64,
+    control: Control<'a>,
+}
+
+impl<F: FnMut(&[f64]) -> Evaluation> Problem<'_, F> {
+    fn with<T>(&self, x: &[f64], read: impl FnOnce(&Evaluation) -> T) -> Result<T, Stopped> {
+        let mut cache = self.cache.borrow_mut();
+        if cache.at != x {
+            if self.control.stopped() {
+                return Err(Stopped);
+            }
+            cache.last = (cache.evaluate)(x);
+            cache.at = x.to_vec();
+            cache.evaluations += 1;
+            let (merit, violation) = (cache.last.merit, cache.last.violation);
+            let better = cache.best.as_ref().is_none_or(|(best, _)| merit < *best);
+            if violation <= self.feasibility && merit.is_finite() && better {
+                cache.best = Some((merit, x.to_vec()));
+            }
+        }
+        Ok(read(&cache.last))
+    }
+}
+
+impl<F> basin::Constraints for Problem<'_, F> {
+    type Set = ConstraintSet<
+        BoxBounds<Vec<f64>>,
+        NoLinearConstraints,
+        NonlinearBlocks<NoNonlinearBlock, NonlinearBlock>,
+    >;
+    fn constraints(&self) -> <Self::Set as basin::ConstraintDescription>::Borrowed<'_> {
+        ConstraintSet::new()
+            .with_bounds(BoxBounds::new(Some(&self.lower), Some(&self.upper)))
+            .with_nonlinear_inequalities(self.margins)
+    }
+}
+
+impl<F: FnMut(&[f64]) -> Evaluation> CostFunction for Problem<'_, F> {
+    type Param = Vec<f64>;
+    type Output = f64;
+    type Error = Stopped;
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, Stopped> {
+        self.with(x, |e| e.objective)
+    }
+}
+
+impl<F: FnMut(&[f64]) -> Evaluation> Gradient for Problem<'_, F> {
+    type Gradient = Vec<f64>;
+    fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
+        self.with(x, |e| e.gradient.clone())
+    }
+}
+
+impl<F: FnMut(&[f64]) -> Evaluation> basin::NonlinearInequalityValues for Problem<'_, F> {
+    type Param = Vec<f64>;
+    type Values = Vec<f64>;
+    type Error = Stopped;
+    fn nonlinear_inequalities(&self, x: &Vec<f64>) -> Result<Vec<f64>, ConstraintSolveError<Stopped>> {
+        // The library wants c(x) ≤ 0.
+        self.with(x, |e| e.margins.iter().map(|m| -m).collect()).map_err(ConstraintSolveError::Evaluation)
+    }
+}
+
+impl<F: FnMut(&[f64]) -> Evaluation> basin::ConstraintJacobian for Problem<'_, F> {
+    type Param = Vec<f64>;
+    type Jacobian = DenseMatrix;
+    type Error = Stopped;
+    fn constraint_jacobian(&self, x: &Vec<f64>) -> Result<DenseMatrix, ConstraintSolveError<Stopped>> {
+        let columns = x.len();
+        self.with(x, |e| {
+            DenseMatrix::from_fn(self.margins, columns, |i, j| -e.margin_gradients[i * columns + j])
+        })
+        .map_err(ConstraintSolveError::Evaluation)
+    }
+}
+
+/// Rounds of restarting with a fresh curvature estimate; each must improve.
+const MAX_RESTARTS: usize = 12;
+
+/// Minimises from `start` within `bounds`, restarting with a fresh curvature
+/// estimate while that still improves. `prepare` may reset dependent variables
+/// (an epigraph variable) before each round.
+pub fn minimise(
+    start: &[f64],
+    bounds: &[[f64; 2]],
+    margins: usize,
+    options: Options,
+    control: Control<'_>,
+    prepare: impl Fn(&mut [f64], &mut dyn FnMut(&[f64]) -> Evaluation),
+    evaluate: impl FnMut(&[f64]) -> Evaluation,
+) -> Solution {
+    let cache = RefCell::new(Cache {
+        evaluate,
+        at: Vec::new(),
+        last: Evaluation::default(),
+        best: None,
+        evaluations: 0,
+    });
+    let mut x = start.to_vec();
+    let mut solution = Solution {
+        x: start.to_vec(),
+        merit: f64::INFINITY,
+        termination: Termination::Stalled,
+        iterations: 0,
+        evaluations: 0,
+        stationarity: None,
+        complementarity: None,
+    };
+    for _ in 0..MAX_RESTARTS {
+        let best_merit = || cache.borrow().best.as_ref().map_or(f64::INFINITY, |b| b.0);
+        let before = best_merit();
+        prepare(&mut x, &mut cache.borrow_mut().evaluate);
+        let left = options.max_iterations.saturating_sub(solution.iterations);
+        let problem = Problem {
+            cache: &cache,
+            lower: bounds.iter().map(|b| b[0]).collect(),
+            upper: bounds.iter().map(|b| b[1]).collect(),
+            margins,
+            feasibility: options.feasibility,
+            control,
+        };
+        let solver = Slsqp::new().with_absolute_accuracy_tolerance(options.tolerance);
+        let executor = Executor::new(problem, solver, SelectedFirstOrderState::new(x.clone()));
+        let run = executor.max_iter(left).run_with_solver();
+        let mut last = None;
+        match run {
+            Ok(result) => {
+                solution.iterations += basin::State::iter(&result.state);
+                solution.stationarity = result.solver.stationarity();
+                solution.complementarity = result.solver.complementarity();
+                solution.termination = match result.report.code() {
+                    TerminationCode::SolverConverged => Termination::Converged,
+                    TerminationCode::MaxIter => Termination::IterationLimit,
+                    _ => Termination::Stalled,
+                };
+                last = Some(basin::State::param(&result.state).clone());
+            }
+            Err(_) if control.stopped() => solution.termination = Termination::Interrupted,
+            Err(_) => solution.termination = Termination::Stalled,
+        }
+        let after = best_merit();
+        let done = matches!(solution.termination, Termination::IterationLimit | Termination::Interrupted);
+        // NaN-free: merits are finite or infinite.
+        let improved = after < before - options.tolerance || (after.is_infinite() && before.is_infinite());
+        match (&cache.borrow().best, last) {
+            (Some((_, best)), _) => x.clone_from(best),
+            (None, Some(last)) => x = last,
+            (None, None) => {}
+        }
+        if done || (!improved && before.is_finite()) {
+            break;
+        }
+        if after.is_infinite() && solution.termination == Termination::Converged {
+            break;
+        }
+    }
+    let cache = cache.into_inner();
+    solution.evaluations = cache.evaluations;
+    match cache.best {
+        Some((merit, best)) => {
+            solution.merit = merit;
+            solution.x = best;
+        }
+        None if solution.termination != Termination::Interrupted => {
+            solution.termination = Termination::Infeasible;
+        }
+        None => {}
+    }
+    solution
+}

@@ -1,0 +1,238 @@
+//! Choosing postures: the paper's procedure, from an initial group (Section III.B).
+
+mod random;
+
+pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::{GroupEvaluation, Index, IndexFunction, Indices, evaluate};
+use crate::observation::PostureTerms;
+use crate::optimise::{Control, Evaluation, Options, Solution, Termination, minimise};
+use crate::posture::PostureGroup;
+use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
+
+/// Margin kept from hard limits so that rounding never crosses them \[m\].
+const LIMIT_GUARD: f64 = 5e-10;
+/// Range of the epigraph variable, the logarithm of an index part.
+const EPIGRAPH_RANGE: [f64; 2] = [-200.0, 200.0];
+
+/// Stages of the smoothing of coalescing singular values; the last is off by
+/// at most ln(6)/p = 3·10⁻⁵ of the index.
+const SHARPNESS: [Option<f64>; 5] = [Some(30.0), Some(300.0), Some(3e3), Some(3e4), Some(6e4)];
+
+/// Result of a selection.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Selection {
+    /// The index that was minimised (maximised for O1 to O5).
+    pub index: Index,
+    /// Its value at the selected postures.
+    pub value: f64,
+    /// Its value at the initial group, `None` where it does not exist there.
+    pub start_value: Option<f64>,
+    /// Every index of the selected postures.
+    pub indices: Indices,
+    /// Selected postures, controller angles \[deg\].
+    pub postures_deg: Vec<Vec<f64>>,
+    /// Why the search ended.
+    pub termination: Termination,
+    /// Number of initial groups tried.
+    pub starts: usize,
+    /// Evaluations of index, limits and their derivatives.
+    pub evaluations: u64,
+    /// Iterations of the optimiser.
+    pub iterations: u64,
+    /// First-order optimality: ∞-norm of the projected gradient of the
+    /// Lagrangian of ln(index) \[1/rad\] at the last iterate.
+    pub stationarity: Option<f64>,
+    /// Smallest margin to a limit of the cell \[m\], `None` without limits.
+    pub smallest_margin_m: Option<f64>,
+    /// Names of the selected group.
+    #[serde(skip)]
+    pub group: Vec<Vec<f64>>,
+}
+
+impl Selection {
+    /// The selected postures as a named group.
+    pub fn to_group(&self, name: &str) -> PostureGroup {
+        PostureGroup::from_angles(name, self.group.iter().cloned())
+    }
+}
+
+/// Selects postures from an initial group under `index`, Section III.B: the
+/// index is minimised over all controller angles at once, within the bounds
+/// and the limits of the cell, by a local method.
+///
+/// `initial` holds controller angles \[rad\]; its length is the number of
+/// postures. Angles outside the bounds are moved onto them first.
+///
+/// # Errors
+/// An empty group, a cell without what the index needs, postures that cannot
+/// determine all joints, or limits that the search could not meet.
+pub fn select_from<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    initial: &[Q],
+    options: Options,
+    control: Control<'_>,
+) -> Result<Selection> {
+    let setup = &cell.setup;
+    let n = setup.robot.joint_count();
+    let count = initial.len();
+    let start_evaluation = evaluate(cell, "start", initial)?;
+    let function = RefCell::new(IndexFunction::new(cell, index, count)?);
+    let limits_per_posture = cell.limits.count(setup);
+    let components = function.borrow().component_count();
+    let epigraph = usize::from(components > 0);
+    let variables = n * count + epigraph;
+    let margins = components + limits_per_posture * count;
+
+    let mut bounds: Vec<[f64; 2]> = cell.bounds.iter().copied().cycle().take(n * count).collect();
+    let mut start: Vec<f64> = initial.iter().flat_map(|q| q.as_ref().iter().copied()).collect();
+    for (x, b) in start.iter_mut().zip(&bounds) {
+        *x = x.clamp(b[0], b[1]);
+    }
+    if epigraph == 1 {
+        bounds.push(EPIGRAPH_RANGE);
+        start.push(0.0);
+    }
+    let middle: Vec<f64> = start[..n].to_vec();
+    let mut terms = PostureTerms::new(setup, &middle, None)?;
+    let mut row = vec![0.0; n];
+    let mut limit_values = vec![0.0; limits_per_posture];
+    let mut limit_gradients = vec![0.0; limits_per_posture * n];
+
+    let mut evaluate_at = |x: &[f64]| {
+        let q = &x[..n * count];
+        let minimax = function.borrow_mut().evaluate(q);
+        let mut out = Evaluation {
+            objective: minimax.smooth,
+            gradient: minimax.smooth_gradient.clone(),
+            margins: vec![0.0; margins],
+            margin_gradients: vec![0.0; margins * variables],
+            merit: minimax.value(),
+            violation: 0.0,
+        };
+        if epigraph == 1 {
+            // Epigraph: minimise smooth + t with t ≥ every component.
+            let t = x[n * count];
+            out.objective += t;
+            out.gradient.push(1.0);
+            for c in 0..components {
+                out.margins[c] = t - minimax.components[c];
+                let target = &mut out.margin_gradients[c * variables..(c + 1) * variables];
+                for (g, d) in target.iter_mut().zip(&minimax.component_gradients[c * n * count..]) {
+                    *g = -d;
+                }
+                target[n * count] = 1.0;
+            }
+        }
+        for p in 0..count {
+            if limits_per_posture == 0 || terms.update(setup, &q[n * p..n * (p + 1)]).is_err() {
+                continue;
+            }
+            cell.limits.evaluate(setup, &terms, &mut limit_values, Some(&mut limit_gradients));
+            for l in 0..limits_per_posture {
+                let at = components + p * limits_per_posture + l;
+                out.margins[at] = limit_values[l] - LIMIT_GUARD;
+                out.violation = out.violation.max(-limit_values[l]);
+                setup.robot.gradient_to_controller(&limit_gradients[l * n..(l + 1) * n], &mut row);
+                let offset = at * variables + p * n;
+                out.margin_gradients[offset..offset + n].copy_from_slice(&row);
+            }
+        }
+        out
+    };
+    let prepare = |x: &mut [f64], evaluate: &mut dyn FnMut(&[f64]) -> Evaluation| {
+        if epigraph == 1 {
+            // The smallest feasible t at these postures.
+            x[n * count] = 0.0;
+            let slack = evaluate(x).margins[..components].iter().copied().fold(f64::INFINITY, f64::min);
+            x[n * count] = if slack.is_finite() { -slack } else { EPIGRAPH_RANGE[1] };
+        }
+    };
+    // Where singular values coalesce the gradient of cond(Ψ) jumps, as that of
+    // max k(J_N) does: the first is smoothed ever more sharply, the second has
+    // its epigraph variable.
+    let stages: &[Option<f64>] = match function.borrow().has_extreme_singular_values() {
+        true => &SHARPNESS,
+        false => &[None],
+    };
+    let mut solution: Option<Solution> = None;
+    for sharpness in stages {
+        function.borrow_mut().set_sharpness(*sharpness);
+        let from = solution.as_ref().map_or(&start, |s| &s.x);
+        let used = solution.as_ref().map_or(0, |s| s.iterations);
+        let left = Options { max_iterations: options.max_iterations.saturating_sub(used), ..options };
+        let next = minimise(from, &bounds, margins, left, control, prepare, &mut evaluate_at);
+        solution = Some(match solution {
+            Some(previous) => next.after(previous),
+            None => next,
+        });
+    }
+    let Some(solution) = solution else {
+        return Err(Error::new(Code::Internal, "A selection without a stage."));
+    };
+    if !solution.merit.is_finite() {
+        return Err(no_result(cell, index, &start_evaluation, solution.termination));
+    }
+    let group: Vec<Vec<f64>> = solution.x[..n * count].chunks_exact(n).map(<[f64]>::to_vec).collect();
+    let evaluation = evaluate(cell, index.as_str(), &group)?;
+    let value = evaluation.indices.get(index).ok_or_else(|| {
+        no_result(cell, index, &evaluation, solution.termination)
+    })?;
+    Ok(Selection {
+        index,
+        value,
+        start_value: start_evaluation.indices.get(index),
+        indices: evaluation.indices,
+        postures_deg: group.iter().map(|q| q.iter().map(|a| a.to_degrees()).collect()).collect(),
+        termination: solution.termination,
+        starts: 1,
+        evaluations: solution.evaluations,
+        iterations: solution.iterations,
+        stationarity: solution.stationarity,
+        smallest_margin_m: smallest_margin(cell, &group)?,
+        group,
+    })
+}
+
+/// Smallest margin of a group to the cell's limits \[m\], `None` without limits.
+///
+/// # Errors
+/// As [`PostureTerms::new`].
+pub fn smallest_margin<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Result<Option<f64>> {
+    let mut smallest: Option<f64> = None;
+    for q in postures {
+        let terms = PostureTerms::new(&cell.setup, q.as_ref(), None)?;
+        if let Some(margin) = cell.limits.smallest(&cell.setup, &terms) {
+            smallest = Some(smallest.map_or(margin.margin, |s| s.min(margin.margin)));
+        }
+    }
+    Ok(smallest)
+}
+
+fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termination: Termination) -> Error {
+    if termination == Termination::Interrupted {
+        return Error::new(Code::Interrupted, "Stopped before any posture group met the cell's limits.");
+    }
+    if index.uses_observation() && !at.undetermined_joints.is_empty() {
+        return Error::new(
+            Code::NotIdentifiable,
+            format!(
+                "{} postures with this load cannot determine {}.",
+                at.posture_count,
+                at.undetermined_joints.join(", ")
+            ),
+        )
+        .hint("add postures or measuring points, or move the load off the joint's axis");
+    }
+    let limits = if cell.limits.is_empty() { "the joint bounds" } else { "the cell's limits" };
+    Error::new(
+        Code::InvalidValue,
+        format!("No group of {} postures that meets {limits} was found from this start.", at.posture_count),
+    )
+    .hint("start from postures inside the limits, or relax [limits] and [bounds]")
+}

@@ -1,0 +1,60 @@
+//! Random initial groups, reproducible from a seed.
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::observation::PostureTerms;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Half-width of the wrist angles of a hand-picked-like group: 30°.
+pub const SMALL_WRIST_RAD: f64 = std::f64::consts::FRAC_PI_6;
+/// Draws per posture before a start counts as impossible.
+const MAX_DRAWS: usize = 20_000;
+
+/// How the postures of an initial group are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartKind {
+    /// Uniform within the bounds.
+    Uniform,
+    /// As an engineer picks them: the last three joints within ±30° (and the
+    /// bounds), the others uniform.
+    SmallWrist,
+}
+
+/// Draws a group of `count` postures (controller angles, rad) within the bounds
+/// and the limits of the cell. Group `stream` of `seed` is always the same.
+///
+/// # Errors
+/// No posture inside the limits was found.
+pub fn random_group(cell: &Cell, kind: StartKind, count: usize, seed: u64, stream: u64) -> Result<Vec<Vec<f64>>> {
+    let n = cell.setup.robot.joint_count();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream);
+    let bounds: Vec<[f64; 2]> = cell
+        .bounds
+        .iter()
+        .enumerate()
+        .map(|(j, b)| {
+            let narrow = [b[0].max(-SMALL_WRIST_RAD), b[1].min(SMALL_WRIST_RAD)];
+            let wrist = kind == StartKind::SmallWrist && j + 3 >= n && narrow[0] < narrow[1];
+            if wrist { narrow } else { *b }
+        })
+        .collect();
+    (0..count)
+        .map(|_| {
+            for _ in 0..MAX_DRAWS {
+                let q: Vec<f64> = bounds.iter().map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>()).collect();
+                let terms = PostureTerms::new(&cell.setup, &q, None)?;
+                if cell.limits.smallest(&cell.setup, &terms).is_none_or(|m| m.margin >= 0.0) {
+                    return Ok(q);
+                }
+            }
+            Err(Error::new(
+                Code::InvalidValue,
+                format!("None of {MAX_DRAWS} random postures within the bounds meets the cell's limits."),
+            )
+            .key("limits")
+            .hint("check the limits' frame (robot base) and unit (mm)"))
+        })
+        .collect()
+}

@@ -1,0 +1,277 @@
+//! Monte Carlo simulation of an identification with tracker noise, Section IV.A.
+
+use crate::cell::{Cell, Noise};
+use crate::error::{Code, Error, Result};
+use crate::index::evaluate;
+use crate::information::{Factor, whiten_posture};
+use crate::observation::{Rows, observation_matrix};
+use crate::optimise::Control;
+use crate::posture::PostureGroup;
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+/// Relative standard error above which the mean of |1/Ĥ − k|/k is flagged and
+/// the median printed: E|1/Ĥ| does not even exist.
+pub const FIRST_ORDER_LIMIT: f64 = 0.1;
+
+/// Options of a simulation; the default is the paper's: six levels of
+/// {0.5 … 3.0} times the variance, 200 runs (Table 3).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SimulationOptions {
+    /// Factors on the reading variance, one per noise level.
+    pub variance_factors: Vec<f64>,
+    /// Runs per group and level.
+    pub runs: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        SimulationOptions { variance_factors: vec![0.5, 1.0, 1.5, 2.0, 2.5, 3.0], runs: 200, seed: 1 }
+    }
+}
+
+/// One noise level of one group; vectors have one entry per joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LevelResult {
+    /// Factor on the reading variance.
+    pub variance_factor: f64,
+    /// Mean of |k̂ − k|/k over the runs (fraction), Fig. 8.
+    pub mean_deviation: Vec<f64>,
+    /// Monte Carlo standard error of that mean.
+    pub standard_error: Vec<f64>,
+    /// Median of |k̂ − k|/k, which exists where the mean does not.
+    pub median_deviation: Vec<f64>,
+    /// Closed form sqrt(2/π)·σ k_j sqrt([(ΨᵀΨ)⁻¹]_jj), first order.
+    pub expected_deviation: Vec<f64>,
+    /// Mean of |Ĥ − H|/H over the runs, which the closed form meets exactly.
+    pub compliance_mean_deviation: Vec<f64>,
+    /// Its Monte Carlo standard error.
+    pub compliance_standard_error: Vec<f64>,
+    /// True where the relative standard error is above 0.1: read the median.
+    pub beyond_first_order: Vec<bool>,
+    /// |k̂ − k|/k of the first run, an illustration case as in Table 4.
+    pub first_run_deviation: Vec<f64>,
+}
+
+/// All levels of one group.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GroupSimulation {
+    /// Name of the group.
+    pub name: String,
+    /// Its noise levels.
+    pub levels: Vec<LevelResult>,
+}
+
+/// Result of a simulation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Simulation {
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// Runs per group and level.
+    pub runs: usize,
+    /// The groups, in the order given.
+    pub groups: Vec<GroupSimulation>,
+}
+
+/// Simulates identifications of every group at every noise level.
+///
+/// Truth is the cell's prior stiffness; each run adds fresh noise to the exact
+/// linear displacements and identifies from them. Run r of group g at level l
+/// always draws the same numbers, for any number of threads.
+///
+/// # Errors
+/// No prior, no runs, a negative factor, or a group that cannot determine all
+/// joints (they are named).
+pub fn simulate(
+    cell: &Cell,
+    groups: &[PostureGroup],
+    options: &SimulationOptions,
+    control: Control<'_>,
+) -> Result<Simulation> {
+    let prior = cell.require_prior()?;
+    if options.runs == 0 || options.variance_factors.is_empty() {
+        return Err(Error::new(Code::InvalidValue, "A simulation needs at least one run and one noise level."));
+    }
+    if options.variance_factors.iter().any(|f| !(f.is_finite() && *f >= 0.0)) {
+        return Err(Error::new(Code::InvalidValue, "A factor on the noise variance must be 0 or above."));
+    }
+    let mut jobs = Vec::new();
+    for (g, group) in groups.iter().enumerate() {
+        let evaluation = evaluate(cell, &group.name, &group.postures)?;
+        if !evaluation.undetermined_joints.is_empty() {
+            return Err(Error::new(
+                Code::NotIdentifiable,
+                format!("\"{}\" cannot determine {}.", group.name, evaluation.undetermined_joints.join(", ")),
+            )
+            .hint("evaluate shows which joints each group determines"));
+        }
+        let psi = observation_matrix(&cell.setup, &group.postures, Rows::Translations)?;
+        for (l, factor) in options.variance_factors.iter().enumerate() {
+            jobs.push((g, l, *factor, psi.clone()));
+        }
+    }
+    let total = jobs.len();
+    let run = |(i, (g, l, factor, psi)): (usize, &(usize, usize, f64, DMatrix<f64>))| {
+        if control.stopped() {
+            return Err(Error::new(Code::Interrupted, "The simulation was stopped."));
+        }
+        let level = simulate_level(cell, psi, prior, *factor, options, (*g, *l));
+        control.report("simulating", i + 1, total);
+        level
+    };
+    let levels: Vec<LevelResult> = in_order(&jobs, run)?;
+    let per_group = options.variance_factors.len();
+    Ok(Simulation {
+        joints: cell.setup.robot.spring_names(),
+        runs: options.runs,
+        groups: groups
+            .iter()
+            .zip(levels.chunks(per_group))
+            .map(|(group, levels)| GroupSimulation { name: group.name.clone(), levels: levels.to_vec() })
+            .collect(),
+    })
+}
+
+/// Maps `jobs` on all cores, results in the order of the jobs.
+pub(crate) fn in_order<J: Sync, T: Send>(
+    jobs: &[J],
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+) -> Result<Vec<T>> {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        jobs.par_iter().enumerate().map(run).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        jobs.iter().enumerate().map(run).collect()
+    }
+}
+
+/// Noise of the displacements of `postures` postures with `points` points each.
+pub(crate) fn draw_noise(rng: &mut ChaCha8Rng, noise: &Noise, postures: usize, points: usize) -> DVector<f64> {
+    let sigma = noise.displacement_std();
+    let tau = noise.posture_common_std;
+    let mut out = DVector::zeros(3 * points * postures);
+    for p in 0..postures {
+        let common: [f64; 3] = match tau > 0.0 {
+            true => std::array::from_fn(|_| normal(rng) * tau),
+            false => [0.0; 3],
+        };
+        for i in 0..3 * points {
+            out[3 * points * p + i] = normal(rng) * sigma + common[i % 3];
+        }
+    }
+    out
+}
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+/// The random numbers of one run.
+pub(crate) fn run_rng(seed: u64, group: usize, level: usize, run: usize) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(((group as u64) << 44) | ((level as u64) << 34) | run as u64);
+    rng
+}
+
+fn simulate_level(
+    cell: &Cell,
+    psi: &DMatrix<f64>,
+    prior: &[f64],
+    factor: f64,
+    options: &SimulationOptions,
+    (group, level): (usize, usize),
+) -> Result<LevelResult> {
+    let n = prior.len();
+    let points = cell.setup.tool.point_count();
+    let rows = 3 * points;
+    let postures = psi.nrows() / rows;
+    let noise = Noise { reading_variance: cell.noise.reading_variance * factor, ..cell.noise };
+    let weight = noise.common_weight(points);
+    let whiten = |matrix: &mut DMatrix<f64>| {
+        if weight > 0.0 {
+            for p in 0..postures {
+                let mut block = matrix.rows(rows * p, rows).into_owned();
+                whiten_posture(&mut block, weight);
+                matrix.rows_mut(rows * p, rows).copy_from(&block);
+            }
+        }
+    };
+    let mut whitened = psi.clone();
+    whiten(&mut whitened);
+    let factor_of_psi = Factor::new(&whitened)?;
+    let inverse = factor_of_psi.pseudo_inverse(psi.nrows());
+    let relative: Vec<f64> = factor_of_psi
+        .standard_errors()
+        .iter()
+        .zip(prior)
+        .map(|(e, k)| e.unwrap_or(f64::INFINITY) * k * noise.displacement_std())
+        .collect();
+    let mut deviations = vec![Vec::with_capacity(options.runs); n];
+    let mut compliance_deviations = vec![Vec::with_capacity(options.runs); n];
+    for run in 0..options.runs {
+        let mut rng = run_rng(options.seed, group, level, run);
+        let mut error = DMatrix::from_columns(&[draw_noise(&mut rng, &noise, postures, points)]);
+        whiten(&mut error);
+        // Ĥ = Ψ⁺(ΨH + ε) = H + Ψ⁺ε: the exact part cancels.
+        let shift = &inverse * error;
+        for j in 0..n {
+            let relative_shift = shift[j] * prior[j];
+            compliance_deviations[j].push(relative_shift.abs());
+            // |1/Ĥ − k|/k with Ĥ = H(1 + relative shift).
+            deviations[j].push((1.0 / (1.0 + relative_shift) - 1.0).abs());
+        }
+    }
+    let mean_deviation: Vec<f64> = deviations.iter().map(|d| mean(d)).collect();
+    Ok(LevelResult {
+        variance_factor: factor,
+        standard_error: deviations.iter().map(|d| standard_error(d)).collect(),
+        median_deviation: deviations.iter().map(|d| median(d)).collect(),
+        expected_deviation: relative.iter().map(|e| crate::index::expected_deviation(*e)).collect(),
+        compliance_mean_deviation: compliance_deviations.iter().map(|d| mean(d)).collect(),
+        compliance_standard_error: compliance_deviations.iter().map(|d| standard_error(d)).collect(),
+        beyond_first_order: relative.iter().map(|e| *e > FIRST_ORDER_LIMIT).collect(),
+        first_run_deviation: deviations.iter().map(|d| d[0]).collect(),
+        mean_deviation,
+    })
+}
+
+/// Arithmetic mean; NaN-free for non-empty finite input.
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Standard error of the mean; zero for a single value.
+fn standard_error(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let m = mean(values);
+    let sum: f64 = values.iter().map(|v| (v - m).powi(2)).sum();
+    (sum / (values.len() - 1) as f64 / values.len() as f64).sqrt()
+}
+
+/// Median; the mean of the two middle values for an even count.
+pub(crate) fn median(values: &[f64]) -> f64 {
+    quantile_of(values, 0.5)
+}
+
+/// Quantile by linear interpolation between order statistics.
+pub(crate) fn quantile_of(values: &[f64], p: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = p * (sorted.len() - 1) as f64;
+    let (low, high) = (at.floor() as usize, at.ceil() as usize);
+    sorted[low] + (sorted[high] - sorted[low]) * (at - low as f64)
+}

@@ -1,0 +1,452 @@
+//! Posture and measurement tables: what is read, what is written, and how each
+//! slip is reported.
+
+#![cfg(feature = "files")]
+
+use proptest::prelude::*;
+use stiffarm::builtin;
+use stiffarm::cell::Cell;
+use stiffarm::cell::file::parse_cell;
+use stiffarm::load::Wrench;
+use stiffarm::measurement::{Displacement, MeasuredPosture};
+use stiffarm::posture::Posture;
+use stiffarm::table::{
+    read_displacements, read_postures, reading_sheet, write_displacements, write_postures,
+};
+
+type Check = Result<(), Box<dyn std::error::Error>>;
+
+/// Two joints, the points `left` and `right`, and the given load.
+fn small_cell(load: &str) -> Cell {
+    let text = format!(
+        "format = 1\nrobot.dh_modified = [[0, 0, 800, 0], [-90, 400, 0, -90]]\n\
+         robot.limits_deg = [[-170, 170], [-75, 95]]\n\
+         tool.loading_point_mm = [200, 0, 250]\n\
+         [[tool.measuring_point]]\nname = 'left'\nposition_mm = [150, 0, 200]\n\
+         [[tool.measuring_point]]\nname = 'right'\nposition_mm = [0, 150, 200]\n\
+         [load]\n{load}\n"
+    );
+    parse_cell(&text, "small.toml").unwrap()
+}
+
+fn rope_cell() -> Cell {
+    small_cell("kind = 'rope'\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]")
+}
+
+fn measured_cell() -> Cell {
+    small_cell("kind = 'measured'")
+}
+
+const POSTURES: &str = "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,-90.25,45\n";
+
+const DISPLACEMENTS: &str = "\
+posture,state,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,time_s,q1_deg,q2_deg
+P1,up,left,0.125,-0.5,0.25,100,0,-500,1,2,3,10.5,12.5,-30
+P1,up,right,0.25,-0.5,0.25,100,0,-500,1,2,3,11,12.5,-30
+P1,down,left,0.5,-0.5,0.25,90,0,-480,1,2,3,,12.5,-30
+P1,up,left,0.126,-0.5,0.25,100,0,-500,1,2,3,12,12.5,-30
+P2,up,right,1e-3,0,0.25,100,0,-500,0,0,0,13,-90.25,45
+";
+
+fn postures(text: &str) -> stiffarm::Result<Vec<Posture>> {
+    read_postures(text.as_bytes(), "postures.csv", &rope_cell().setup.robot)
+}
+
+fn displacements(text: &str, cell: &Cell) -> stiffarm::Result<Vec<MeasuredPosture>> {
+    read_displacements(text.as_bytes(), "measurements.csv", cell, None)
+}
+
+#[test]
+fn postures_are_read_in_radians() -> Check {
+    let read = postures(POSTURES)?;
+    assert_eq!(read.len(), 2);
+    assert_eq!(read[1].name, "P2");
+    assert_eq!(read[1].q, [-90.25f64, 45.0].map(f64::to_radians));
+    assert_eq!(write_postures(&read), POSTURES);
+    Ok(())
+}
+
+#[test]
+fn spreadsheets_write_the_same_table_in_many_ways() -> Check {
+    let plain = postures(POSTURES)?;
+    let european = POSTURES.replace(',', ";").replace('.', ",");
+    let same = [
+        format!("\u{feff}{POSTURES}"),
+        POSTURES.replace('\n', "\r\n"),
+        POSTURES.replace('\n', "\r"),
+        POSTURES.trim_end().to_string(),
+        format!("# a comment, with a comma\n\n{POSTURES}\n\n  \n# another; comment\n"),
+        POSTURES.replace('\n', ",,\n"),
+        format!("{POSTURES},,\n,,\n"),
+        POSTURES.replace("P1,12.5", "\"P1\",\"12.5\""),
+        POSTURES.replace(',', " , "),
+        POSTURES.replace("q1_deg", "Q1_Deg"),
+        "q2_deg,posture,q1_deg\n-30,P1,12.5\n45,P2,-90.25\n".to_string(),
+        european.clone(),
+        format!("sep=;\r\n{}", european.replace('\n', "\r\n")),
+        POSTURES.replace(',', ";"),
+        POSTURES.replace(',', "\t"),
+        POSTURES.replace(',', "\t").replace('.', ","),
+    ];
+    for text in same {
+        assert_eq!(postures(&text)?, plain, "{text}");
+    }
+    Ok(())
+}
+
+#[test]
+fn rows_of_a_posture_and_state_are_one_measurement() -> Check {
+    let cell = measured_cell();
+    let read = displacements(DISPLACEMENTS, &cell)?;
+    let names: Vec<_> = read
+        .iter()
+        .map(|m| (m.posture.name.as_str(), m.state.as_str()))
+        .collect();
+    assert_eq!(names, [("P1", "up"), ("P1", "down"), ("P2", "up")]);
+    let points: Vec<_> = read[0].displacements.iter().map(|d| d.point).collect();
+    assert_eq!(points, [0, 1, 0], "a repeat is kept");
+    assert_eq!(
+        read[0].displacements[0].value.as_slice(),
+        [0.125e-3, -0.5e-3, 0.25e-3]
+    );
+    assert_eq!(read[0].displacements[2].time, Some(12.0));
+    assert_eq!(read[1].displacements[0].time, None);
+    let wrench = read[0].wrench.ok_or("no wrench")?;
+    assert_eq!(wrench.force.as_slice(), [100.0, 0.0, -500.0]);
+    assert_eq!(wrench.moment.as_slice(), [1.0, 2.0, 3.0]);
+    assert_eq!(read[0].posture.q, [12.5f64, -30.0].map(f64::to_radians));
+    // Written group by group; read again it is the same.
+    let written = write_displacements(&read, &cell);
+    assert_eq!(displacements(&written, &cell)?, read);
+    Ok(())
+}
+
+#[test]
+fn what_a_measurement_table_may_leave_out() -> Check {
+    let cell = rope_cell();
+    let text = "posture,point,dx_mm,dy_mm,dz_mm\nP2,left,1,2,3\nP1,left,4,5,6\n";
+    let planned = postures(POSTURES)?;
+    let read = read_displacements(text.as_bytes(), "m.csv", &cell, Some(&planned))?;
+    assert_eq!(read[0].posture, planned[1]);
+    assert_eq!(read[0].state, "loaded");
+    assert_eq!(read[0].wrench, None, "the cell's load gives it");
+
+    // Both sources of angles, in agreement; a force without a moment.
+    let text = "posture,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,q1_deg,q2_deg\n\
+                P1,left,1,2,3,10,20,30,12.5000005,-30\n";
+    let read = read_displacements(text.as_bytes(), "m.csv", &cell, Some(&planned))?;
+    let wrench = read[0].wrench.ok_or("the measured wrench wins")?;
+    assert_eq!(wrench.force.as_slice(), [10.0, 20.0, 30.0]);
+    assert_eq!(wrench.moment.as_slice(), [0.0; 3]);
+    assert_eq!(read[0].posture.q[0], 12.5000005f64.to_radians());
+    Ok(())
+}
+
+#[test]
+fn a_mixed_list_is_written_with_the_load_of_the_cell() -> Check {
+    let cell = rope_cell();
+    let mut read = displacements(DISPLACEMENTS, &cell)?;
+    read[2].wrench = None;
+    let written = write_displacements(&read, &cell);
+    let again = displacements(&written, &cell)?;
+    let force = again[2].wrench.ok_or("no wrench")?.force;
+    assert!(
+        (force.norm() - 500.0).abs() < 1e-9,
+        "the rope's 500 N: {force}"
+    );
+    Ok(())
+}
+
+#[test]
+fn a_reading_sheet_is_a_table_to_fill_in() -> Check {
+    let cell = measured_cell();
+    let planned = postures(POSTURES)?;
+    let sheet = reading_sheet(&planned, &["up", "down"], &cell);
+    insta::assert_snapshot!("reading_sheet", sheet);
+    let error = displacements(&sheet, &cell).unwrap_err();
+    assert!(error.message().contains("is empty"), "{error}");
+    let filled = sheet.replace(",,,,,,,", ",1,2,3,4,5,6,");
+    assert_eq!(displacements(&filled, &cell)?.len(), 4);
+    Ok(())
+}
+
+#[test]
+fn names_that_need_quotation_marks() -> Check {
+    let name = "#1, \"home\"; left";
+    let list = vec![Posture {
+        name: name.to_string(),
+        q: vec![0.25f64.to_radians(), 0.0],
+    }];
+    assert_eq!(postures(&write_postures(&list))?, list);
+    Ok(())
+}
+
+/// Posture tables with a slip.
+const POSTURE_SLIPS: &[(&str, &str)] = &[
+    ("empty", ""),
+    ("only a comment", "# nothing\n\n"),
+    ("heading only", "posture,q1_deg,q2_deg\n"),
+    ("no heading", "P1,12.5,-30\nP2,-90,45\n"),
+    ("no unit", "posture,q1,q2\nP1,12.5,-30\n"),
+    ("radians", "posture,q1_rad,q2_rad\nP1,0.1,-0.3\n"),
+    (
+        "another name of the joint",
+        "posture,joint 1 [deg],q2_deg\nP1,0.1,-0.3\n",
+    ),
+    ("a joint too few", "posture,q1_deg\nP1,12.5\n"),
+    (
+        "a joint too many",
+        "posture,q1_deg,q2_deg,q3_deg\nP1,12.5,-30,5\n",
+    ),
+    ("no name", "q1_deg,q2_deg\n12.5,-30\n"),
+    ("misspelt", "postrue,q1_deg,q2_deg\nP1,12.5,-30\n"),
+    ("unknown", "posture,q1_deg,q2_deg,speed\nP1,12.5,-30,5\n"),
+    ("twice", "posture,q1_deg,q1_deg\nP1,12.5,-30\n"),
+    (
+        "column without name",
+        "posture,,q1_deg,q2_deg\nP1,,12.5,-30\n",
+    ),
+    ("spaces", "posture q1_deg q2_deg\nP1 12.5 -30\n"),
+    ("text", "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,left,45\n"),
+    ("unit in the field", "posture,q1_deg,q2_deg\nP1,12.5°,-30\n"),
+    ("nothing", "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,,45\n"),
+    ("nameless", "posture,q1_deg,q2_deg\n,12.5,-30\n"),
+    ("NaN", "posture,q1_deg,q2_deg\nP1,nan,-30\n"),
+    ("infinity", "posture,q1_deg,q2_deg\nP1,12.5,-inf\n"),
+    ("overflow", "posture,q1_deg,q2_deg\nP1,12.5,1e999\n"),
+    ("too short", "posture,q1_deg,q2_deg\n\n# comment\nP1,12.5\n"),
+    (
+        "too long by a number",
+        "posture,q1_deg,q2_deg\nP1,12,30,5\n",
+    ),
+    ("too long", "posture,q1_deg,q2_deg\nP1,12.5,-30.5,note\n"),
+    ("unclosed", "posture,q1_deg,q2_deg\n\"P1,12.5,-30\n"),
+    (
+        "decimal comma",
+        "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,12,5,-30\n",
+    ),
+    ("decimal commas", "posture,q1_deg,q2_deg\nP1,12,5,-30,25\n"),
+    (
+        "quoted decimal comma",
+        "posture,q1_deg,q2_deg\nP1,\"12,5\",-30\n",
+    ),
+    ("thousands", "posture;q1_deg;q2_deg\nP1;1.012,5;-30\n"),
+    (
+        "twice the same",
+        "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,1,2\nP1,3,4\n",
+    ),
+    (
+        "machine's limits",
+        "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,12.5,95.5\n",
+    ),
+];
+
+#[test]
+fn slips_in_a_posture_table() {
+    let mut report = String::new();
+    for (slip, text) in POSTURE_SLIPS {
+        let error = match postures(text) {
+            Ok(_) => panic!("accepted: {slip}"),
+            Err(error) => error,
+        };
+        report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
+    }
+    let utf16 = read_postures(b"\xff\xfep\0o\0", "postures.csv", &rope_cell().setup.robot);
+    let latin1 = read_postures(
+        b"posture,q1_deg\nT\xfcr,1\n",
+        "postures.csv",
+        &rope_cell().setup.robot,
+    );
+    for error in [utf16, latin1].map(Result::unwrap_err) {
+        report += &format!("[{}] {error}\n\n", error.code().as_str());
+    }
+    insta::assert_snapshot!("posture_slips", report);
+}
+
+/// What is replaced in [`DISPLACEMENTS`] by what.
+const DISPLACEMENT_SLIPS: &[(&str, &str)] = &[
+    ("dx_mm,dy_mm,dz_mm", "x_mm,y_mm,z_mm"),
+    ("dx_mm,dy_mm,dz_mm", "dx,dy,dz"),
+    ("dx_mm,dy_mm,dz_mm", "dx_m,dy_m,dz_m"),
+    ("fx_n,fy_n,fz_n", "fx_kn,fy_kn,fz_kn"),
+    ("mx_nm,my_nm,mz_nm", "mx,my,mz"),
+    ("time_s", "time"),
+    ("q1_deg,q2_deg", "q1,q2"),
+    ("point", "pionts"),
+    ("state", "remark"),
+    ("posture,state,point,dx_mm,", "posture,state,point,"),
+    ("fx_n,fy_n,fz_n", "fx_n,fy_n"),
+    ("P1,up,right", "P1,up,rihgt"),
+    ("P1,up,right", "P1,up,TCP"),
+    ("P1,up,right", "P1,up,base"),
+    ("P1,up,right", "P1,up,"),
+    ("P1,up,right", "P1,,right"),
+    ("P1,up,right,0.25,-0.5", "P1,up,right,0.25,"),
+    ("P1,up,right,0.25,-0.5", "P1,up,right,0.25,-0.5 mm"),
+    ("P1,up,right,0.25,-0.5", "P1,up,right,0.25,NaN"),
+    ("P1,up,right,0.25,-0.5", "P1,up,right,0,25,-0,5"),
+    ("11,12.5,-30", "11,12.6,-30"),
+    ("11,12.5,-30", "11,12.5,-80"),
+    ("-500,1,2,3,11", "-501,1,2,3,11"),
+    ("-500,1,2,3,11", "-500,1,2.5,3,11"),
+    ("-500,1,2,3,11", "-500,1,2,3,soon"),
+];
+
+#[test]
+fn slips_in_a_measurement_table() -> Check {
+    let cell = measured_cell();
+    let mut report = String::new();
+    let mut note = |slip: &str, result: stiffarm::Result<Vec<MeasuredPosture>>| {
+        let error = match result {
+            Ok(_) => panic!("accepted: {slip}"),
+            Err(error) => error,
+        };
+        report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
+    };
+    for (from, to) in DISPLACEMENT_SLIPS {
+        assert!(DISPLACEMENTS.contains(from), "{from}");
+        note(
+            to,
+            displacements(&DISPLACEMENTS.replacen(from, to, 1), &cell),
+        );
+    }
+    let bare = "posture,point,dx_mm,dy_mm,dz_mm\nP1,left,1,2,3\n";
+    note("no force for a measured load", displacements(bare, &cell));
+    note("no angles", displacements(bare, &rope_cell()));
+    let moment = "posture,point,dx_mm,dy_mm,dz_mm,mx_nm,my_nm,mz_nm\nP1,left,1,2,3,4,5,6\n";
+    note("moment only", displacements(moment, &rope_cell()));
+    let angle = "posture,point,dx_mm,dy_mm,dz_mm,q2_deg\nP1,left,1,2,3,-30\n";
+    note("one angle only", displacements(angle, &rope_cell()));
+    let planned = postures(POSTURES)?;
+    let with_plan = |text: &str| {
+        let text = text.as_bytes();
+        read_displacements(text, "measurements.csv", &rope_cell(), Some(&planned))
+    };
+    note(
+        "a posture that was not planned",
+        with_plan(&bare.replace("P1", "P11")),
+    );
+    let both = "posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg\nP1,left,1,2,3,12.5,-31\n";
+    note("other angles than planned", with_plan(both));
+    note(
+        "heading only",
+        with_plan("posture,point,dx_mm,dy_mm,dz_mm\n"),
+    );
+    insta::assert_snapshot!("displacement_slips", report);
+    Ok(())
+}
+
+/// Numbers that a spreadsheet shows: a few decimals.
+fn decimal(largest: i32) -> impl Strategy<Value = f64> {
+    (-largest * 1000..largest * 1000).prop_map(|thousandths| f64::from(thousandths) / 1000.0)
+}
+
+fn any_postures() -> impl Strategy<Value = Vec<Posture>> {
+    let angles = (-170.0..170.0f64, -75.0..95.0f64);
+    prop::collection::vec(angles, 1..8).prop_map(|list| {
+        let named = (1..).zip(list);
+        named
+            .map(|(i, (a, b))| Posture {
+                name: format!("P{i}"),
+                q: vec![a.to_radians(), b.to_radians()],
+            })
+            .collect()
+    })
+}
+
+fn any_measured() -> impl Strategy<Value = Vec<MeasuredPosture>> {
+    let number = || -1e3..1e3f64;
+    let vector = move || (number(), number(), number()).prop_map(|(x, y, z)| [x, y, z].into());
+    let displacement = (0..2usize, vector(), prop::option::of(number()))
+        .prop_map(|(point, value, time)| Displacement { point, value, time });
+    let measured = (
+        prop::collection::vec(displacement, 1..5),
+        prop::option::of((vector(), vector())),
+        any::<bool>(),
+    );
+    (
+        any_postures(),
+        prop::collection::vec(measured, 8),
+        any::<bool>(),
+    )
+        .prop_map(|(postures, measured, wrenches)| {
+            let pairs = postures.into_iter().zip(measured);
+            pairs
+                .map(|(posture, (displacements, wrench, up))| MeasuredPosture {
+                    posture,
+                    state: if up { "up" } else { "down" }.to_string(),
+                    wrench: wrenches.then(|| {
+                        let (force, moment) = wrench.unwrap_or_default();
+                        Wrench { force, moment }
+                    }),
+                    displacements,
+                })
+                .collect()
+        })
+}
+
+/// The same up to what numbers of degrees and millimetres can tell apart.
+fn nearly(a: &[f64], b: &[f64]) -> bool {
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 2.0 * f64::EPSILON * a.abs();
+    a.len() == b.len() && a.iter().zip(b).all(close)
+}
+
+proptest! {
+    #[test]
+    fn written_postures_are_read_and_written_again(list in any_postures()) {
+        let text = write_postures(&list);
+        let read = postures(&text).unwrap();
+        prop_assert_eq!(write_postures(&read), text);
+        prop_assert_eq!(read.len(), list.len());
+        for (read, wanted) in read.iter().zip(&list) {
+            prop_assert_eq!(&read.name, &wanted.name);
+            prop_assert!(nearly(&read.q, &wanted.q));
+        }
+    }
+
+    #[test]
+    fn written_displacements_are_read_and_written_again(list in any_measured()) {
+        let cell = rope_cell();
+        let text = write_displacements(&list, &cell);
+        let read = displacements(&text, &cell).unwrap();
+        prop_assert_eq!(write_displacements(&read, &cell), text);
+        prop_assert_eq!(read.len(), list.len());
+        for (read, wanted) in read.iter().zip(&list) {
+            prop_assert_eq!(&read.state, &wanted.state);
+            prop_assert_eq!(read.wrench, wanted.wrench);
+            prop_assert!(nearly(&read.posture.q, &wanted.posture.q));
+            prop_assert_eq!(read.displacements.len(), wanted.displacements.len());
+            for (read, wanted) in read.displacements.iter().zip(&wanted.displacements) {
+                prop_assert_eq!((read.point, read.time), (wanted.point, wanted.time));
+                prop_assert!(nearly(read.value.as_slice(), wanted.value.as_slice()));
+            }
+        }
+    }
+
+    #[test]
+    fn the_european_table_holds_the_same_values(
+        rows in prop::collection::vec((decimal(170), decimal(75), decimal(99)), 1..6),
+    ) {
+        let cell = rope_cell();
+        let mut text = "posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg\n".to_string();
+        for (i, (a, b, d)) in rows.iter().enumerate() {
+            text += &format!("P{i},left,{d},{b},{a},{a},{b}\n");
+        }
+        let european = text.replace(',', ";").replace('.', ",");
+        prop_assert_eq!(displacements(&european, &cell).unwrap(), displacements(&text, &cell).unwrap());
+    }
+}
+
+#[test]
+fn the_built_in_group_comes_back_as_it_was_written() -> Check {
+    let robot = builtin::cell("comau")?.setup.robot;
+    let group = builtin::postures("comau-group1", &robot)?;
+    let text = builtin::postures_text("comau-group1").ok_or("no text")?;
+    let rows: String = text
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    assert_eq!(write_postures(&group), rows);
+    Ok(())
+}

@@ -1,0 +1,270 @@
+//! `cargo xtask test`: every test this machine can run, what it skips and why, and one closing line.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::arguments::{Part, TestOptions};
+use crate::run::{Failure, Workspace, quoted};
+use crate::tally::{Ignored, Tally, Total};
+
+/// Names the folder of the reference data; the tests read it, and their `#[ignore]` reason names it.
+const REFERENCE_VARIABLE: &str = "STIFFARM_REFERENCE_DATA";
+
+/// Parts of the test suite that belong to a version of the project that has their folder.
+const LATER_PARTS: [(Part, &str); 2] = [
+    (Part::Python, "crates/stiffarm-py"),
+    (Part::Browser, "tests/browser"),
+];
+
+/// One test or part that was not run.
+#[derive(Debug, PartialEq, Eq)]
+struct Skip {
+    part: Part,
+    name: String,
+    reason: String,
+    fix: String,
+}
+
+/// Runs all parts and prints the closing line last; a failure has been told by then.
+pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
+    let start = Instant::now();
+    refuse_later_parts(workspace.root(), &options.require)?;
+    if options.install {
+        println!("--install: nothing to install, the tests of this version need Rust alone");
+    }
+    let reference = reference_folder(std::env::var_os(REFERENCE_VARIABLE));
+
+    let (tally, complaint) = run_rust(workspace, reference.as_deref().ok())?;
+    let mut failures = Vec::from_iter(complaint);
+    failures.extend(untested_parts(workspace.root()));
+
+    let skips = skips(&tally.ignored, &reference, &options.require);
+    let (unmet, allowed): (Vec<_>, Vec<_>) = skips
+        .iter()
+        .partition(|skip| options.require.contains(&skip.part));
+    failures.extend(unmet.into_iter().map(described));
+
+    println!();
+    for skip in &allowed {
+        println!("SKIPPED {}", described(skip));
+    }
+    for failure in &failures {
+        println!("FAILED {failure}");
+    }
+    println!("tests took {:.1} s", start.elapsed().as_secs_f64());
+    let total = Total {
+        passed: tally.passed,
+        failed: tally.failed + failures.len(),
+        skipped: allowed.len(),
+    };
+    println!("{total}");
+    if total.failed == 0 {
+        Ok(())
+    } else {
+        Err(Failure::already_told())
+    }
+}
+
+/// `cargo test` with doc tests, and with the tests that need the reference data where there is its folder. The text
+/// is a failure that no test accounts for.
+fn run_rust(
+    workspace: &Workspace,
+    reference: Option<&Path>,
+) -> Result<(Tally, Option<String>), Failure> {
+    let mut arguments = vec!["test", "--workspace", "--locked", "--no-fail-fast"];
+    if reference.is_some() {
+        arguments.extend(["--", "--include-ignored"]);
+    }
+    let mut call = workspace.cargo(&arguments);
+    if let Some(folder) = reference {
+        call = call.env(REFERENCE_VARIABLE, folder);
+    }
+    println!("{call}");
+
+    let mut tally = Tally::default();
+    let status = call.stream(|line| tally.see(line))?;
+    tally.close();
+    let unaccounted = !status.success() && tally.failed == 0;
+    let complaint = unaccounted.then(|| {
+        format!(
+            "rust: cargo test ended with {status} though no test failed, most often because the code does not \
+             compile; fix: correct the first error above"
+        )
+    });
+    Ok((tally, complaint))
+}
+
+/// The folder that `value` names, absolute because `cargo test` starts every test in its package's folder; otherwise
+/// why there is none.
+fn reference_folder(value: Option<OsString>) -> Result<PathBuf, String> {
+    let Some(value) = value.filter(|value| !value.is_empty()) else {
+        return Err(format!("{REFERENCE_VARIABLE} is not set"));
+    };
+    match std::path::absolute(&value) {
+        Ok(folder) if folder.is_dir() => Ok(folder),
+        _ => Err(format!(
+            "{REFERENCE_VARIABLE} is `{}`, which is no folder",
+            value.display()
+        )),
+    }
+}
+
+/// What was not run: the ignored tests, and the reference data where they are required, missing and no test says so.
+fn skips(ignored: &[Ignored], reference: &Result<PathBuf, String>, require: &[Part]) -> Vec<Skip> {
+    let mut skips: Vec<Skip> = ignored
+        .iter()
+        .map(|test| skip_of(test, reference))
+        .collect();
+    let told = skips.iter().any(|skip| skip.part == Part::Reference);
+    if let Err(why) = reference
+        && require.contains(&Part::Reference)
+        && !told
+    {
+        skips.push(without_reference("reference", why));
+    }
+    skips
+}
+
+fn skip_of(test: &Ignored, reference: &Result<PathBuf, String>) -> Skip {
+    match (&test.reason, reference) {
+        (Some(reason), Err(why)) if reason.contains(REFERENCE_VARIABLE) => {
+            without_reference(&test.name, why)
+        }
+        (reason, _) => Skip {
+            part: Part::Rust,
+            name: test.name.clone(),
+            reason: reason
+                .clone()
+                .unwrap_or_else(|| "marked #[ignore] without a reason".to_string()),
+            fix: format!(
+                "cargo test --workspace --locked -- --ignored --exact {}",
+                quoted(&test.name)
+            ),
+        },
+    }
+}
+
+fn without_reference(name: &str, why: &str) -> Skip {
+    Skip {
+        part: Part::Reference,
+        name: name.to_string(),
+        reason: why.to_string(),
+        fix: format!(
+            "{REFERENCE_VARIABLE}=/path/to/reference cargo xtask test (CONTRIBUTING.md says what lies there)"
+        ),
+    }
+}
+
+fn described(skip: &Skip) -> String {
+    format!("{}: {}; fix: {}", skip.name, skip.reason, skip.fix)
+}
+
+/// `--require` of a part that this version does not have is a mistake of the caller.
+fn refuse_later_parts(root: &Path, require: &[Part]) -> Result<(), Failure> {
+    for (part, folder) in LATER_PARTS {
+        if require.contains(&part) && !root.join(folder).is_dir() {
+            let name = part.name();
+            return Err(Failure::usage(
+                format!(
+                    "`--require {name}`: {name} is not part of this version yet, there is no `{folder}`"
+                ),
+                format!("leave `{name}` out of `--require`"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Says which parts are not there yet. A part whose folder has come without its tests being run here is a failure, so
+/// that nobody takes an untested part for a tested one.
+fn untested_parts(root: &Path) -> Vec<String> {
+    let mut failures = Vec::new();
+    for (part, folder) in LATER_PARTS {
+        let name = part.name();
+        if root.join(folder).is_dir() {
+            failures.push(format!(
+                "{name}: `{folder}` exists and its tests are not run; fix: run them in xtask/src/test.rs"
+            ));
+        } else {
+            println!("{name}: not part of this version yet");
+        }
+    }
+    failures
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ignored(name: &str, reason: &str) -> Ignored {
+        Ignored {
+            name: name.to_string(),
+            reason: Some(reason.to_string()),
+        }
+    }
+
+    #[test]
+    fn the_reference_folder_must_exist_and_becomes_absolute() {
+        let unset = "STIFFARM_REFERENCE_DATA is not set".to_string();
+        assert_eq!(reference_folder(None), Err(unset.clone()));
+        assert_eq!(reference_folder(Some("".into())), Err(unset));
+        assert_eq!(
+            reference_folder(Some("no/such/folder".into())).unwrap_err(),
+            "STIFFARM_REFERENCE_DATA is `no/such/folder`, which is no folder"
+        );
+        let folder = reference_folder(Some("src".into())).unwrap();
+        assert!(folder.is_absolute() && folder.ends_with("src"));
+    }
+
+    #[test]
+    fn skips_name_the_test_the_reason_and_the_fix() {
+        let tests = [
+            ignored("fanuc::measured", "needs STIFFARM_REFERENCE_DATA"),
+            ignored("src/lib.rs - f (line 5)", "slow"),
+        ];
+        let reference = Err("STIFFARM_REFERENCE_DATA is not set".to_string());
+        let skips = skips(&tests, &reference, &[]);
+        assert_eq!(
+            skips.iter().map(|s| s.part).collect::<Vec<_>>(),
+            [Part::Reference, Part::Rust]
+        );
+        assert_eq!(
+            described(&skips[0]),
+            "fanuc::measured: STIFFARM_REFERENCE_DATA is not set; fix: \
+             STIFFARM_REFERENCE_DATA=/path/to/reference cargo xtask test (CONTRIBUTING.md says what lies there)"
+        );
+        assert_eq!(
+            described(&skips[1]),
+            "src/lib.rs - f (line 5): slow; fix: \
+             cargo test --workspace --locked -- --ignored --exact 'src/lib.rs - f (line 5)'"
+        );
+    }
+
+    #[test]
+    fn required_reference_data_are_missed_once() {
+        let missing = Err("STIFFARM_REFERENCE_DATA is not set".to_string());
+        let measured = [ignored("a", "needs STIFFARM_REFERENCE_DATA")];
+        let required = [Part::Reference];
+        assert_eq!(skips(&[], &missing, &required)[0].name, "reference");
+        assert_eq!(skips(&measured, &missing, &required)[0].name, "a");
+        assert_eq!(skips(&measured, &missing, &required).len(), 1);
+        assert!(skips(&[], &missing, &[Part::Rust]).is_empty());
+        assert!(skips(&[], &Ok("there".into()), &required).is_empty());
+    }
+
+    #[test]
+    fn parts_without_a_folder_cannot_be_required_and_with_one_must_be_tested() {
+        let root = std::env::temp_dir().join(format!("xtask-parts-{}", std::process::id()));
+        let failure = refuse_later_parts(&root, &[Part::Python]).unwrap_err();
+        assert_eq!(failure.code, 2);
+        assert!(failure.message.contains("not part of this version yet"));
+        assert!(refuse_later_parts(&root, &[Part::Rust, Part::Reference]).is_ok());
+        assert!(untested_parts(&root).is_empty());
+
+        std::fs::create_dir_all(root.join("tests/browser")).unwrap();
+        assert!(refuse_later_parts(&root, &[Part::Browser]).is_ok());
+        assert!(untested_parts(&root)[0].starts_with("browser: `tests/browser` exists"));
+        std::fs::remove_dir_all(root).unwrap();
+    }
+}
