@@ -7,6 +7,7 @@
 //! the same bytes for the same data.
 
 pub mod figure;
+pub mod study;
 pub mod svg;
 
 pub use figure::{Axis, Figure, Panel, Scale, Series, Style};

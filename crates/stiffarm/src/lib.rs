@@ -13,6 +13,7 @@
 pub mod builtin;
 pub mod cell;
 pub mod error;
+pub mod findings;
 pub mod identify;
 pub mod index;
 pub mod information;
@@ -28,6 +29,7 @@ pub mod table;
 pub mod select;
 pub mod simulate;
 pub mod stiffness;
+pub mod study;
 pub mod tool;
 pub mod units;
 pub mod validate;

@@ -39,25 +39,30 @@ pub fn rad_to_deg(rad: f64) -> f64 {
 /// nearest one, off by the last bit. Written, read and written again, the text
 /// is always the same.
 pub fn rad_to_shortest_deg(rad: f64) -> f64 {
-    shortest(rad, rad_to_deg(rad), deg_to_rad)
+    shortest(rad, rad_to_deg, deg_to_rad)
 }
 
 /// The shortest decimal number of millimetres that is read back as `m`, as
 /// [`rad_to_shortest_deg`].
 pub fn m_to_shortest_mm(m: f64) -> f64 {
-    shortest(m, m_to_mm(m), mm_to_m)
+    shortest(m, m_to_mm, mm_to_m)
 }
 
-/// The number of fewest decimal digits near `guess` that `back` turns into
-/// `value`, or else into what `guess` itself turns into.
-fn shortest(value: f64, guess: f64, back: fn(f64) -> f64) -> f64 {
+/// The number of fewest decimal digits that `back` turns into `value`, or else
+/// into what `there` and `back` make of it.
+fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
     let find = |target: f64| {
+        let near = there(target);
+        let rounded = |digits: usize| format!("{near:.digits$e}").parse::<f64>().ok();
+        let neighbours = [near.next_up(), near.next_down()];
         (0..17)
-            .filter_map(|digits| format!("{guess:.digits$e}").parse::<f64>().ok())
-            .find(|candidate| back(*candidate) == target)
+            .filter_map(rounded)
+            .chain(neighbours)
+            .find(|number| back(*number) == target)
     };
+    let number = find(value).or_else(|| find(back(there(value))));
     // Adding zero turns −0 into 0.
-    find(value).or_else(|| find(back(guess))).unwrap_or(guess) + 0.0
+    number.unwrap_or_else(|| there(value)) + 0.0
 }
 
 #[cfg(test)]

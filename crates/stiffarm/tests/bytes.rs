@@ -35,7 +35,7 @@ fn cell_is_finite(cell: &Cell) -> bool {
     };
     let lengths = [limits.floor, limits.keep_out_radius, limits.wrist_height];
     load && finite(robot.coupling())
-        && robot.spring_mixing().is_none_or(|mixing| finite(mixing))
+        && robot.spring_mixing().is_none_or(finite)
         && finite(robot.down())
         && finite(&robot.serial_angles(&vec![0.0; robot.joint_count()]))
         && finite(&robot.flange().to_homogeneous())
@@ -108,6 +108,7 @@ fn valid_files() -> Vec<String> {
         .filter_map(builtin::cell_text)
         .map(String::from)
         .collect();
+    files.push(include_str!("full-cell.toml").to_string());
     files.extend(template("kuka-kr500-r2830"));
     files.extend(builtin::postures_text("comau-group1").map(String::from));
     files.push(MEASUREMENTS.to_string());

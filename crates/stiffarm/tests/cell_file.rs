@@ -282,52 +282,7 @@ fn the_template_of_the_default_robot() -> Check {
 }
 
 /// A cell with every table, on lines of known number.
-const FULL: &str = r#"format = 1
-name = "full"
-[robot]
-dh_modified = [[0, 0, 830, 0], [-90, 400, 0, -90]]
-name = "two joints"
-joint_names = ["A1", "A2"]
-theta_from_q = [[-1, 0], [0, 1]]
-limits_deg = [[-170, 170], [-75, 95]]
-down = [0, 0, -2]
-characteristic_length_mm = 500
-[bounds]
-q_deg = [[-90, 90], [-60, 40]]
-[tool]
-loading_point_mm = [200, 0, 250]
-has_sensor = true
-[[tool.measuring_point]]
-name = "a"
-position_mm = [150, 0, 200]
-[[tool.measuring_point]]
-name = "b"
-position_mm = [0, 150, 200]
-[tool.series_compliance]
-origin_mm = [0, 0, 60]
-translational_n_per_m = [1e8, 1e8, 2e8]
-rotational_nm_per_rad = [3e5, 3e5, 4e5]
-[load]
-kind = "rope"
-magnitude_n = 500
-anchor_mm = [1800, 0, 0]
-[limits]
-box_min_mm = [900, -1900, 300]
-box_max_mm = [3000, 1900, 3000]
-floor_mm = 10
-keep_out_radius_mm = 900
-wrist_height_mm = 300
-rope_length_mm = [800, 3400]
-[noise]
-variance_mm2 = 1e-4
-readings_per_displacement = 2
-posture_common_mm = 0.01
-[stiffness]
-prior_nm_per_rad = [1e6, 3e6]
-[[validation.posture]]
-name = "V1"
-q_deg = [12.5, 90]
-"#;
+const FULL: &str = include_str!("full-cell.toml");
 
 #[test]
 fn every_key_arrives_in_si_units() -> Check {

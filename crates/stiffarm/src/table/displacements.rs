@@ -9,8 +9,9 @@ use crate::load::{Load, Wrench};
 use crate::measurement::{Displacement, MeasuredPosture};
 use crate::posture::Posture;
 use crate::robot::Robot;
-use crate::units::{mm_to_m, rad_to_deg};
+use crate::units::{mm_to_m, rad_to_deg, rad_to_shortest_deg};
 use nalgebra::Vector3;
+use std::collections::{BTreeMap, HashMap};
 
 /// Angles of the table and of the posture file may differ by this \[deg\].
 const ANGLE_TOLERANCE_DEG: f64 = 1e-6;
@@ -43,7 +44,11 @@ pub fn read_displacements(
     let table = Table::read(bytes, file_name)?;
     let columns = Columns::of(&table, cell, postures.is_some())?;
     let rows = table.rows()?;
-    let mut groups: Vec<(&Row, MeasuredPosture)> = Vec::new();
+    let planned: Option<BTreeMap<&str, &Posture>> =
+        postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
+    // First row and number of each group, by posture and state.
+    let mut first_rows: HashMap<(&str, &str), (&Row, usize)> = HashMap::new();
+    let mut groups: Vec<MeasuredPosture> = Vec::new();
     for row in &rows {
         let name = table.name(row, columns.posture)?;
         let state = match columns.state {
@@ -52,34 +57,26 @@ pub fn read_displacements(
         };
         let displacement = columns.displacement(&table, row, cell)?;
         let wrench = columns.wrench(&table, row)?;
-        let q = columns.angles(&table, row, &cell.setup.robot, postures)?;
-        let group = groups
-            .iter_mut()
-            .find(|(_, group)| group.posture.name == name && group.state == state);
-        let Some((first, group)) = group else {
-            let posture = Posture {
-                name: name.to_string(),
-                q,
-            };
-            let displacements = vec![displacement];
-            let state = state.to_string();
-            groups.push((
-                row,
-                MeasuredPosture {
-                    posture,
-                    state,
-                    wrench,
-                    displacements,
-                },
-            ));
+        let q = columns.angles(&table, row, &cell.setup.robot, planned.as_ref())?;
+        let new = (row, groups.len());
+        let (first, number) = *first_rows.entry((name, state)).or_insert(new);
+        if number == groups.len() {
+            let name = name.to_string();
+            groups.push(MeasuredPosture {
+                posture: Posture { name, q },
+                state: state.to_string(),
+                wrench,
+                displacements: vec![displacement],
+            });
             continue;
-        };
+        }
+        let group = &mut groups[number];
         if group.posture.q != q || group.wrench != wrench {
             return Err(columns.contradiction(&table, first, row));
         }
         group.displacements.push(displacement);
     }
-    Ok(groups.into_iter().map(|(_, group)| group).collect())
+    Ok(groups)
 }
 
 /// Positions of the columns.
@@ -216,7 +213,7 @@ impl Columns {
         table: &Table<'_>,
         row: &Row,
         robot: &Robot,
-        postures: Option<&[Posture]>,
+        postures: Option<&BTreeMap<&str, &Posture>>,
     ) -> Result<Vec<f64>> {
         let own = self
             .angles
@@ -227,10 +224,10 @@ impl Columns {
             return Ok(own.unwrap_or_default());
         };
         let name = row.fields[self.posture].text.as_str();
-        let Some(planned) = postures.iter().find(|posture| posture.name == name) else {
+        let Some(planned) = postures.get(name) else {
             let message = format!("The posture file has no posture \"{name}\".");
             let error = table.error(row, self.posture, Code::UnknownName, message);
-            let hint = did_you_mean(name, postures.iter().map(|p| p.name.as_str()));
+            let hint = did_you_mean(name, postures.keys().copied());
             return Err(match hint {
                 Some(hint) => error.hint(hint),
                 None => error,
@@ -243,8 +240,8 @@ impl Columns {
             if rad_to_deg((a - b).abs()) > ANGLE_TOLERANCE_DEG {
                 let message = format!(
                     "The angle {}° differs from that of the posture file, {}°.",
-                    crate::units::rad_to_shortest_deg(*a),
-                    crate::units::rad_to_shortest_deg(*b)
+                    rad_to_shortest_deg(*a),
+                    rad_to_shortest_deg(*b)
                 );
                 let error = table.error(row, *column, Code::Conflict, message);
                 return Err(

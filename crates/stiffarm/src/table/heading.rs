@@ -85,6 +85,9 @@ impl Table<'_> {
             Code::TableHeading,
             "The table has no column of this name.",
         );
+        if self.columns.len() == 1 {
+            return error.hint("separate the columns with commas, semicolons or tabs");
+        }
         if let Some((joint, unit)) = joint_number(name) {
             return error.hint(if (1..=joints).contains(&joint) {
                 let rename = rename(unit, &format!("q{joint}_deg"));

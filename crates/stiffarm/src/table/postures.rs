@@ -6,6 +6,7 @@ use crate::error::{Code, Result};
 use crate::posture::Posture;
 use crate::robot::Robot;
 use crate::units::{deg_to_rad, rad_to_shortest_deg};
+use std::collections::HashMap;
 
 /// Reads postures of `robot` from a table `posture,q1_deg,…,qn_deg`;
 /// `file_name` is for messages.
@@ -27,12 +28,12 @@ pub fn read_postures(bytes: &[u8], file_name: &str, robot: &Robot) -> Result<Vec
         .map(|name| table.require(name, &hint))
         .collect::<Result<Vec<usize>>>()?;
     let rows = table.rows()?;
-    let mut postures: Vec<Posture> = Vec::with_capacity(rows.len());
+    let mut postures = Vec::with_capacity(rows.len());
+    let mut lines: HashMap<&str, usize> = HashMap::new();
     for row in &rows {
         let name = table.name(row, name_column)?;
-        if let Some(first) = postures.iter().position(|posture| posture.name == name) {
-            let line = rows[first].line;
-            let message = format!("The posture \"{name}\" stands twice; first on line {line}.");
+        if let Some(first) = lines.insert(name, row.line) {
+            let message = format!("The posture \"{name}\" stands twice; first on line {first}.");
             return Err(table.error(row, name_column, Code::Duplicate, message));
         }
         let q = angles(&table, row, &columns, robot)?;

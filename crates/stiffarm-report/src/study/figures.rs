@@ -1,0 +1,289 @@
+//! The figures of a study, as data.
+
+use super::illustration_level;
+use crate::{Axis, Figure, Panel, Series, Style};
+use stiffarm::study::{Study, StudyGroup};
+
+/// All figures of a study, in the order of the page.
+pub fn figures(study: &Study) -> Vec<Figure> {
+    let mut out = vec![expected_deviation(study)];
+    out.extend(study.groups.iter().enumerate().map(|(g, group)| postures(study, g, group)));
+    out.push(deviation_by_noise(study));
+    out.push(other_starts(study));
+    out.extend(q1_range(study));
+    out.extend(validation(study));
+    out
+}
+
+fn numbers(count: usize) -> Vec<f64> {
+    (0..count).map(|i| i as f64).collect()
+}
+
+/// Bars per joint and group: what each group can be expected to give.
+fn expected_deviation(study: &Study) -> Figure {
+    let series = study
+        .groups
+        .iter()
+        .map(|g| {
+            let y = g.evaluation.expected_deviation.iter().map(|d| d.map_or(f64::NAN, |d| 100.0 * d)).collect();
+            Series::new(&g.name, Style::Bars, numbers(study.joints.len()), y)
+        })
+        .collect();
+    Figure {
+        id: "expected-deviation".into(),
+        title: "Expected deviation of the joint stiffness".into(),
+        caption: format!(
+            "Expected |k̂ − k|/k per joint at variance factor 1 (σ = {:.1} µm per axis), closed form.",
+            1e6 * study.noise_std_m
+        ),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical("", study.joints.clone()),
+            y: Axis::log("expected deviation", "%"),
+            series,
+            equal_aspect: false,
+        }],
+    }
+}
+
+/// Stick figures of one group, from above and from the side (Figs. 5–7).
+fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
+    let view = |title: &str, a: usize, b: usize, x: &str, y: &str| {
+        let mut series = Vec::new();
+        if let Some([low, high]) = study.tool_box_m {
+            let (x, y) = ([low[a], high[a]], [low[b], high[b]]);
+            series.push(Series::new(
+                "box for the tool",
+                Style::Outline,
+                vec![x[0], x[1], x[1], x[0], x[0]],
+                vec![y[0], y[0], y[1], y[1], y[0]],
+            ));
+        }
+        for (p, arm) in group.arms_m.iter().enumerate() {
+            series.push(Series::new(
+                format!("Posture {}", p + 1),
+                Style::Path,
+                arm.iter().map(|o| o[a]).collect(),
+                arm.iter().map(|o| o[b]).collect(),
+            ));
+        }
+        if let Some(anchor) = study.anchor_m {
+            series.push(Series::new("rope anchor", Style::Points, vec![anchor[a]], vec![anchor[b]]));
+        }
+        Panel {
+            title: title.into(),
+            x: Axis::linear(x, "m"),
+            y: Axis::linear(y, "m"),
+            series,
+            equal_aspect: true,
+        }
+    };
+    Figure {
+        id: format!("postures-{}", slug(&group.name)),
+        title: format!("Postures of {}", group.name),
+        caption: format!(
+            "Arms from base to measuring point 1, group {} of the study, side and top view.",
+            number + 1
+        ),
+        columns: 2,
+        panels: vec![view("side", 0, 2, "x", "z"), view("top", 0, 1, "x", "y")],
+    }
+}
+
+/// Mean deviation against the noise variance, a panel per joint (Fig. 8).
+fn deviation_by_noise(study: &Study) -> Figure {
+    let factors = &study.options.simulation.variance_factors;
+    let panels = study
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            let mut series = Vec::new();
+            for group in &study.simulation.groups {
+                let flagged = group.levels.iter().map(|l| l.beyond_first_order[j]);
+                let pick = |keep: bool, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+                    flagged
+                        .clone()
+                        .enumerate()
+                        .filter(|(_, f)| *f != keep)
+                        .map(|(l, _)| value(l))
+                        .collect()
+                };
+                let percent = |v: f64| 100.0 * v;
+                series.push(
+                    Series::new(
+                        &group.name,
+                        Style::Line,
+                        pick(true, &|l| factors[l]),
+                        pick(true, &|l| percent(group.levels[l].mean_deviation[j])),
+                    )
+                    .with_error(pick(true, &|l| percent(group.levels[l].standard_error[j]))),
+                );
+                series.push(Series::new(
+                    format!("{}, theory", group.name),
+                    Style::Dashed,
+                    factors.clone(),
+                    group.levels.iter().map(|l| percent(l.expected_deviation[j])).collect(),
+                ));
+                if group.levels.iter().any(|l| l.beyond_first_order[j]) {
+                    series.push(Series::new(
+                        format!("{}, median (beyond first order)", group.name),
+                        Style::Hollow,
+                        pick(false, &|l| factors[l]),
+                        pick(false, &|l| percent(group.levels[l].median_deviation[j])),
+                    ));
+                }
+            }
+            Panel {
+                title: joint.clone(),
+                x: Axis::linear("multiple of the noise variance", ""),
+                y: Axis::log("mean deviation", "%"),
+                series,
+                equal_aspect: false,
+            }
+        })
+        .collect();
+    Figure {
+        id: "deviation-by-noise".into(),
+        title: "Simulated deviation of the joint stiffness at six noise levels".into(),
+        caption: format!(
+            "Mean of |k̂ − k|/k over {} runs with its standard error (markers), closed form (dashed). Hollow: median, \
+             where the relative standard error passes 10 %.",
+            study.simulation.runs
+        ),
+        columns: 3,
+        panels,
+    }
+}
+
+/// Boxes over all other initial groups, by kind.
+fn other_starts(study: &Study) -> Figure {
+    let names: Vec<String> = std::iter::once("start".to_string())
+        .chain(
+            stiffarm::study::STUDY_INDICES
+                .iter()
+                .map(|(index, _)| index.as_str().replace('_', " ")),
+        )
+        .collect();
+    let series = study
+        .starts
+        .kinds
+        .iter()
+        .map(|kind| {
+            let (mut x, mut y) = (Vec::new(), Vec::new());
+            for (r, row) in kind.rows.iter().enumerate() {
+                for value in row.mean_expected_deviation.iter().flatten() {
+                    x.push(r as f64);
+                    y.push(100.0 * value);
+                }
+            }
+            Series::new(format!("{} starts ({})", kind.kind, kind.count), Style::Box, x, y)
+        })
+        .collect();
+    Figure {
+        id: "other-starts".into(),
+        title: "What other initial groups lead to".into(),
+        caption: "Mean over the joints of the expected deviation after selection under each index; box: quartiles, \
+                  whiskers: 5 to 95 %."
+            .into(),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical("", names),
+            y: Axis::log("mean expected deviation", "%"),
+            series,
+            equal_aspect: false,
+        }],
+    }
+}
+
+/// Distribution of the classical group's outcome over q1.
+fn q1_range(study: &Study) -> Option<Figure> {
+    let range = study.classical_q1.as_ref()?;
+    let count = range.draws as f64;
+    let x: Vec<f64> = range.mean_expected_deviation.iter().map(|d| 100.0 * d).collect();
+    let y: Vec<f64> = (1..=x.len()).map(|i| 100.0 * i as f64 / count).collect();
+    let marker = |label: &str, value: Option<f64>| {
+        let v = 100.0 * value.unwrap_or(f64::NAN);
+        Series::new(label, Style::Dashed, vec![v, v], vec![0.0, 100.0])
+    };
+    let deviation = |name: &str| {
+        study.groups.iter().find(|g| g.name == name).and_then(|g| g.evaluation.mean_expected_deviation())
+    };
+    let mut series = vec![Series::new("Group 2 (classical), q1 drawn anew", Style::Dashed, x, y)];
+    for group in study.groups.iter().filter(|g| !g.name.starts_with("Group 2")) {
+        series.push(marker(&group.name, deviation(&group.name)));
+    }
+    Some(Figure {
+        id: "classical-q1".into(),
+        title: "The classical group as a range over q1".into(),
+        caption: format!(
+            "Share of {} draws of q1 with at most this mean expected deviation; k(J_N) is the same for all of them. \
+             Vertical: the other groups.",
+            range.draws
+        ),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::log("mean expected deviation", "%"),
+            y: Axis::linear("share of draws", "%").with_range(0.0, 100.0),
+            series,
+            equal_aspect: false,
+        }],
+    })
+}
+
+/// Eq. (22) at the validation postures (Fig. 10).
+fn validation(study: &Study) -> Option<Figure> {
+    let labels: Vec<String> =
+        study.groups.iter().find_map(|g| g.validation.as_ref())?.points.iter().map(|p| p.label.clone()).collect();
+    let mut series: Vec<Series> = study
+        .groups
+        .iter()
+        .filter_map(|g| {
+            let y = g.validation.as_ref()?.points.iter().map(|p| 1e3 * p.deviation_m).collect();
+            Some(Series::new(&g.name, Style::Line, numbers(labels.len()), y))
+        })
+        .collect();
+    let noise = study.groups.iter().find_map(|g| g.validation.as_ref())?.noise_expectation_m;
+    series.push(Series::new(
+        "tracker noise alone (mean)",
+        Style::Dashed,
+        vec![0.0, labels.len() as f64 - 1.0],
+        vec![1e3 * noise; 2],
+    ));
+    Some(Figure {
+        id: "validation".into(),
+        title: "Deviation at the validation postures, Eq. (22)".into(),
+        caption: "Simulated measurement with tracker noise as the only error; m-n is measuring point n of posture m."
+            .into(),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical("measuring point", labels),
+            y: Axis::log("deviation δb", "mm"),
+            series,
+            equal_aspect: false,
+        }],
+    })
+}
+
+/// `Group 2 (classical)` → `group-2-classical`.
+pub(super) fn slug(name: &str) -> String {
+    let mut out = String::new();
+    for c in name.chars() {
+        if c.is_ascii_alphanumeric() {
+            out.push(c.to_ascii_lowercase());
+        } else if !out.ends_with('-') && !out.is_empty() {
+            out.push('-');
+        }
+    }
+    out.trim_end_matches('-').to_string()
+}
+
+/// The deviation of each group at the illustration level, with its name.
+pub(super) fn illustration(study: &Study) -> Vec<(&str, &stiffarm::simulate::LevelResult)> {
+    let level = illustration_level(study);
+    study.simulation.groups.iter().map(|g| (g.name.as_str(), &g.levels[level])).collect()
+}

@@ -1,0 +1,133 @@
+//! The page of a study, in Markdown, built like the paper's Section IV.
+
+use super::figures::{figures, slug};
+use super::published::{PAPER, published_for};
+use super::tables::{find, percent, significant, tables};
+use std::fmt::Write;
+use stiffarm::study::Study;
+
+/// The page. `command` is the command line that repeats the study; figures are
+/// referred to as `<id>.svg` beside the page.
+pub fn page(study: &Study, version: &str, command: &str) -> String {
+    let tables = tables(study);
+    let pictures = figures(study);
+    let mut out = String::new();
+    let table = |out: &mut String, id: &str| {
+        if let Some(t) = find(&tables, id) {
+            let _ = write!(out, "\n{}\n\n*{}*\n", t.markdown(), t.caption);
+        }
+    };
+    let picture = |out: &mut String, id: &str| {
+        if let Some(f) = pictures.iter().find(|f| f.id == id) {
+            let _ = write!(out, "\n![{}]({}.svg)\n\n*{}*\n", f.title, f.id, f.caption);
+        }
+    };
+    let finding = |out: &mut String, code: &str| {
+        for f in study.findings.iter().filter(|f| f.code == code) {
+            let _ = write!(out, "\n{}\n", f.sentence);
+        }
+    };
+
+    let _ = write!(
+        out,
+        "# Posture selection study: {}\n\nThe study of Section IV of the paper [1] on this cell, computed by stiffarm \
+         {version}. Every number here is simulated unless it is marked as the paper's.\n\n## In short\n",
+        study.cell
+    );
+    for code in ["undetermined-joints", "recommended-index", "paper-order", "other-starts"] {
+        for f in study.findings.iter().filter(|f| f.code == code) {
+            let _ = write!(out, "\n- {}", f.sentence);
+        }
+    }
+    out.push('\n');
+    picture(&mut out, "expected-deviation");
+    table(&mut out, "expected-deviation");
+
+    let _ = write!(
+        out,
+        "\n## A. Numerical simulations\n\n### Set-up\n\nRobot: {}. True joint stiffness (Table 2): {} N·m/rad. \
+         Displacement noise at variance factor 1: {} µm per axis. Characteristic length of Eq. (20): {}.\n",
+        study.robot,
+        study.stiffness.iter().map(|k| significant(Some(*k))).collect::<Vec<_>>().join(", "),
+        significant(Some(1e6 * study.noise_std_m)),
+        study.characteristic_length_m.map_or("none".into(), |l| format!("{} mm", significant(Some(1e3 * l)))),
+    );
+    out.push_str(
+        "\n### Groups of postures\n\nGroup 1 is the initial group. Each other group is selected from it under one \
+         index (Section III.B), within the bounds of the joints and the limits of the cell. `classical` is max k(J_N), \
+         `condition` is cond(Ψ), `novel` is their product; `scaled` is max k(J_N) × cond(Ψ·diag(1/k)); \
+         `expected_error` is the RMS relative standard error of the joint stiffness. O1 to O5 are larger-is-better.\n",
+    );
+    table(&mut out, "indices");
+    for group in &study.groups {
+        picture(&mut out, &format!("postures-{}", slug(&group.name)));
+        table(&mut out, &format!("postures-{}", slug(&group.name)));
+    }
+    out.push_str("\n### An illustration case\n\nOne run of the simulation at variance factor 1; a single run is luck, the averages below are not.\n");
+    table(&mut out, "illustration-case");
+    if published_for(&study.robot).is_some() {
+        out.push_str(
+            "\nThe paper's columns are its own groups, which it shows only as pictures; ours start from another Group 1, \
+             so the columns are beside each other for scale, not for equality.\n",
+        );
+    }
+    let _ = write!(
+        out,
+        "\n### Averages over {} runs at {} noise levels\n",
+        study.simulation.runs,
+        study.options.simulation.variance_factors.len()
+    );
+    picture(&mut out, "deviation-by-noise");
+    finding(&mut out, "beyond-first-order");
+    out.push_str("\n### The bound of Eq. (19)\n");
+    finding(&mut out, "error-bound");
+    out.push_str("\n| group | cond(Ψ) | bound of Eq. (19) on the relative error of H [%] | expected relative error of H [%] |\n|:--|--:|--:|--:|\n");
+    for g in &study.groups {
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} | {} |",
+            g.name,
+            significant(g.evaluation.indices.condition),
+            percent(g.error_bound.and_then(|b| b.bound)),
+            percent(g.expected_relative_norm)
+        );
+    }
+    out.push_str("\n### Other initial groups\n");
+    finding(&mut out, "other-starts");
+    picture(&mut out, "other-starts");
+    table(&mut out, "other-starts");
+    out.push_str("\n### The classical group is a range over q1\n");
+    finding(&mut out, "classical-q1");
+    picture(&mut out, "classical-q1");
+    out.push_str("\n### The model\n");
+    finding(&mut out, "model-order");
+
+    out.push_str(
+        "\n## B. Identification and validation, simulated\n\nEach group is measured once with tracker noise and \
+         identified; the validation postures (Table 5) took no part. The noise is the only error here, so this shows \
+         what the tracker allows, not what an experiment reaches.\n",
+    );
+    table(&mut out, "stiffness");
+    if published_for(&study.robot).is_some() {
+        out.push_str(
+            "\nThe paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its three \
+             groups differ up to fourfold. Its raw readings are not published, so they cannot be recomputed.\n",
+        );
+    }
+    picture(&mut out, "validation");
+    table(&mut out, "validation");
+    finding(&mut out, "validation-limit");
+
+    let _ = write!(
+        out,
+        "\n## How this was made\n\nstiffarm {version}, seed {}, {} runs per level, {} other initial groups, {} draws of \
+         q1, at most {} iterations per selection. Repeat it with\n\n```\n{command}\n```\n\nAll numbers are in \
+         `study.json` and, table by table, in the CSV files beside this page.\n\n[1] {PAPER}.\n",
+        study.options.simulation.seed,
+        study.simulation.runs,
+        study.options.starts,
+        study.options.q1_draws,
+        study.options.max_iterations,
+    );
+    out
+}

@@ -1,0 +1,271 @@
+//! The paper's study (Section IV) on any cell: groups of postures under
+//! several indices, simulation, identification, validation, and how far the
+//! outcome depends on the initial group.
+
+mod starts;
+mod verdict;
+
+pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::findings::Finding;
+use crate::identify::{Identification, IdentifyOptions, NoiseSource, identify};
+use crate::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
+use crate::observation::{PostureTerms, Rows, observation_matrix};
+use crate::optimise::{Control, Options, with_characteristic_length};
+use crate::posture::PostureGroup;
+use crate::select::{Selection, select_from};
+use crate::simulate::{Simulation, SimulationOptions, in_order, simulate};
+use crate::stiffness::{equilibrium_displacement, linear_displacement, stiffness_correction};
+use crate::validate::{Model, Validation, simulate_measurements, validate};
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+
+/// The indices of the study with the names of their groups; Group 1 is the start.
+pub const STUDY_INDICES: [(Index, &str); 4] = [
+    (Index::Classical, "Group 2 (classical)"),
+    (Index::Novel, "Group 3 (novel)"),
+    (Index::Scaled, "scaled"),
+    (Index::ExpectedError, "expected error"),
+];
+
+/// Name of the initial group.
+pub const INITIAL_GROUP: &str = "Group 1";
+
+/// Options of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StudyOptions {
+    /// Noise levels and runs of the simulation.
+    pub simulation: SimulationOptions,
+    /// Other initial groups, half of each kind.
+    pub starts: usize,
+    /// Draws of q1 for the range of the classical group.
+    pub q1_draws: usize,
+    /// Iterations of each selection.
+    pub max_iterations: u64,
+}
+
+impl Default for StudyOptions {
+    fn default() -> Self {
+        StudyOptions {
+            simulation: SimulationOptions::default(),
+            starts: 60,
+            q1_draws: 500,
+            max_iterations: 1000,
+        }
+    }
+}
+
+/// One group of postures with everything the study found about it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StudyGroup {
+    /// Name of the group.
+    pub name: String,
+    /// How it was selected; `None` for the initial group.
+    pub selection: Option<Selection>,
+    /// Its indices and expected errors.
+    pub evaluation: GroupEvaluation,
+    /// Its postures, controller angles \[deg\].
+    pub postures_deg: Vec<Vec<f64>>,
+    /// Points of the arm per posture, base to TCP, base frame \[m\].
+    pub arms_m: Vec<Vec<[f64; 3]>>,
+    /// Eq. (19) for tracker noise alone, δΩ = 0 and ‖δΛ‖ at its RMS value.
+    pub error_bound: Option<ErrorBound>,
+    /// Expected RMS of ‖δH‖/‖H‖, which the bound of Eq. (19) bounds.
+    pub expected_relative_norm: Option<f64>,
+    /// Largest change of a measuring point's displacement by K_C alone \[m\].
+    pub correction_share_m: f64,
+    /// Largest difference of the linear model to the exact equilibrium \[m\].
+    pub linearisation_m: f64,
+    /// Identification from one simulated measurement; `None` where the group
+    /// cannot determine all joints.
+    pub identification: Option<Identification>,
+    /// Eq. (22) at the cell's validation postures.
+    pub validation: Option<Validation>,
+}
+
+/// Result of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Study {
+    /// Name of the cell.
+    pub cell: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// True joint stiffness of the simulation, the cell's prior \[N·m/rad\].
+    pub stiffness: Vec<f64>,
+    /// Characteristic length of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+    /// σ of a displacement component at variance factor 1 \[m\].
+    pub noise_std_m: f64,
+    /// Options.
+    pub options: StudyOptions,
+    /// Group 1 and the selected groups.
+    pub groups: Vec<StudyGroup>,
+    /// Simulation of Section IV.A over all groups that determine every joint.
+    pub simulation: Simulation,
+    /// What other initial groups lead to.
+    pub starts: StartsStudy,
+    /// The classical group as a range over q1, which its index ignores.
+    pub classical_q1: Option<Q1Range>,
+    /// Index with the smallest mean expected deviation from the initial group.
+    pub recommended: Option<Index>,
+    /// The verdict in sentences.
+    pub findings: Vec<Finding>,
+    /// Outline of the cell's tool box, corners \[m\], where it has one.
+    pub tool_box_m: Option<[[f64; 3]; 2]>,
+    /// Rope anchor in the base frame \[m\], where there is one.
+    pub anchor_m: Option<[f64; 3]>,
+}
+
+/// Runs the study from `initial` (Group 1).
+///
+/// # Errors
+/// A cell without prior stiffness, a group or load that cannot be used, or an
+/// interruption.
+pub fn study(cell: &Cell, initial: &PostureGroup, options: &StudyOptions, control: Control<'_>) -> Result<Study> {
+    let cell = &with_characteristic_length(cell.clone())?;
+    let prior = cell.require_prior()?.to_vec();
+    let select_options = Options { max_iterations: options.max_iterations, ..Options::default() };
+
+    // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
+    let selections: Vec<Selection> = in_order(&STUDY_INDICES, |(_, (index, _))| {
+        select_from(cell, *index, &initial.postures, select_options, control)
+    })?;
+    control.report("selecting from Group 1", 1, 1);
+    let mut named = vec![(None, PostureGroup { name: INITIAL_GROUP.to_string(), ..initial.clone() })];
+    for ((_, name), selection) in STUDY_INDICES.iter().zip(selections) {
+        let group = selection.to_group(name);
+        named.push((Some(selection), group));
+    }
+    let mut groups = Vec::with_capacity(named.len());
+    for (g, (selection, group)) in named.iter().enumerate() {
+        groups.push(study_group(cell, selection.clone(), group, &prior, options.simulation.seed, g)?);
+    }
+    let simulated: Vec<PostureGroup> = named
+        .iter()
+        .zip(&groups)
+        .filter(|(_, g)| g.evaluation.undetermined_joints.is_empty())
+        .map(|((_, group), _)| group.clone())
+        .collect();
+    let simulation = simulate(cell, &simulated, &options.simulation, control)?;
+    let classical_q1 = starts::q1_range(cell, &named[1].1, options.q1_draws, options.simulation.seed)?;
+    let starts = starts::other_starts(
+        cell,
+        initial.postures.len(),
+        options.starts,
+        options.simulation.seed,
+        select_options,
+        control,
+    )?;
+    let mut study = Study {
+        cell: cell.name.clone(),
+        robot: cell.setup.robot.name().to_string(),
+        joints: cell.setup.robot.spring_names(),
+        stiffness: prior,
+        characteristic_length_m: cell.characteristic_length,
+        noise_std_m: cell.noise.displacement_std(),
+        options: options.clone(),
+        groups,
+        simulation,
+        starts,
+        classical_q1,
+        recommended: None,
+        findings: Vec::new(),
+        tool_box_m: cell.limits.tool_box.map(|b| b.map(Into::into)),
+        anchor_m: match cell.setup.load {
+            crate::load::Load::Rope { anchor, .. } => Some(anchor.into()),
+            _ => None,
+        },
+    };
+    verdict::conclude(&mut study);
+    Ok(study)
+}
+
+fn study_group(
+    cell: &Cell,
+    selection: Option<Selection>,
+    group: &PostureGroup,
+    truth: &[f64],
+    seed: u64,
+    stream: usize,
+) -> Result<StudyGroup> {
+    let evaluation = evaluate(cell, &group.name, &group.postures)?;
+    let determined = evaluation.undetermined_joints.is_empty();
+    let (bound, expected_norm) = match evaluation.indices.condition {
+        Some(condition) => {
+            let (bound, norm) = bound_beside_expectation(cell, group, truth, condition)?;
+            (Some(bound), Some(norm))
+        }
+        None => (None, None),
+    };
+    // Section IV.B in simulation: one measurement of the group identifies, the
+    // validation postures judge. The truth is the paper's linear model.
+    let mut identification = None;
+    let mut validation = None;
+    if determined {
+        let measured = simulate_measurements(cell, &group.postures, truth, Model::Linear, seed, 2 * stream)?;
+        let options = IdentifyOptions { noise: NoiseSource::Estimated, ..IdentifyOptions::default() };
+        let result = identify(cell, &measured, options)?;
+        if let (Some(stiffness), false) = (result.stiffness(), cell.validation.is_empty()) {
+            // One set of validation readings judges every group.
+            let held_out = simulate_measurements(cell, &cell.validation, truth, Model::Linear, seed, 1)?;
+            validation = Some(validate(cell, &stiffness, &held_out, Model::Linear, None)?);
+        }
+        identification = Some(result);
+    }
+    let (mut correction_share_m, mut linearisation_m) = (0.0_f64, 0.0_f64);
+    let mut arms_m = Vec::new();
+    for posture in &group.postures {
+        let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
+        let k_c = stiffness_correction(&terms);
+        for (point, p) in cell.setup.tool.measuring_points.iter().zip(terms.measuring_points()) {
+            let linear = linear_displacement(&cell.setup, &terms, p, truth, None)?;
+            let corrected = linear_displacement(&cell.setup, &terms, p, truth, Some(&k_c))?;
+            let exact = equilibrium_displacement(&cell.setup, &posture.q, &point.position, truth, None)?;
+            let norm = |d: nalgebra::Vector6<f64>| d.fixed_rows::<3>(0).norm();
+            correction_share_m = correction_share_m.max(norm(corrected - linear));
+            linearisation_m = linearisation_m.max(norm(exact - linear));
+        }
+        let mut arm = vec![[0.0; 3]];
+        arm.extend(terms.frames().origins().iter().map(|o| [o.x, o.y, o.z]));
+        arm.push(terms.frames().flange().translation.vector.into());
+        arm.push(terms.measuring_points()[0].into());
+        arms_m.push(arm);
+    }
+    Ok(StudyGroup {
+        name: group.name.clone(),
+        selection,
+        evaluation,
+        postures_deg: group.postures.iter().map(|p| p.q.iter().map(|a| a.to_degrees()).collect()).collect(),
+        arms_m,
+        error_bound: bound,
+        expected_relative_norm: expected_norm,
+        correction_share_m,
+        linearisation_m,
+        identification,
+        validation,
+    })
+}
+
+/// Eq. (19) with ‖δΛ‖ at its RMS value σ‖Ψ‖_F and δΩ = 0, beside the expected
+/// RMS of ‖δH‖/‖H‖, σ·sqrt(tr (ΨᵀΨ)⁻¹)/‖H‖.
+fn bound_beside_expectation(
+    cell: &Cell,
+    group: &PostureGroup,
+    truth: &[f64],
+    condition: f64,
+) -> Result<(ErrorBound, f64)> {
+    let psi = observation_matrix(&cell.setup, &group.postures, Rows::Translations)?;
+    let h = DVector::from_iterator(truth.len(), truth.iter().map(|k| 1.0 / k));
+    let sigma = cell.noise.displacement_std();
+    let lambda = psi.tr_mul(&(&psi * &h)).norm();
+    let bound = error_bound(condition, 0.0, sigma * psi.norm() / lambda)?;
+    let trace = crate::information::Factor::new(&psi)?.inverse_information().trace();
+    Ok((bound, sigma * trace.sqrt() / h.norm()))
+}

@@ -1,0 +1,194 @@
+//! How the outcome depends on the initial group, and the classical group on q1.
+
+use super::STUDY_INDICES;
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::{Index, evaluate};
+use crate::optimise::{Control, Options};
+use crate::posture::PostureGroup;
+use crate::select::{StartKind, random_group, select_from, smallest_margin};
+use crate::simulate::{in_order, quantile_of, run_rng};
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// One index over all initial groups of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct IndexOverStarts {
+    /// The index; `None` for the initial groups themselves.
+    pub index: Option<Index>,
+    /// Mean over joints of the expected deviation at variance factor 1, start
+    /// by start; `None` where a joint is undetermined or no group was found.
+    pub mean_expected_deviation: Vec<Option<f64>>,
+    /// Median over the starts that have a value.
+    pub median: Option<f64>,
+    /// Starts after which the expected deviation is smaller than before.
+    pub improved: usize,
+}
+
+/// All initial groups of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StartsOfKind {
+    /// `random` within the bounds, or `small wrist angles` (within ±30°).
+    pub kind: String,
+    /// Number of initial groups.
+    pub count: usize,
+    /// The start itself, then every index of the study.
+    pub rows: Vec<IndexOverStarts>,
+    /// Starts where the novel group is better than both its start and the
+    /// classical group, as the paper reports for its own.
+    pub paper_order_held: usize,
+}
+
+/// What other initial groups lead to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StartsStudy {
+    /// One entry per kind of initial group.
+    pub kinds: Vec<StartsOfKind>,
+}
+
+/// The classical group with q1 drawn anew: its index does not change.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Q1Range {
+    /// Draws of q1 for all postures that meet the cell's limits.
+    pub draws: usize,
+    /// Draws tried in all.
+    pub tried: usize,
+    /// Draws that leave a joint undetermined.
+    pub undetermined: usize,
+    /// Mean expected deviation of each determined draw, ascending.
+    pub mean_expected_deviation: Vec<f64>,
+    /// Smallest, 5 %, 50 %, 95 % quantile and largest of it.
+    pub quantiles: Option<[f64; 5]>,
+}
+
+/// Runs every index of the study from `starts` further initial groups, half of
+/// each kind.
+pub(super) fn other_starts(
+    cell: &Cell,
+    postures: usize,
+    starts: usize,
+    seed: u64,
+    options: Options,
+    control: Control<'_>,
+) -> Result<StartsStudy> {
+    let per_kind = [starts.div_ceil(2), starts / 2];
+    let kinds = [(StartKind::Uniform, "random"), (StartKind::SmallWrist, "small wrist angles")];
+    let mut jobs = Vec::new();
+    for (k, (kind, _)) in kinds.iter().enumerate() {
+        for s in 0..per_kind[k] {
+            // Streams of the two kinds never meet.
+            jobs.push((*kind, (k as u64) << 32 | s as u64));
+        }
+    }
+    let done = AtomicUsize::new(0);
+    let total = jobs.len();
+    let outcomes: Vec<Vec<Option<f64>>> = in_order(&jobs, |(_, (kind, stream))| {
+        let initial = random_group(cell, *kind, postures, seed, *stream)?;
+        let mut row = vec![evaluate(cell, "start", &initial)?.mean_expected_deviation()];
+        for (index, _) in STUDY_INDICES {
+            if control.stopped() {
+                return Err(Error::new(Code::Interrupted, "The study was stopped."));
+            }
+            let selected = select_from(cell, index, &initial, options, control);
+            row.push(match selected {
+                Ok(selection) => {
+                    evaluate(cell, "selected", &selection.group)?.mean_expected_deviation()
+                }
+                // A start from which no determined group inside the limits is
+                // reached counts as not improved.
+                Err(error) if error.code() != Code::Interrupted => None,
+                Err(error) => return Err(error),
+            });
+        }
+        control.report("other initial groups", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        Ok(row)
+    })?;
+    let mut rest = outcomes.as_slice();
+    let mut result = StartsStudy { kinds: Vec::new() };
+    for (k, (_, name)) in kinds.iter().enumerate() {
+        let (mine, others) = rest.split_at(per_kind[k]);
+        rest = others;
+        if !mine.is_empty() {
+            result.kinds.push(summarise(name, mine));
+        }
+    }
+    Ok(result)
+}
+
+fn summarise(kind: &str, outcomes: &[Vec<Option<f64>>]) -> StartsOfKind {
+    // An undetermined group is worse than any determined one.
+    let badness = |v: Option<f64>| v.unwrap_or(f64::INFINITY);
+    let indices = std::iter::once(None).chain(STUDY_INDICES.iter().map(|(i, _)| Some(*i)));
+    let rows = indices
+        .enumerate()
+        .map(|(r, index)| {
+            let values: Vec<Option<f64>> = outcomes.iter().map(|o| o[r]).collect();
+            let known: Vec<f64> = values.iter().flatten().copied().collect();
+            IndexOverStarts {
+                index,
+                median: (!known.is_empty()).then(|| quantile_of(&known, 0.5)),
+                improved: outcomes.iter().filter(|o| badness(o[r]) < badness(o[0])).count(),
+                mean_expected_deviation: values,
+            }
+        })
+        .collect();
+    let position = |index: Index| STUDY_INDICES.iter().position(|(i, _)| *i == index).map_or(0, |p| p + 1);
+    let (classical, novel) = (position(Index::Classical), position(Index::Novel));
+    StartsOfKind {
+        kind: kind.to_string(),
+        count: outcomes.len(),
+        rows,
+        paper_order_held: outcomes
+            .iter()
+            .filter(|o| badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical]))
+            .count(),
+    }
+}
+
+/// Redraws q1 of every posture of the classical group, uniform in its bounds.
+pub(super) fn q1_range(cell: &Cell, group: &PostureGroup, draws: usize, seed: u64) -> Result<Option<Q1Range>> {
+    if draws == 0 {
+        return Ok(None);
+    }
+    let bound = cell.bounds[0];
+    let mut range = Q1Range {
+        draws: 0,
+        tried: 0,
+        undetermined: 0,
+        mean_expected_deviation: Vec::new(),
+        quantiles: None,
+    };
+    let mut rng = run_rng(seed, 1 << 17, 0, 0);
+    let mut angles: Vec<Vec<f64>> = group.postures.iter().map(|p| p.q.clone()).collect();
+    while range.draws < draws && range.tried < 50 * draws {
+        range.tried += 1;
+        for q in &mut angles {
+            // Redraw one posture's q1 until it meets the limits on its own.
+            for _ in 0..200 {
+                q[0] = bound[0] + (bound[1] - bound[0]) * rng.random::<f64>();
+                if smallest_margin(cell, std::slice::from_ref(q))?.is_none_or(|m| m >= -1e-9) {
+                    break;
+                }
+            }
+        }
+        if smallest_margin(cell, &angles)?.is_some_and(|m| m < -1e-9) {
+            continue;
+        }
+        range.draws += 1;
+        match evaluate(cell, &group.name, &angles)?.mean_expected_deviation() {
+            Some(deviation) => range.mean_expected_deviation.push(deviation),
+            None => range.undetermined += 1,
+        }
+    }
+    range.mean_expected_deviation.sort_by(f64::total_cmp);
+    if !range.mean_expected_deviation.is_empty() {
+        let at = |p| quantile_of(&range.mean_expected_deviation, p);
+        range.quantiles = Some([at(0.0), at(0.05), at(0.5), at(0.95), at(1.0)]);
+    }
+    Ok(Some(range))
+}
