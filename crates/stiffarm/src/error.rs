@@ -126,11 +126,17 @@ impl Code {
             ),
             Code::Encoding => ("encoding", "The text is not valid UTF-8."),
             Code::TomlSyntax => ("toml-syntax", "The cell file is not valid TOML."),
-            Code::UnknownKey => ("unknown-key", "The cell file has a key the format does not know."),
+            Code::UnknownKey => (
+                "unknown-key",
+                "The cell file has a key the format does not know.",
+            ),
             Code::MissingKey => ("missing-key", "A key that must be there is missing."),
             Code::WrongType => ("wrong-type", "A value is of the wrong kind."),
             Code::InvalidValue => ("invalid-value", "A value is not allowed."),
-            Code::NotFinite => ("not-finite", "NaN or infinity where a finite number is needed."),
+            Code::NotFinite => (
+                "not-finite",
+                "NaN or infinity where a finite number is needed.",
+            ),
             Code::Conflict => ("conflict", "Keys, columns or options exclude each other."),
             Code::TableHeading => (
                 "table-heading",
@@ -142,20 +148,35 @@ impl Code {
                 "A decimal comma in a comma-separated table: the columns cannot be told apart.",
             ),
             Code::Duplicate => ("duplicate", "The same name or row stands twice."),
-            Code::UnknownName => ("unknown-name", "A name (robot, point, built-in) is not defined."),
+            Code::UnknownName => (
+                "unknown-name",
+                "A name (robot, point, built-in) is not defined.",
+            ),
             Code::Dimension => ("dimension", "Lengths of two inputs do not fit each other."),
-            Code::OutsideLimits => ("outside-limits", "A joint angle lies outside the machine's limits."),
-            Code::Unsupported => ("unsupported", "The robot or set-up is not supported by this version."),
+            Code::OutsideLimits => (
+                "outside-limits",
+                "A joint angle lies outside the machine's limits.",
+            ),
+            Code::Unsupported => (
+                "unsupported",
+                "The robot or set-up is not supported by this version.",
+            ),
             Code::ResultFile => ("result-file", "A saved result cannot be used here."),
             Code::TooFewData => ("too-few-data", "Fewer measurements than unknowns."),
             Code::NotIdentifiable => (
                 "not-identifiable",
                 "The postures and the load cannot determine every joint; the joints are named.",
             ),
-            Code::Numerical => ("numerical", "A numerical routine did not converge on finite input."),
+            Code::Numerical => (
+                "numerical",
+                "A numerical routine did not converge on finite input.",
+            ),
             Code::Interrupted => ("interrupted", "Stopped by the user (Ctrl-C)."),
             Code::Usage => ("usage", "Wrong use of the command line."),
-            Code::Internal => ("internal", "A fault of the program itself; please report it."),
+            Code::Internal => (
+                "internal",
+                "A fault of the program itself; please report it.",
+            ),
         }
     }
 }
@@ -294,7 +315,10 @@ impl Error {
 }
 
 /// ` (did you mean "…"?)` for the nearest of `known` to `name`, else empty.
-pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub(crate) fn did_you_mean<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
     let lower = name.to_lowercase();
     known
         .into_iter()

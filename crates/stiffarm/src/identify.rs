@@ -35,7 +35,10 @@ pub struct IdentifyOptions {
 
 impl Default for IdentifyOptions {
     fn default() -> Self {
-        IdentifyOptions { noise: NoiseSource::Estimated, confidence: 0.95 }
+        IdentifyOptions {
+            noise: NoiseSource::Estimated,
+            confidence: 0.95,
+        }
     }
 }
 
@@ -128,7 +131,10 @@ pub struct Identification {
 impl Identification {
     /// Stiffness of all joints, if each has a positive one.
     pub fn stiffness(&self) -> Option<Vec<f64>> {
-        self.joints.iter().map(|j| j.stiffness.filter(|k| *k > 0.0)).collect()
+        self.joints
+            .iter()
+            .map(|j| j.stiffness.filter(|k| *k > 0.0))
+            .collect()
     }
 
     /// True when every joint has a positive stiffness that the data determine.
@@ -156,7 +162,10 @@ pub fn measured_system(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Meas
     let robot = &cell.setup.robot;
     let rows = row_count(measured);
     if rows == 0 {
-        return Err(Error::new(Code::TooFewData, "There are no displacements to identify from."));
+        return Err(Error::new(
+            Code::TooFewData,
+            "There are no displacements to identify from.",
+        ));
     }
     let mut psi = DMatrix::zeros(rows, robot.spring_count());
     let mut delta = DVector::zeros(rows);
@@ -169,16 +178,24 @@ pub fn measured_system(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Meas
         for displacement in &posture.displacements {
             let from = 3 * displacement.point;
             if from + 3 > block.nrows() {
-                return Err(Error::new(Code::UnknownName, "A displacement names a point the tool does not have."));
+                return Err(Error::new(
+                    Code::UnknownName,
+                    "A displacement names a point the tool does not have.",
+                ));
             }
             psi.rows_mut(at, 3).copy_from(&block.rows(from, 3));
-            delta.rows_mut(at, 3).copy_from(&(displacement.value - known.fixed_rows::<3>(from)));
+            delta
+                .rows_mut(at, 3)
+                .copy_from(&(displacement.value - known.fixed_rows::<3>(from)));
             at += 3;
         }
         starts.push(at);
     }
     if delta.iter().any(|v| !v.is_finite()) {
-        return Err(Error::new(Code::NotFinite, "A displacement is not a finite number."));
+        return Err(Error::new(
+            Code::NotFinite,
+            "A displacement is not a finite number.",
+        ));
     }
     Ok(MeasuredSystem { psi, delta, starts })
 }
@@ -192,9 +209,16 @@ pub fn measured_system(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Meas
 /// As [`measured_system`]; fewer rows than unknowns; a confidence outside
 /// (0, 1). Joints without information are not an error: they are named in the
 /// result.
-pub fn identify(cell: &Cell, measured: &[MeasuredPosture], options: IdentifyOptions) -> Result<Identification> {
+pub fn identify(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: IdentifyOptions,
+) -> Result<Identification> {
     if !(options.confidence > 0.0 && options.confidence < 1.0) {
-        return Err(Error::new(Code::InvalidValue, "The confidence must lie between 0 and 1."));
+        return Err(Error::new(
+            Code::InvalidValue,
+            "The confidence must lie between 0 and 1.",
+        ));
     }
     let system = measured_system(cell, measured)?;
     let (rows, n) = system.psi.shape();
@@ -207,10 +231,14 @@ pub fn identify(cell: &Cell, measured: &[MeasuredPosture], options: IdentifyOpti
         .then(|| (weighted_residual.norm_squared() / degrees_of_freedom as f64).sqrt());
     let expected_std = cell.noise.displacement_std();
     let (sigma, quantile) = match options.noise {
-        NoiseSource::Known => (Some(expected_std), Some(quantile(None, options.confidence)?)),
-        NoiseSource::Estimated if degrees_of_freedom > 0 => {
-            (residual_std, Some(quantile(Some(degrees_of_freedom), options.confidence)?))
-        }
+        NoiseSource::Known => (
+            Some(expected_std),
+            Some(quantile(None, options.confidence)?),
+        ),
+        NoiseSource::Estimated if degrees_of_freedom > 0 => (
+            residual_std,
+            Some(quantile(Some(degrees_of_freedom), options.confidence)?),
+        ),
         NoiseSource::Estimated => (None, None),
     };
     let covariance = factor.inverse_information();
@@ -220,7 +248,12 @@ pub fn identify(cell: &Cell, measured: &[MeasuredPosture], options: IdentifyOpti
         .map(|j| {
             let error = unit_errors[j].zip(sigma).map(|(e, s)| e * s);
             let determined = unit_errors[j].is_some();
-            estimate(&names[j], determined.then(|| compliance[j]), error, quantile)
+            estimate(
+                &names[j],
+                determined.then(|| compliance[j]),
+                error,
+                quantile,
+            )
         })
         .collect();
     let correlation = (0..n)
@@ -228,7 +261,11 @@ pub fn identify(cell: &Cell, measured: &[MeasuredPosture], options: IdentifyOpti
             (0..n)
                 .map(|j| {
                     let (a, b) = (unit_errors[i]?, unit_errors[j]?);
-                    Some(if i == j { 1.0 } else { covariance[(i, j)] / (a * b) })
+                    Some(if i == j {
+                        1.0
+                    } else {
+                        covariance[(i, j)] / (a * b)
+                    })
                 })
                 .collect()
         })
@@ -252,7 +289,11 @@ pub fn identify(cell: &Cell, measured: &[MeasuredPosture], options: IdentifyOpti
         condition,
         scaled_condition: factor.scaled_condition(),
         correlation,
-        undetermined_joints: factor.undetermined().iter().map(|&j| names[j].clone()).collect(),
+        undetermined_joints: factor
+            .undetermined()
+            .iter()
+            .map(|&j| names[j].clone())
+            .collect(),
         noise: options.noise,
         confidence: options.confidence,
         postures: measured
@@ -291,10 +332,16 @@ fn whiten(cell: &Cell, system: &MeasuredSystem) -> MeasuredSystem {
         }
         // Ψ and Δ of the posture are whitened as one matrix.
         let mut joined = DMatrix::zeros(count, n + 1);
-        joined.columns_mut(0, n).copy_from(&system.psi.rows(w[0], count));
-        joined.column_mut(n).copy_from(&system.delta.rows(w[0], count));
+        joined
+            .columns_mut(0, n)
+            .copy_from(&system.psi.rows(w[0], count));
+        joined
+            .column_mut(n)
+            .copy_from(&system.delta.rows(w[0], count));
         whiten_posture(&mut joined, weight);
-        out.psi.rows_mut(w[0], count).copy_from(&joined.columns(0, n));
+        out.psi
+            .rows_mut(w[0], count)
+            .copy_from(&joined.columns(0, n));
         out.delta.rows_mut(w[0], count).copy_from(&joined.column(n));
     }
     out
@@ -305,11 +352,9 @@ fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Result<f64> {
     let p = 0.5 + 0.5 * confidence;
     let failed = |_| Error::new(Code::Internal, "A quantile could not be computed.");
     Ok(match degrees_of_freedom {
-        Some(dof) => {
-            StudentsT::new(0.0, 1.0, dof as f64)
-                .map_err(|_| Error::new(Code::Internal, "A quantile could not be computed."))?
-                .inverse_cdf(p)
-        }
+        Some(dof) => StudentsT::new(0.0, 1.0, dof as f64)
+            .map_err(|_| Error::new(Code::Internal, "A quantile could not be computed."))?
+            .inverse_cdf(p),
         None => Normal::new(0.0, 1.0).map_err(failed)?.inverse_cdf(p),
     })
 }
@@ -367,9 +412,15 @@ mod tests {
         let [low, high] = closed.interval.map(|v| v.unwrap_or(f64::NAN));
         assert!((low - 1.0 / 1.2e-6).abs() < 1e-3 && (high - 1.0 / 0.8e-6).abs() < 1e-3);
         let open = estimate("j", Some(1e-6), Some(1e-6), t);
-        assert_eq!((open.verdict, open.interval[1]), (Verdict::LowerBoundOnly, None));
+        assert_eq!(
+            (open.verdict, open.interval[1]),
+            (Verdict::LowerBoundOnly, None)
+        );
         let negative = estimate("j", Some(-1e-6), Some(1e-7), t);
-        assert_eq!((negative.verdict, negative.interval), (Verdict::SignOrModelFault, [None, None]));
+        assert_eq!(
+            (negative.verdict, negative.interval),
+            (Verdict::SignOrModelFault, [None, None])
+        );
         assert!(negative.stiffness.is_some_and(|k| k < 0.0));
     }
 

@@ -3,8 +3,12 @@
 //! Loops work with ΨᵀΨ; every number that is shown comes from a column-scaled
 //! QR and an SVD of Ψ, which do not square the condition number.
 
+mod svd;
+
+pub(crate) use svd::{Svd, svd};
+
 use crate::error::{Code, Error, Result};
-use nalgebra::linalg::{SVD, SymmetricEigen};
+use nalgebra::linalg::SymmetricEigen;
 use nalgebra::{DMatrix, DVector};
 
 /// Columns smaller than this, relative to the largest, carry no information.
@@ -77,11 +81,17 @@ impl Factor {
     /// not converge.
     pub fn new(psi: &DMatrix<f64>) -> Result<Self> {
         if psi.iter().any(|v| !v.is_finite()) {
-            return Err(Error::new(Code::NotFinite, "The observation matrix has an entry that is not finite."));
+            return Err(Error::new(
+                Code::NotFinite,
+                "The observation matrix has an entry that is not finite.",
+            ));
         }
         let n = psi.ncols();
         if n == 0 || psi.nrows() == 0 {
-            return Err(Error::new(Code::TooFewData, "The observation matrix is empty."));
+            return Err(Error::new(
+                Code::TooFewData,
+                "The observation matrix is empty.",
+            ));
         }
         let norms = DVector::from_iterator(n, psi.column_iter().map(|c| c.norm()));
         let largest = norms.max();
@@ -104,13 +114,24 @@ impl Factor {
         }
         let qr = scaled.qr();
         let (q, r) = (qr.q(), qr.r());
-        let (u, values, v) = sorted_svd(r)?;
+        let Svd { u, values, v } = require_svd(r)?;
         let tolerance = RANK_TOLERANCE * values[0];
-        let rank = values.iter().filter(|s| **s > tolerance && **s > 0.0).count();
+        let rank = values
+            .iter()
+            .filter(|s| **s > tolerance && **s > 0.0)
+            .count();
         let undetermined = (0..n)
             .filter(|&j| empty[j] || (rank..n).any(|i| v[(j, i)].abs() > NULL_SHARE))
             .collect();
-        Ok(Factor { scale, q, u, values, v, rank, undetermined })
+        Ok(Factor {
+            scale,
+            q,
+            u,
+            values,
+            v,
+            rank,
+            undetermined,
+        })
     }
 
     /// Number of unknowns n.
@@ -147,7 +168,7 @@ impl Factor {
     /// # Errors
     /// The decomposition does not converge.
     pub fn singular_values(&self, weights: impl Fn(usize) -> f64) -> Result<DVector<f64>> {
-        Ok(sorted_svd(self.r_times(weights))?.1)
+        Ok(require_svd(self.r_times(weights))?.values)
     }
 
     /// (ΨᵀΨ)⁻¹ on the determined unknowns, n × n; rows and columns of
@@ -187,7 +208,8 @@ impl Factor {
     /// The matrix that takes Δ to H, n × rows: Ψ⁺ in factored form, Eq. (14)
     /// without the normal equations.
     pub fn pseudo_inverse(&self, rows: usize) -> DMatrix<f64> {
-        let full = self.scaled_right_inverse() * (&self.q * self.u.columns(0, self.rank)).transpose();
+        let full =
+            self.scaled_right_inverse() * (&self.q * self.u.columns(0, self.rank)).transpose();
         full.columns(0, rows.min(full.ncols())).into_owned()
     }
 
@@ -201,15 +223,10 @@ impl Factor {
     }
 }
 
-/// SVD with singular values in descending order and an iteration cap.
-fn sorted_svd(matrix: DMatrix<f64>) -> Result<(DMatrix<f64>, DVector<f64>, DMatrix<f64>)> {
-    let failed = || Error::new(Code::Numerical, "The singular value decomposition did not converge.");
-    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, MAX_ITERATIONS).ok_or_else(failed)?;
-    let (u, v_t) = (svd.u.ok_or_else(failed)?, svd.v_t.ok_or_else(failed)?);
-    let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
-    order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
-    let values = DVector::from_iterator(order.len(), order.iter().map(|i| svd.singular_values[*i]));
-    Ok((u.select_columns(&order), values, v_t.select_rows(&order).transpose()))
+/// The decomposition, or an error where it fails.
+fn require_svd(matrix: DMatrix<f64>) -> Result<Svd> {
+    svd(matrix)
+        .ok_or_else(|| Error::new(Code::Numerical, "The singular value decomposition did not converge."))
 }
 
 /// Eigenvalues (ascending) and eigenvectors of a symmetric matrix, with an
@@ -230,7 +247,9 @@ mod tests {
     use super::*;
 
     fn sample() -> DMatrix<f64> {
-        DMatrix::from_fn(9, 3, |i, j| ((i * 7 + j * 13 + i * j * 5) % 11) as f64 - 4.0)
+        DMatrix::from_fn(9, 3, |i, j| {
+            ((i * 7 + j * 13 + i * j * 5) % 11) as f64 - 4.0
+        })
     }
 
     #[test]

@@ -116,8 +116,12 @@ impl Frames {
     pub fn jacobian(&self, p: &Vector3<f64>) -> Matrix6xX<f64> {
         let mut jacobian = Matrix6xX::zeros(self.joint_count());
         for i in 0..self.joint_count() {
-            jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&self.column(i, p));
-            jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&self.axes[i]);
+            jacobian
+                .fixed_view_mut::<3, 1>(0, i)
+                .copy_from(&self.column(i, p));
+            jacobian
+                .fixed_view_mut::<3, 1>(3, i)
+                .copy_from(&self.axes[i]);
         }
         jacobian
     }

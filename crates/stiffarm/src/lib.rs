@@ -8,10 +8,10 @@
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
-
 #[cfg(feature = "files")]
 pub mod builtin;
 pub mod cell;
+pub mod check;
 pub mod error;
 pub mod findings;
 pub mod identify;
@@ -24,12 +24,12 @@ pub mod observation;
 pub mod optimise;
 pub mod posture;
 pub mod robot;
-#[cfg(feature = "files")]
-pub mod table;
 pub mod select;
 pub mod simulate;
 pub mod stiffness;
 pub mod study;
+#[cfg(feature = "files")]
+pub mod table;
 pub mod tool;
 pub mod units;
 pub mod validate;

@@ -16,13 +16,19 @@ pub struct Wrench {
 impl Wrench {
     /// A pure force through the loading point.
     pub fn force(force: Vector3<f64>) -> Self {
-        Wrench { force, moment: Vector3::zeros() }
+        Wrench {
+            force,
+            moment: Vector3::zeros(),
+        }
     }
 
     /// The same wrench about another point: M' = M + (from − to) × F.
     #[must_use]
     pub fn moved(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Self {
-        Wrench { force: self.force, moment: self.moment + (from - to).cross(&self.force) }
+        Wrench {
+            force: self.force,
+            moment: self.moment + (from - to).cross(&self.force),
+        }
     }
 }
 
@@ -76,9 +82,18 @@ impl Load {
                 let unit = (anchor - loading_point).try_normalize(f64::MIN_POSITIVE);
                 Some(Wrench::force(unit.unwrap_or_default() * *magnitude))
             }
-            Load::Weight { magnitude, direction } => Some(Wrench::force(direction * *magnitude)),
-            Load::Constant { wrench, axes: Axes::Base } => Some(*wrench),
-            Load::Constant { wrench, axes: Axes::Tool } => Some(Wrench {
+            Load::Weight {
+                magnitude,
+                direction,
+            } => Some(Wrench::force(direction * *magnitude)),
+            Load::Constant {
+                wrench,
+                axes: Axes::Base,
+            } => Some(*wrench),
+            Load::Constant {
+                wrench,
+                axes: Axes::Tool,
+            } => Some(Wrench {
                 force: frames.direction(&wrench.force),
                 moment: frames.direction(&wrench.moment),
             }),
@@ -122,7 +137,9 @@ impl Load {
                     *g += factor * across.dot(column);
                 }
             }
-            Load::Constant { axes: Axes::Tool, .. } => {
+            Load::Constant {
+                axes: Axes::Tool, ..
+            } => {
                 let turn = wrench.force.cross(force_adjoint) + wrench.moment.cross(moment_adjoint);
                 for (g, axis) in gradient.iter_mut().zip(frames.axes()) {
                     *g += axis.dot(&turn);

@@ -31,7 +31,10 @@ pub struct MeasuredPosture {
 
 /// Number of displacement components (rows of Ψ) in `measured`.
 pub fn row_count(measured: &[MeasuredPosture]) -> usize {
-    3 * measured.iter().map(|p| p.displacements.len()).sum::<usize>()
+    3 * measured
+        .iter()
+        .map(|p| p.displacements.len())
+        .sum::<usize>()
 }
 
 /// Splits off the postures whose names are in `names`: (others, named).
@@ -39,5 +42,7 @@ pub fn split_by_name(
     measured: Vec<MeasuredPosture>,
     names: &[String],
 ) -> (Vec<MeasuredPosture>, Vec<MeasuredPosture>) {
-    measured.into_iter().partition(|m| !names.contains(&m.posture.name))
+    measured
+        .into_iter()
+        .partition(|m| !names.contains(&m.posture.name))
 }

@@ -88,13 +88,16 @@ impl PostureTerms {
         self.loading_point = self.frames.point(&setup.tool.loading_point);
         self.wrench = match wrench {
             Some(given) => *given,
-            None => setup.load.wrench(&self.frames, &self.loading_point).ok_or_else(|| {
-                Error::new(
-                    Code::MissingKey,
-                    "The load is measured, but this posture comes with no force.",
-                )
-                .hint("give fx_n, fy_n, fz_n with each measurement, or set another [load] kind")
-            })?,
+            None => setup
+                .load
+                .wrench(&self.frames, &self.loading_point)
+                .ok_or_else(|| {
+                    Error::new(
+                        Code::MissingKey,
+                        "The load is measured, but this posture comes with no force.",
+                    )
+                    .hint("give fx_n, fy_n, fz_n with each measurement, or set another [load] kind")
+                })?,
         };
         for j in 0..n {
             self.loading_columns[j] = self.frames.column(j, &self.loading_point);
@@ -155,7 +158,9 @@ impl PostureTerms {
         let mut joints = DMatrix::zeros(3 * m, n);
         for a in 0..m {
             for j in 0..n {
-                joints.fixed_view_mut::<3, 1>(3 * a, j).copy_from(&self.columns[a * n + j]);
+                joints
+                    .fixed_view_mut::<3, 1>(3 * a, j)
+                    .copy_from(&self.columns[a * n + j]);
             }
         }
         match robot.spring_mixing() {
@@ -181,7 +186,9 @@ impl PostureTerms {
         let n = self.torque.len();
         let mut joints = DMatrix::zeros(3, n);
         for j in 0..n {
-            joints.fixed_view_mut::<3, 1>(0, j).copy_from(&self.frames.axes()[j]);
+            joints
+                .fixed_view_mut::<3, 1>(0, j)
+                .copy_from(&self.frames.axes()[j]);
         }
         let mut block = match robot.spring_mixing() {
             None => joints,
@@ -199,34 +206,52 @@ impl PostureTerms {
     pub fn known_displacement(&self, tool: &Tool) -> DVector<f64> {
         let m = self.measuring_points.len();
         let mut known = DVector::zeros(3 * m);
-        let Some(series) = &tool.series_compliance else { return known };
+        let Some(series) = &tool.series_compliance else {
+            return known;
+        };
         let origin = self.frames.point(&series.origin);
         let at_origin = self.wrench.moved(&self.loading_point, &origin);
         let rotation = self.frames.flange().rotation;
         let force = rotation.inverse_transform_vector(&at_origin.force);
         let moment = rotation.inverse_transform_vector(&at_origin.moment);
-        let twist = series.matrix
-            * Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        let twist =
+            series.matrix * Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
         let shift = rotation * Vector3::new(twist[0], twist[1], twist[2]);
         let turn = rotation * Vector3::new(twist[3], twist[4], twist[5]);
         for (a, point) in self.measuring_points.iter().enumerate() {
-            known.fixed_rows_mut::<3>(3 * a).copy_from(&(shift + turn.cross(&(point - origin))));
+            known
+                .fixed_rows_mut::<3>(3 * a)
+                .copy_from(&(shift + turn.cross(&(point - origin))));
         }
         known
     }
 
     /// Derivative with respect to θ of Σ adjoint ∘ block, added to `gradient`.
     /// `adjoint` has the shape of [`block`](Self::block).
-    pub(crate) fn add_block_gradient(&self, setup: &Setup, adjoint: &DMatrix<f64>, gradient: &mut [f64]) {
+    pub(crate) fn add_block_gradient(
+        &self,
+        setup: &Setup,
+        adjoint: &DMatrix<f64>,
+        gradient: &mut [f64],
+    ) {
         let n = self.torque.len();
         let m = self.measuring_points.len();
         let mixing = setup.robot.spring_mixing();
-        let mixed = mixing.map(|_| (self.spring_columns(&setup.robot), self.spring_loads(&setup.robot)));
+        let mixed = mixing.map(|_| {
+            (
+                self.spring_columns(&setup.robot),
+                self.spring_loads(&setup.robot),
+            )
+        });
         // Adjoint of the springs' loads, then of the joints' torques.
         let mut torque_adjoint = vec![0.0; n];
         for a in 0..m {
             for j in 0..n {
-                let r = Vector3::new(adjoint[(3 * a, j)], adjoint[(3 * a + 1, j)], adjoint[(3 * a + 2, j)]);
+                let r = Vector3::new(
+                    adjoint[(3 * a, j)],
+                    adjoint[(3 * a + 1, j)],
+                    adjoint[(3 * a + 2, j)],
+                );
                 let column = match &mixed {
                     None => self.columns[a * n + j],
                     Some((columns, _)) => columns.fixed_view::<3, 1>(3 * a, j).into_owned(),
@@ -242,7 +267,11 @@ impl PostureTerms {
         for a in 0..m {
             column_adjoint.fill(Vector3::zeros());
             for j in 0..n {
-                let r = Vector3::new(adjoint[(3 * a, j)], adjoint[(3 * a + 1, j)], adjoint[(3 * a + 2, j)]);
+                let r = Vector3::new(
+                    adjoint[(3 * a, j)],
+                    adjoint[(3 * a + 1, j)],
+                    adjoint[(3 * a + 2, j)],
+                );
                 match (&mixed, mixing) {
                     (Some((_, loads)), Some(mixing)) => {
                         for i in 0..n {
@@ -252,7 +281,11 @@ impl PostureTerms {
                     _ => column_adjoint[j] = r * self.torque[j],
                 }
             }
-            self.frames.add_column_gradient(&self.columns[a * n..(a + 1) * n], &column_adjoint, gradient);
+            self.frames.add_column_gradient(
+                &self.columns[a * n..(a + 1) * n],
+                &column_adjoint,
+                gradient,
+            );
         }
         self.add_torque_gradient(&setup.load, &torque_adjoint, gradient);
     }
@@ -260,9 +293,12 @@ impl PostureTerms {
     /// Derivative with respect to θ of Σ_i adjoint_i Γ_i, added to `gradient`.
     pub(crate) fn add_torque_gradient(&self, load: &Load, adjoint: &[f64], gradient: &mut [f64]) {
         let n = self.torque.len();
-        let force_by_joint: Vec<Vector3<f64>> = adjoint.iter().map(|t| self.wrench.force * *t).collect();
-        self.frames.add_column_gradient(&self.loading_columns, &force_by_joint, gradient);
-        let moment_by_joint: Vec<Vector3<f64>> = adjoint.iter().map(|t| self.wrench.moment * *t).collect();
+        let force_by_joint: Vec<Vector3<f64>> =
+            adjoint.iter().map(|t| self.wrench.force * *t).collect();
+        self.frames
+            .add_column_gradient(&self.loading_columns, &force_by_joint, gradient);
+        let moment_by_joint: Vec<Vector3<f64>> =
+            adjoint.iter().map(|t| self.wrench.moment * *t).collect();
         self.frames.add_axis_gradient(&moment_by_joint, gradient);
         let mut force_adjoint = Vector3::zeros();
         let mut moment_adjoint = Vector3::zeros();
@@ -288,7 +324,11 @@ impl PostureTerms {
 ///
 /// # Errors
 /// As [`PostureTerms::new`].
-pub fn observation_matrix<Q: AsRef<[f64]>>(setup: &Setup, postures: &[Q], rows: Rows) -> Result<DMatrix<f64>> {
+pub fn observation_matrix<Q: AsRef<[f64]>>(
+    setup: &Setup,
+    postures: &[Q],
+    rows: Rows,
+) -> Result<DMatrix<f64>> {
     let n = setup.robot.spring_count();
     let m = setup.tool.point_count();
     let per_point = match rows {
@@ -305,7 +345,8 @@ pub fn observation_matrix<Q: AsRef<[f64]>>(setup: &Setup, postures: &[Q], rows: 
             Rows::FullPose { length } => {
                 let turn = terms.rotation_block(&setup.robot) * length;
                 for a in 0..m {
-                    psi.rows_mut(start + 6 * a, 3).copy_from(&block.rows(3 * a, 3));
+                    psi.rows_mut(start + 6 * a, 3)
+                        .copy_from(&block.rows(3 * a, 3));
                     psi.rows_mut(start + 6 * a + 3, 3).copy_from(&turn);
                 }
             }
@@ -322,13 +363,21 @@ pub fn check_angles(robot: &Robot, q: &[f64]) -> Result<()> {
     if q.len() != robot.joint_count() {
         return Err(Error::new(
             Code::Dimension,
-            format!("{} angles for the {} joints of {}.", q.len(), robot.joint_count(), robot.name()),
+            format!(
+                "{} angles for the {} joints of {}.",
+                q.len(),
+                robot.joint_count(),
+                robot.name()
+            ),
         ));
     }
     match q.iter().position(|v| !v.is_finite()) {
         Some(j) => Err(Error::new(
             Code::NotFinite,
-            format!("The angle of {} is not a finite number.", robot.joints()[j].name),
+            format!(
+                "The angle of {} is not a finite number.",
+                robot.joints()[j].name
+            ),
         )),
         None => Ok(()),
     }

@@ -26,12 +26,21 @@ pub struct PostureGroup {
 
 impl PostureGroup {
     /// A group from controller angles \[rad\], postures named `1`, `2`, ….
-    pub fn from_angles(name: impl Into<String>, angles: impl IntoIterator<Item = Vec<f64>>) -> Self {
+    pub fn from_angles(
+        name: impl Into<String>,
+        angles: impl IntoIterator<Item = Vec<f64>>,
+    ) -> Self {
         let postures = angles
             .into_iter()
             .enumerate()
-            .map(|(i, q)| Posture { name: (i + 1).to_string(), q })
+            .map(|(i, q)| Posture {
+                name: (i + 1).to_string(),
+                q,
+            })
             .collect();
-        PostureGroup { name: name.into(), postures }
+        PostureGroup {
+            name: name.into(),
+            postures,
+        }
     }
 }

@@ -32,7 +32,11 @@ pub struct SimulationOptions {
 
 impl Default for SimulationOptions {
     fn default() -> Self {
-        SimulationOptions { variance_factors: vec![0.5, 1.0, 1.5, 2.0, 2.5, 3.0], runs: 200, seed: 1 }
+        SimulationOptions {
+            variance_factors: vec![0.5, 1.0, 1.5, 2.0, 2.5, 3.0],
+            runs: 200,
+            seed: 1,
+        }
     }
 }
 
@@ -99,10 +103,20 @@ pub fn simulate(
 ) -> Result<Simulation> {
     let prior = cell.require_prior()?;
     if options.runs == 0 || options.variance_factors.is_empty() {
-        return Err(Error::new(Code::InvalidValue, "A simulation needs at least one run and one noise level."));
+        return Err(Error::new(
+            Code::InvalidValue,
+            "A simulation needs at least one run and one noise level.",
+        ));
     }
-    if options.variance_factors.iter().any(|f| !(f.is_finite() && *f >= 0.0)) {
-        return Err(Error::new(Code::InvalidValue, "A factor on the noise variance must be 0 or above."));
+    if options
+        .variance_factors
+        .iter()
+        .any(|f| !(f.is_finite() && *f >= 0.0))
+    {
+        return Err(Error::new(
+            Code::InvalidValue,
+            "A factor on the noise variance must be 0 or above.",
+        ));
     }
     let mut jobs = Vec::new();
     for (g, group) in groups.iter().enumerate() {
@@ -110,7 +124,11 @@ pub fn simulate(
         if !evaluation.undetermined_joints.is_empty() {
             return Err(Error::new(
                 Code::NotIdentifiable,
-                format!("\"{}\" cannot determine {}.", group.name, evaluation.undetermined_joints.join(", ")),
+                format!(
+                    "\"{}\" cannot determine {}.",
+                    group.name,
+                    evaluation.undetermined_joints.join(", ")
+                ),
             )
             .hint("evaluate shows which joints each group determines"));
         }
@@ -136,7 +154,10 @@ pub fn simulate(
         groups: groups
             .iter()
             .zip(levels.chunks(per_group))
-            .map(|(group, levels)| GroupSimulation { name: group.name.clone(), levels: levels.to_vec() })
+            .map(|(group, levels)| GroupSimulation {
+                name: group.name.clone(),
+                levels: levels.to_vec(),
+            })
             .collect(),
     })
 }
@@ -158,7 +179,12 @@ pub(crate) fn in_order<J: Sync, T: Send>(
 }
 
 /// Noise of the displacements of `postures` postures with `points` points each.
-pub(crate) fn draw_noise(rng: &mut ChaCha8Rng, noise: &Noise, postures: usize, points: usize) -> DVector<f64> {
+pub(crate) fn draw_noise(
+    rng: &mut ChaCha8Rng,
+    noise: &Noise,
+    postures: usize,
+    points: usize,
+) -> DVector<f64> {
     let sigma = noise.displacement_std();
     let tau = noise.posture_common_std;
     let mut out = DVector::zeros(3 * points * postures);
@@ -197,7 +223,10 @@ fn simulate_level(
     let points = cell.setup.tool.point_count();
     let rows = 3 * points;
     let postures = psi.nrows() / rows;
-    let noise = Noise { reading_variance: cell.noise.reading_variance * factor, ..cell.noise };
+    let noise = Noise {
+        reading_variance: cell.noise.reading_variance * factor,
+        ..cell.noise
+    };
     let weight = noise.common_weight(points);
     let whiten = |matrix: &mut DMatrix<f64>| {
         if weight > 0.0 {
@@ -238,9 +267,15 @@ fn simulate_level(
         variance_factor: factor,
         standard_error: deviations.iter().map(|d| standard_error(d)).collect(),
         median_deviation: deviations.iter().map(|d| median(d)).collect(),
-        expected_deviation: relative.iter().map(|e| crate::index::expected_deviation(*e)).collect(),
+        expected_deviation: relative
+            .iter()
+            .map(|e| crate::index::expected_deviation(*e))
+            .collect(),
         compliance_mean_deviation: compliance_deviations.iter().map(|d| mean(d)).collect(),
-        compliance_standard_error: compliance_deviations.iter().map(|d| standard_error(d)).collect(),
+        compliance_standard_error: compliance_deviations
+            .iter()
+            .map(|d| standard_error(d))
+            .collect(),
         beyond_first_order: relative.iter().map(|e| *e > FIRST_ORDER_LIMIT).collect(),
         first_run_deviation: deviations.iter().map(|d| d[0]).collect(),
         mean_deviation,

@@ -28,16 +28,26 @@ pub fn joint_compliance(robot: &Robot, stiffness: &[f64]) -> Result<DMatrix<f64>
     if stiffness.len() != n {
         return Err(Error::new(
             Code::Dimension,
-            format!("{} stiffness values for the {n} joints of {}.", stiffness.len(), robot.name()),
+            format!(
+                "{} stiffness values for the {n} joints of {}.",
+                stiffness.len(),
+                robot.name()
+            ),
         ));
     }
     if let Some(j) = stiffness.iter().position(|k| !(k.is_finite() && *k > 0.0)) {
         return Err(Error::new(
             Code::InvalidValue,
-            format!("The stiffness of {} must be a finite number above zero.", robot.spring_names()[j]),
+            format!(
+                "The stiffness of {} must be a finite number above zero.",
+                robot.spring_names()[j]
+            ),
         ));
     }
-    let diagonal = DMatrix::from_diagonal(&DVector::from_iterator(n, stiffness.iter().map(|k| 1.0 / k)));
+    let diagonal = DMatrix::from_diagonal(&DVector::from_iterator(
+        n,
+        stiffness.iter().map(|k| 1.0 / k),
+    ));
     Ok(match robot.spring_mixing() {
         None => diagonal,
         Some(mixing) => mixing * diagonal * mixing.transpose(),
@@ -52,8 +62,14 @@ pub fn stiffness_correction(terms: &PostureTerms) -> DMatrix<f64> {
     let (force, moment) = (terms.wrench().force, terms.wrench().moment);
     DMatrix::from_fn(n, n, |i, j| {
         // ∂c_i/∂θ_j = z_min × c_max; ∂z_i/∂θ_j = z_j × z_i for j < i.
-        let linear = axes[i.min(j)].cross(&terms.loading_columns[i.max(j)]).dot(&force);
-        let angular = if j < i { axes[j].cross(&axes[i]).dot(&moment) } else { 0.0 };
+        let linear = axes[i.min(j)]
+            .cross(&terms.loading_columns[i.max(j)])
+            .dot(&force);
+        let angular = if j < i {
+            axes[j].cross(&axes[i]).dot(&moment)
+        } else {
+            0.0
+        };
         linear + angular
     })
 }
@@ -62,7 +78,9 @@ pub fn stiffness_correction(terms: &PostureTerms) -> DMatrix<f64> {
 /// point: −(G/ℓ) Jᵀ(I − u uᵀ)J, n × n \[N·m/rad\]; zero for other loads.
 pub fn rope_correction(load: &Load, terms: &PostureTerms) -> DMatrix<f64> {
     let n = terms.torque().len();
-    let Load::Rope { anchor, magnitude } = load else { return DMatrix::zeros(n, n) };
+    let Load::Rope { anchor, magnitude } = load else {
+        return DMatrix::zeros(n, n);
+    };
     let rope = anchor - terms.loading_point();
     let length = rope.norm();
     if length <= f64::MIN_POSITIVE {
@@ -118,13 +136,20 @@ fn corrected_compliance(
     correction: Option<&DMatrix<f64>>,
 ) -> Result<DMatrix<f64>> {
     let compliance = joint_compliance(robot, stiffness)?;
-    let Some(correction) = correction else { return Ok(compliance) };
+    let Some(correction) = correction else {
+        return Ok(compliance);
+    };
     // (K − K_C)⁻¹ = (I − K⁻¹ K_C)⁻¹ K⁻¹, which needs no inverse of K⁻¹.
     let n = compliance.nrows();
     (DMatrix::identity(n, n) - &compliance * correction)
         .lu()
         .solve(&compliance)
-        .ok_or_else(|| Error::new(Code::InvalidValue, "K_θ − K_C is singular: the load would buckle the arm."))
+        .ok_or_else(|| {
+            Error::new(
+                Code::InvalidValue,
+                "K_θ − K_C is singular: the load would buckle the arm.",
+            )
+        })
 }
 
 /// Displacement of a point fixed to the flange by the linear model, Eq. (7),
@@ -166,7 +191,12 @@ pub struct Equilibrium {
 /// # Errors
 /// As [`joint_compliance`] and [`PostureTerms::new`]; no convergence, which
 /// happens only where the load is of the order that buckles the arm.
-pub fn equilibrium(setup: &Setup, q: &[f64], stiffness: &[f64], wrench: Option<&Wrench>) -> Result<Equilibrium> {
+pub fn equilibrium(
+    setup: &Setup,
+    q: &[f64],
+    stiffness: &[f64],
+    wrench: Option<&Wrench>,
+) -> Result<Equilibrium> {
     let compliance = joint_compliance(&setup.robot, stiffness)?;
     let mut terms = PostureTerms::new(setup, q, wrench)?;
     let start = setup.robot.serial_angles(q);
@@ -182,11 +212,19 @@ pub fn equilibrium(setup: &Setup, q: &[f64], stiffness: &[f64], wrench: Option<&
             break;
         }
         if change <= EQUILIBRIUM_TOLERANCE {
-            return Ok(Equilibrium { frames: terms.frames, deflection, wrench: terms.wrench, iterations });
+            return Ok(Equilibrium {
+                frames: terms.frames,
+                deflection,
+                wrench: terms.wrench,
+                iterations,
+            });
         }
     }
-    Err(Error::new(Code::InvalidValue, "The loaded arm has no stable equilibrium near this posture.")
-        .hint("check the load's magnitude and the unit of the joint stiffness (N·m/rad)"))
+    Err(Error::new(
+        Code::InvalidValue,
+        "The loaded arm has no stable equilibrium near this posture.",
+    )
+    .hint("check the load's magnitude and the unit of the joint stiffness (N·m/rad)"))
 }
 
 /// Displacement of a flange-fixed point by the exact equilibrium: difference
@@ -206,5 +244,7 @@ pub fn equilibrium_displacement(
     let after = equilibrium(setup, q, stiffness, wrench)?.frames;
     let shift = after.point(in_flange) - before.point(in_flange);
     let turn = (after.flange().rotation * before.flange().rotation.inverse()).scaled_axis();
-    Ok(Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z))
+    Ok(Vector6::new(
+        shift.x, shift.y, shift.z, turn.x, turn.y, turn.z,
+    ))
 }

@@ -42,7 +42,10 @@ impl SeriesCompliance {
             ));
         }
         let diagonal = Vector6::from_iterator(stiffness.iter().map(|k| 1.0 / k));
-        Ok(SeriesCompliance { origin, matrix: Matrix6::from_diagonal(&diagonal) })
+        Ok(SeriesCompliance {
+            origin,
+            matrix: Matrix6::from_diagonal(&diagonal),
+        })
     }
 }
 

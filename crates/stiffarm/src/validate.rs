@@ -83,12 +83,22 @@ pub fn calculated_displacements(
     (0..tool.point_count())
         .map(|a| {
             let twist = match model {
-                Model::Linear => {
-                    linear_displacement(&cell.setup, &terms, &terms.measuring_points()[a], stiffness, None)?
-                }
+                Model::Linear => linear_displacement(
+                    &cell.setup,
+                    &terms,
+                    &terms.measuring_points()[a],
+                    stiffness,
+                    None,
+                )?,
                 Model::Equilibrium => {
                     let point = &tool.measuring_points[a].position;
-                    equilibrium_displacement(&cell.setup, q, point, stiffness, measured.wrench.as_ref())?
+                    equilibrium_displacement(
+                        &cell.setup,
+                        q,
+                        point,
+                        stiffness,
+                        measured.wrench.as_ref(),
+                    )?
                 }
             };
             Ok(Vector3::new(twist[0], twist[1], twist[2]) + known.fixed_rows::<3>(3 * a))
@@ -109,13 +119,24 @@ pub fn validate(
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     let mut points = Vec::new();
-    let names: Vec<&str> = cell.setup.tool.measuring_points.iter().map(|p| p.name.as_str()).collect();
+    let names: Vec<&str> = cell
+        .setup
+        .tool
+        .measuring_points
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect();
     for (m, posture) in measured.iter().enumerate() {
         let calculated = calculated_displacements(cell, posture, stiffness, model)?;
         for displacement in &posture.displacements {
-            let (Some(c), Some(name)) = (calculated.get(displacement.point), names.get(displacement.point))
-            else {
-                return Err(Error::new(Code::UnknownName, "A displacement names a point the tool does not have."));
+            let (Some(c), Some(name)) = (
+                calculated.get(displacement.point),
+                names.get(displacement.point),
+            ) else {
+                return Err(Error::new(
+                    Code::UnknownName,
+                    "A displacement names a point the tool does not have.",
+                ));
             };
             // δb, Eq. (22)
             let deviation = (displacement.value - c).norm();
@@ -131,10 +152,16 @@ pub fn validate(
         }
     }
     if points.is_empty() {
-        return Err(Error::new(Code::TooFewData, "There are no displacements to validate with."));
+        return Err(Error::new(
+            Code::TooFewData,
+            "There are no displacements to validate with.",
+        ));
     }
     let deviations: Vec<f64> = points.iter().map(|p| p.deviation_m).collect();
-    let norms: Vec<f64> = points.iter().map(|p| Vector3::from(p.measured_m).norm()).collect();
+    let norms: Vec<f64> = points
+        .iter()
+        .map(|p| Vector3::from(p.measured_m).norm())
+        .collect();
     let largest = deviations.iter().copied().fold(0.0, f64::max);
     // Mean of the norm of three independent normal components.
     let sigma = (cell.noise.displacement_variance() + cell.noise.posture_common_std.powi(2)).sqrt();

@@ -7,7 +7,13 @@ use stiffarm::study::{Study, StudyGroup};
 /// All figures of a study, in the order of the page.
 pub fn figures(study: &Study) -> Vec<Figure> {
     let mut out = vec![expected_deviation(study)];
-    out.extend(study.groups.iter().enumerate().map(|(g, group)| postures(study, g, group)));
+    out.extend(
+        study
+            .groups
+            .iter()
+            .enumerate()
+            .map(|(g, group)| postures(study, g, group)),
+    );
     out.push(deviation_by_noise(study));
     out.push(other_starts(study));
     out.extend(q1_range(study));
@@ -25,7 +31,12 @@ fn expected_deviation(study: &Study) -> Figure {
         .groups
         .iter()
         .map(|g| {
-            let y = g.evaluation.expected_deviation.iter().map(|d| d.map_or(f64::NAN, |d| 100.0 * d)).collect();
+            let y = g
+                .evaluation
+                .expected_deviation
+                .iter()
+                .map(|d| d.map_or(f64::NAN, |d| 100.0 * d))
+                .collect();
             Series::new(&g.name, Style::Bars, numbers(study.joints.len()), y)
         })
         .collect();
@@ -69,7 +80,12 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
             ));
         }
         if let Some(anchor) = study.anchor_m {
-            series.push(Series::new("rope anchor", Style::Points, vec![anchor[a]], vec![anchor[b]]));
+            series.push(Series::new(
+                "rope anchor",
+                Style::Points,
+                vec![anchor[a]],
+                vec![anchor[b]],
+            ));
         }
         Panel {
             title: title.into(),
@@ -81,7 +97,7 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
     };
     Figure {
         id: format!("postures-{}", slug(&group.name)),
-        title: format!("Postures of {}", group.name),
+        title: format!("Postures: {}", group.name),
         caption: format!(
             "Arms from base to measuring point 1, group {} of the study, side and top view.",
             number + 1
@@ -124,7 +140,11 @@ fn deviation_by_noise(study: &Study) -> Figure {
                     format!("{}, theory", group.name),
                     Style::Dashed,
                     factors.clone(),
-                    group.levels.iter().map(|l| percent(l.expected_deviation[j])).collect(),
+                    group
+                        .levels
+                        .iter()
+                        .map(|l| percent(l.expected_deviation[j]))
+                        .collect(),
                 ));
                 if group.levels.iter().any(|l| l.beyond_first_order[j]) {
                     series.push(Series::new(
@@ -148,8 +168,8 @@ fn deviation_by_noise(study: &Study) -> Figure {
         id: "deviation-by-noise".into(),
         title: "Simulated deviation of the joint stiffness at six noise levels".into(),
         caption: format!(
-            "Mean of |k̂ − k|/k over {} runs with its standard error (markers), closed form (dashed). Hollow: median, \
-             where the relative standard error passes 10 %.",
+            "Mean of |k̂ − k|/k over {} runs with its standard error (markers), closed form (dashed). Hollow: median \
+             where the relative standard error passes 10 %; the median of a normal error is 0.85 of its mean.",
             study.simulation.runs
         ),
         columns: 3,
@@ -178,7 +198,12 @@ fn other_starts(study: &Study) -> Figure {
                     y.push(100.0 * value);
                 }
             }
-            Series::new(format!("{} starts ({})", kind.kind, kind.count), Style::Box, x, y)
+            Series::new(
+                format!("{} starts ({})", kind.kind, kind.count),
+                Style::Box,
+                x,
+                y,
+            )
         })
         .collect();
     Figure {
@@ -202,17 +227,34 @@ fn other_starts(study: &Study) -> Figure {
 fn q1_range(study: &Study) -> Option<Figure> {
     let range = study.classical_q1.as_ref()?;
     let count = range.draws as f64;
-    let x: Vec<f64> = range.mean_expected_deviation.iter().map(|d| 100.0 * d).collect();
+    let x: Vec<f64> = range
+        .mean_expected_deviation
+        .iter()
+        .map(|d| 100.0 * d)
+        .collect();
     let y: Vec<f64> = (1..=x.len()).map(|i| 100.0 * i as f64 / count).collect();
     let marker = |label: &str, value: Option<f64>| {
         let v = 100.0 * value.unwrap_or(f64::NAN);
         Series::new(label, Style::Dashed, vec![v, v], vec![0.0, 100.0])
     };
     let deviation = |name: &str| {
-        study.groups.iter().find(|g| g.name == name).and_then(|g| g.evaluation.mean_expected_deviation())
+        study
+            .groups
+            .iter()
+            .find(|g| g.name == name)
+            .and_then(|g| g.evaluation.mean_expected_deviation())
     };
-    let mut series = vec![Series::new("Group 2 (classical), q1 drawn anew", Style::Dashed, x, y)];
-    for group in study.groups.iter().filter(|g| !g.name.starts_with("Group 2")) {
+    let mut series = vec![Series::new(
+        "Group 2 (classical), q1 drawn anew",
+        Style::Dashed,
+        x,
+        y,
+    )];
+    for group in study
+        .groups
+        .iter()
+        .filter(|g| !g.name.starts_with("Group 2"))
+    {
         series.push(marker(&group.name, deviation(&group.name)));
     }
     Some(Figure {
@@ -236,20 +278,36 @@ fn q1_range(study: &Study) -> Option<Figure> {
 
 /// Eq. (22) at the validation postures (Fig. 10).
 fn validation(study: &Study) -> Option<Figure> {
-    let labels: Vec<String> =
-        study.groups.iter().find_map(|g| g.validation.as_ref())?.points.iter().map(|p| p.label.clone()).collect();
+    let labels: Vec<String> = study
+        .groups
+        .iter()
+        .find_map(|g| g.validation.as_ref())?
+        .points
+        .iter()
+        .map(|p| p.label.clone())
+        .collect();
     let mut series: Vec<Series> = study
         .groups
         .iter()
         .filter_map(|g| {
-            let y = g.validation.as_ref()?.points.iter().map(|p| 1e3 * p.deviation_m).collect();
+            let y = g
+                .validation
+                .as_ref()?
+                .points
+                .iter()
+                .map(|p| 1e3 * p.deviation_m)
+                .collect();
             Some(Series::new(&g.name, Style::Line, numbers(labels.len()), y))
         })
         .collect();
-    let noise = study.groups.iter().find_map(|g| g.validation.as_ref())?.noise_expectation_m;
+    let noise = study
+        .groups
+        .iter()
+        .find_map(|g| g.validation.as_ref())?
+        .noise_expectation_m;
     series.push(Series::new(
         "tracker noise alone (mean)",
-        Style::Dashed,
+        Style::Outline,
         vec![0.0, labels.len() as f64 - 1.0],
         vec![1e3 * noise; 2],
     ));
@@ -285,5 +343,10 @@ pub(super) fn slug(name: &str) -> String {
 /// The deviation of each group at the illustration level, with its name.
 pub(super) fn illustration(study: &Study) -> Vec<(&str, &stiffarm::simulate::LevelResult)> {
     let level = illustration_level(study);
-    study.simulation.groups.iter().map(|g| (g.name.as_str(), &g.levels[level])).collect()
+    study
+        .simulation
+        .groups
+        .iter()
+        .map(|g| (g.name.as_str(), &g.levels[level]))
+        .collect()
 }

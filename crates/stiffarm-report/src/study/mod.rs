@@ -16,5 +16,7 @@ use stiffarm::study::Study;
 pub(crate) fn illustration_level(study: &Study) -> usize {
     let factors = &study.options.simulation.variance_factors;
     let distance = |l: &usize| (factors[*l] - 1.0).abs();
-    (0..factors.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    (0..factors.len())
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or(0)
 }

@@ -4,7 +4,25 @@ use super::figures::{figures, slug};
 use super::published::{PAPER, published_for};
 use super::tables::{find, percent, significant, tables};
 use std::fmt::Write;
-use stiffarm::study::Study;
+use stiffarm::study::{Study, StudyGroup};
+
+/// The postures of a group to a thousandth of a degree; the CSV file beside
+/// the page has every digit.
+fn rounded_postures(group: &StudyGroup, joints: &[String]) -> String {
+    let mut out = String::from("\n| posture |");
+    for j in 1..=joints.len() {
+        let _ = write!(out, " q{j} [°] |");
+    }
+    let _ = write!(out, "\n|:--|{}\n", "--:|".repeat(joints.len()));
+    for (p, q) in group.postures_deg.iter().enumerate() {
+        let _ = write!(out, "| {} |", p + 1);
+        for angle in q {
+            let _ = write!(out, " {angle:.3} |");
+        }
+        out.push('\n');
+    }
+    out
+}
 
 /// The page. `command` is the command line that repeats the study; figures are
 /// referred to as `<id>.svg` beside the page.
@@ -34,7 +52,12 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
          {version}. Every number here is simulated unless it is marked as the paper's.\n\n## In short\n",
         study.cell
     );
-    for code in ["undetermined-joints", "recommended-index", "paper-order", "other-starts"] {
+    for code in [
+        "undetermined-joints",
+        "recommended-index",
+        "paper-order",
+        "other-starts",
+    ] {
         for f in study.findings.iter().filter(|f| f.code == code) {
             let _ = write!(out, "\n- {}", f.sentence);
         }
@@ -48,9 +71,19 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
         "\n## A. Numerical simulations\n\n### Set-up\n\nRobot: {}. True joint stiffness (Table 2): {} N·m/rad. \
          Displacement noise at variance factor 1: {} µm per axis. Characteristic length of Eq. (20): {}.\n",
         study.robot,
-        study.stiffness.iter().map(|k| significant(Some(*k))).collect::<Vec<_>>().join(", "),
+        study
+            .stiffness
+            .iter()
+            .map(|k| significant(Some(*k)))
+            .collect::<Vec<_>>()
+            .join(", "),
         significant(Some(1e6 * study.noise_std_m)),
-        study.characteristic_length_m.map_or("none".into(), |l| format!("{} mm", significant(Some(1e3 * l)))),
+        study
+            .characteristic_length_m
+            .map_or("none".into(), |l| format!(
+                "{} mm",
+                significant(Some(1e3 * l))
+            )),
     );
     out.push_str(
         "\n### Groups of postures\n\nGroup 1 is the initial group. Each other group is selected from it under one \
@@ -61,7 +94,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     table(&mut out, "indices");
     for group in &study.groups {
         picture(&mut out, &format!("postures-{}", slug(&group.name)));
-        table(&mut out, &format!("postures-{}", slug(&group.name)));
+        out.push_str(&rounded_postures(group, &study.joints));
     }
     out.push_str("\n### An illustration case\n\nOne run of the simulation at variance factor 1; a single run is luck, the averages below are not.\n");
     table(&mut out, "illustration-case");

@@ -20,7 +20,12 @@ pub struct Table {
 
 impl Table {
     fn new(id: &str, caption: impl Into<String>, headings: Vec<String>) -> Self {
-        Table { id: id.into(), caption: caption.into(), headings, rows: Vec::new() }
+        Table {
+            id: id.into(),
+            caption: caption.into(),
+            headings,
+            rows: Vec::new(),
+        }
     }
 
     /// The table as CSV, LF line ends, cells quoted where needed.
@@ -60,16 +65,20 @@ impl Table {
 
 /// Number with four significant digits, `–` where there is none.
 pub(super) fn significant(value: Option<f64>) -> String {
-    let Some(v) = value.filter(|v| v.is_finite()) else { return "–".into() };
+    let Some(v) = value.filter(|v| v.is_finite()) else {
+        return "–".into();
+    };
     if v == 0.0 {
         return "0".into();
     }
     let magnitude = v.abs().log10().floor() as i32;
-    if (-4..7).contains(&magnitude) {
-        let decimals = (3 - magnitude).max(0) as usize;
-        format!("{v:.decimals$}")
-    } else {
-        format!("{v:.3e}")
+    match magnitude {
+        -4..4 => format!("{v:.decimals$}", decimals = (3 - magnitude) as usize),
+        4..9 => {
+            let unit = 10f64.powi(magnitude - 3);
+            format!("{:.0}", (v / unit).round() * unit)
+        }
+        _ => format!("{v:.3e}"),
     }
 }
 
@@ -89,12 +98,21 @@ pub fn tables(study: &Study) -> Vec<Table> {
                 .collect(),
         );
         for (p, q) in g.postures_deg.iter().enumerate() {
-            let cells = q.iter().map(|a| format!("{a}"));
-            table.rows.push(std::iter::once((p + 1).to_string()).chain(cells).collect());
+            let cells = q
+                .iter()
+                .map(|a| a.to_string());
+            table
+                .rows
+                .push(std::iter::once((p + 1).to_string()).chain(cells).collect());
         }
         table
     }));
-    out.extend([illustration_case(study), simulation(study), starts(study), stiffness(study)]);
+    out.extend([
+        illustration_case(study),
+        simulation(study),
+        starts(study),
+        stiffness(study),
+    ]);
     out.extend(validation(study));
     out
 }
@@ -105,7 +123,9 @@ pub(super) fn find<'a>(tables: &'a [Table], id: &str) -> Option<&'a Table> {
 }
 
 fn with_groups(first: &str, study: &Study) -> Vec<String> {
-    std::iter::once(first.to_string()).chain(study.groups.iter().map(|g| g.name.clone())).collect()
+    std::iter::once(first.to_string())
+        .chain(study.groups.iter().map(|g| g.name.clone()))
+        .collect()
 }
 
 fn indices(study: &Study) -> Table {
@@ -115,28 +135,54 @@ fn indices(study: &Study) -> Table {
         with_groups("index", study),
     );
     for index in Index::ALL {
-        let fraction = matches!(index, Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D);
-        let mut row = vec![format!("{}{}", index.as_str(), if fraction { " [%]" } else { "" })];
+        let fraction = matches!(
+            index,
+            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
+        );
+        let mut row = vec![format!(
+            "{}{}",
+            index.as_str(),
+            if fraction { " [%]" } else { "" }
+        )];
         for group in &study.groups {
             let value = group.evaluation.indices.get(index);
-            row.push(if fraction { percent(value) } else { significant(value) });
+            row.push(if fraction {
+                percent(value)
+            } else {
+                significant(value)
+            });
         }
         table.rows.push(row);
     }
     let selection = |f: &dyn Fn(&stiffarm::select::Selection) -> String| -> Vec<String> {
-        study.groups.iter().map(|g| g.selection.as_ref().map_or("–".into(), f)).collect()
+        study
+            .groups
+            .iter()
+            .map(|g| g.selection.as_ref().map_or("–".into(), f))
+            .collect()
     };
     let mut add = |name: &str, cells: Vec<String>| {
-        table.rows.push(std::iter::once(name.to_string()).chain(cells).collect());
+        table
+            .rows
+            .push(std::iter::once(name.to_string()).chain(cells).collect());
     };
-    add("search ended", selection(&|s| s.termination.describe().to_string()));
+    add(
+        "search ended",
+        selection(&|s| s.termination.describe().to_string()),
+    );
     add("iterations", selection(&|s| s.iterations.to_string()));
-    add("first-order optimality [1/rad]", selection(&|s| significant(s.stationarity)));
-    add("smallest margin to a limit [mm]", selection(&|s| match s.smallest_margin_m {
-        // Below a nanometre is on the limit.
-        Some(m) if m.abs() < 1e-8 => "0 (on a limit)".into(),
-        other => significant(other.map(|m| 1e3 * m)),
-    }));
+    add(
+        "first-order optimality [1/rad]",
+        selection(&|s| significant(s.stationarity)),
+    );
+    add(
+        "smallest margin to a limit [mm]",
+        selection(&|s| match s.smallest_margin_m {
+            // Below a nanometre is on the limit.
+            Some(m) if m.abs() < 1e-8 => "0 (on a limit)".into(),
+            other => significant(other.map(|m| 1e3 * m)),
+        }),
+    );
     table
 }
 
@@ -147,11 +193,21 @@ fn expected(study: &Study) -> Table {
         with_groups("joint", study),
     );
     for (j, joint) in study.joints.iter().enumerate() {
-        let cells = study.groups.iter().map(|g| percent(g.evaluation.expected_deviation[j]));
-        table.rows.push(std::iter::once(joint.clone()).chain(cells).collect());
+        let cells = study
+            .groups
+            .iter()
+            .map(|g| percent(g.evaluation.expected_deviation[j]));
+        table
+            .rows
+            .push(std::iter::once(joint.clone()).chain(cells).collect());
     }
-    let mean = study.groups.iter().map(|g| percent(g.evaluation.mean_expected_deviation()));
-    table.rows.push(std::iter::once("mean".to_string()).chain(mean).collect());
+    let mean = study
+        .groups
+        .iter()
+        .map(|g| percent(g.evaluation.mean_expected_deviation()));
+    table
+        .rows
+        .push(std::iter::once("mean".to_string()).chain(mean).collect());
     table
 }
 
@@ -170,9 +226,17 @@ fn illustration_case(study: &Study) -> Table {
     );
     for (j, joint) in study.joints.iter().enumerate() {
         let mut row = vec![joint.clone()];
-        row.extend(cases.iter().map(|(_, level)| percent(Some(level.first_run_deviation[j]))));
+        row.extend(
+            cases
+                .iter()
+                .map(|(_, level)| percent(Some(level.first_run_deviation[j]))),
+        );
         if let Some(published) = published {
-            row.extend(published.deviation_percent[j].iter().map(|v| significant(Some(*v))));
+            row.extend(
+                published.deviation_percent[j]
+                    .iter()
+                    .map(|v| significant(Some(*v))),
+            );
         }
         table.rows.push(row);
     }
@@ -192,7 +256,10 @@ fn simulation(study: &Study) -> Table {
     ];
     let mut table = Table::new(
         "simulation",
-        format!("Deviation |k̂ − k|/k over {} runs (Fig. 8).", study.simulation.runs),
+        format!(
+            "Deviation |k̂ − k|/k over {} runs (Fig. 8).",
+            study.simulation.runs
+        ),
         headings.map(String::from).to_vec(),
     );
     for group in &study.simulation.groups {
@@ -216,8 +283,12 @@ fn simulation(study: &Study) -> Table {
 }
 
 fn starts(study: &Study) -> Table {
-    let headings =
-        ["initial groups", "index", "improved on the start", "median mean expected deviation [%]"];
+    let headings = [
+        "initial groups",
+        "index",
+        "improved on the start",
+        "median mean expected deviation [%]",
+    ];
     let mut table = Table::new(
         "other-starts",
         "How often each index improves on its start, and the median outcome.",
@@ -227,8 +298,11 @@ fn starts(study: &Study) -> Table {
         for row in &kind.rows {
             table.rows.push(vec![
                 kind.kind.clone(),
-                row.index.map_or("(start)".into(), |i| i.as_str().replace('_', " ")),
-                row.index.map_or("–".into(), |_| format!("{} of {}", row.improved, kind.count)),
+                row.index
+                    .map_or("(start)".into(), |i| i.as_str().replace('_', " ")),
+                row.index.map_or("–".into(), |_| {
+                    format!("{} of {}", row.improved, kind.count)
+                }),
                 percent(row.median),
             ]);
         }
@@ -245,21 +319,27 @@ fn stiffness(study: &Study) -> Table {
     }
     let mut table = Table::new(
         "stiffness",
-        "Joint stiffness identified from one simulated measurement, N·m/rad (Table 6), with the half-width of the \
-         95 % interval.",
+        "Joint stiffness identified from one simulated measurement, N·m/rad (Table 6), with the 95 % interval.",
         headings,
     );
     for (j, joint) in study.joints.iter().enumerate() {
         let mut row = vec![joint.clone(), significant(Some(study.stiffness[j]))];
         for group in &study.groups {
             let estimate = group.identification.as_ref().map(|i| &i.joints[j]);
-            row.push(match estimate.and_then(|e| Some((e.stiffness?, e.interval))) {
-                Some((k, [Some(low), Some(high)])) => {
-                    format!("{} (−{}/+{})", significant(Some(k)), significant(Some(k - low)), significant(Some(high - k)))
-                }
-                Some((k, _)) => significant(Some(k)),
-                None => "–".into(),
-            });
+            row.push(
+                match estimate.and_then(|e| Some((e.stiffness?, e.interval))) {
+                    Some((k, [Some(low), Some(high)])) => {
+                        format!(
+                            "{} ({}–{})",
+                            significant(Some(k)),
+                            significant(Some(low)),
+                            significant(Some(high))
+                        )
+                    }
+                    Some((k, _)) => significant(Some(k)),
+                    None => "–".into(),
+                },
+            );
         }
         if let Some(published) = published {
             row.extend(published.stiffness[j].iter().map(|v| significant(Some(*v))));
@@ -271,7 +351,8 @@ fn stiffness(study: &Study) -> Table {
 
 fn validation(study: &Study) -> Option<Table> {
     let first = study.groups.iter().find_map(|g| g.validation.as_ref())?;
-    let published = published_for(&study.robot).filter(|p| p.deflection_mm.len() == first.points.len());
+    let published =
+        published_for(&study.robot).filter(|p| p.deflection_mm.len() == first.points.len());
     let mut headings = with_groups("measuring point", study);
     if published.is_some() {
         headings.extend((1..=3).map(|g| format!("paper, Group {g}")));
@@ -284,10 +365,17 @@ fn validation(study: &Study) -> Option<Table> {
     for (i, point) in first.points.iter().enumerate() {
         let mut row = vec![point.label.clone()];
         row.extend(
-            study.groups.iter().map(|g| significant(g.validation.as_ref().map(|v| 1e3 * v.points[i].deviation_m))),
+            study
+                .groups
+                .iter()
+                .map(|g| significant(g.validation.as_ref().map(|v| 1e3 * v.points[i].deviation_m))),
         );
         if let Some(published) = published {
-            row.extend(published.deflection_mm[i].iter().map(|v| significant(Some(*v))));
+            row.extend(
+                published.deflection_mm[i]
+                    .iter()
+                    .map(|v| significant(Some(*v))),
+            );
         }
         table.rows.push(row);
     }

@@ -41,7 +41,11 @@ impl Noise {
     pub fn common_weight(&self, points: usize) -> f64 {
         let tau2 = self.posture_common_std.powi(2);
         let total = self.displacement_variance() + points as f64 * tau2;
-        if tau2 > 0.0 && total > 0.0 { tau2 / total } else { 0.0 }
+        if tau2 > 0.0 && total > 0.0 {
+            tau2 / total
+        } else {
+            0.0
+        }
     }
 }
 
@@ -74,9 +78,12 @@ impl Cell {
     /// The cell has no prior.
     pub fn require_prior(&self) -> Result<&[f64]> {
         self.prior.as_deref().ok_or_else(|| {
-            Error::new(Code::MissingKey, "This needs a prior joint stiffness, and the cell has none.")
-                .key("stiffness.prior_nm_per_rad")
-                .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad")
+            Error::new(
+                Code::MissingKey,
+                "This needs a prior joint stiffness, and the cell has none.",
+            )
+            .key("stiffness.prior_nm_per_rad")
+            .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad")
         })
     }
 
@@ -87,8 +94,11 @@ impl Cell {
     /// [`with_characteristic_length`](crate::optimise::with_characteristic_length) computes it.
     pub fn require_characteristic_length(&self) -> Result<f64> {
         self.characteristic_length.ok_or_else(|| {
-            Error::new(Code::MissingKey, "The characteristic length of Eq. (20) is not set.")
-                .key("robot.characteristic_length_mm")
+            Error::new(
+                Code::MissingKey,
+                "The characteristic length of Eq. (20) is not set.",
+            )
+            .key("robot.characteristic_length_mm")
         })
     }
 

@@ -105,9 +105,16 @@ impl GroupEvaluation {
 /// # Errors
 /// An empty group, angles of the wrong length or not finite, or a load that
 /// only a measurement gives.
-pub fn evaluate<Q: AsRef<[f64]>>(cell: &Cell, name: &str, postures: &[Q]) -> Result<GroupEvaluation> {
+pub fn evaluate<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    name: &str,
+    postures: &[Q],
+) -> Result<GroupEvaluation> {
     if postures.is_empty() {
-        return Err(Error::new(Code::TooFewData, format!("The group \"{name}\" has no postures.")));
+        return Err(Error::new(
+            Code::TooFewData,
+            format!("The group \"{name}\" has no postures."),
+        ));
     }
     let setup = &cell.setup;
     let robot = &setup.robot;
@@ -134,7 +141,10 @@ pub fn evaluate<Q: AsRef<[f64]>>(cell: &Cell, name: &str, postures: &[Q]) -> Res
     let ratio = |s: &nalgebra::DVector<f64>| full.then(|| s[0] / s[n - 1]);
     let condition = ratio(&sigma);
     // k(J_N)_max exists only where every posture has one.
-    let classical = k_jn.iter().copied().try_fold(0.0_f64, |max, k| k.map(|k| max.max(k)));
+    let classical = k_jn
+        .iter()
+        .copied()
+        .try_fold(0.0_f64, |max, k| k.map(|k| max.max(k)));
 
     let std = cell.noise.displacement_std();
     let mut relative = vec![None; n];
@@ -150,7 +160,10 @@ pub fn evaluate<Q: AsRef<[f64]>>(cell: &Cell, name: &str, postures: &[Q]) -> Res
         drop_one = drop_one_error(&whitened, rows, postures.len(), prior, std)?;
     }
     let rms = rms(&relative);
-    let worst = relative.iter().copied().try_fold(0.0_f64, |max, e| e.map(|e| max.max(e)));
+    let worst = relative
+        .iter()
+        .copied()
+        .try_fold(0.0_f64, |max, e| e.map(|e| max.max(e)));
     let times = |a: Option<f64>, b: Option<f64>| Some(a? * b?);
     let observability = |f: &dyn Fn() -> f64| full.then(f);
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
@@ -192,7 +205,12 @@ pub fn expected_deviation(std: f64) -> f64 {
 
 /// σ k_j sqrt([(ΨᵀΨ)⁻¹]_jj) per joint.
 fn relative_errors(factor: &Factor, prior: &[f64], std: f64) -> Vec<Option<f64>> {
-    factor.standard_errors().iter().zip(prior).map(|(e, k)| e.map(|e| std * k * e)).collect()
+    factor
+        .standard_errors()
+        .iter()
+        .zip(prior)
+        .map(|(e, k)| e.map(|e| std * k * e))
+        .collect()
 }
 
 fn rms(values: &[Option<f64>]) -> Option<f64> {

@@ -34,7 +34,13 @@ pub struct Minimax {
 impl Minimax {
     /// ln of the index (of its reciprocal for O1 to O5).
     pub fn value(&self) -> f64 {
-        self.exact + self.components.iter().copied().fold(f64::NEG_INFINITY, f64::max).max_or_zero()
+        self.exact
+            + self
+                .components
+                .iter()
+                .copied()
+                .fold(f64::NEG_INFINITY, f64::max)
+                .max_or_zero()
     }
 }
 
@@ -77,7 +83,10 @@ impl<'a> IndexFunction<'a> {
             if n < 6 {
                 return Err(Error::new(
                     crate::Code::Unsupported,
-                    format!("k(J_N) needs at least 6 joints, and {} has {n}.", cell.setup.robot.name()),
+                    format!(
+                        "k(J_N) needs at least 6 joints, and {} has {n}.",
+                        cell.setup.robot.name()
+                    ),
                 )
                 .hint("choose an index without dexterity: expected_error, scaled_condition, d"));
             }
@@ -90,9 +99,15 @@ impl<'a> IndexFunction<'a> {
         } else {
             vec![1.0; cell.setup.robot.spring_count()]
         };
-        let weighted = matches!(index, Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D);
-        let common_weight =
-            if weighted { cell.noise.common_weight(cell.setup.tool.point_count()) } else { 0.0 };
+        let weighted = matches!(
+            index,
+            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
+        );
+        let common_weight = if weighted {
+            cell.noise.common_weight(cell.setup.tool.point_count())
+        } else {
+            0.0
+        };
         let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
         let terms = vec![PostureTerms::new(&cell.setup, &middle, None)?; posture_count];
         Ok(IndexFunction {
@@ -217,7 +232,12 @@ impl<'a> IndexFunction<'a> {
             each.push(information);
             self.blocks.push(block);
         }
-        let log_sigma = self.cell.noise.displacement_std().max(f64::MIN_POSITIVE).ln();
+        let log_sigma = self
+            .cell
+            .noise
+            .displacement_std()
+            .max(f64::MIN_POSITIVE)
+            .ln();
         let size = out.smooth_gradient.len();
         let infinite = |out: &mut Minimax| {
             out.smooth = f64::INFINITY;
@@ -225,7 +245,9 @@ impl<'a> IndexFunction<'a> {
         };
         match self.index {
             Index::WorstJoint => {
-                let Some(inverse) = positive_inverse(&total) else { return infinite(out) };
+                let Some(inverse) = positive_inverse(&total) else {
+                    return infinite(out);
+                };
                 out.smooth = log_sigma;
                 out.exact = log_sigma;
                 for j in 0..n {
@@ -241,7 +263,9 @@ impl<'a> IndexFunction<'a> {
                 out.smooth = log_sigma;
                 out.exact = log_sigma;
                 for p in 0..each.len() {
-                    let Some(inverse) = positive_inverse(&(&total - &each[p])) else { return infinite(out) };
+                    let Some(inverse) = positive_inverse(&(&total - &each[p])) else {
+                        return infinite(out);
+                    };
                     let (value, adjoint) = rms_error(&inverse);
                     out.components[p] = value;
                     let row = &mut out.component_gradients[p * size..(p + 1) * size];
@@ -249,7 +273,9 @@ impl<'a> IndexFunction<'a> {
                 }
             }
             _ => {
-                let Some((smooth, exact, adjoint)) = self.spectral(&total) else { return infinite(out) };
+                let Some((smooth, exact, adjoint)) = self.spectral(&total) else {
+                    return infinite(out);
+                };
                 let constant = match self.index {
                     Index::ExpectedError | Index::D => log_sigma,
                     // O1 has 1/√m with m postures.
@@ -284,9 +310,11 @@ impl<'a> IndexFunction<'a> {
         };
         // Value, and derivative with respect to each eigenvalue λ = σ².
         let (smooth, exact, slope): (f64, f64, DVector<f64>) = match self.index {
-            Index::Condition | Index::Novel | Index::ScaledCondition | Index::Scaled | Index::O2 => {
-                combine(0.5, -0.5)
-            }
+            Index::Condition
+            | Index::Novel
+            | Index::ScaledCondition
+            | Index::Scaled
+            | Index::O2 => combine(0.5, -0.5),
             Index::O3 => combine(0.0, -0.5),
             Index::O4 => combine(0.5, -1.0),
             Index::ExpectedError => {
@@ -301,7 +329,11 @@ impl<'a> IndexFunction<'a> {
             }
             Index::O5 => {
                 let sum: f64 = values.iter().map(|v| v.powf(-0.5)).sum();
-                (sum.ln(), sum.ln(), values.map(|v| -0.5 * v.powf(-1.5) / sum))
+                (
+                    sum.ln(),
+                    sum.ln(),
+                    values.map(|v| -0.5 * v.powf(-1.5) / sum),
+                )
             }
             Index::Classical | Index::WorstJoint | Index::DropOne => return None,
         };
@@ -325,13 +357,21 @@ impl Extreme {
         let Some(p) = sharpness else {
             let mut slope = DVector::zeros(n);
             slope[at] = 1.0 / values[at];
-            return Extreme { smooth: exact, exact, slope };
+            return Extreme {
+                smooth: exact,
+                exact,
+                slope,
+            };
         };
         // sign/p · ln Σ exp(sign·p·(ln λ − ln λ_extreme)), no overflow.
         let weights = values.map(|v| (sign * p * (v.ln() - exact)).exp());
         let sum = weights.sum();
         let slope = DVector::from_fn(n, |i, _| weights[i] / (sum * values[i]));
-        Extreme { smooth: exact + sign * sum.ln() / p, exact, slope }
+        Extreme {
+            smooth: exact + sign * sum.ln() / p,
+            exact,
+            slope,
+        }
     }
 }
 

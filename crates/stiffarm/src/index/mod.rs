@@ -5,8 +5,8 @@ mod error_bound;
 mod evaluate;
 mod function;
 
-pub use evaluate::expected_deviation;
 pub use error_bound::{ErrorBound, error_bound};
+pub use evaluate::expected_deviation;
 pub use evaluate::{GroupEvaluation, Indices, evaluate};
 pub use function::{IndexFunction, Minimax};
 
@@ -93,17 +93,27 @@ impl Index {
     /// Unknown name; the hint has the nearest.
     pub fn from_name(name: &str) -> Result<Self> {
         let wanted = name.trim().to_lowercase().replace('-', "_");
-        Index::ALL.into_iter().find(|i| i.as_str() == wanted).ok_or_else(|| {
-            let hint = did_you_mean(&wanted, Index::ALL.map(Index::as_str)).unwrap_or_else(|| {
-                format!("known indices: {}", Index::ALL.map(Index::as_str).join(", "))
-            });
-            Error::new(Code::UnknownName, format!("There is no index \"{name}\".")).hint(hint)
-        })
+        Index::ALL
+            .into_iter()
+            .find(|i| i.as_str() == wanted)
+            .ok_or_else(|| {
+                let hint =
+                    did_you_mean(&wanted, Index::ALL.map(Index::as_str)).unwrap_or_else(|| {
+                        format!(
+                            "known indices: {}",
+                            Index::ALL.map(Index::as_str).join(", ")
+                        )
+                    });
+                Error::new(Code::UnknownName, format!("There is no index \"{name}\".")).hint(hint)
+            })
     }
 
     /// True when a larger value is better (O1 to O5).
     pub fn larger_is_better(self) -> bool {
-        matches!(self, Index::O1 | Index::O2 | Index::O3 | Index::O4 | Index::O5)
+        matches!(
+            self,
+            Index::O1 | Index::O2 | Index::O3 | Index::O4 | Index::O5
+        )
     }
 
     /// True when it uses k(J_N) and with it the characteristic length.

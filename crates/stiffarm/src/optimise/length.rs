@@ -35,11 +35,18 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
     if n < 6 {
         return Err(Error::new(
             Code::Unsupported,
-            format!("k(J_N) needs at least 6 joints, and {} has {n}.", robot.name()),
+            format!(
+                "k(J_N) needs at least 6 joints, and {} has {n}.",
+                robot.name()
+            ),
         ));
     }
     let tcp = cell.setup.tool.tcp();
-    let reach: f64 = robot.joints().iter().map(|j| j.placement.translation.vector.norm()).sum::<f64>()
+    let reach: f64 = robot
+        .joints()
+        .iter()
+        .map(|j| j.placement.translation.vector.norm())
+        .sum::<f64>()
         + robot.flange().translation.vector.norm()
         + tcp.norm();
     // ln L between a thousandth of the reach and the reach.
@@ -58,15 +65,36 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
         let evaluate = |x: &[f64]| {
             frames.update(robot, &x[..n]);
             let mut theta = vec![0.0; n];
-            let (value, by_length) = log_condition_gradient(&frames, &frames.point(&tcp), x[n].exp(), &mut theta);
+            let (value, by_length) =
+                log_condition_gradient(&frames, &frames.point(&tcp), x[n].exp(), &mut theta);
             let mut gradient = vec![0.0; n + 1];
             robot.gradient_to_controller(&theta, &mut gradient[..n]);
             gradient[n] = by_length;
-            Evaluation { objective: value, gradient, merit: value, ..Evaluation::default() }
+            Evaluation {
+                objective: value,
+                gradient,
+                merit: value,
+                ..Evaluation::default()
+            }
         };
-        let options = Options { max_iterations: 300, ..Options::default() };
-        let solution = minimise(&x, &bounds, 0, options, Control::default(), |_, _| {}, evaluate);
-        if best.as_ref().is_none_or(|(merit, _)| solution.merit < *merit) && solution.merit.is_finite() {
+        let options = Options {
+            max_iterations: 300,
+            ..Options::default()
+        };
+        let solution = minimise(
+            &x,
+            &bounds,
+            0,
+            options,
+            Control::default(),
+            |_, _| {},
+            evaluate,
+        );
+        if best
+            .as_ref()
+            .is_none_or(|(merit, _)| solution.merit < *merit)
+            && solution.merit.is_finite()
+        {
             best = Some((solution.merit, solution.x));
         }
     }
@@ -77,7 +105,11 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
         )
     })?;
     let length = x.pop().unwrap_or(0.0).exp();
-    Ok(CharacteristicLength { length, condition_number: merit.exp(), posture: x })
+    Ok(CharacteristicLength {
+        length,
+        condition_number: merit.exp(),
+        posture: x,
+    })
 }
 
 /// The cell with its characteristic length, computed where it was left open.

@@ -5,8 +5,8 @@
 use super::{Control, Termination};
 use basin::{
     BoxBounds, ConstraintSet, ConstraintSolveError, CostFunction, DenseMatrix, Executor, Gradient,
-    NoLinearConstraints, NoNonlinearBlock, NonlinearBlock, NonlinearBlocks, SelectedFirstOrderState,
-    Slsqp, TerminationCode,
+    NoLinearConstraints, NoNonlinearBlock, NonlinearBlock, NonlinearBlocks,
+    SelectedFirstOrderState, Slsqp, TerminationCode,
 };
 use std::cell::RefCell;
 
@@ -42,7 +42,11 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { max_iterations: 2000, tolerance: 1e-10, feasibility: 1e-9 }
+        Options {
+            max_iterations: 2000,
+            tolerance: 1e-10,
+            feasibility: 1e-9,
+        }
     }
 }
 
@@ -53,6 +57,10 @@ pub struct Solution {
     pub x: Vec<f64>,
     /// Merit at the point, infinite where nothing feasible was found.
     pub merit: f64,
+    /// The last iterate, which may violate limits that were not among the margins.
+    pub last: Vec<f64>,
+    /// Violation of hard limits at the last iterate.
+    pub last_violation: f64,
     /// Why it ended.
     pub termination: Termination,
     /// Iterations used.
@@ -154,9 +162,13 @@ impl<F: FnMut(&[f64]) -> Evaluation> basin::NonlinearInequalityValues for Proble
     type Param = Vec<f64>;
     type Values = Vec<f64>;
     type Error = Stopped;
-    fn nonlinear_inequalities(&self, x: &Vec<f64>) -> Result<Vec<f64>, ConstraintSolveError<Stopped>> {
+    fn nonlinear_inequalities(
+        &self,
+        x: &Vec<f64>,
+    ) -> Result<Vec<f64>, ConstraintSolveError<Stopped>> {
         // The library wants c(x) ≤ 0.
-        self.with(x, |e| e.margins.iter().map(|m| -m).collect()).map_err(ConstraintSolveError::Evaluation)
+        self.with(x, |e| e.margins.iter().map(|m| -m).collect())
+            .map_err(ConstraintSolveError::Evaluation)
     }
 }
 
@@ -164,10 +176,15 @@ impl<F: FnMut(&[f64]) -> Evaluation> basin::ConstraintJacobian for Problem<'_, F
     type Param = Vec<f64>;
     type Jacobian = DenseMatrix;
     type Error = Stopped;
-    fn constraint_jacobian(&self, x: &Vec<f64>) -> Result<DenseMatrix, ConstraintSolveError<Stopped>> {
+    fn constraint_jacobian(
+        &self,
+        x: &Vec<f64>,
+    ) -> Result<DenseMatrix, ConstraintSolveError<Stopped>> {
         let columns = x.len();
         self.with(x, |e| {
-            DenseMatrix::from_fn(self.margins, columns, |i, j| -e.margin_gradients[i * columns + j])
+            DenseMatrix::from_fn(self.margins, columns, |i, j| {
+                -e.margin_gradients[i * columns + j]
+            })
         })
         .map_err(ConstraintSolveError::Evaluation)
     }
@@ -199,6 +216,8 @@ pub fn minimise(
     let mut solution = Solution {
         x: start.to_vec(),
         merit: f64::INFINITY,
+        last: start.to_vec(),
+        last_violation: f64::INFINITY,
         termination: Termination::Stalled,
         iterations: 0,
         evaluations: 0,
@@ -238,19 +257,22 @@ pub fn minimise(
             Err(_) => solution.termination = Termination::Stalled,
         }
         let after = best_merit();
-        let done = matches!(solution.termination, Termination::IterationLimit | Termination::Interrupted);
-        // NaN-free: merits are finite or infinite.
-        let improved = after < before - options.tolerance || (after.is_infinite() && before.is_infinite());
-        match (&cache.borrow().best, last) {
-            (Some((_, best)), _) => x.clone_from(best),
-            (None, Some(last)) => x = last,
-            (None, None) => {}
+        if let Some(last) = last {
+            solution.last_violation = (cache.borrow_mut().evaluate)(&last).violation;
+            solution.last = last;
         }
-        if done || (!improved && before.is_finite()) {
+        let done = matches!(
+            solution.termination,
+            Termination::IterationLimit | Termination::Interrupted
+        );
+        // An iterate outside limits that were not among the margins is the
+        // caller's to mend: it knows which margins to add.
+        let outside = solution.last_violation > options.feasibility;
+        if done || outside || after >= before - options.tolerance {
             break;
         }
-        if after.is_infinite() && solution.termination == Termination::Converged {
-            break;
+        if let Some((_, best)) = &cache.borrow().best {
+            x.clone_from(best);
         }
     }
     let cache = cache.into_inner();

@@ -49,7 +49,12 @@ impl CatalogueEntry {
         let rows: Vec<DhRow> = self
             .rows
             .iter()
-            .map(|r| DhRow { alpha: r[0], a: r[1], d: r[2], offset: r[3] })
+            .map(|r| DhRow {
+                alpha: r[0],
+                a: r[1],
+                d: r[2],
+                offset: r[3],
+            })
             .collect();
         let n = rows.len();
         let mut coupling = DMatrix::zeros(n, n);
@@ -86,12 +91,19 @@ pub fn catalogue() -> &'static [CatalogueEntry] {
 /// # Errors
 /// Unknown name; the hint has the nearest key.
 pub fn find(key: &str) -> Result<&'static CatalogueEntry> {
-    CATALOGUE.iter().find(|e| e.key.eq_ignore_ascii_case(key)).ok_or_else(|| {
-        let keys: Vec<&str> = CATALOGUE.iter().map(|e| e.key).collect();
-        let hint = did_you_mean(key, keys.iter().copied())
-            .unwrap_or_else(|| format!("known robots: {}", keys.join(", ")));
-        Error::new(Code::UnknownName, format!("The catalogue has no robot \"{key}\".")).hint(hint)
-    })
+    CATALOGUE
+        .iter()
+        .find(|e| e.key.eq_ignore_ascii_case(key))
+        .ok_or_else(|| {
+            let keys: Vec<&str> = CATALOGUE.iter().map(|e| e.key).collect();
+            let hint = did_you_mean(key, keys.iter().copied())
+                .unwrap_or_else(|| format!("known robots: {}", keys.join(", ")));
+            Error::new(
+                Code::UnknownName,
+                format!("The catalogue has no robot \"{key}\"."),
+            )
+            .hint(hint)
+        })
 }
 
 const SIGNS_COUPLED: &[(usize, usize, f64)] = &[
@@ -213,7 +225,9 @@ const CATALOGUE: [CatalogueEntry; 4] = [
         name: "KUKA KR500 R2830 MT",
         payload_kg: Some(500.0),
         source: "GBT-ADL/Interactive-Coupling-Simulation-for-Robotic-Milling, Robot_Model.m; d6 includes an \
-                 87 mm spindle.",
+                 87 mm spindle. Doubt: the offsets put the arm upright at q2 = 0 while the limits follow the \
+                 maker's convention (upright at A2 = −90°, A3 = 90°), so compare a pose with the pendant \
+                 before use.",
         stiffness: &[JointStiffness {
             values: &[2.3e6, 8.6e6, 2.8e6, 3.0e6, 0.2e6, 0.9e6],
             source: "the same file (experimental modal analysis); another source gives 6.5e6, 7.6e6, 3.08e6 \

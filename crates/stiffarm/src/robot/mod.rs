@@ -59,7 +59,10 @@ impl Robot {
         base: Isometry3<f64>,
     ) -> Result<Self> {
         if rows.is_empty() {
-            return Err(Error::new(Code::InvalidValue, "A robot needs at least one joint."));
+            return Err(Error::new(
+                Code::InvalidValue,
+                "A robot needs at least one joint.",
+            ));
         }
         let (placements, flange) = dh::chain(convention, rows, base)?;
         let joints = placements
@@ -114,14 +117,21 @@ impl Robot {
         if limits.len() != self.joint_count() {
             return Err(Error::new(
                 Code::Dimension,
-                format!("{} joint limits for {} joints.", limits.len(), self.joint_count()),
+                format!(
+                    "{} joint limits for {} joints.",
+                    limits.len(),
+                    self.joint_count()
+                ),
             ));
         }
         for (joint, limit) in self.joints.iter_mut().zip(limits) {
             if !(limit[0] < limit[1]) {
                 return Err(Error::new(
                     Code::InvalidValue,
-                    format!("The lower limit of {} is not below the upper one.", joint.name),
+                    format!(
+                        "The lower limit of {} is not below the upper one.",
+                        joint.name
+                    ),
                 ));
             }
             joint.limits = *limit;
@@ -135,9 +145,14 @@ impl Robot {
     /// # Errors
     /// A zero or non-finite vector.
     pub fn with_down(mut self, down: Vector3<f64>) -> Result<Self> {
-        let unit = down.try_normalize(1e-12).filter(|u| u.iter().all(|v| v.is_finite()));
+        let unit = down
+            .try_normalize(1e-12)
+            .filter(|u| u.iter().all(|v| v.is_finite()));
         self.down = unit.ok_or_else(|| {
-            Error::new(Code::InvalidValue, "The direction of gravity needs a length above zero.")
+            Error::new(
+                Code::InvalidValue,
+                "The direction of gravity needs a length above zero.",
+            )
         })?;
         Ok(self)
     }
@@ -157,12 +172,19 @@ impl Robot {
         if names.len() != self.joint_count() {
             return Err(Error::new(
                 Code::Dimension,
-                format!("{} joint names for {} joints.", names.len(), self.joint_count()),
+                format!(
+                    "{} joint names for {} joints.",
+                    names.len(),
+                    self.joint_count()
+                ),
             ));
         }
         for (j, name) in names.iter().enumerate() {
             if names[..j].contains(name) {
-                return Err(Error::new(Code::Duplicate, format!("The joint name \"{name}\" stands twice.")));
+                return Err(Error::new(
+                    Code::Duplicate,
+                    format!("The joint name \"{name}\" stands twice."),
+                ));
             }
             self.joints[j].name.clone_from(name);
         }
@@ -182,17 +204,26 @@ impl Robot {
         if matrix.shape() != (n, n) {
             return Err(Error::new(
                 Code::Dimension,
-                format!("{what} is {} × {}, but the robot has {n} joints.", matrix.nrows(), matrix.ncols()),
+                format!(
+                    "{what} is {} × {}, but the robot has {n} joints.",
+                    matrix.nrows(),
+                    matrix.ncols()
+                ),
             ));
         }
         if matrix.iter().any(|v| !v.is_finite()) {
-            return Err(Error::new(Code::NotFinite, format!("{what} has an entry that is not finite.")));
+            return Err(Error::new(
+                Code::NotFinite,
+                format!("{what} has an entry that is not finite."),
+            ));
         }
         let scale = matrix.amax();
         matrix
             .clone()
             .try_inverse()
-            .filter(|inverse| inverse.iter().all(|v| v.is_finite()) && inverse.amax() * scale < 1e12)
+            .filter(|inverse| {
+                inverse.iter().all(|v| v.is_finite()) && inverse.amax() * scale < 1e12
+            })
             .ok_or_else(|| Error::new(Code::InvalidValue, format!("{what} is singular.")))
     }
 
@@ -256,7 +287,11 @@ impl Robot {
     /// # Panics
     /// If `q` does not have n entries.
     pub fn serial_angles(&self, q: &[f64]) -> DVector<f64> {
-        assert_eq!(q.len(), self.joint_count(), "one controller angle per joint");
+        assert_eq!(
+            q.len(),
+            self.joint_count(),
+            "one controller angle per joint"
+        );
         let mut theta = self.offset.clone();
         for (i, t) in theta.iter_mut().enumerate() {
             for (j, qj) in q.iter().enumerate() {
@@ -269,7 +304,11 @@ impl Robot {
     /// Gradient with respect to q from the one with respect to θ: Cᵀ g.
     pub fn gradient_to_controller(&self, theta_gradient: &[f64], q_gradient: &mut [f64]) {
         for (j, out) in q_gradient.iter_mut().enumerate() {
-            *out = theta_gradient.iter().enumerate().map(|(i, g)| self.coupling[(i, j)] * g).sum();
+            *out = theta_gradient
+                .iter()
+                .enumerate()
+                .map(|(i, g)| self.coupling[(i, j)] * g)
+                .sum();
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::index::{GroupEvaluation, Index, IndexFunction, Indices, evaluate};
 use crate::observation::PostureTerms;
 use crate::optimise::{Control, Evaluation, Options, Solution, Termination, minimise};
 use crate::posture::PostureGroup;
+use crate::units::rad_to_shortest_deg;
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 
@@ -18,6 +19,11 @@ const LIMIT_GUARD: f64 = 5e-10;
 /// Range of the epigraph variable, the logarithm of an index part.
 const EPIGRAPH_RANGE: [f64; 2] = [-200.0, 200.0];
 
+/// Limits closer than this are constraints of a search round; the others are
+/// checked after it and join the next round when they are crossed \[m\].
+const WATCH_DISTANCE: f64 = 0.5;
+/// Rounds of adding crossed limits.
+const WATCH_ROUNDS: usize = 12;
 /// Stages of the smoothing of coalescing singular values; the last is off by
 /// at most ln(6)/p = 3·10⁻⁵ of the index.
 const SHARPNESS: [Option<f64>; 5] = [Some(30.0), Some(300.0), Some(3e3), Some(3e4), Some(6e4)];
@@ -87,10 +93,18 @@ pub fn select_from<Q: AsRef<[f64]>>(
     let components = function.borrow().component_count();
     let epigraph = usize::from(components > 0);
     let variables = n * count + epigraph;
-    let margins = components + limits_per_posture * count;
 
-    let mut bounds: Vec<[f64; 2]> = cell.bounds.iter().copied().cycle().take(n * count).collect();
-    let mut start: Vec<f64> = initial.iter().flat_map(|q| q.as_ref().iter().copied()).collect();
+    let mut bounds: Vec<[f64; 2]> = cell
+        .bounds
+        .iter()
+        .copied()
+        .cycle()
+        .take(n * count)
+        .collect();
+    let mut start: Vec<f64> = initial
+        .iter()
+        .flat_map(|q| q.as_ref().iter().copied())
+        .collect();
     for (x, b) in start.iter_mut().zip(&bounds) {
         *x = x.clamp(b[0], b[1]);
     }
@@ -98,14 +112,16 @@ pub fn select_from<Q: AsRef<[f64]>>(
         bounds.push(EPIGRAPH_RANGE);
         start.push(0.0);
     }
-    let middle: Vec<f64> = start[..n].to_vec();
-    let mut terms = PostureTerms::new(setup, &middle, None)?;
+    let watched = RefCell::new(Vec::new());
+    let mut terms = PostureTerms::new(setup, &start[..n], None)?;
     let mut row = vec![0.0; n];
     let mut limit_values = vec![0.0; limits_per_posture];
     let mut limit_gradients = vec![0.0; limits_per_posture * n];
 
     let mut evaluate_at = |x: &[f64]| {
         let q = &x[..n * count];
+        let watched = watched.borrow();
+        let margins = components + watched.len();
         let minimax = function.borrow_mut().evaluate(q);
         let mut out = Evaluation {
             objective: minimax.smooth,
@@ -123,22 +139,35 @@ pub fn select_from<Q: AsRef<[f64]>>(
             for c in 0..components {
                 out.margins[c] = t - minimax.components[c];
                 let target = &mut out.margin_gradients[c * variables..(c + 1) * variables];
-                for (g, d) in target.iter_mut().zip(&minimax.component_gradients[c * n * count..]) {
+                for (g, d) in target
+                    .iter_mut()
+                    .zip(&minimax.component_gradients[c * n * count..])
+                {
                     *g = -d;
                 }
                 target[n * count] = 1.0;
             }
         }
+        // Watched limits are sorted by posture.
+        let mut next = watched.iter().enumerate().peekable();
         for p in 0..count {
             if limits_per_posture == 0 || terms.update(setup, &q[n * p..n * (p + 1)]).is_err() {
                 continue;
             }
-            cell.limits.evaluate(setup, &terms, &mut limit_values, Some(&mut limit_gradients));
-            for l in 0..limits_per_posture {
-                let at = components + p * limits_per_posture + l;
+            cell.limits
+                .evaluate(setup, &terms, &mut limit_values, Some(&mut limit_gradients));
+            for margin in &limit_values {
+                out.violation = out.violation.max(-margin);
+            }
+            while let Some((w, limit)) =
+                next.next_if(|(_, limit)| **limit < (p + 1) * limits_per_posture)
+            {
+                let l = limit - p * limits_per_posture;
+                let at = components + w;
                 out.margins[at] = limit_values[l] - LIMIT_GUARD;
-                out.violation = out.violation.max(-limit_values[l]);
-                setup.robot.gradient_to_controller(&limit_gradients[l * n..(l + 1) * n], &mut row);
+                setup
+                    .robot
+                    .gradient_to_controller(&limit_gradients[l * n..(l + 1) * n], &mut row);
                 let offset = at * variables + p * n;
                 out.margin_gradients[offset..offset + n].copy_from_slice(&row);
             }
@@ -149,8 +178,15 @@ pub fn select_from<Q: AsRef<[f64]>>(
         if epigraph == 1 {
             // The smallest feasible t at these postures.
             x[n * count] = 0.0;
-            let slack = evaluate(x).margins[..components].iter().copied().fold(f64::INFINITY, f64::min);
-            x[n * count] = if slack.is_finite() { -slack } else { EPIGRAPH_RANGE[1] };
+            let slack = evaluate(x).margins[..components]
+                .iter()
+                .copied()
+                .fold(f64::INFINITY, f64::min);
+            x[n * count] = if slack.is_finite() {
+                -slack
+            } else {
+                EPIGRAPH_RANGE[1]
+            };
         }
     };
     // Where singular values coalesce the gradient of cond(Ψ) jumps, as that of
@@ -163,32 +199,78 @@ pub fn select_from<Q: AsRef<[f64]>>(
     let mut solution: Option<Solution> = None;
     for sharpness in stages {
         function.borrow_mut().set_sharpness(*sharpness);
-        let from = solution.as_ref().map_or(&start, |s| &s.x);
-        let used = solution.as_ref().map_or(0, |s| s.iterations);
-        let left = Options { max_iterations: options.max_iterations.saturating_sub(used), ..options };
-        let next = minimise(from, &bounds, margins, left, control, prepare, &mut evaluate_at);
-        solution = Some(match solution {
-            Some(previous) => next.after(previous),
-            None => next,
-        });
+        let mut from = solution
+            .as_ref()
+            .map_or(start.clone(), |s: &Solution| s.x.clone());
+        let mut last = from.clone();
+        watched.borrow_mut().clear();
+        for _ in 0..WATCH_ROUNDS {
+            watch_near_limits(cell, &from[..n * count], &mut watched.borrow_mut())?;
+            watch_near_limits(cell, &last[..n * count], &mut watched.borrow_mut())?;
+            let margins = components + watched.borrow().len();
+            let used = solution.as_ref().map_or(0, |s| s.iterations);
+            let left = Options {
+                max_iterations: options.max_iterations.saturating_sub(used),
+                ..options
+            };
+            let next = minimise(
+                &from,
+                &bounds,
+                margins,
+                left,
+                control,
+                prepare,
+                &mut evaluate_at,
+            );
+            let outside = next.last_violation > options.feasibility;
+            let done =
+                !outside || next.termination == Termination::Interrupted || next.iterations == 0;
+            last.clone_from(&next.last);
+            // Go on from the best point inside all limits, if there is one: a
+            // search from outside may never come back in.
+            from = if next.merit.is_finite() {
+                next.x.clone()
+            } else {
+                next.last.clone()
+            };
+            solution = Some(match solution {
+                Some(previous) => next.after(previous),
+                None => next,
+            });
+            if done {
+                break;
+            }
+        }
     }
     let Some(solution) = solution else {
         return Err(Error::new(Code::Internal, "A selection without a stage."));
     };
     if !solution.merit.is_finite() {
-        return Err(no_result(cell, index, &start_evaluation, solution.termination));
+        return Err(no_result(
+            cell,
+            index,
+            &start_evaluation,
+            solution.termination,
+        ));
     }
-    let group: Vec<Vec<f64>> = solution.x[..n * count].chunks_exact(n).map(<[f64]>::to_vec).collect();
+    let group: Vec<Vec<f64>> = solution.x[..n * count]
+        .chunks_exact(n)
+        .map(<[f64]>::to_vec)
+        .collect();
     let evaluation = evaluate(cell, index.as_str(), &group)?;
-    let value = evaluation.indices.get(index).ok_or_else(|| {
-        no_result(cell, index, &evaluation, solution.termination)
-    })?;
+    let value = evaluation
+        .indices
+        .get(index)
+        .ok_or_else(|| no_result(cell, index, &evaluation, solution.termination))?;
     Ok(Selection {
         index,
         value,
         start_value: start_evaluation.indices.get(index),
         indices: evaluation.indices,
-        postures_deg: group.iter().map(|q| q.iter().map(|a| a.to_degrees()).collect()).collect(),
+        postures_deg: group
+            .iter()
+            .map(|q| q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
+            .collect(),
         termination: solution.termination,
         starts: 1,
         evaluations: solution.evaluations,
@@ -214,9 +296,35 @@ pub fn smallest_margin<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Result<O
     Ok(smallest)
 }
 
+/// Adds to `watched` (sorted, posture by posture) the limits that the postures
+/// `q` come near to or cross.
+fn watch_near_limits(cell: &Cell, q: &[f64], watched: &mut Vec<usize>) -> Result<()> {
+    let setup = &cell.setup;
+    let per_posture = cell.limits.count(setup);
+    if per_posture == 0 {
+        return Ok(());
+    }
+    let mut values = vec![0.0; per_posture];
+    for (p, q) in q.chunks_exact(setup.robot.joint_count()).enumerate() {
+        let terms = PostureTerms::new(setup, q, None)?;
+        cell.limits.evaluate(setup, &terms, &mut values, None);
+        let near = values
+            .iter()
+            .enumerate()
+            .filter(|(_, margin)| **margin < WATCH_DISTANCE);
+        watched.extend(near.map(|(l, _)| p * per_posture + l));
+    }
+    watched.sort_unstable();
+    watched.dedup();
+    Ok(())
+}
+
 fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termination: Termination) -> Error {
     if termination == Termination::Interrupted {
-        return Error::new(Code::Interrupted, "Stopped before any posture group met the cell's limits.");
+        return Error::new(
+            Code::Interrupted,
+            "Stopped before any posture group met the cell's limits.",
+        );
     }
     if index.uses_observation() && !at.undetermined_joints.is_empty() {
         return Error::new(
@@ -229,10 +337,17 @@ fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termination: Termi
         )
         .hint("add postures or measuring points, or move the load off the joint's axis");
     }
-    let limits = if cell.limits.is_empty() { "the joint bounds" } else { "the cell's limits" };
+    let limits = if cell.limits.is_empty() {
+        "the joint bounds"
+    } else {
+        "the cell's limits"
+    };
     Error::new(
         Code::InvalidValue,
-        format!("No group of {} postures that meets {limits} was found from this start.", at.posture_count),
+        format!(
+            "No group of {} postures that meets {limits} was found from this start.",
+            at.posture_count
+        ),
     )
     .hint("start from postures inside the limits, or relax [limits] and [bounds]")
 }

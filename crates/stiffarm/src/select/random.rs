@@ -26,7 +26,13 @@ pub enum StartKind {
 ///
 /// # Errors
 /// No posture inside the limits was found.
-pub fn random_group(cell: &Cell, kind: StartKind, count: usize, seed: u64, stream: u64) -> Result<Vec<Vec<f64>>> {
+pub fn random_group(
+    cell: &Cell,
+    kind: StartKind,
+    count: usize,
+    seed: u64,
+    stream: u64,
+) -> Result<Vec<Vec<f64>>> {
     let n = cell.setup.robot.joint_count();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(stream);
@@ -43,15 +49,24 @@ pub fn random_group(cell: &Cell, kind: StartKind, count: usize, seed: u64, strea
     (0..count)
         .map(|_| {
             for _ in 0..MAX_DRAWS {
-                let q: Vec<f64> = bounds.iter().map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>()).collect();
+                let q: Vec<f64> = bounds
+                    .iter()
+                    .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
+                    .collect();
                 let terms = PostureTerms::new(&cell.setup, &q, None)?;
-                if cell.limits.smallest(&cell.setup, &terms).is_none_or(|m| m.margin >= 0.0) {
+                if cell
+                    .limits
+                    .smallest(&cell.setup, &terms)
+                    .is_none_or(|m| m.margin >= 0.0)
+                {
                     return Ok(q);
                 }
             }
             Err(Error::new(
                 Code::InvalidValue,
-                format!("None of {MAX_DRAWS} random postures within the bounds meets the cell's limits."),
+                format!(
+                    "None of {MAX_DRAWS} random postures within the bounds meets the cell's limits."
+                ),
             )
             .key("limits")
             .hint("check the limits' frame (robot base) and unit (mm)"))

@@ -18,6 +18,7 @@ use crate::posture::PostureGroup;
 use crate::select::{Selection, select_from};
 use crate::simulate::{Simulation, SimulationOptions, in_order, simulate};
 use crate::stiffness::{equilibrium_displacement, linear_displacement, stiffness_correction};
+use crate::units::rad_to_shortest_deg;
 use crate::validate::{Model, Validation, simulate_measurements, validate};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -128,24 +129,45 @@ pub struct Study {
 /// # Errors
 /// A cell without prior stiffness, a group or load that cannot be used, or an
 /// interruption.
-pub fn study(cell: &Cell, initial: &PostureGroup, options: &StudyOptions, control: Control<'_>) -> Result<Study> {
+pub fn study(
+    cell: &Cell,
+    initial: &PostureGroup,
+    options: &StudyOptions,
+    control: Control<'_>,
+) -> Result<Study> {
     let cell = &with_characteristic_length(cell.clone())?;
     let prior = cell.require_prior()?.to_vec();
-    let select_options = Options { max_iterations: options.max_iterations, ..Options::default() };
+    let select_options = Options {
+        max_iterations: options.max_iterations,
+        ..Options::default()
+    };
 
     // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
     let selections: Vec<Selection> = in_order(&STUDY_INDICES, |(_, (index, _))| {
         select_from(cell, *index, &initial.postures, select_options, control)
     })?;
     control.report("selecting from Group 1", 1, 1);
-    let mut named = vec![(None, PostureGroup { name: INITIAL_GROUP.to_string(), ..initial.clone() })];
+    let mut named = vec![(
+        None,
+        PostureGroup {
+            name: INITIAL_GROUP.to_string(),
+            ..initial.clone()
+        },
+    )];
     for ((_, name), selection) in STUDY_INDICES.iter().zip(selections) {
         let group = selection.to_group(name);
         named.push((Some(selection), group));
     }
     let mut groups = Vec::with_capacity(named.len());
     for (g, (selection, group)) in named.iter().enumerate() {
-        groups.push(study_group(cell, selection.clone(), group, &prior, options.simulation.seed, g)?);
+        groups.push(study_group(
+            cell,
+            selection.clone(),
+            group,
+            &prior,
+            options.simulation.seed,
+            g,
+        )?);
     }
     let simulated: Vec<PostureGroup> = named
         .iter()
@@ -154,7 +176,8 @@ pub fn study(cell: &Cell, initial: &PostureGroup, options: &StudyOptions, contro
         .map(|((_, group), _)| group.clone())
         .collect();
     let simulation = simulate(cell, &simulated, &options.simulation, control)?;
-    let classical_q1 = starts::q1_range(cell, &named[1].1, options.q1_draws, options.simulation.seed)?;
+    let classical_q1 =
+        starts::q1_range(cell, &named[1].1, options.q1_draws, options.simulation.seed)?;
     let starts = starts::other_starts(
         cell,
         initial.postures.len(),
@@ -209,12 +232,23 @@ fn study_group(
     let mut identification = None;
     let mut validation = None;
     if determined {
-        let measured = simulate_measurements(cell, &group.postures, truth, Model::Linear, seed, 2 * stream)?;
-        let options = IdentifyOptions { noise: NoiseSource::Estimated, ..IdentifyOptions::default() };
+        let measured = simulate_measurements(
+            cell,
+            &group.postures,
+            truth,
+            Model::Linear,
+            seed,
+            2 * stream,
+        )?;
+        let options = IdentifyOptions {
+            noise: NoiseSource::Estimated,
+            ..IdentifyOptions::default()
+        };
         let result = identify(cell, &measured, options)?;
         if let (Some(stiffness), false) = (result.stiffness(), cell.validation.is_empty()) {
             // One set of validation readings judges every group.
-            let held_out = simulate_measurements(cell, &cell.validation, truth, Model::Linear, seed, 1)?;
+            let held_out =
+                simulate_measurements(cell, &cell.validation, truth, Model::Linear, seed, 1)?;
             validation = Some(validate(cell, &stiffness, &held_out, Model::Linear, None)?);
         }
         identification = Some(result);
@@ -224,10 +258,17 @@ fn study_group(
     for posture in &group.postures {
         let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
         let k_c = stiffness_correction(&terms);
-        for (point, p) in cell.setup.tool.measuring_points.iter().zip(terms.measuring_points()) {
+        for (point, p) in cell
+            .setup
+            .tool
+            .measuring_points
+            .iter()
+            .zip(terms.measuring_points())
+        {
             let linear = linear_displacement(&cell.setup, &terms, p, truth, None)?;
             let corrected = linear_displacement(&cell.setup, &terms, p, truth, Some(&k_c))?;
-            let exact = equilibrium_displacement(&cell.setup, &posture.q, &point.position, truth, None)?;
+            let exact =
+                equilibrium_displacement(&cell.setup, &posture.q, &point.position, truth, None)?;
             let norm = |d: nalgebra::Vector6<f64>| d.fixed_rows::<3>(0).norm();
             correction_share_m = correction_share_m.max(norm(corrected - linear));
             linearisation_m = linearisation_m.max(norm(exact - linear));
@@ -242,7 +283,11 @@ fn study_group(
         name: group.name.clone(),
         selection,
         evaluation,
-        postures_deg: group.postures.iter().map(|p| p.q.iter().map(|a| a.to_degrees()).collect()).collect(),
+        postures_deg: group
+            .postures
+            .iter()
+            .map(|p| p.q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
+            .collect(),
         arms_m,
         error_bound: bound,
         expected_relative_norm: expected_norm,
@@ -266,6 +311,8 @@ fn bound_beside_expectation(
     let sigma = cell.noise.displacement_std();
     let lambda = psi.tr_mul(&(&psi * &h)).norm();
     let bound = error_bound(condition, 0.0, sigma * psi.norm() / lambda)?;
-    let trace = crate::information::Factor::new(&psi)?.inverse_information().trace();
+    let trace = crate::information::Factor::new(&psi)?
+        .inverse_information()
+        .trace();
     Ok((bound, sigma * trace.sqrt() / h.norm()))
 }

@@ -77,7 +77,10 @@ pub(super) fn other_starts(
     control: Control<'_>,
 ) -> Result<StartsStudy> {
     let per_kind = [starts.div_ceil(2), starts / 2];
-    let kinds = [(StartKind::Uniform, "random"), (StartKind::SmallWrist, "small wrist angles")];
+    let kinds = [
+        (StartKind::Uniform, "random"),
+        (StartKind::SmallWrist, "small wrist angles"),
+    ];
     let mut jobs = Vec::new();
     for (k, (kind, _)) in kinds.iter().enumerate() {
         for s in 0..per_kind[k] {
@@ -105,7 +108,11 @@ pub(super) fn other_starts(
                 Err(error) => return Err(error),
             });
         }
-        control.report("other initial groups", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        control.report(
+            "other initial groups",
+            done.fetch_add(1, Ordering::Relaxed) + 1,
+            total,
+        );
         Ok(row)
     })?;
     let mut rest = outcomes.as_slice();
@@ -132,12 +139,20 @@ fn summarise(kind: &str, outcomes: &[Vec<Option<f64>>]) -> StartsOfKind {
             IndexOverStarts {
                 index,
                 median: (!known.is_empty()).then(|| quantile_of(&known, 0.5)),
-                improved: outcomes.iter().filter(|o| badness(o[r]) < badness(o[0])).count(),
+                improved: outcomes
+                    .iter()
+                    .filter(|o| badness(o[r]) < badness(o[0]))
+                    .count(),
                 mean_expected_deviation: values,
             }
         })
         .collect();
-    let position = |index: Index| STUDY_INDICES.iter().position(|(i, _)| *i == index).map_or(0, |p| p + 1);
+    let position = |index: Index| {
+        STUDY_INDICES
+            .iter()
+            .position(|(i, _)| *i == index)
+            .map_or(0, |p| p + 1)
+    };
     let (classical, novel) = (position(Index::Classical), position(Index::Novel));
     StartsOfKind {
         kind: kind.to_string(),
@@ -145,13 +160,20 @@ fn summarise(kind: &str, outcomes: &[Vec<Option<f64>>]) -> StartsOfKind {
         rows,
         paper_order_held: outcomes
             .iter()
-            .filter(|o| badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical]))
+            .filter(|o| {
+                badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical])
+            })
             .count(),
     }
 }
 
 /// Redraws q1 of every posture of the classical group, uniform in its bounds.
-pub(super) fn q1_range(cell: &Cell, group: &PostureGroup, draws: usize, seed: u64) -> Result<Option<Q1Range>> {
+pub(super) fn q1_range(
+    cell: &Cell,
+    group: &PostureGroup,
+    draws: usize,
+    seed: u64,
+) -> Result<Option<Q1Range>> {
     if draws == 0 {
         return Ok(None);
     }

@@ -19,7 +19,10 @@ fn percent(fraction: f64) -> String {
 pub(super) fn conclude(study: &mut Study) {
     let deviation = |g: &super::StudyGroup| g.evaluation.mean_expected_deviation();
     let find = |index: Index| {
-        study.groups.iter().find(|g| g.selection.as_ref().is_some_and(|s| s.index == index))
+        study
+            .groups
+            .iter()
+            .find(|g| g.selection.as_ref().is_some_and(|s| s.index == index))
     };
     let mut findings = Vec::new();
 
@@ -45,7 +48,14 @@ pub(super) fn conclude(study: &mut Study) {
             .groups
             .iter()
             .filter(|g| g.name != group.name)
-            .filter_map(|g| Some(format!("{} {} ({:.1} times)", g.name, percent(deviation(g)?), deviation(g)? / value)))
+            .filter_map(|g| {
+                Some(format!(
+                    "{} {} ({:.1} times)",
+                    g.name,
+                    percent(deviation(g)?),
+                    deviation(g)? / value
+                ))
+            })
             .collect();
         findings.push(Finding::new(
             "recommended-index",
@@ -62,11 +72,15 @@ pub(super) fn conclude(study: &mut Study) {
         study.recommended = Some(index);
     }
 
-    if let (Some(start), Some(classical), Some(novel)) =
-        (study.groups.first(), find(Index::Classical), find(Index::Novel))
-    {
+    if let (Some(start), Some(classical), Some(novel)) = (
+        study.groups.first(),
+        find(Index::Classical),
+        find(Index::Novel),
+    ) {
         let (s, c, n) = (deviation(start), deviation(classical), deviation(novel));
-        let worse = |a: Option<f64>, b: Option<f64>| a.unwrap_or(f64::INFINITY) < b.unwrap_or(f64::INFINITY);
+        let worse = |a: Option<f64>, b: Option<f64>| {
+            a.unwrap_or(f64::INFINITY) < b.unwrap_or(f64::INFINITY)
+        };
         let (beats_start, beats_classical) = (worse(n, s), worse(n, c));
         let show = |v: Option<f64>| v.map_or("undetermined".to_string(), percent);
         let held = match (beats_start, beats_classical) {
@@ -97,10 +111,17 @@ pub(super) fn conclude(study: &mut Study) {
             .filter_map(|row| {
                 let name = words(row.index?);
                 let median = row.median.map_or("none determined".to_string(), percent);
-                Some(format!("{name} {} of {} (median {median})", row.improved, kind.count))
+                Some(format!(
+                    "{name} {} of {} (median {median})",
+                    row.improved, kind.count
+                ))
             })
             .collect();
-        let start = kind.rows.first().and_then(|r| r.median).map_or("undetermined".to_string(), percent);
+        let start = kind
+            .rows
+            .first()
+            .and_then(|r| r.median)
+            .map_or("undetermined".to_string(), percent);
         findings.push(Finding::new(
             "other-starts",
             Severity::Note,
@@ -181,8 +202,16 @@ pub(super) fn conclude(study: &mut Study) {
         ));
     }
 
-    let share = study.groups.iter().map(|g| g.correction_share_m).fold(0.0, f64::max);
-    let linear = study.groups.iter().map(|g| g.linearisation_m).fold(0.0, f64::max);
+    let share = study
+        .groups
+        .iter()
+        .map(|g| g.correction_share_m)
+        .fold(0.0, f64::max);
+    let linear = study
+        .groups
+        .iter()
+        .map(|g| g.linearisation_m)
+        .fold(0.0, f64::max);
     findings.push(Finding::new(
         "model-order",
         if linear > study.noise_std_m { Severity::Caution } else { Severity::Note },
@@ -205,8 +234,16 @@ pub(super) fn conclude(study: &mut Study) {
             Some((g.name.clone(), mean(&values)))
         })
         .collect();
-    if let Some(expected) = study.groups.iter().find_map(|g| g.validation.as_ref()).map(|v| v.noise_expectation_m) {
-        let list: Vec<String> = validated.iter().map(|(n, v)| format!("{n} {:.4} mm", 1e3 * v)).collect();
+    if let Some(expected) = study
+        .groups
+        .iter()
+        .find_map(|g| g.validation.as_ref())
+        .map(|v| v.noise_expectation_m)
+    {
+        let list: Vec<String> = validated
+            .iter()
+            .map(|(n, v)| format!("{n} {:.4} mm", 1e3 * v))
+            .collect();
         findings.push(Finding::new(
             "validation-limit",
             Severity::Note,

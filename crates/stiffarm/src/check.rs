@@ -1,0 +1,278 @@
+//! What to know about a cell before anybody measures in it: joints the load
+//! cannot excite, points that cannot see a joint, limits that no posture
+//! meets, numbers that look like a slip of the unit.
+//!
+//! The checks look at postures spread evenly over the bounds, so they speak of
+//! the whole cell and not of one plan.
+
+mod excitation;
+mod slips;
+
+use crate::cell::{Cell, LimitKind};
+use crate::error::Result;
+use crate::findings::{Finding, Severity};
+use crate::load::{Load, Wrench};
+use crate::observation::{PostureTerms, check_angles};
+use crate::units::rad_to_shortest_deg;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use sobol_burley::sample;
+
+/// Postures that [`check`] spreads over the bounds.
+pub const SAMPLES: u32 = 256;
+/// Share of postures within the limits below which a cell counts as cramped.
+const CRAMPED: f64 = 0.02;
+
+/// What a check found out about one joint, over all sampled postures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointExcitation {
+    /// Name of the joint.
+    pub name: String,
+    /// False when no group of postures in the bounds can determine this joint.
+    pub determined: bool,
+    /// Largest |torque| of the load about it \[N·m\]; `None` for a measured load.
+    pub largest_torque_nm: Option<f64>,
+    /// Largest displacement of a measuring point that this joint alone causes,
+    /// by the prior stiffness \[m\]; `None` without prior or for a measured load.
+    pub largest_displacement_m: Option<f64>,
+}
+
+/// Result of a check.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CellCheck {
+    /// The findings, the most serious first.
+    pub findings: Vec<Finding>,
+    /// Postures sampled within the bounds.
+    pub postures_sampled: usize,
+    /// How many of them meet the cell's limits.
+    pub postures_within_limits: usize,
+    /// The joints, base to flange.
+    pub joints: Vec<JointExcitation>,
+}
+
+impl CellCheck {
+    /// True when a finding makes the cell unusable as it is.
+    pub fn is_serious(&self) -> bool {
+        self.findings
+            .iter()
+            .any(|f| f.severity == Severity::Serious)
+    }
+}
+
+/// Checks a cell on [`SAMPLES`] postures spread over its bounds. The same cell
+/// always gives the same result.
+///
+/// # Errors
+/// Bounds whose number differs from the joints', or that are not finite.
+pub fn check(cell: &Cell) -> Result<CellCheck> {
+    let mut findings = Vec::new();
+    let sampled = sampled_terms(cell)?;
+    let within: Vec<&Sample> = sampled.iter().filter(|s| s.violated.is_none()).collect();
+    let postures_within_limits = within.len();
+    reach(cell, &sampled, postures_within_limits, &mut findings);
+    // Where nothing is reachable, the load is still worth a word.
+    let looked_at = if within.is_empty() {
+        sampled.iter().collect()
+    } else {
+        within
+    };
+    let terms: Vec<&PostureTerms> = looked_at.iter().flat_map(|s| &s.terms).collect();
+    let joints = excitation::check(cell, &terms, &mut findings)?;
+    validation(cell, &mut findings);
+    slips::check(cell, &mut findings);
+    setup(cell, &mut findings);
+    findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
+    Ok(CellCheck {
+        findings,
+        postures_sampled: sampled.len(),
+        postures_within_limits,
+        joints,
+    })
+}
+
+/// One sampled posture.
+struct Sample {
+    /// Its terms; three of them, under unit forces along x, y and z, where the
+    /// force is only known once it is measured.
+    terms: Vec<PostureTerms>,
+    /// The limit it violates most.
+    violated: Option<LimitKind>,
+}
+
+fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
+    let setup = &cell.setup;
+    let middle: Vec<f64> = cell.bounds.iter().map(|b| (b[0] + b[1]) / 2.0).collect();
+    check_angles(&setup.robot, &middle)?;
+    let forces: Vec<Option<Wrench>> = match setup.load {
+        Load::Measured => (0..3)
+            .map(|axis| Some(Wrench::force(Vector3::ith(axis, 1.0))))
+            .collect(),
+        _ => vec![None],
+    };
+    (0..SAMPLES)
+        .map(|i| {
+            let q: Vec<f64> = (0..)
+                .zip(&cell.bounds)
+                .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(i, j, 0)))
+                .collect();
+            let terms = forces
+                .iter()
+                .map(|wrench| PostureTerms::new(setup, &q, wrench.as_ref()))
+                .collect::<Result<Vec<_>>>()?;
+            let smallest = cell.limits.smallest(setup, &terms[0]);
+            let violated = smallest.filter(|m| m.margin < 0.0).map(|m| m.kind);
+            Ok(Sample { terms, violated })
+        })
+        .collect()
+}
+
+/// How many of the postures the limits leave.
+fn reach(cell: &Cell, sampled: &[Sample], within: usize, findings: &mut Vec<Finding>) {
+    if cell.limits.is_empty() {
+        if cell.setup.load != Load::Measured {
+            findings.push(Finding::new(
+                "no-limits",
+                Severity::Caution,
+                "limits",
+                "There are no limits on where the tool may be: a selection may bring it below the floor, \
+                 into the robot's own column or onto the rope's anchor.",
+            ));
+        }
+        return;
+    }
+    let count = sampled.len();
+    let kinds = [
+        LimitKind::ToolBox,
+        LimitKind::Floor,
+        LimitKind::KeepOut,
+        LimitKind::WristHeight,
+        LimitKind::RopeLength,
+    ];
+    let times = |kind: LimitKind| sampled.iter().filter(|s| s.violated == Some(kind)).count();
+    let worst = kinds
+        .into_iter()
+        .max_by_key(|kind| times(*kind))
+        .unwrap_or(LimitKind::ToolBox);
+    let mostly = format!(
+        "violated most often: {}, by {} of them",
+        worst.describe(),
+        times(worst)
+    );
+    if within == 0 {
+        findings.push(Finding::new(
+            "unreachable-limits",
+            Severity::Serious,
+            "limits",
+            format!(
+                "None of {count} postures spread over the bounds meets the cell's limits ({mostly}). Check \
+                 the limits' frame (robot base) and unit (mm)."
+            ),
+        ));
+    } else if (within as f64) < CRAMPED * count as f64 {
+        findings.push(Finding::new(
+            "cramped-limits",
+            Severity::Caution,
+            "limits",
+            format!("Only {within} of {count} postures spread over the bounds meet the cell's limits ({mostly})."),
+        ));
+    }
+}
+
+/// Validation postures: the machine's limits bind them, the cell's limits warn.
+fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
+    let setup = &cell.setup;
+    for posture in &cell.validation {
+        if check_angles(&setup.robot, &posture.q).is_err() {
+            continue;
+        }
+        if let Some((j, angle)) = cell.outside_machine_limits(&posture.q) {
+            let joint = &setup.robot.joints()[j];
+            let [low, high] = joint.limits.map(rad_to_shortest_deg);
+            findings.push(Finding::new(
+                "validation-outside-machine-limits",
+                Severity::Serious,
+                "validation.posture",
+                format!(
+                    "Validation posture {} has {} at {}°, outside the machine's limits, {low}° to {high}°.",
+                    posture.name,
+                    joint.name,
+                    rad_to_shortest_deg(angle)
+                ),
+            ));
+            continue;
+        }
+        // A measured load needs some force here; the limits do not depend on it.
+        let force =
+            (setup.load == Load::Measured).then_some(Wrench::force(Vector3::new(1.0, 0.0, 0.0)));
+        let Ok(terms) = PostureTerms::new(setup, &posture.q, force.as_ref()) else {
+            continue;
+        };
+        let smallest = cell.limits.smallest(setup, &terms);
+        if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
+            findings.push(Finding::new(
+                "validation-outside-limits",
+                Severity::Caution,
+                "validation.posture",
+                format!(
+                    "Validation posture {} violates {} with its {} by {:.0} mm.",
+                    posture.name,
+                    margin.kind.describe(),
+                    margin.point,
+                    -margin.margin * 1e3
+                ),
+            ));
+        }
+    }
+}
+
+/// What is missing or only half honest in the description.
+fn setup(cell: &Cell, findings: &mut Vec<Finding>) {
+    let tool = &cell.setup.tool;
+    if tool.has_sensor && tool.series_compliance.is_none() {
+        findings.push(Finding::new(
+            "sensor-compliance",
+            Severity::Caution,
+            "tool.series_compliance",
+            "A force sensor sits between flange and reflectors, but its compliance is not given: what the \
+             sensor yields is taken for the joints' (10 to 20 % on the wrist joints for a usual sensor).",
+        ));
+    }
+    if cell.prior.is_none() {
+        findings.push(Finding::new(
+            "no-prior",
+            Severity::Note,
+            "stiffness.prior_nm_per_rad",
+            "There is no prior joint stiffness: expected errors, the indices built on them and the \
+             simulation are not available. Orders of magnitude suffice.",
+        ));
+    }
+    if cell.noise.readings_per_displacement == 1 {
+        findings.push(Finding::new(
+            "one-reading",
+            Severity::Note,
+            "noise.readings_per_displacement",
+            "One reading is counted per displacement, as the paper does. A displacement is the difference of \
+             a loaded and an unloaded reading: unless the variance is already that of a displacement, give 2.",
+        ));
+    }
+    for (j, (bounds, joint)) in cell
+        .bounds
+        .iter()
+        .zip(cell.setup.robot.joints())
+        .enumerate()
+    {
+        if bounds[0] < joint.limits[0] - 1e-9 || bounds[1] > joint.limits[1] + 1e-9 {
+            findings.push(Finding::new(
+                "bounds-outside-machine-limits",
+                Severity::Serious,
+                format!("bounds.q_deg[{}]", j + 1),
+                format!(
+                    "The bounds of {} reach beyond the machine's limits.",
+                    joint.name
+                ),
+            ));
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Numbers that are allowed but look like a slip of the unit.
+
+use crate::cell::Cell;
+use crate::findings::{Finding, Severity};
+use crate::load::Load;
+use crate::robot::catalogue;
+use crate::units::{m_to_mm, rad_to_deg};
+use nalgebra::Vector3;
+
+/// Farthest plausible tool point \[m\].
+const FAR_TOOL: f64 = 5.0;
+/// Nearest plausible tool point: a metre typed as millimetre is below it \[m\].
+const NEAR_TOOL: f64 = 1e-3;
+/// Farthest plausible rope anchor \[m\].
+const FAR_ANCHOR: f64 = 20.0;
+/// Lengths of the cell below this look like metres typed as millimetres \[m\].
+const SHORT: f64 = 0.02;
+/// Smallest force that deflects an industrial robot measurably \[N\].
+const SMALL_FORCE: f64 = 1.0;
+/// Largest plausible force where the payload is unknown \[N\].
+const LARGE_FORCE: f64 = 2e4;
+/// Standard gravity \[m/s²\].
+const GRAVITY: f64 = 9.806_65;
+/// Plausible joint stiffness of an industrial robot \[N·m/rad\].
+const STIFFNESS: [f64; 2] = [1e3, 1e9];
+/// Plausible standard deviation of a tracker reading \[m\].
+const NOISE: [f64; 2] = [1e-7, 1e-3];
+/// Bounds that all lie below this may be radians \[deg\]: a full turn is 6.28 rad.
+const LIKE_RADIANS: f64 = 7.0;
+/// Plausible characteristic length \[m\].
+const LENGTH: [f64; 2] = [0.01, 10.0];
+
+struct Slips<'a>(&'a mut Vec<Finding>);
+
+impl Slips<'_> {
+    fn add(&mut self, key: &str, sentence: String) {
+        self.0.push(Finding::new(
+            "suspicious-unit",
+            Severity::Caution,
+            key,
+            sentence,
+        ));
+    }
+}
+
+/// Looks at every number of the cell that carries a unit.
+pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
+    let mut slips = Slips(findings);
+    tool(cell, &mut slips);
+    load(cell, &mut slips);
+    limits(cell, &mut slips);
+    let degrees = cell.bounds.iter().flatten().map(|b| rad_to_deg(b.abs()));
+    let widest = degrees.fold(0.0, f64::max);
+    if widest > 0.0 && widest < LIKE_RADIANS {
+        slips.add(
+            "bounds.q_deg",
+            format!("All bounds lie within {widest:.3}° of zero: are they in radians? The unit is degrees."),
+        );
+    }
+    if let Some(prior) = &cell.prior {
+        for (k, name) in prior.iter().zip(cell.setup.robot.spring_names()) {
+            if !(STIFFNESS[0]..=STIFFNESS[1]).contains(k) {
+                slips.add(
+                    "stiffness.prior_nm_per_rad",
+                    format!(
+                        "The prior stiffness of {name} is {k:.3e} N·m/rad; industrial robots have 1e4 to 1e8. \
+                         The unit is N·m/rad (not per degree, not N·mm)."
+                    ),
+                );
+            }
+        }
+    }
+    let noise = cell.noise.reading_variance.sqrt();
+    if noise > 0.0 && !(NOISE[0]..=NOISE[1]).contains(&noise) {
+        slips.add(
+            "noise.variance_mm2",
+            format!(
+                "The standard deviation of a reading is {:.3e} mm; a laser tracker has some 0.01 mm. The key \
+                 takes a variance in mm², the square of it.",
+                m_to_mm(noise)
+            ),
+        );
+    }
+    if let Some(length) = cell.characteristic_length
+        && !(LENGTH[0]..=LENGTH[1]).contains(&length)
+    {
+        slips.add(
+            "robot.characteristic_length_mm",
+            format!("The characteristic length is {length:.3e} m: is it in mm?"),
+        );
+    }
+}
+
+fn tool(cell: &Cell, slips: &mut Slips<'_>) {
+    let tool = &cell.setup.tool;
+    let mut point = |key: &str, what: &str, position: &Vector3<f64>| {
+        let distance = position.norm();
+        if distance > FAR_TOOL {
+            slips.add(
+                key,
+                format!("{what} lies {distance:.0} m from the flange: is it in mm?"),
+            );
+        } else if distance < NEAR_TOOL {
+            slips.add(
+                key,
+                format!(
+                    "{what} lies {:.3} mm from the flange: is it in metres? The unit is mm.",
+                    m_to_mm(distance)
+                ),
+            );
+        }
+    };
+    point(
+        "tool.loading_point_mm",
+        "The loading point",
+        &tool.loading_point,
+    );
+    for (a, measuring) in tool.measuring_points.iter().enumerate() {
+        let key = format!("tool.measuring_point[{}].position_mm", a + 1);
+        let what = format!("Measuring point \"{}\"", measuring.name);
+        point(&key, &what, &measuring.position);
+    }
+    for (b, second) in tool.measuring_points.iter().enumerate() {
+        for first in &tool.measuring_points[..b] {
+            if (first.position - second.position).norm() < NEAR_TOOL {
+                slips.add(
+                    &format!("tool.measuring_point[{}].position_mm", b + 1),
+                    format!(
+                        "Measuring points \"{}\" and \"{}\" are the same place.",
+                        first.name, second.name
+                    ),
+                );
+            }
+        }
+    }
+}
+
+fn load(cell: &Cell, slips: &mut Slips<'_>) {
+    let (key, force) = match &cell.setup.load {
+        Load::Rope { anchor, magnitude } => {
+            let distance = anchor.norm();
+            if distance > FAR_ANCHOR {
+                let sentence = format!(
+                    "The rope's anchor lies {distance:.0} m from the robot's base: is it in mm?"
+                );
+                slips.add("load.anchor_mm", sentence);
+            } else if distance > 0.0 && distance < SHORT {
+                let sentence = format!(
+                    "The rope's anchor lies {:.2} mm from the robot's base: is it in metres? The unit is mm.",
+                    m_to_mm(distance)
+                );
+                slips.add("load.anchor_mm", sentence);
+            }
+            ("load.magnitude_n", *magnitude)
+        }
+        Load::Weight { magnitude, .. } => ("load.magnitude_n", *magnitude),
+        Load::Constant { wrench, .. } if wrench.moment.norm() == 0.0 => {
+            ("load.force_n", wrench.force.norm())
+        }
+        Load::Constant { .. } | Load::Measured => return,
+    };
+    if force < SMALL_FORCE {
+        slips.add(
+            key,
+            format!("The load is {force} N, too little to deflect a robot. The unit is newtons."),
+        );
+        return;
+    }
+    let robot = cell.setup.robot.name();
+    let entry = catalogue().iter().find(|entry| entry.name == robot);
+    match entry.and_then(|entry| entry.payload_kg) {
+        Some(payload) if force > payload * GRAVITY => slips.add(
+            key,
+            format!(
+                "The load of {force:.0} N is more than the weight of the robot's payload, {payload:.0} kg or \
+                 {:.0} N.",
+                payload * GRAVITY
+            ),
+        ),
+        None if force > LARGE_FORCE => slips.add(
+            key,
+            format!("The load of {force:.0} N is beyond the payload of industrial robots."),
+        ),
+        _ => {}
+    }
+}
+
+fn limits(cell: &Cell, slips: &mut Slips<'_>) {
+    let limits = &cell.limits;
+    if let Some([low, high]) = &limits.tool_box {
+        let size = high - low;
+        if size.max() < SHORT {
+            slips.add(
+                "limits.box_max_mm",
+                format!(
+                    "The box is only {:.2} mm long: is it in metres? The unit is mm.",
+                    m_to_mm(size.max())
+                ),
+            );
+        }
+    }
+    if let Some(radius) = limits.keep_out_radius.filter(|r| *r < SHORT) {
+        slips.add(
+            "limits.keep_out_radius_mm",
+            format!(
+                "The keep-out radius is {:.2} mm: is it in metres? The unit is mm.",
+                m_to_mm(radius)
+            ),
+        );
+    }
+    if let Some([_, longest]) = limits.rope_length.filter(|r| r[1] < SHORT) {
+        slips.add(
+            "limits.rope_length_mm",
+            format!(
+                "The longest rope is {:.2} mm: is it in metres? The unit is mm.",
+                m_to_mm(longest)
+            ),
+        );
+    }
+}
