@@ -1,7 +1,7 @@
 //! From joint stiffness to Cartesian stiffness and deflection.
 //!
-//! Salisbury: K = J⁻ᵀ K_θ J⁻¹, Eq. (2). Chen & Kao (2000,
-//! doi:10.1177/02783640022067201): K = J⁻ᵀ (K_θ − K_C) J⁻¹ with
+//! Salisbury: K = J⁻ᵀ K_θ J⁻¹, Eq. (2). Chen & Kao (Int. J. Robot.
+//! Res. 19(9), 2000, 835–847): K = J⁻ᵀ (K_θ − K_C) J⁻¹ with
 //! (K_C)_ij = ∂Γ_i/∂θ_j at a constant base-frame wrench. K_C alone can worsen
 //! a prediction, because the second-order kinematic term has the same size:
 //! where it matters, [`equilibrium_displacement`] is the reference.
