@@ -225,8 +225,12 @@ impl Factor {
 
 /// The decomposition, or an error where it fails.
 fn require_svd(matrix: DMatrix<f64>) -> Result<Svd> {
-    svd(matrix)
-        .ok_or_else(|| Error::new(Code::Numerical, "The singular value decomposition did not converge."))
+    svd(matrix).ok_or_else(|| {
+        Error::new(
+            Code::Numerical,
+            "The singular value decomposition did not converge.",
+        )
+    })
 }
 
 /// Eigenvalues (ascending) and eigenvectors of a symmetric matrix, with an

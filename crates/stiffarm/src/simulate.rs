@@ -1,5 +1,9 @@
 //! Monte Carlo simulation of an identification with tracker noise, Section IV.A.
 
+mod model_errors;
+
+pub use model_errors::ModelErrors;
+
 use crate::cell::{Cell, Noise};
 use crate::error::{Code, Error, Result};
 use crate::index::evaluate;
@@ -28,6 +32,9 @@ pub struct SimulationOptions {
     pub runs: usize,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Errors of force, angles and geometry; none in the paper.
+    #[serde(default)]
+    pub model_errors: ModelErrors,
 }
 
 impl Default for SimulationOptions {
@@ -36,6 +43,7 @@ impl Default for SimulationOptions {
             variance_factors: vec![0.5, 1.0, 1.5, 2.0, 2.5, 3.0],
             runs: 200,
             seed: 1,
+            model_errors: ModelErrors::default(),
         }
     }
 }
@@ -134,15 +142,15 @@ pub fn simulate(
         }
         let psi = observation_matrix(&cell.setup, &group.postures, Rows::Translations)?;
         for (l, factor) in options.variance_factors.iter().enumerate() {
-            jobs.push((g, l, *factor, psi.clone()));
+            jobs.push(Job { group: g, level: l, factor: *factor, psi: psi.clone() });
         }
     }
     let total = jobs.len();
-    let run = |(i, (g, l, factor, psi)): (usize, &(usize, usize, f64, DMatrix<f64>))| {
+    let run = |(i, job): (usize, &Job)| {
         if control.stopped() {
             return Err(Error::new(Code::Interrupted, "The simulation was stopped."));
         }
-        let level = simulate_level(cell, psi, prior, *factor, options, (*g, *l));
+        let level = simulate_level(cell, &groups[job.group], prior, options, job);
         control.report("simulating", i + 1, total);
         level
     };
@@ -211,14 +219,22 @@ pub(crate) fn run_rng(seed: u64, group: usize, level: usize, run: usize) -> ChaC
     rng
 }
 
+/// One noise level of one group.
+struct Job {
+    group: usize,
+    level: usize,
+    factor: f64,
+    psi: DMatrix<f64>,
+}
+
 fn simulate_level(
     cell: &Cell,
-    psi: &DMatrix<f64>,
+    group: &PostureGroup,
     prior: &[f64],
-    factor: f64,
     options: &SimulationOptions,
-    (group, level): (usize, usize),
+    job: &Job,
 ) -> Result<LevelResult> {
+    let (psi, factor) = (&job.psi, job.factor);
     let n = prior.len();
     let points = cell.setup.tool.point_count();
     let rows = 3 * points;
@@ -247,11 +263,16 @@ fn simulate_level(
         .zip(prior)
         .map(|(e, k)| e.unwrap_or(f64::INFINITY) * k * noise.displacement_std())
         .collect();
+    let compliance = DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k));
     let mut deviations = vec![Vec::with_capacity(options.runs); n];
     let mut compliance_deviations = vec![Vec::with_capacity(options.runs); n];
     for run in 0..options.runs {
-        let mut rng = run_rng(options.seed, group, level, run);
-        let mut error = DMatrix::from_columns(&[draw_noise(&mut rng, &noise, postures, points)]);
+        let mut rng = run_rng(options.seed, job.group, job.level, run);
+        let mut error = draw_noise(&mut rng, &noise, postures, points);
+        if !options.model_errors.is_exact() {
+            error += options.model_errors.draw(cell, &group.postures, &compliance, &mut rng)?;
+        }
+        let mut error = DMatrix::from_columns(&[error]);
         whiten(&mut error);
         // Ĥ = Ψ⁺(ΨH + ε) = H + Ψ⁺ε: the exact part cancels.
         let shift = &inverse * error;

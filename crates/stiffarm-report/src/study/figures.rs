@@ -15,7 +15,7 @@ pub fn figures(study: &Study) -> Vec<Figure> {
             .map(|(g, group)| postures(study, g, group)),
     );
     out.push(deviation_by_noise(study));
-    out.push(other_starts(study));
+    out.extend(other_starts(study));
     out.extend(q1_range(study));
     out.extend(validation(study));
     out
@@ -178,14 +178,13 @@ fn deviation_by_noise(study: &Study) -> Figure {
 }
 
 /// Boxes over all other initial groups, by kind.
-fn other_starts(study: &Study) -> Figure {
-    let names: Vec<String> = std::iter::once("start".to_string())
-        .chain(
-            stiffarm::study::STUDY_INDICES
-                .iter()
-                .map(|(index, _)| index.as_str().replace('_', " ")),
-        )
-        .collect();
+fn other_starts(study: &Study) -> Option<Figure> {
+    if study.starts.kinds.is_empty() {
+        return None;
+    }
+    let rows = study.starts.kinds.first().map_or(&[][..], |kind| &kind.rows);
+    let names: Vec<String> =
+        rows.iter().map(|row| row.index.map_or("start".into(), |i| i.as_str().replace('_', " "))).collect();
     let series = study
         .starts
         .kinds
@@ -206,7 +205,7 @@ fn other_starts(study: &Study) -> Figure {
             )
         })
         .collect();
-    Figure {
+    Some(Figure {
         id: "other-starts".into(),
         title: "What other initial groups lead to".into(),
         caption: "Mean over the joints of the expected deviation after selection under each index; box: quartiles, \
@@ -220,7 +219,7 @@ fn other_starts(study: &Study) -> Figure {
             series,
             equal_aspect: false,
         }],
-    }
+    })
 }
 
 /// Distribution of the classical group's outcome over q1.

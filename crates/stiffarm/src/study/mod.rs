@@ -31,6 +31,13 @@ pub const STUDY_INDICES: [(Index, &str); 4] = [
     (Index::ExpectedError, "expected error"),
 ];
 
+/// The indices of the study that `cell`'s robot has: with fewer than six joints
+/// there is no k(J_N), and only the expected error is left.
+pub fn study_indices(cell: &Cell) -> Vec<(Index, &'static str)> {
+    let dexterity = cell.setup.robot.joint_count() >= 6;
+    STUDY_INDICES.into_iter().filter(|(index, _)| dexterity || !index.uses_dexterity()).collect()
+}
+
 /// Name of the initial group.
 pub const INITIAL_GROUP: &str = "Group 1";
 
@@ -116,6 +123,9 @@ pub struct Study {
     pub classical_q1: Option<Q1Range>,
     /// Index with the smallest mean expected deviation from the initial group.
     pub recommended: Option<Index>,
+    /// True when the user stopped the study: selections may not have converged
+    /// and fewer initial groups were tried.
+    pub interrupted: bool,
     /// The verdict in sentences.
     pub findings: Vec<Finding>,
     /// Outline of the cell's tool box, corners \[m\], where it has one.
@@ -143,7 +153,8 @@ pub fn study(
     };
 
     // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
-    let selections: Vec<Selection> = in_order(&STUDY_INDICES, |(_, (index, _))| {
+    let indices = study_indices(cell);
+    let selections: Vec<Selection> = in_order(&indices, |(_, (index, _))| {
         select_from(cell, *index, &initial.postures, select_options, control)
     })?;
     control.report("selecting from Group 1", 1, 1);
@@ -154,7 +165,7 @@ pub fn study(
             ..initial.clone()
         },
     )];
-    for ((_, name), selection) in STUDY_INDICES.iter().zip(selections) {
+    for ((_, name), selection) in indices.iter().zip(selections) {
         let group = selection.to_group(name);
         named.push((Some(selection), group));
     }
@@ -175,9 +186,13 @@ pub fn study(
         .filter(|(_, g)| g.evaluation.undetermined_joints.is_empty())
         .map(|((_, group), _)| group.clone())
         .collect();
-    let simulation = simulate(cell, &simulated, &options.simulation, control)?;
-    let classical_q1 =
-        starts::q1_range(cell, &named[1].1, options.q1_draws, options.simulation.seed)?;
+    // The simulation is a matter of milliseconds: an interruption waits for it.
+    let unstopped = Control { stop: None, ..control };
+    let simulation = simulate(cell, &simulated, &options.simulation, unstopped)?;
+    let classical_q1 = match named.iter().find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical)) {
+        Some((_, group)) => starts::q1_range(cell, group, options.q1_draws, options.simulation.seed)?,
+        None => None,
+    };
     let starts = starts::other_starts(
         cell,
         initial.postures.len(),
@@ -199,6 +214,7 @@ pub fn study(
         starts,
         classical_q1,
         recommended: None,
+        interrupted: control.stopped(),
         findings: Vec::new(),
         tool_box_m: cell.limits.tool_box.map(|b| b.map(Into::into)),
         anchor_m: match cell.setup.load {

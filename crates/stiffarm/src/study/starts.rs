@@ -1,8 +1,8 @@
 //! How the outcome depends on the initial group, and the classical group on q1.
 
-use super::STUDY_INDICES;
+use super::study_indices;
 use crate::cell::Cell;
-use crate::error::{Code, Error, Result};
+use crate::error::Result;
 use crate::index::{Index, evaluate};
 use crate::optimise::{Control, Options};
 use crate::posture::PostureGroup;
@@ -88,24 +88,25 @@ pub(super) fn other_starts(
             jobs.push((*kind, (k as u64) << 32 | s as u64));
         }
     }
+    let indices = study_indices(cell);
     let done = AtomicUsize::new(0);
     let total = jobs.len();
-    let outcomes: Vec<Vec<Option<f64>>> = in_order(&jobs, |(_, (kind, stream))| {
+    let outcomes: Vec<Option<Vec<Option<f64>>>> = in_order(&jobs, |(_, (kind, stream))| {
         let initial = random_group(cell, *kind, postures, seed, *stream)?;
         let mut row = vec![evaluate(cell, "start", &initial)?.mean_expected_deviation()];
-        for (index, _) in STUDY_INDICES {
+        for (index, _) in &indices {
+            let selected = select_from(cell, *index, &initial, options, control);
             if control.stopped() {
-                return Err(Error::new(Code::Interrupted, "The study was stopped."));
+                // An unfinished initial group does not count.
+                return Ok(None);
             }
-            let selected = select_from(cell, index, &initial, options, control);
             row.push(match selected {
                 Ok(selection) => {
                     evaluate(cell, "selected", &selection.group)?.mean_expected_deviation()
                 }
                 // A start from which no determined group inside the limits is
                 // reached counts as not improved.
-                Err(error) if error.code() != Code::Interrupted => None,
-                Err(error) => return Err(error),
+                Err(_) => None,
             });
         }
         control.report(
@@ -113,24 +114,29 @@ pub(super) fn other_starts(
             done.fetch_add(1, Ordering::Relaxed) + 1,
             total,
         );
-        Ok(row)
+        Ok(Some(row))
     })?;
     let mut rest = outcomes.as_slice();
     let mut result = StartsStudy { kinds: Vec::new() };
     for (k, (_, name)) in kinds.iter().enumerate() {
         let (mine, others) = rest.split_at(per_kind[k]);
         rest = others;
-        if !mine.is_empty() {
-            result.kinds.push(summarise(name, mine));
+        let finished: Vec<Vec<Option<f64>>> = mine.iter().flatten().cloned().collect();
+        if !finished.is_empty() {
+            result.kinds.push(summarise(name, &indices, &finished));
         }
     }
     Ok(result)
 }
 
-fn summarise(kind: &str, outcomes: &[Vec<Option<f64>>]) -> StartsOfKind {
+fn summarise(
+    kind: &str,
+    studied: &[(Index, &str)],
+    outcomes: &[Vec<Option<f64>>],
+) -> StartsOfKind {
     // An undetermined group is worse than any determined one.
     let badness = |v: Option<f64>| v.unwrap_or(f64::INFINITY);
-    let indices = std::iter::once(None).chain(STUDY_INDICES.iter().map(|(i, _)| Some(*i)));
+    let indices = std::iter::once(None).chain(studied.iter().map(|(i, _)| Some(*i)));
     let rows = indices
         .enumerate()
         .map(|(r, index)| {
@@ -147,23 +153,18 @@ fn summarise(kind: &str, outcomes: &[Vec<Option<f64>>]) -> StartsOfKind {
             }
         })
         .collect();
-    let position = |index: Index| {
-        STUDY_INDICES
-            .iter()
-            .position(|(i, _)| *i == index)
-            .map_or(0, |p| p + 1)
+    let position = |index: Index| studied.iter().position(|(i, _)| *i == index).map(|p| p + 1);
+    let held = |o: &[Option<f64>]| match (position(Index::Classical), position(Index::Novel)) {
+        (Some(classical), Some(novel)) => {
+            badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical])
+        }
+        _ => false,
     };
-    let (classical, novel) = (position(Index::Classical), position(Index::Novel));
     StartsOfKind {
         kind: kind.to_string(),
         count: outcomes.len(),
         rows,
-        paper_order_held: outcomes
-            .iter()
-            .filter(|o| {
-                badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical])
-            })
-            .count(),
+        paper_order_held: outcomes.iter().filter(|o| held(o)).count(),
     }
 }
 

@@ -25,6 +25,14 @@ pub(super) fn conclude(study: &mut Study) {
             .find(|g| g.selection.as_ref().is_some_and(|s| s.index == index))
     };
     let mut findings = Vec::new();
+    if study.interrupted {
+        findings.push(Finding::new(
+            "interrupted",
+            Severity::Caution,
+            "study",
+            "The study was stopped: selections may not have converged, and fewer other initial groups were tried.",
+        ));
+    }
 
     for group in &study.groups {
         let lost = &group.evaluation.undetermined_joints;
@@ -250,8 +258,7 @@ pub(super) fn conclude(study: &mut Study) {
             "Eq. (22)",
             format!(
                 "With tracker noise as the only error, the mean deviation at the validation postures is {}; noise \
-                 alone gives {:.4} mm. The paper measured 0.17 to 0.87 mm: model error, not tracker noise, dominated \
-                 that experiment.",
+                 alone gives {:.4} mm.",
                 list.join(", "),
                 1e3 * expected
             ),

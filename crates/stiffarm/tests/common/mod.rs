@@ -21,11 +21,15 @@ pub fn reference() -> Value {
 }
 
 pub fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
 pub fn list(value: &Value) -> &Vec<Value> {
-    value.as_array().unwrap_or_else(|| panic!("{value} is not a list"))
+    value
+        .as_array()
+        .unwrap_or_else(|| panic!("{value} is not a list"))
 }
 
 pub fn numbers(value: &Value) -> Vec<f64> {
@@ -43,7 +47,10 @@ pub fn vector3(value: &Value) -> Vector3<f64> {
 
 /// Angles in radians of a list of postures in degrees.
 pub fn postures_from_deg(value: &Value) -> Vec<Vec<f64>> {
-    list(value).iter().map(|q| numbers(q).iter().map(|a| a.to_radians()).collect()).collect()
+    list(value)
+        .iter()
+        .map(|q| numbers(q).iter().map(|a| a.to_radians()).collect())
+        .collect()
 }
 
 /// Group 1 of the reference cell: hand-picked, small wrist angles \[rad\].
@@ -63,17 +70,30 @@ pub fn reference_cell() -> Cell {
         .iter()
         .map(|row| {
             let r = numbers(row);
-            DhRow { alpha: r[0], a: r[1], d: r[2], offset: r[3] }
+            DhRow {
+                alpha: r[0],
+                a: r[1],
+                d: r[2],
+                offset: r[3],
+            }
         })
         .collect();
-    let robot = Robot::from_dh("COMAU NJ 165-3.0", DhConvention::Modified, &rows, Isometry3::identity())
-        .unwrap()
-        .with_coupling(matrix(&data["robot"]["theta_from_q"]))
-        .unwrap();
+    let robot = Robot::from_dh(
+        "COMAU NJ 165-3.0",
+        DhConvention::Modified,
+        &rows,
+        Isometry3::identity(),
+    )
+    .unwrap()
+    .with_coupling(matrix(&data["robot"]["theta_from_q"]))
+    .unwrap();
     let measuring_points = list(&data["tool"]["measuring_points"])
         .iter()
         .enumerate()
-        .map(|(i, p)| NamedPoint { name: (i + 1).to_string(), position: vector3(p) })
+        .map(|(i, p)| NamedPoint {
+            name: (i + 1).to_string(),
+            position: vector3(p),
+        })
         .collect();
     Cell {
         name: "reference".to_string(),
@@ -96,7 +116,11 @@ pub fn reference_cell() -> Cell {
             .collect(),
         limits: Limits::default(),
         // Table 3: level 2 is 9.23e-5 mm² per axis, counted once.
-        noise: Noise { reading_variance: 9.23e-11, readings_per_displacement: 1, posture_common_std: 0.0 },
+        noise: Noise {
+            reading_variance: 9.23e-11,
+            readings_per_displacement: 1,
+            posture_common_std: 0.0,
+        },
         prior: Some(numbers(&data["robot"]["k_theta"])),
         characteristic_length: Some(number(&data["characteristic_length_m"])),
         validation: Vec::new(),
@@ -122,16 +146,24 @@ pub fn default_cell() -> Cell {
 pub fn relative_error(ours: &[f64], reference: &[f64]) -> f64 {
     assert_eq!(ours.len(), reference.len(), "lengths differ");
     let scale = reference.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let worst = ours.iter().zip(reference).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    let worst = ours
+        .iter()
+        .zip(reference)
+        .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     // NaN must not slip through max().
-    assert!(ours.iter().all(|v| v.is_finite()), "an entry is not finite: {ours:?}");
+    assert!(
+        ours.iter().all(|v| v.is_finite()),
+        "an entry is not finite: {ours:?}"
+    );
     worst / scale
 }
 
 /// Largest relative difference, entry by entry.
 pub fn entrywise_error(ours: &[f64], reference: &[f64]) -> f64 {
     assert_eq!(ours.len(), reference.len(), "lengths differ");
-    ours.iter().zip(reference).fold(0.0_f64, |m, (a, b)| m.max(relative_error(&[*a], &[*b])))
+    ours.iter()
+        .zip(reference)
+        .fold(0.0_f64, |m, (a, b)| m.max(relative_error(&[*a], &[*b])))
 }
 
 /// Property tests draw the same cases each time, unless `PROPTEST_RNG_SEED`
@@ -139,7 +171,11 @@ pub fn entrywise_error(ours: &[f64], reference: &[f64]) -> f64 {
 pub fn cases(count: u32) -> Config {
     let default = Config::default();
     Config {
-        cases: if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { count },
+        cases: if std::env::var_os("PROPTEST_CASES").is_some() {
+            default.cases
+        } else {
+            count
+        },
         rng_seed: match default.rng_seed {
             RngSeed::Random => RngSeed::Fixed(2021),
             seed @ RngSeed::Fixed(_) => seed,

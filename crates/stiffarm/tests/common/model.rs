@@ -46,7 +46,12 @@ fn constant<T: Scalar>(m: [[f64; 4]; 4]) -> M4<T> {
 
 pub fn rot_x<T: Scalar>(a: f64) -> M4<T> {
     let (s, c) = a.sin_cos();
-    constant([[1.0, 0.0, 0.0, 0.0], [0.0, c, -s, 0.0], [0.0, s, c, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    constant([
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, c, -s, 0.0],
+        [0.0, s, c, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ])
 }
 
 pub fn rot_z<T: Scalar>(angle: T) -> M4<T> {
@@ -55,7 +60,12 @@ pub fn rot_z<T: Scalar>(angle: T) -> M4<T> {
 }
 
 pub fn shift<T: Scalar>(x: f64, y: f64, z: f64) -> M4<T> {
-    constant([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]])
+    constant([
+        [1.0, 0.0, 0.0, x],
+        [0.0, 1.0, 0.0, y],
+        [0.0, 0.0, 1.0, z],
+        [0.0, 0.0, 0.0, 1.0],
+    ])
 }
 
 /// A cell in raw numbers.
@@ -116,9 +126,18 @@ impl Model {
         let rows: Vec<DhRow> = self
             .rows
             .iter()
-            .map(|r| DhRow { alpha: r[0], a: r[1], d: r[2], offset: r[3] })
+            .map(|r| DhRow {
+                alpha: r[0],
+                a: r[1],
+                d: r[2],
+                offset: r[3],
+            })
             .collect();
-        let convention = if self.modified { DhConvention::Modified } else { DhConvention::Standard };
+        let convention = if self.modified {
+            DhConvention::Modified
+        } else {
+            DhConvention::Standard
+        };
         let mut robot = Robot::from_dh("random", convention, &rows, self.base)
             .unwrap()
             .with_coupling(self.coupling.clone())
@@ -130,7 +149,10 @@ impl Model {
             .measuring_points
             .iter()
             .enumerate()
-            .map(|(i, p)| NamedPoint { name: (i + 1).to_string(), position: Vector3::from(*p) })
+            .map(|(i, p)| NamedPoint {
+                name: (i + 1).to_string(),
+                position: Vector3::from(*p),
+            })
             .collect();
         Cell {
             name: "random".to_string(),
@@ -167,7 +189,8 @@ impl Model {
     /// The chain at serial angles without their offsets.
     pub fn chain_serial<T: Scalar>(&self, serial: &[T]) -> Chain<T> {
         let base = self.base.to_homogeneous();
-        let mut frame: M4<T> = std::array::from_fn(|i| std::array::from_fn(|j| T::from(base[(i, j)])));
+        let mut frame: M4<T> =
+            std::array::from_fn(|i| std::array::from_fn(|j| T::from(base[(i, j)])));
         let (mut axes, mut origins) = (Vec::new(), Vec::new());
         let mut keep = |frame: &M4<T>| {
             axes.push([frame[0][2], frame[1][2], frame[2][2]]);
@@ -185,7 +208,11 @@ impl Model {
                 frame = times(&times(&frame, &shift(a, 0.0, 0.0)), &rot_x(alpha));
             }
         }
-        Chain { axes, origins, flange: frame }
+        Chain {
+            axes,
+            origins,
+            flange: frame,
+        }
     }
 
     pub fn chain<T: Scalar>(&self, q: &[T]) -> Chain<T> {
@@ -202,11 +229,21 @@ impl Model {
                 let scale = dot(rope, rope).sqrt().recip() * *magnitude;
                 (rope.map(|c| c * scale), zero)
             }
-            Load::Weight { magnitude, direction } => (fixed(&(direction * *magnitude)), zero),
-            Load::Constant { wrench, axes: Axes::Base } => (fixed(&wrench.force), fixed(&wrench.moment)),
-            Load::Constant { wrench, axes: Axes::Tool } => {
-                (chain.direction(wrench.force.into()), chain.direction(wrench.moment.into()))
-            }
+            Load::Weight {
+                magnitude,
+                direction,
+            } => (fixed(&(direction * *magnitude)), zero),
+            Load::Constant {
+                wrench,
+                axes: Axes::Base,
+            } => (fixed(&wrench.force), fixed(&wrench.moment)),
+            Load::Constant {
+                wrench,
+                axes: Axes::Tool,
+            } => (
+                chain.direction(wrench.force.into()),
+                chain.direction(wrench.moment.into()),
+            ),
             Load::Measured => panic!("a model has a load"),
         }
     }
@@ -241,7 +278,9 @@ impl Model {
     pub fn stacked<T: Scalar>(&self, postures: &[Vec<T>]) -> DMatrix<T> {
         let blocks: Vec<DMatrix<T>> = postures.iter().map(|q| self.psi(q)).collect();
         let height = blocks[0].nrows();
-        DMatrix::from_fn(height * blocks.len(), self.rows.len(), |i, j| blocks[i / height][(i % height, j)])
+        DMatrix::from_fn(height * blocks.len(), self.rows.len(), |i, j| {
+            blocks[i / height][(i % height, j)]
+        })
     }
 
     /// J_N at measuring point 1, Eq. (20).
@@ -259,7 +298,11 @@ impl Model {
         let rows = 3 * self.measuring_points.len();
         DMatrix::from_fn(rows, rows, |i, j| {
             let own = if i == j { self.sigma * self.sigma } else { 0.0 };
-            let common = if i % 3 == j % 3 { self.tau * self.tau } else { 0.0 };
+            let common = if i % 3 == j % 3 {
+                self.tau * self.tau
+            } else {
+                0.0
+            };
             own + common
         })
     }
@@ -306,8 +349,17 @@ pub fn inverse_r<T: Scalar>(matrix: &DMatrix<T>) -> DMatrix<T> {
 pub fn inverse_gram_diagonal<T: Scalar>(matrix: &DMatrix<T>) -> Vec<T> {
     let inverse = inverse_r(matrix);
     (0..inverse.nrows())
-        .map(|i| (i..inverse.ncols()).fold(T::from(0.0), |s, j| s + inverse[(i, j)] * inverse[(i, j)]))
+        .map(|i| {
+            (i..inverse.ncols()).fold(T::from(0.0), |s, j| s + inverse[(i, j)] * inverse[(i, j)])
+        })
         .collect()
+}
+
+/// Whether nalgebra's decomposition of a matrix is one: it loses digits in
+/// about one of a thousand (<https://github.com/dimforge/nalgebra/issues/1172>).
+pub fn has_sound_svd(matrix: &DMatrix<f64>) -> bool {
+    let back = SVD::new(matrix.clone(), true, true).recompose().unwrap();
+    (back - matrix).norm() < 1e-13 * matrix.norm()
 }
 
 /// Singular values, descending, with dσ_i = u_iᵀ dA v_i (simple ones only).
@@ -315,16 +367,20 @@ pub fn singular_values(matrix: &DMatrix<Dual64>) -> Vec<Dual64> {
     let svd = SVD::new(matrix.map(|v| v.re), true, true);
     let (u, v_t) = (svd.u.unwrap(), svd.v_t.unwrap());
     let slope = u.transpose() * matrix.map(|v| v.eps) * v_t.transpose();
-    let mut values: Vec<Dual64> =
-        (0..svd.singular_values.len()).map(|i| Dual64::new(svd.singular_values[i], slope[(i, i)])).collect();
+    let mut values: Vec<Dual64> = (0..svd.singular_values.len())
+        .map(|i| Dual64::new(svd.singular_values[i], slope[(i, i)]))
+        .collect();
     values.sort_by(|a, b| b.re.total_cmp(&a.re));
     values
 }
 
 /// k(J_N), Eq. (21), by the QR factors of J_Nᵀ.
 pub fn condition_number<T: Scalar>(normalised_jacobian: &DMatrix<T>) -> T {
-    let square = normalised_jacobian.iter().fold(T::from(0.0), |s, v| s + *v * *v);
-    let inverse_trace =
-        inverse_gram_diagonal(&normalised_jacobian.transpose()).into_iter().fold(T::from(0.0), |s, v| s + v);
+    let square = normalised_jacobian
+        .iter()
+        .fold(T::from(0.0), |s, v| s + *v * *v);
+    let inverse_trace = inverse_gram_diagonal(&normalised_jacobian.transpose())
+        .into_iter()
+        .fold(T::from(0.0), |s, v| s + v);
     (square * inverse_trace).sqrt() / 6.0
 }

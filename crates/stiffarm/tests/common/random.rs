@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::load::{Axes, Load, Wrench};
 
 /// A seeded source of random choices.
+#[derive(Debug)]
 pub struct Dice(ChaCha8Rng);
 
 impl Dice {
@@ -62,12 +63,27 @@ impl Dice {
     /// Kind 0: rope, 1: weight, 2: wrench in base axes, 3: wrench in tool axes.
     pub fn load(&mut self, kind: usize) -> Load {
         let magnitude = self.between(200.0, 800.0);
-        let wrench = Wrench { force: self.direction() * magnitude, moment: self.vector(200.0) };
+        let wrench = Wrench {
+            force: self.direction() * magnitude,
+            moment: self.vector(200.0),
+        };
         match kind {
-            0 => Load::Rope { anchor: self.vector(2.5), magnitude },
-            1 => Load::Weight { magnitude, direction: self.direction() },
-            2 => Load::Constant { wrench, axes: Axes::Base },
-            _ => Load::Constant { wrench, axes: Axes::Tool },
+            0 => Load::Rope {
+                anchor: self.vector(2.5),
+                magnitude,
+            },
+            1 => Load::Weight {
+                magnitude,
+                direction: self.direction(),
+            },
+            2 => Load::Constant {
+                wrench,
+                axes: Axes::Base,
+            },
+            _ => Load::Constant {
+                wrench,
+                axes: Axes::Tool,
+            },
         }
     }
 
@@ -77,11 +93,24 @@ impl Dice {
         let rows = (0..n)
             .map(|_| {
                 // Industrial arms have right angles; a general angle hides no factor that is zero there.
-                let alpha = if self.chance(0.5) { self.signed(0.3, 1.8) } else { self.signed(1.0, 1.0) * FRAC_PI_2 };
-                [alpha, self.signed(0.1, 0.9), self.between(-0.6, 0.6), self.between(-PI, PI)]
+                let alpha = if self.chance(0.5) {
+                    self.signed(0.3, 1.8)
+                } else {
+                    self.signed(1.0, 1.0) * FRAC_PI_2
+                };
+                [
+                    alpha,
+                    self.signed(0.1, 0.9),
+                    self.between(-0.6, 0.6),
+                    self.between(-PI, PI),
+                ]
             })
             .collect();
-        let mut coupling = DMatrix::from_fn(n, n, |i, j| if i == j { self.signed(1.0, 1.0) } else { 0.0 });
+        let mut coupling = DMatrix::from_fn(
+            n,
+            n,
+            |i, j| if i == j { self.signed(1.0, 1.0) } else { 0.0 },
+        );
         coupling[(2, 1)] = self.signed(0.3, 1.0);
         let elastic = elastic.then(|| {
             let mut e = DMatrix::identity(n, n);
@@ -97,13 +126,23 @@ impl Dice {
             base: self.pose(),
             coupling,
             elastic,
-            loading_point: [self.signed(0.1, 0.4), self.signed(0.1, 0.4), self.between(-0.3, 0.3)],
-            measuring_points: (0..2 + self.below(3)).map(|_| self.vector(0.4).into()).collect(),
+            loading_point: [
+                self.signed(0.1, 0.4),
+                self.signed(0.1, 0.4),
+                self.between(-0.3, 0.3),
+            ],
+            measuring_points: (0..2 + self.below(3))
+                .map(|_| self.vector(0.4).into())
+                .collect(),
             load: self.load(kind),
             prior: (0..n).map(|_| 10f64.powf(self.between(5.0, 6.7))).collect(),
             length: self.between(0.3, 1.5),
             sigma,
-            tau: if common { sigma * self.between(0.3, 3.0) } else { 0.0 },
+            tau: if common {
+                sigma * self.between(0.3, 3.0)
+            } else {
+                0.0
+            },
         }
     }
 }

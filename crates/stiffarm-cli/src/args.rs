@@ -1,0 +1,420 @@
+//! The command line. Each command's help ends with examples, which run as tests.
+
+use crate::examples;
+use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
+use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
+use stiffarm::identify::NoiseSource;
+use stiffarm::validate::Model;
+
+/// Which postures to measure, what joint stiffness the measurements give and
+/// how sure that is, and how far an industrial robot bends at work.
+#[derive(Debug, Parser)]
+#[command(
+    name = "stiffarm",
+    version,
+    propagate_version = true,
+    max_term_width = 100,
+    after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
+                  cells     builtin:comau (the default cell), builtin:comau-reference, builtin:fanuc-r2000ic\n  \
+                  postures  builtin:comau-group1\n\n\
+                  Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \
+                  still printed), 2 bad input or usage, 3 a fault of the program, 130 interrupted (the best result \
+                  so far is written)."
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Options of every command.
+    #[command(flatten)]
+    pub global: Global,
+}
+
+/// Options of every command.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Global options")]
+pub struct Global {
+    /// Print one JSON object instead of tables (SI units except keys that end in a unit)
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Threads to use; the results do not depend on it [default: all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress and no remarks on standard error
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// When to use colours; NO_COLOR is respected
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    pub color: ColorChoice,
+}
+
+/// The commands, in the order of a day's work.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run the whole study of the paper on a cell: groups, simulation, identification, validation, report
+    #[command(after_help = examples::STUDY)]
+    Study(StudyArgs),
+    /// Write a commented cell.toml, postures.csv and measurements.csv to start from
+    #[command(after_help = examples::INIT)]
+    Init(InitArgs),
+    /// Check a cell: joints the load cannot excite, suspicious units, limits no posture meets
+    #[command(after_help = examples::CHECK)]
+    Check(CheckArgs),
+    /// Choose the postures to measure, under any index
+    #[command(after_help = examples::SELECT)]
+    Select(SelectArgs),
+    /// All indices and expected errors of given postures, side by side for several files
+    #[command(after_help = examples::EVALUATE)]
+    Evaluate(EvaluateArgs),
+    /// Monte Carlo simulation of identifications with tracker noise
+    #[command(after_help = examples::SIMULATE)]
+    Simulate(SimulateArgs),
+    /// Joint stiffness with intervals and diagnostics from measured displacements
+    #[command(after_help = examples::IDENTIFY)]
+    Identify(IdentifyArgs),
+    /// Compare calculated with measured displacements at postures kept out of the identification
+    #[command(after_help = examples::VALIDATE)]
+    Validate(ValidateArgs),
+    /// The catalogue of robots, with sources and doubts
+    #[command(after_help = examples::ROBOTS)]
+    Robots(RobotsArgs),
+    /// JSON Schema of the cell file or of a command's JSON output
+    #[command(after_help = examples::SCHEMA)]
+    Schema(SchemaArgs),
+    /// Completions for a shell
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(CompletionsArgs),
+    /// Manual pages
+    #[command(after_help = examples::MAN)]
+    Man(ManArgs),
+    /// Pages of the documentation that are generated from the program
+    #[command(hide = true, after_help = examples::DOCS)]
+    Docs(DocsArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    /// Cell file
+    #[arg(default_value = "builtin:comau")]
+    pub cell: String,
+    /// Initial group (Group 1) [default: builtin:comau-group1 where it fits, else drawn]
+    #[arg(long, value_name = "POSTURES.csv")]
+    pub initial: Option<String>,
+    /// Folder for report, figures and tables
+    #[arg(long, value_name = "DIR", default_value = "study")]
+    pub output_dir: PathBuf,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Runs per group and noise level
+    #[arg(long, default_value_t = 200)]
+    pub runs: usize,
+    /// Other initial groups to try, half random, half with small wrist angles
+    #[arg(long, default_value_t = 60)]
+    pub starts: usize,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct InitArgs {
+    /// Robot of the catalogue (`stiffarm robots` lists it)
+    #[arg(long, value_name = "NAME", default_value = "comau-nj165-3.0")]
+    pub robot: String,
+    /// Folder to write to; it is made if missing
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub output_dir: PathBuf,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Cell file
+    #[arg(default_value = "builtin:comau")]
+    pub cell: String,
+}
+
+#[derive(Debug, Args)]
+pub struct EvaluateArgs {
+    /// Cell file
+    pub cell: String,
+    /// Posture files, one group each
+    #[arg(required = true, value_name = "POSTURES.csv")]
+    pub postures: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct SelectArgs {
+    /// Cell file
+    pub cell: String,
+    /// Index to improve; `stiffarm evaluate` shows all of them
+    #[arg(long, value_name = "NAME", default_value = "expected-error")]
+    pub index: String,
+    /// Initial group to improve locally, as in the paper; without it, random starts
+    #[arg(long, value_name = "POSTURES.csv", conflicts_with_all = ["postures", "seed", "starts"])]
+    pub from: Option<String>,
+    /// Number of postures of a random start
+    #[arg(long, short = 'n', value_name = "N", default_value_t = 6, value_parser = count())]
+    pub postures: u64,
+    /// Seed of the random starts
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Random starts; the best result counts
+    #[arg(long, value_name = "K", default_value_t = 8, value_parser = count())]
+    pub starts: u64,
+    /// Iterations of the optimiser for each start
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_iterations: u64,
+    /// Write the selected postures to this file
+    #[arg(long, value_name = "plan.csv")]
+    pub output: Option<String>,
+    /// Write a sheet for the readings, pre-filled per posture and measuring point
+    #[arg(long, value_name = "measurements.csv")]
+    pub sheet: Option<String>,
+    /// Load states of the sheet
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "sheet")]
+    pub states: Vec<String>,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// Cell file; its prior stiffness is the truth of the simulation
+    pub cell: String,
+    /// Posture files, one group each
+    #[arg(required = true, value_name = "POSTURES.csv")]
+    pub postures: Vec<String>,
+    /// Runs per group and noise level
+    #[arg(long, default_value_t = 200, value_parser = count())]
+    pub runs: u64,
+    /// Noise levels: factors on the cell's variance
+    #[arg(
+        long,
+        value_name = "F,…",
+        value_delimiter = ',',
+        default_value = "0.5,1,1.5,2,2.5,3"
+    )]
+    pub levels: Vec<f64>,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Errors of the model behind the readings.
+    #[command(flatten)]
+    pub errors: ErrorArgs,
+    /// Also write one simulated measurement of the first group (exact model), to try `identify` on
+    #[arg(long, value_name = "measurements.csv")]
+    pub measurements: Option<String>,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Standard deviations of model errors, all zero in the paper.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Errors of the model (standard deviations, zero in the paper)")]
+pub struct ErrorArgs {
+    /// Scale of the force reading, one error per run [%]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub force_scale_percent: f64,
+    /// Force reading, a fresh error for each posture [%]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub force_percent: f64,
+    /// Each joint angle of each posture [deg]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub joint_angle_deg: f64,
+    /// Each coordinate of the loading point, one error per run [mm]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub loading_point_mm: f64,
+    /// Each coordinate of the rope's anchor, one error per run [mm]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub anchor_mm: f64,
+}
+
+#[derive(Debug, Args)]
+pub struct IdentifyArgs {
+    /// Cell file
+    pub cell: String,
+    /// Measured displacements
+    #[arg(value_name = "MEASUREMENTS.csv")]
+    pub measurements: String,
+    /// Controller angles by posture name, where the measurements have none
+    #[arg(long, value_name = "POSTURES.csv")]
+    pub postures: Option<String>,
+    /// Size of the noise: from the residuals, or from the cell
+    #[arg(long, value_name = "SOURCE", default_value = "estimated")]
+    pub noise: NoiseChoice,
+    /// Confidence of the intervals
+    #[arg(long, value_name = "P", default_value_t = 0.95)]
+    pub confidence: f64,
+    /// Postures to leave out, for example those kept for validation
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub exclude: Vec<String>,
+    /// Write the result as JSON to this file, for `validate`
+    #[arg(long, value_name = "stiffness.json")]
+    pub output: Option<String>,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ValidateArgs {
+    /// Cell file
+    pub cell: String,
+    /// Result of `identify`, or {"stiffness_nm_per_rad": [k1, …]}
+    #[arg(value_name = "STIFFNESS.json")]
+    pub stiffness: String,
+    /// Measured displacements
+    #[arg(value_name = "MEASUREMENTS.csv")]
+    pub measurements: String,
+    /// Controller angles by posture name, where the measurements have none
+    #[arg(long, value_name = "POSTURES.csv")]
+    pub postures: Option<String>,
+    /// How displacements are calculated
+    #[arg(long, default_value = "linear")]
+    pub model: ModelChoice,
+    /// Largest deviation allowed [mm]; beyond it the exit code is 1
+    #[arg(long, value_name = "X")]
+    pub tolerance_mm: Option<f64>,
+    /// Only these postures
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub only: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct RobotsArgs {
+    /// One robot, in full
+    pub name: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// What to describe
+    pub what: SchemaChoice,
+}
+
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Folder for one page per command; without it the main page goes to standard output
+    #[arg(long, value_name = "DIR")]
+    pub output_dir: Option<PathBuf>,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct DocsArgs {
+    /// Which page
+    pub page: DocsPage,
+}
+
+/// Where the size of the noise comes from.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum NoiseChoice {
+    /// From the residuals
+    Estimated,
+    /// From the cell's [noise]
+    Known,
+}
+
+impl From<NoiseChoice> for NoiseSource {
+    fn from(choice: NoiseChoice) -> Self {
+        match choice {
+            NoiseChoice::Estimated => NoiseSource::Estimated,
+            NoiseChoice::Known => NoiseSource::Known,
+        }
+    }
+}
+
+/// How displacements are calculated.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ModelChoice {
+    /// Linear in the load
+    Linear,
+    /// Exact static equilibrium
+    Equilibrium,
+}
+
+impl From<ModelChoice> for Model {
+    fn from(choice: ModelChoice) -> Self {
+        match choice {
+            ModelChoice::Linear => Model::Linear,
+            ModelChoice::Equilibrium => Model::Equilibrium,
+        }
+    }
+}
+
+/// What a schema describes.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum SchemaChoice {
+    /// The cell file
+    Cell,
+    /// Output of `check --json`
+    ResultCheck,
+    /// Output of `evaluate --json`
+    ResultEvaluate,
+    /// Output of `select --json`
+    ResultSelect,
+    /// Output of `simulate --json`
+    ResultSimulate,
+    /// Output of `identify --json`
+    ResultIdentify,
+    /// Output of `validate --json`
+    ResultValidate,
+}
+
+/// Generated pages.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum DocsPage {
+    /// Error codes with their meaning and exit code
+    Errors,
+    /// Reference of all commands
+    Commands,
+}
+
+/// A number of things to make: at least one, and not by a slip a million.
+fn count() -> clap::builder::RangedU64ValueParser {
+    clap::value_parser!(u64).range(1..=1_000_000)
+}
+
+/// `--color` as far as it can be read before the line is parsed.
+pub fn color_of(words: &[OsString]) -> ColorChoice {
+    let mut words = options(words);
+    let mut color = ColorChoice::Auto;
+    while let Some(word) = words.next() {
+        let word = word.to_string_lossy();
+        let value = match word.strip_prefix("--color") {
+            Some("") => words.next().map(|w| w.to_string_lossy().into_owned()),
+            Some(rest) => rest.strip_prefix('=').map(String::from),
+            None => None,
+        };
+        if let Some(choice) = value.and_then(|v| ColorChoice::from_str(&v, true).ok()) {
+            color = choice;
+        }
+    }
+    color
+}
+
+/// Whether the line asks for JSON, which also holds for errors in the line itself.
+pub fn wants_json(words: &[OsString]) -> bool {
+    options(words).any(|word| word == "--json")
+}
+
+fn options(words: &[OsString]) -> impl Iterator<Item = &OsString> {
+    words
+        .iter()
+        .take_while(|word| word.as_os_str() != OsStr::new("--"))
+}

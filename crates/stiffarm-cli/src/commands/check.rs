@@ -1,0 +1,218 @@
+//! `stiffarm check`: what to know about a cell before anybody measures.
+
+use crate::args::CheckArgs;
+use crate::input::NamedCell;
+use crate::numbers::{NONE, coarse_mm, mm, optional, significant, stiffness};
+use crate::output::Exit;
+use crate::session::Session;
+use crate::table::{Table, green, red, title, yellow};
+use std::fmt::Write;
+use stiffarm::Result;
+use stiffarm::cell::{Cell, Limits, Noise};
+use stiffarm::check::{CellCheck, check};
+use stiffarm::findings::Severity;
+use stiffarm::load::{Axes, Load};
+use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
+
+/// A check has no options.
+#[derive(serde::Serialize, schemars::JsonSchema)]
+pub struct Options {}
+
+/// Checks the cell.
+pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
+    let named = session.read_cell(&args.cell)?;
+    let result = check(&named.cell)?;
+    let exit = Exit::finding(result.is_serious());
+    session.show(
+        &session.envelope("check", None, Options {}, &result),
+        || table(&named, &result),
+    )?;
+    Ok(exit)
+}
+
+fn table(named: &NamedCell, check: &CellCheck) -> String {
+    let mut out = named.line();
+    out += &findings(check);
+    out += &title("Set-up");
+    out += &setup(&named.cell);
+    out += &title("Joints");
+    out += &joints(&named.cell, check);
+    if !named.cell.limits.is_empty() {
+        let (within, of) = (check.postures_within_limits, check.postures_sampled);
+        let _ = writeln!(
+            out,
+            "\n{within} of {of} postures spread over the bounds meet the limits."
+        );
+    }
+    out
+}
+
+fn findings(check: &CellCheck) -> String {
+    if check.findings.is_empty() {
+        return format!("{}\n", green("nothing to complain about"));
+    }
+    let mut out = String::new();
+    for finding in &check.findings {
+        let severity = match finding.severity {
+            Severity::Serious => red("serious"),
+            Severity::Caution => yellow("caution"),
+            Severity::Note => "note".to_string(),
+        };
+        let _ = writeln!(out, "{severity}: {}: {}", finding.subject, finding.sentence);
+    }
+    out
+}
+
+/// `x, y, z` in millimetres.
+fn point<'a>(position: impl IntoIterator<Item = &'a f64>) -> String {
+    let mm: Vec<String> = position.into_iter().map(|m| coarse_mm(*m)).collect();
+    mm.join(", ")
+}
+
+fn setup(cell: &Cell) -> String {
+    let tool = &cell.setup.tool;
+    let mut lines = vec![
+        ("robot", cell.setup.robot.name().to_string()),
+        (
+            "loading point",
+            format!("({}) mm, flange axes", point(&tool.loading_point)),
+        ),
+    ];
+    for measuring in &tool.measuring_points {
+        let what = format!(
+            "{}: ({}) mm, flange axes",
+            measuring.name,
+            point(&measuring.position)
+        );
+        lines.push(("measuring point", what));
+    }
+    let sensor = match (tool.has_sensor, tool.series_compliance.is_some()) {
+        (true, true) => Some("between flange and reflectors, compliance known"),
+        (true, false) => Some("between flange and reflectors, compliance unknown"),
+        (false, true) => Some("none, but a known compliance between flange and reflectors"),
+        (false, false) => None,
+    };
+    lines.extend(sensor.map(|sensor| ("force sensor", sensor.to_string())));
+    lines.push(("load", load(&cell.setup.load)));
+    lines.push(("limits", limits(&cell.limits)));
+    lines.push(("noise", noise(&cell.noise)));
+    let length = match cell.characteristic_length {
+        Some(length) => format!("{} mm", coarse_mm(length)),
+        None => "computed where it is needed".to_string(),
+    };
+    lines.push(("characteristic length", length));
+    if !cell.validation.is_empty() {
+        let names: Vec<&str> = cell.validation.iter().map(|p| p.name.as_str()).collect();
+        lines.push(("validation postures", names.join(", ")));
+    }
+    let width = lines.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    lines
+        .iter()
+        .map(|(name, what)| format!("{name:<width$}  {what}\n"))
+        .collect()
+}
+
+fn noise(noise: &Noise) -> String {
+    let readings = match noise.readings_per_displacement {
+        1 => "1 reading".to_string(),
+        count => format!("{count} readings"),
+    };
+    let common = match noise.posture_common_std {
+        std if std > 0.0 => format!("; {} mm common to the points of a posture", mm(std)),
+        _ => String::new(),
+    };
+    format!(
+        "{} mm per displacement component ({readings} of {} mm){common}",
+        mm(noise.displacement_std()),
+        mm(noise.reading_variance.sqrt())
+    )
+}
+
+fn load(load: &Load) -> String {
+    match load {
+        Load::Rope { anchor, magnitude } => {
+            format!(
+                "rope, {magnitude} N towards the anchor ({}) mm, base axes",
+                point(anchor)
+            )
+        }
+        Load::Weight { magnitude, .. } => format!("weight, {magnitude} N along gravity"),
+        Load::Constant { wrench, axes } => {
+            let newtons: Vec<String> = wrench.force.iter().map(|f| significant(*f, 4)).collect();
+            let moments: Vec<String> = wrench.moment.iter().map(|m| significant(*m, 4)).collect();
+            let axes = match axes {
+                Axes::Base => "base",
+                Axes::Tool => "tool",
+            };
+            format!(
+                "force ({}) N, moment ({}) N·m, {axes} axes",
+                newtons.join(", "),
+                moments.join(", ")
+            )
+        }
+        Load::Measured => "measured with each displacement".to_string(),
+    }
+}
+
+fn limits(limits: &Limits) -> String {
+    let mut parts = Vec::new();
+    if let Some([low, high]) = &limits.tool_box {
+        parts.push(format!("box ({}) to ({}) mm", point(low), point(high)));
+    }
+    if let Some(floor) = limits.floor {
+        parts.push(format!("tool above {} mm", coarse_mm(floor)));
+    }
+    if let Some(radius) = limits.keep_out_radius {
+        parts.push(format!("{} mm clear of axis 1", coarse_mm(radius)));
+    }
+    if let Some(height) = limits.wrist_height {
+        parts.push(format!("wrist above {} mm", coarse_mm(height)));
+    }
+    if let Some([short, long]) = limits.rope_length {
+        parts.push(format!(
+            "rope {} to {} mm",
+            coarse_mm(short),
+            coarse_mm(long)
+        ));
+    }
+    if parts.is_empty() {
+        "none".to_string()
+    } else {
+        parts.join("; ")
+    }
+}
+
+fn joints(cell: &Cell, check: &CellCheck) -> String {
+    let mut table = Table::new([
+        "joint",
+        "bounds [deg]",
+        "machine limits [deg]",
+        "prior k [N·m/rad]",
+        "largest torque [N·m]",
+        "largest share of a displacement [mm]",
+    ]);
+    let range = |range: [f64; 2]| {
+        let [low, high] = range.map(rad_to_shortest_deg);
+        format!("{low} to {high}")
+    };
+    for (j, (joint, excitation)) in cell
+        .setup
+        .robot
+        .joints()
+        .iter()
+        .zip(&check.joints)
+        .enumerate()
+    {
+        table.row([
+            joint.name.clone(),
+            cell.bounds.get(j).map_or_else(String::new, |b| range(*b)),
+            range(joint.limits),
+            cell.prior
+                .as_ref()
+                .map_or_else(|| NONE.to_string(), |prior| stiffness(prior[j])),
+            optional(excitation.largest_torque_nm, 3),
+            optional(excitation.largest_displacement_m.map(m_to_mm), 3),
+        ]);
+    }
+    table.to_string()
+}

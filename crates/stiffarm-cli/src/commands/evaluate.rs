@@ -1,0 +1,171 @@
+//! `stiffarm evaluate`: all indices and expected errors of given postures.
+
+use super::{index_value, posture_remarks, with_length};
+use crate::args::EvaluateArgs;
+use crate::numbers::{optional, optional_percent};
+use crate::output::Exit;
+use crate::session::Session;
+use crate::table::{Align, Table, list, red, title, yellow};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::Result;
+use stiffarm::cell::Cell;
+use stiffarm::index::{GroupEvaluation, Index, evaluate};
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// L of Eq. (20) \[m\]; `null` where k(J_N) does not exist.
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// All groups.
+#[derive(Serialize, JsonSchema)]
+pub struct Evaluated {
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// The groups, in the order given.
+    pub groups: Vec<GroupEvaluation>,
+}
+
+/// Evaluates the groups.
+pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
+    let mut named = session.read_cell(&args.cell)?;
+    let groups = session.read_groups(&args.postures, &named.cell.setup.robot)?;
+    let (cell, length_line) = with_length(named.cell)?;
+    named.cell = cell;
+    let cell = &named.cell;
+    let evaluations = groups
+        .iter()
+        .map(|g| evaluate(cell, &g.name, &g.postures))
+        .collect::<Result<Vec<_>>>()?;
+    let exit = Exit::finding(
+        evaluations
+            .iter()
+            .any(|e| !e.undetermined_joints.is_empty()),
+    );
+    let table = || {
+        let mut out = named.line() + &length_line;
+        out += &undetermined(&evaluations);
+        for group in &groups {
+            for remark in posture_remarks(cell, &group.postures) {
+                out += &format!("{}: {}: {remark}\n", yellow("note"), group.name);
+            }
+        }
+        if cell.prior.is_none() {
+            out += "note: the cell has no prior stiffness, so there are no expected errors\n";
+        }
+        let postures: Vec<Vec<&str>> = groups
+            .iter()
+            .map(|g| g.postures.iter().map(|p| p.name.as_str()).collect())
+            .collect();
+        out + &tables(cell, &evaluations, &postures)
+    };
+    let options = Options {
+        characteristic_length_m: cell.characteristic_length,
+    };
+    let result = Evaluated {
+        joints: cell.setup.robot.spring_names(),
+        groups: evaluations.clone(),
+    };
+    session.show(&session.envelope("evaluate", None, options, result), table)?;
+    Ok(exit)
+}
+
+/// Names joints that a group cannot determine, before any number.
+pub fn undetermined(evaluations: &[GroupEvaluation]) -> String {
+    let lines = evaluations
+        .iter()
+        .filter(|e| !e.undetermined_joints.is_empty())
+        .map(|e| {
+            let said = format!(
+                "{} cannot determine {}",
+                e.name,
+                list(&e.undetermined_joints)
+            );
+            format!("{}: `stiffarm check` looks for the reason\n", red(&said))
+        });
+    lines.collect()
+}
+
+/// Tables with one column per group: indices, expected deviations, k(J_N).
+pub fn tables(cell: &Cell, evaluations: &[GroupEvaluation], postures: &[Vec<&str>]) -> String {
+    let table = |first: &str| {
+        Table::new(
+            std::iter::once(first.to_string()).chain(evaluations.iter().map(|e| e.name.clone())),
+        )
+    };
+    let row = |name: String, value: &dyn Fn(&GroupEvaluation) -> String| -> Vec<String> {
+        std::iter::once(name)
+            .chain(evaluations.iter().map(value))
+            .collect()
+    };
+    let mut out = title("Indices");
+    let names = evaluations.iter().map(|e| e.name.as_str());
+    let mut indices = Table::new(["index", "meaning"].into_iter().chain(names));
+    indices.align(1, Align::Left);
+    for index in Index::ALL {
+        let values = evaluations
+            .iter()
+            .map(|e| index_value(index, e.indices.get(index)));
+        let described = [index.as_str().to_string(), meaning(index).to_string()];
+        indices.row(described.into_iter().chain(values));
+    }
+    out += &indices.to_string();
+    if cell.prior.is_some() {
+        out += &title("Expected deviation |k̂ − k|/k of the identified stiffness [%]");
+        let mut deviations = table("joint");
+        for (j, name) in cell.setup.robot.spring_names().into_iter().enumerate() {
+            deviations.row(row(name, &|e| optional_percent(e.expected_deviation[j])));
+        }
+        deviations.row(row("mean".to_string(), &|e| {
+            optional_percent(e.mean_expected_deviation())
+        }));
+        out += &deviations.to_string();
+    }
+    if cell.characteristic_length.is_some() {
+        out += &title("k(J_N) of each posture");
+        // Postures are named by the first group where all agree, else counted.
+        let longest = postures
+            .iter()
+            .max_by_key(|p| p.len())
+            .cloned()
+            .unwrap_or_default();
+        let same = postures
+            .iter()
+            .all(|p| p.iter().zip(&longest).all(|(a, b)| a == b));
+        let mut dexterity = table(if same { "posture" } else { "row" });
+        for (p, name) in longest.iter().enumerate() {
+            let name = if same {
+                (*name).to_string()
+            } else {
+                (p + 1).to_string()
+            };
+            dexterity.row(row(name, &|e| {
+                e.k_jn.get(p).map_or_else(String::new, |k| optional(*k, 4))
+            }));
+        }
+        out += &dexterity.to_string();
+    }
+    out
+}
+
+/// What an index stands for.
+fn meaning(index: Index) -> &'static str {
+    match index {
+        Index::Classical => "max k(J_N)",
+        Index::Condition => "cond(Ψ)",
+        Index::Novel => "classical × condition",
+        Index::ScaledCondition => "cond(Ψ·diag(1/k))",
+        Index::Scaled => "classical × scaled_condition",
+        Index::ExpectedError => "RMS relative standard error of k [%]",
+        Index::WorstJoint => "largest relative standard error of k [%]",
+        Index::DropOne => "expected_error with the worst posture lost [%]",
+        Index::D => "geometric mean relative standard error [%]",
+        Index::O1 => "geometric mean of σ_i / √postures; larger is better",
+        Index::O2 => "σ_min/σ_max; larger is better",
+        Index::O3 => "σ_min; larger is better",
+        Index::O4 => "σ_min²/σ_max; larger is better",
+        Index::O5 => "1/Σ(1/σ_i); larger is better",
+    }
+}

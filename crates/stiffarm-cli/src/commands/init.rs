@@ -1,0 +1,65 @@
+//! `stiffarm init`: files to start from.
+
+use crate::args::InitArgs;
+use crate::files::{Target, make_folder, write_all};
+use crate::output::Exit;
+use crate::session::Session;
+use serde::Serialize;
+use stiffarm::Result;
+use stiffarm::cell::file::{displacements_template, parse_cell, postures_template, template};
+
+#[derive(Serialize)]
+struct Options<'a> {
+    robot: &'a str,
+}
+
+#[derive(Serialize)]
+struct Written {
+    robot: String,
+    files: Vec<&'static str>,
+}
+
+/// Writes the three files.
+pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
+    let text = template(&args.robot)?;
+    let cell = parse_cell(&text, "cell.toml")?;
+    let robot = cell.setup.robot.name().to_string();
+    let files = [
+        ("cell.toml", text),
+        ("postures.csv", postures_template(&cell.setup.robot)),
+        ("measurements.csv", displacements_template(&cell)),
+    ];
+    let names: Vec<&'static str> = files.iter().map(|(name, _)| *name).collect();
+    make_folder(&args.output_dir)?;
+    let targets = files
+        .into_iter()
+        .map(|(name, text)| Ok((Target::file(&args.output_dir.join(name), args.force)?, text)))
+        .collect::<Result<Vec<_>>>()?;
+    write_all(session, &targets)?;
+    let shown = |name: &str| {
+        let path = args.output_dir.join(name);
+        path.strip_prefix(".")
+            .unwrap_or(&path)
+            .display()
+            .to_string()
+    };
+    let table = || {
+        let files: Vec<String> = names
+            .iter()
+            .map(|name| format!("  {}\n", shown(name)))
+            .collect();
+        format!(
+            "cell of {robot} to start from:\n{}\
+             Edit what cell.toml marks EDIT, then run `stiffarm check {}`.\n",
+            files.concat(),
+            shown("cell.toml")
+        )
+    };
+    let options = Options { robot: &args.robot };
+    let result = Written {
+        robot: robot.clone(),
+        files: names.clone(),
+    };
+    session.show(&session.envelope("init", None, options, result), table)?;
+    Ok(Exit::Done)
+}

@@ -1,0 +1,103 @@
+//! One file per command: read, call the library, write.
+
+pub mod check;
+pub mod completions;
+pub mod docs;
+pub mod evaluate;
+pub mod identify;
+pub mod init;
+pub mod man;
+pub mod robots;
+pub mod schema;
+pub mod select;
+pub mod simulate;
+pub mod study;
+pub mod validate;
+
+use crate::numbers;
+use crate::table::Table;
+use stiffarm::Result;
+use stiffarm::cell::Cell;
+use stiffarm::index::Index;
+use stiffarm::observation::PostureTerms;
+use stiffarm::optimise::with_characteristic_length;
+use stiffarm::posture::Posture;
+use stiffarm::units::rad_to_shortest_deg;
+
+/// The cell with the characteristic length of Eq. (20), and a line that says
+/// so where it had to be computed.
+fn with_length(cell: Cell) -> Result<(Cell, String)> {
+    if cell.characteristic_length.is_some() {
+        return Ok((cell, String::new()));
+    }
+    let cell = with_characteristic_length(cell)?;
+    let line = match cell.characteristic_length {
+        Some(length) => format!(
+            "characteristic length: {:.1} mm, computed (robot.characteristic_length_mm is not set)\n",
+            length * 1e3
+        ),
+        None => "characteristic length: none, k(J_N) needs at least six joints\n".to_string(),
+    };
+    Ok((cell, line))
+}
+
+/// True for the indices that are relative errors, shown in percent.
+fn is_relative_error(index: Index) -> bool {
+    matches!(
+        index,
+        Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
+    )
+}
+
+/// Value of an index as tables show it.
+fn index_value(index: Index, value: Option<f64>) -> String {
+    if is_relative_error(index) {
+        numbers::optional_percent(value)
+    } else {
+        numbers::optional(value, 4)
+    }
+}
+
+/// Postures in degrees, one row each.
+fn posture_table(cell: &Cell, postures: &[Posture]) -> Table {
+    let joints = 1..=cell.setup.robot.joint_count();
+    let headings = joints.map(|j| format!("q{j} [deg]"));
+    let mut table = Table::new(std::iter::once("posture".to_string()).chain(headings));
+    for posture in postures {
+        let angles = posture.q.iter().map(|q| numbers::deg(*q));
+        table.row(std::iter::once(posture.name.clone()).chain(angles));
+    }
+    table
+}
+
+/// Where postures leave the cell's bounds or limits, one sentence each.
+fn posture_remarks(cell: &Cell, postures: &[Posture]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for posture in postures {
+        for (j, (q, bounds)) in posture.q.iter().zip(&cell.bounds).enumerate() {
+            if *q < bounds[0] - 1e-9 || *q > bounds[1] + 1e-9 {
+                let [low, high] = bounds.map(rad_to_shortest_deg);
+                remarks.push(format!(
+                    "posture {}: {} at {} lies outside the cell's bounds, {low} to {high}",
+                    posture.name,
+                    cell.setup.robot.joints()[j].name,
+                    numbers::deg(*q)
+                ));
+            }
+        }
+        let Ok(terms) = PostureTerms::new(&cell.setup, &posture.q, None) else {
+            continue;
+        };
+        let smallest = cell.limits.smallest(&cell.setup, &terms);
+        if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
+            remarks.push(format!(
+                "posture {}: its {} violates {} by {} mm",
+                posture.name,
+                margin.point,
+                margin.kind.describe(),
+                numbers::coarse_mm(-margin.margin)
+            ));
+        }
+    }
+    remarks
+}

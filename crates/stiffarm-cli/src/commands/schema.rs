@@ -1,0 +1,46 @@
+//! `stiffarm schema`: JSON Schemas.
+
+use super::{check, evaluate, identify, select, simulate, validate};
+use crate::args::{SchemaArgs, SchemaChoice};
+use crate::output::{Envelope, Exit, to_json};
+use crate::session::Session;
+use schemars::generate::SchemaSettings;
+use schemars::transform::RecursiveTransform;
+use schemars::{JsonSchema, Schema};
+use stiffarm::Result;
+use stiffarm::cell::file::cell_schema;
+use stiffarm::check::CellCheck;
+use stiffarm::identify::Identification;
+use stiffarm::simulate::Simulation;
+use stiffarm::validate::Validation;
+
+/// Prints one schema.
+pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
+    let schema: Schema = match args.what {
+        SchemaChoice::Cell => cell_schema(),
+        SchemaChoice::ResultCheck => of::<check::Options, CellCheck>("check"),
+        SchemaChoice::ResultEvaluate => of::<evaluate::Options, evaluate::Evaluated>("evaluate"),
+        SchemaChoice::ResultSelect => of::<select::Options, select::Selected>("select"),
+        SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
+        SchemaChoice::ResultIdentify => of::<identify::Options, Identification>("identify"),
+        SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),
+    };
+    session.print(&to_json(&schema)?)?;
+    Ok(Exit::Done)
+}
+
+/// Schema of what a command prints with `--json`.
+fn of<O: JsonSchema, R: JsonSchema>(command: &str) -> Schema {
+    // `double` and `uint64` are names of Rust's types, not of JSON Schema's formats.
+    let drop_format = RecursiveTransform(|schema: &mut Schema| {
+        schema.remove("format");
+    });
+    let mut schema = SchemaSettings::draft2020_12()
+        .for_serialize()
+        .with_transform(drop_format)
+        .into_generator()
+        .into_root_schema_for::<Envelope<O, R>>();
+    let title = format!("Output of stiffarm {command} --json");
+    schema.insert("title".to_string(), title.into());
+    schema
+}

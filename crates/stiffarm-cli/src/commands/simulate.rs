@@ -1,0 +1,177 @@
+//! `stiffarm simulate`: Monte Carlo of identifications with tracker noise.
+
+use crate::args::{ErrorArgs, SimulateArgs};
+use crate::files::{Target, check_one_stdout, write_all};
+use crate::numbers::{percent, percent_with_error};
+use crate::output::Exit;
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::table::{Table, title};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::cell::Cell;
+use stiffarm::simulate::{
+    GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
+};
+use stiffarm::table::write_displacements;
+use stiffarm::units::{deg_to_rad, m_to_mm, mm_to_m};
+use stiffarm::validate::{Model, simulate_measurements};
+use stiffarm::{Code, Error, Result};
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// Factors on the cell's variance.
+    pub levels: Vec<f64>,
+    /// Runs per group and level.
+    pub runs: usize,
+    /// Standard deviations of errors of force, angles and geometry.
+    pub model_errors: ModelErrors,
+}
+
+/// Runs the simulation.
+pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
+    let target = args
+        .measurements
+        .as_deref()
+        .map(|path| Target::new(path, args.force))
+        .transpose()?;
+    check_one_stdout(session, &[target.as_ref()])?;
+    let model_errors = model_errors(&args.errors)?;
+    check_not_negative("--levels", &args.levels)?;
+    let named = session.read_cell(&args.cell)?;
+    let cell = &named.cell;
+    let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
+    let options = SimulationOptions {
+        variance_factors: args.levels.clone(),
+        runs: usize::try_from(args.runs).unwrap_or(usize::MAX),
+        seed: args.seed,
+        model_errors,
+    };
+    let progress = Progress::new(session, "simulating");
+    let result = progress.watch(|control| simulate(cell, &groups, &options, control))?;
+    drop(progress);
+
+    let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
+    if let Some(target) = target {
+        let truth = cell.require_prior()?;
+        let measured = simulate_measurements(
+            cell,
+            &groups[0].postures,
+            truth,
+            Model::Equilibrium,
+            args.seed,
+            0,
+        )?;
+        write_all(session, &[(target, write_displacements(&measured, cell))])?;
+    }
+    let table = || named.line() + &table(cell, &result, !model_errors.is_exact());
+    if to_stdout {
+        session.remark(&table());
+    } else {
+        let options = Options {
+            levels: args.levels.clone(),
+            runs: options.runs,
+            model_errors,
+        };
+        session.show(
+            &session.envelope("simulate", Some(args.seed), options, &result),
+            table,
+        )?;
+    }
+    Ok(Exit::Done)
+}
+
+/// Errors of the model in SI units.
+fn model_errors(args: &ErrorArgs) -> Result<ModelErrors> {
+    check_not_negative("--force-scale-percent", &[args.force_scale_percent])?;
+    check_not_negative("--force-percent", &[args.force_percent])?;
+    check_not_negative("--joint-angle-deg", &[args.joint_angle_deg])?;
+    check_not_negative("--loading-point-mm", &[args.loading_point_mm])?;
+    check_not_negative("--anchor-mm", &[args.anchor_mm])?;
+    Ok(ModelErrors {
+        force_scale: args.force_scale_percent / 100.0,
+        force_per_posture: args.force_percent / 100.0,
+        joint_angle_rad: deg_to_rad(args.joint_angle_deg),
+        loading_point_m: mm_to_m(args.loading_point_mm),
+        anchor_m: mm_to_m(args.anchor_mm),
+    })
+}
+
+fn check_not_negative(option: &str, values: &[f64]) -> Result<()> {
+    match values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
+        Some(v) => Err(Error::new(
+            Code::Usage,
+            format!("{v} is not allowed here: a number of 0 or above is needed."),
+        )
+        .key(option)),
+        None => Ok(()),
+    }
+}
+
+fn table(cell: &Cell, result: &Simulation, model_errors: bool) -> String {
+    let mut out = format!(
+        "deviation |k̂ − k|/k in %, mean of {} runs ± Monte Carlo standard error; expected: closed form, first order\n",
+        result.runs
+    );
+    if model_errors {
+        out += "simulated with errors of the model, which the expected values do not hold\n";
+    }
+    for group in &result.groups {
+        out += &title(&group.name);
+        out += &group_table(cell, group, &result.joints).to_string();
+    }
+    let flagged = result
+        .groups
+        .iter()
+        .flat_map(|g| &g.levels)
+        .any(|l| l.beyond_first_order.contains(&true));
+    if flagged {
+        out += "\n* median instead of the mean: the relative standard error is above 10 %, where the mean of \
+                |k̂ − k|/k does not exist and the closed form no longer holds\n";
+    }
+    out
+}
+
+fn group_table(cell: &Cell, group: &GroupSimulation, joints: &[String]) -> Table {
+    let headings = ["variance", "noise [mm]", ""].into_iter().map(String::from);
+    let mut table = Table::new(
+        headings
+            .chain(joints.iter().cloned())
+            .chain(["mean".to_string()]),
+    );
+    table.align(2, crate::table::Align::Left);
+    for level in &group.levels {
+        let factor = format!("× {}", level.variance_factor);
+        let noise = format!(
+            "{:.4}",
+            m_to_mm(cell.noise.displacement_std()) * level.variance_factor.sqrt()
+        );
+        let mut simulated = vec![factor, noise, "simulated".to_string()];
+        simulated.extend((0..joints.len()).map(|j| simulated_value(level, j)));
+        let flagged = level.beyond_first_order.contains(&true);
+        simulated.push(if flagged {
+            String::new()
+        } else {
+            percent(mean(&level.mean_deviation))
+        });
+        table.row(simulated);
+        let mut expected = vec![String::new(), String::new(), "expected".to_string()];
+        expected.extend(level.expected_deviation.iter().map(|d| percent(*d)));
+        expected.push(percent(mean(&level.expected_deviation)));
+        table.row(expected);
+    }
+    table
+}
+
+/// Mean ± its standard error, or the marked median where no mean exists.
+fn simulated_value(level: &LevelResult, j: usize) -> String {
+    if level.beyond_first_order[j] {
+        return format!("{} *", percent(level.median_deviation[j]));
+    }
+    percent_with_error(level.mean_deviation[j], level.standard_error[j])
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}

@@ -1,0 +1,210 @@
+//! `stiffarm study`: the paper's Section IV on a cell, into a folder.
+
+use crate::args::StudyArgs;
+use crate::files::{Target, make_folder, write_all};
+use crate::numbers::optional_percent;
+use crate::output::{Exit, to_json};
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::table::{Table, title};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::builtin;
+use stiffarm::cell::Cell;
+use stiffarm::findings::Severity;
+use stiffarm::posture::PostureGroup;
+use stiffarm::select::{StartKind, random_group, smallest_margin};
+use stiffarm::simulate::SimulationOptions;
+use stiffarm::study::{Study, StudyOptions, study};
+use stiffarm::{Code, Error, Result};
+use stiffarm_report::render_svg;
+use stiffarm_report::study::{figures, page, tables};
+
+/// Group 1 of the built-in COMAU cells.
+const GROUP_1: &str = "builtin:comau-group1";
+/// Postures of an initial group that nobody gave, as many as in the paper.
+const POSTURES: usize = 6;
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// Where Group 1 came from: `given`, `builtin:comau-group1` or `drawn`.
+    pub initial: &'static str,
+    /// Options of the study.
+    pub study: StudyOptions,
+}
+
+/// Runs the study and writes its folder.
+pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
+    let named = session.read_cell(&args.cell)?;
+    let (initial, origin) = initial_group(session, args, &named.cell)?;
+    let options = StudyOptions {
+        simulation: SimulationOptions {
+            runs: args.runs,
+            seed: args.seed,
+            ..SimulationOptions::default()
+        },
+        starts: args.starts,
+        ..StudyOptions::default()
+    };
+    // The names of all files are known before any work: nobody waits half a
+    // minute to be told that a file exists.
+    let names = file_names(&named.cell, &options);
+    if !args.force {
+        for name in &names {
+            let path = args.output_dir.join(name);
+            if path.exists() {
+                return Err(Error::new(
+                    Code::FileExists,
+                    "The file exists, and it is not overwritten unasked.",
+                )
+                .file(path.display().to_string())
+                .hint("add --force to overwrite the study, or give another --output-dir"));
+            }
+        }
+    }
+    let progress = Progress::new(session, "selecting from Group 1");
+    let result = progress.watch(|control| study(&named.cell, &initial, &options, control))?;
+    drop(progress);
+
+    let envelope = session.envelope(
+        "study",
+        Some(args.seed),
+        Options {
+            initial: origin,
+            study: options,
+        },
+        &result,
+    );
+    let version = env!("CARGO_PKG_VERSION");
+    let mut files = vec![
+        ("study.json".to_string(), to_json(&envelope)?),
+        (
+            "study.md".to_string(),
+            page(&result, version, &repeat_command(args)),
+        ),
+    ];
+    for figure in figures(&result) {
+        files.push((format!("{}.svg", figure.id), render_svg(&figure)));
+    }
+    for table in tables(&result) {
+        files.push((format!("{}.csv", table.id), table.csv()));
+    }
+    make_folder(&args.output_dir)?;
+    let count = files.len();
+    let targets: Result<Vec<(Target, String)>> = files
+        .into_iter()
+        .map(|(name, text)| Ok((Target::file(&args.output_dir.join(name), args.force)?, text)))
+        .collect();
+    write_all(session, &targets?)?;
+
+    session.show(&envelope, || {
+        format!(
+            "{}{}\nwrote {count} files to {}: start with {}\n",
+            named.line(),
+            summary(&result),
+            args.output_dir.display(),
+            args.output_dir.join("study.md").display()
+        )
+    })?;
+    let serious = result.findings.iter().any(|f| f.severity == Severity::Serious);
+    Ok(match result.interrupted {
+        true => Exit::Interrupted,
+        false => Exit::finding(serious),
+    })
+}
+
+/// Group 1: given, the shipped one where it fits the cell, or drawn with small
+/// wrist angles as an engineer picks postures by hand.
+fn initial_group(
+    session: &Session,
+    args: &StudyArgs,
+    cell: &Cell,
+) -> Result<(PostureGroup, &'static str)> {
+    let robot = &cell.setup.robot;
+    let named = |postures| PostureGroup {
+        name: "Group 1".to_string(),
+        postures,
+    };
+    if let Some(from) = &args.initial {
+        return Ok((named(session.read_postures("initial", from, robot)?), "given"));
+    }
+    if let Ok(postures) = builtin::postures("comau-group1", robot) {
+        let inside = postures.iter().all(|p| {
+            p.q.iter()
+                .zip(&cell.bounds)
+                .all(|(q, b)| (b[0]..=b[1]).contains(q))
+        });
+        let same_robot = builtin::cell("comau").is_ok_and(|c| c.setup.robot == *robot);
+        if same_robot && inside && smallest_margin(cell, &postures)?.is_none_or(|m| m >= 0.0) {
+            return Ok((named(session.read_postures("initial", GROUP_1, robot)?), GROUP_1));
+        }
+    }
+    // Its stream is none of those the study draws its other groups from.
+    let angles = random_group(cell, StartKind::SmallWrist, POSTURES, args.seed, u64::MAX)?;
+    Ok((PostureGroup::from_angles("Group 1", angles), "drawn"))
+}
+
+/// Files that every study of `cell` writes.
+fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
+    let mut names = vec![
+        "study.json".to_string(),
+        "study.md".to_string(),
+        "expected-deviation.svg".to_string(),
+        "indices.csv".to_string(),
+        "simulation.csv".to_string(),
+    ];
+    if options.starts > 0 {
+        names.push("other-starts.svg".to_string());
+    }
+    if !cell.validation.is_empty() {
+        names.push("validation.svg".to_string());
+    }
+    names
+}
+
+/// The command line that repeats this study, without what does not change it.
+fn repeat_command(args: &StudyArgs) -> String {
+    let mut words = vec!["stiffarm study".to_string()];
+    if args.cell != "builtin:comau" {
+        words.push(args.cell.clone());
+    }
+    if let Some(initial) = &args.initial {
+        words.push(format!("--initial {initial}"));
+    }
+    for (flag, value, default) in [
+        ("--seed", args.seed, 1),
+        ("--runs", args.runs as u64, 200),
+        ("--starts", args.starts as u64, 60),
+    ] {
+        if value != default {
+            words.push(format!("{flag} {value}"));
+        }
+    }
+    words.join(" ")
+}
+
+fn summary(study: &Study) -> String {
+    let mut table = Table::new(
+        std::iter::once("joint".to_string()).chain(study.groups.iter().map(|g| g.name.clone())),
+    );
+    for (j, joint) in study.joints.iter().enumerate() {
+        let cells = study
+            .groups
+            .iter()
+            .map(|g| optional_percent(g.evaluation.expected_deviation[j]));
+        table.row(std::iter::once(joint.clone()).chain(cells));
+    }
+    let means = study
+        .groups
+        .iter()
+        .map(|g| optional_percent(g.evaluation.mean_expected_deviation()));
+    table.row(std::iter::once("mean".to_string()).chain(means));
+    let mut out = title("expected deviation of the joint stiffness, % at variance factor 1");
+    out += &table.to_string();
+    out += &title("findings");
+    for finding in &study.findings {
+        out += &format!("- {}\n", finding.sentence);
+    }
+    out
+}

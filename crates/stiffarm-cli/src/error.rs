@@ -1,0 +1,184 @@
+//! Errors as people and machines read them.
+
+use crate::output::to_json;
+use crate::session::Session;
+use miette::{
+    GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report,
+};
+use serde::Serialize;
+use std::io::Write;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+use stiffarm::{Code, Error, Result};
+
+/// A byte order mark, which editors don't show either.
+const MARK: char = '\u{feff}';
+
+/// What `--json` prints instead of a result.
+#[derive(Serialize)]
+struct ErrorObject<'a> {
+    error: ErrorBody<'a>,
+}
+
+#[derive(Serialize)]
+struct ErrorBody<'a> {
+    code: &'static str,
+    message: &'a str,
+    file: Option<&'a str>,
+    line: Option<usize>,
+    column: Option<usize>,
+    key: Option<&'a str>,
+    hint: Option<&'a str>,
+}
+
+/// Prints an error and gives its exit code.
+pub fn report(session: &Session, error: &Error) -> ExitCode {
+    if session.json {
+        // A reader that has gone needs no error.
+        let _ = session.print(&json(error));
+    } else {
+        session.print_error(&draw(session, error));
+    }
+    ExitCode::from(error.code().exit_code())
+}
+
+/// Prints what clap says: help and version on standard output, usage errors on
+/// standard error, or as JSON where the line asks for it.
+pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {
+    let code = u8::try_from(stop.exit_code()).unwrap_or(2);
+    if !json_wanted || !stop.use_stderr() {
+        // A reader that has gone needs no help.
+        let _ = stop.print();
+        return ExitCode::from(code);
+    }
+    let text = stop.render().to_string();
+    let joined = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut paragraphs = text.trim().split("\n\n").map(joined);
+    let message = paragraphs.next().unwrap_or_default();
+    let hint: Vec<String> = paragraphs.collect();
+    let error = Error::new(Code::Usage, message.trim_start_matches("error: ")).hint(hint.join(" "));
+    let _ = std::io::stdout().write_all(json(&error).as_bytes());
+    ExitCode::from(code)
+}
+
+/// Runs `work`; a panic becomes an error of its own kind.
+///
+/// # Errors
+/// Those of `work`, and [`Code::Internal`] where it panics.
+pub fn catch_panic<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    std::panic::set_hook(Box::new(|_| {}));
+    let ran = catch_unwind(AssertUnwindSafe(work));
+    let _ = std::panic::take_hook();
+    ran.unwrap_or_else(|payload| {
+        let said = payload
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| payload.downcast_ref::<&str>().copied())
+            .unwrap_or("no message");
+        Err(Error::new(Code::Internal, format!("The program has failed: {said}."))
+            .hint("this is a fault of stiffarm, not of your files; please report it with the command you ran"))
+    })
+}
+
+fn json(error: &Error) -> String {
+    let place = error.place();
+    let object = ErrorObject {
+        error: ErrorBody {
+            code: error.code().as_str(),
+            message: error.message(),
+            file: place.file.as_deref(),
+            line: place.line,
+            column: place.column,
+            key: place.key.as_deref(),
+            hint: error.hint_text(),
+        },
+    };
+    to_json(&object).unwrap_or_default()
+}
+
+/// The error with the lines of the file it is about.
+fn draw(session: &Session, error: &Error) -> String {
+    let place = error.place();
+    let text = place.file.as_deref().and_then(|file| session.text_of(file));
+    let shown = text.and_then(|text| Some((span(error, &text)?, text)));
+    let mut message = error.message().to_string();
+    if shown.is_none() {
+        message = match &place.key {
+            Some(key) => format!("{key}: {message}"),
+            None => message,
+        };
+        message = match (&place.file, place.line, place.column) {
+            (Some(file), Some(line), Some(column)) => format!("{file}:{line}:{column}: {message}"),
+            (Some(file), Some(line), None) => format!("{file}:{line}: {message}"),
+            (Some(file), None, _) => format!("{file}: {message}"),
+            (None, ..) => message,
+        };
+    }
+    let mut diagnostic = MietteDiagnostic::new(message).with_code(error.code().as_str());
+    if let Some(hint) = error.hint_text() {
+        diagnostic = diagnostic.with_help(hint);
+    }
+    let report = match shown {
+        Some((span, text)) => {
+            let bare = text.trim_start_matches(MARK).to_string();
+            let start = span.start.saturating_sub(text.len() - bare.len());
+            let label = LabeledSpan::new(place.key.clone(), start, span.len());
+            let file = place.file.clone().unwrap_or_default();
+            Report::new(diagnostic.with_label(label)).with_source_code(NamedSource::new(file, bare))
+        }
+        None => Report::new(diagnostic),
+    };
+    let mut out = String::new();
+    let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode())
+        .with_wrap_lines(false)
+        .with_links(false);
+    match handler.render_report(&mut out, report.as_ref()) {
+        Ok(()) => out,
+        Err(_) => format!("error: {error}\n"),
+    }
+}
+
+/// Bytes of `text` that the error is about: its own span, else the field of a
+/// table that begins at its line and column.
+fn span(error: &Error, text: &str) -> Option<Range<usize>> {
+    let place = error.place();
+    if let Some(span) = &place.span {
+        return (span.end <= text.len()).then(|| span.clone());
+    }
+    let line = text
+        .split_inclusive('\n')
+        .nth(place.line?.checked_sub(1)?)?;
+    let start = line.as_ptr() as usize - text.as_ptr() as usize;
+    let bare = line.trim_start_matches(MARK);
+    let mark = line.len() - bare.len();
+    let content = bare.trim_end_matches(['\n', '\r']);
+    let Some(column) = place.column else {
+        return Some(start + mark..start + mark + content.len());
+    };
+    let at = content
+        .char_indices()
+        .nth(column.checked_sub(1)?)
+        .map_or(content.len(), |(at, _)| at);
+    let field = &content[at..];
+    let length = field.find([',', ';', '\t']).unwrap_or(field.len());
+    Some(start + mark + at..start + mark + at + length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_field_of_a_table_is_found_behind_a_byte_order_mark_and_umlauts() {
+        let text = "\u{feff}posture,q1_deg\r\nä,12x\r\n";
+        let at = |line, column| {
+            let error = Error::new(Code::TableRow, "x").line(line, column);
+            span(&error, text).map(|span| text[span].to_string())
+        };
+        assert_eq!(at(1, Some(1)).as_deref(), Some("posture"));
+        assert_eq!(at(2, Some(3)).as_deref(), Some("12x"));
+        assert_eq!(at(2, None).as_deref(), Some("ä,12x"));
+        assert_eq!(at(9, Some(1)), None);
+    }
+}

@@ -1,0 +1,221 @@
+//! Reading: files, standard input, built-in files.
+
+use crate::session::Session;
+use std::io::Read;
+use std::path::Path;
+use stiffarm::builtin;
+use stiffarm::cell::Cell;
+use stiffarm::cell::file::parse_cell_bytes;
+use stiffarm::measurement::MeasuredPosture;
+use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::robot::Robot;
+use stiffarm::table::{read_displacements, read_postures, sha256_hex};
+use stiffarm::{Code, Error, Result};
+
+/// Name of standard input in messages.
+const STDIN: &str = "standard input";
+
+/// One file that was read.
+pub struct Input {
+    /// What the command reads it as, for example `cell`.
+    pub role: String,
+    /// Its name in messages.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+    /// SHA-256 of the content.
+    pub sha256: String,
+    /// True for standard input.
+    pub is_stdin: bool,
+}
+
+/// A cell with the name it was asked for by.
+pub struct NamedCell {
+    /// The cell.
+    pub cell: Cell,
+    /// File name or `builtin:…`.
+    pub name: String,
+}
+
+impl NamedCell {
+    /// First line of every table: which cell this is about.
+    pub fn line(&self) -> String {
+        format!("cell: {} ({})\n", self.name, self.cell.name)
+    }
+}
+
+impl Session {
+    /// Reads a cell.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or anything wrong with the cell.
+    pub fn read_cell(&self, from: &str) -> Result<NamedCell> {
+        let (name, bytes) = self.read("cell", from)?;
+        Ok(NamedCell {
+            cell: parse_cell_bytes(&bytes, &name)?,
+            name,
+        })
+    }
+
+    /// Reads postures of `robot`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or anything wrong with its table.
+    pub fn read_postures(&self, role: &str, from: &str, robot: &Robot) -> Result<Vec<Posture>> {
+        let (name, bytes) = self.read(role, from)?;
+        let postures = read_postures(&bytes, &name, robot)?;
+        if postures.is_empty() {
+            return Err(Error::new(
+                Code::TooFewData,
+                "The table has no postures, only a heading.",
+            )
+            .file(name)
+            .hint("add one row per posture"));
+        }
+        Ok(postures)
+    }
+
+    /// Reads groups of postures, named by their files.
+    ///
+    /// # Errors
+    /// As [`Session::read_postures`].
+    pub fn read_groups(&self, from: &[String], robot: &Robot) -> Result<Vec<PostureGroup>> {
+        let stems: Vec<String> = from.iter().map(|from| group_name(from)).collect();
+        let mut groups = Vec::with_capacity(from.len());
+        for (i, (from, stem)) in from.iter().zip(&stems).enumerate() {
+            let postures = self.read_postures(&format!("postures_{}", i + 1), from, robot)?;
+            // Two files of one name in different folders stay apart.
+            let same = stems[..i].iter().filter(|other| *other == stem).count();
+            let name = if same == 0 {
+                stem.clone()
+            } else {
+                format!("{stem} ({})", same + 1)
+            };
+            groups.push(PostureGroup { name, postures });
+        }
+        Ok(groups)
+    }
+
+    /// Reads measured displacements, with controller angles from `postures`
+    /// where that is given.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or anything wrong with its table.
+    pub fn read_measurements(
+        &self,
+        from: &str,
+        postures: Option<&str>,
+        cell: &Cell,
+    ) -> Result<Vec<MeasuredPosture>> {
+        let robot = &cell.setup.robot;
+        let postures = postures
+            .map(|from| self.read_postures("postures", from, robot))
+            .transpose()?;
+        let (name, bytes) = self.read("measurements", from)?;
+        let measured = read_displacements(&bytes, &name, cell, postures.as_deref())?;
+        if measured.is_empty() {
+            return Err(Error::new(
+                Code::TooFewData,
+                "The table has no measurements, only a heading.",
+            )
+            .file(name)
+            .hint("add one row per posture and measuring point"));
+        }
+        Ok(measured)
+    }
+
+    /// Reads a file, `-` or `builtin:NAME`; returns its name for messages and its bytes.
+    ///
+    /// # Errors
+    /// The file cannot be read, there is no such built-in, or standard input is
+    /// asked for twice.
+    pub fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)> {
+        let is_stdin = from == "-";
+        let (name, bytes) = if is_stdin {
+            (STDIN.to_string(), self.read_stdin()?)
+        } else if let Some(name) = from.strip_prefix(builtin::PREFIX) {
+            (from.to_string(), read_builtin(name)?)
+        } else {
+            (
+                from.to_string(),
+                std::fs::read(from).map_err(|e| read_error(from, &e))?,
+            )
+        };
+        let sha256 = sha256_hex(&bytes);
+        self.remember(Input {
+            role: role.to_string(),
+            name: name.clone(),
+            bytes: bytes.clone(),
+            sha256,
+            is_stdin,
+        });
+        Ok((name, bytes))
+    }
+
+    fn read_stdin(&self) -> Result<Vec<u8>> {
+        if self.has_read_stdin() {
+            return Err(Error::new(
+                Code::Usage,
+                "Standard input (`-`) can stand for one file only.",
+            ));
+        }
+        let mut bytes = Vec::new();
+        std::io::stdin().read_to_end(&mut bytes).map_err(|e| {
+            Error::new(
+                Code::FileRead,
+                format!("Standard input cannot be read: {e}."),
+            )
+        })?;
+        Ok(bytes)
+    }
+}
+
+/// Name of a group: the file's without folder and extension.
+pub fn group_name(from: &str) -> String {
+    if from == "-" {
+        return STDIN.to_string();
+    }
+    if let Some(name) = from.strip_prefix(builtin::PREFIX) {
+        return name.to_string();
+    }
+    Path::new(from).file_stem().map_or_else(
+        || from.to_string(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+fn read_builtin(name: &str) -> Result<Vec<u8>> {
+    let text = builtin::cell_text(name).or_else(|| builtin::postures_text(name));
+    text.map(|text| text.as_bytes().to_vec()).ok_or_else(|| {
+        let known: Vec<String> = builtin::names()
+            .iter()
+            .map(|n| format!("{}{n}", builtin::PREFIX))
+            .collect();
+        Error::new(
+            Code::UnknownName,
+            format!("There is no built-in file \"{}{name}\".", builtin::PREFIX),
+        )
+        .hint(format!("built in: {}", known.join(", ")))
+    })
+}
+
+fn read_error(from: &str, error: &std::io::Error) -> Error {
+    let hint = if builtin::names().contains(&from) {
+        format!("did you mean {}{from}?", builtin::PREFIX)
+    } else if Path::new(from).is_dir() {
+        "give a file inside it".to_string()
+    } else if error.kind() == std::io::ErrorKind::NotFound {
+        "check the path; `stiffarm init` writes files to start from, and builtin:comau is built in"
+            .to_string()
+    } else {
+        "check that you may read it".to_string()
+    };
+    let message = if Path::new(from).is_dir() {
+        "This is a folder, not a file.".to_string()
+    } else if error.kind() == std::io::ErrorKind::NotFound {
+        "There is no such file.".to_string()
+    } else {
+        format!("The file cannot be read: {error}.")
+    };
+    Error::new(Code::FileRead, message).file(from).hint(hint)
+}

@@ -1,0 +1,206 @@
+//! Printing: tables for people, one JSON object for machines.
+
+use crate::session::Session;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::{ErrorKind, Write};
+use stiffarm::{Code, Error, Result};
+
+/// How a command ended, where it ended without an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    /// Done.
+    Done,
+    /// Done, with a finding that the user must look at.
+    Finding,
+    /// Stopped by the user; the best result so far was written.
+    Interrupted,
+}
+
+impl Exit {
+    /// The process's exit code.
+    pub fn code(self) -> u8 {
+        match self {
+            Exit::Done => 0,
+            Exit::Finding => 1,
+            Exit::Interrupted => 130,
+        }
+    }
+
+    /// [`Exit::Finding`] if there is one.
+    pub fn finding(is_finding: bool) -> Self {
+        if is_finding {
+            Exit::Finding
+        } else {
+            Exit::Done
+        }
+    }
+}
+
+/// What `--json` prints and result files hold: the result with what made it.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Envelope<O, R> {
+    /// Version of this format.
+    pub format: u32,
+    /// Version of the program.
+    pub stiffarm: String,
+    /// The command.
+    pub command: String,
+    /// SHA-256 of each input by its role.
+    pub inputs: BTreeMap<String, String>,
+    /// Seed of the random numbers, where there are any.
+    pub seed: Option<u64>,
+    /// Options that the result depends on.
+    pub options: O,
+    /// The result.
+    pub result: R,
+}
+
+impl Session {
+    /// Wraps a result with what made it.
+    pub fn envelope<O: Serialize, R: Serialize>(
+        &self,
+        command: &str,
+        seed: Option<u64>,
+        options: O,
+        result: R,
+    ) -> Envelope<O, R> {
+        Envelope {
+            format: 1,
+            stiffarm: env!("CARGO_PKG_VERSION").to_string(),
+            command: command.to_string(),
+            inputs: self.hashes(),
+            seed,
+            options,
+            result,
+        }
+    }
+
+    /// Prints the JSON object if that was asked for, else the table.
+    ///
+    /// # Errors
+    /// Standard output cannot be written.
+    pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
+        self.print(&if self.json {
+            to_json(envelope)?
+        } else {
+            table()
+        })
+    }
+
+    /// Prints to standard output. A reader that has gone is no error.
+    ///
+    /// # Errors
+    /// Standard output cannot be written.
+    pub fn print(&self, text: &str) -> Result<()> {
+        let mut out = anstream::AutoStream::new(std::io::stdout(), self.color).lock();
+        match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+            Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::new(
+                Code::FileWrite,
+                format!("Standard output cannot be written: {e}."),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Prints to standard error.
+    pub fn print_error(&self, text: &str) {
+        // Where standard error is closed there is nobody left to tell.
+        let mut out = anstream::AutoStream::new(std::io::stderr(), self.color).lock();
+        let _ = out.write_all(text.as_bytes());
+    }
+
+    /// A remark on standard error, unless the user wants quiet.
+    pub fn remark(&self, text: &str) {
+        if !self.quiet {
+            self.print_error(&format!("{text}\n"));
+        }
+    }
+}
+
+/// `value` as indented JSON, lists of plain values on one line, with a line
+/// end. Numbers that are not finite become `null`.
+///
+/// # Errors
+/// A value that JSON cannot hold.
+pub fn to_json(value: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| {
+        Error::new(
+            Code::Internal,
+            format!("The result cannot be written as JSON: {e}."),
+        )
+    })?;
+    Ok(join_plain_lists(&text) + "\n")
+}
+
+/// Puts each list without lists or objects inside on one line.
+fn join_plain_lists(pretty: &str) -> String {
+    let mut out = String::with_capacity(pretty.len());
+    let mut rest = pretty;
+    while let Some(at) = next_outside_strings(rest, &['[']) {
+        let (before, list) = rest.split_at(at);
+        out += before;
+        let inside = &list[1..];
+        let end = next_outside_strings(inside, &['[', ']', '{']).unwrap_or(inside.len());
+        if inside[end..].starts_with(']') {
+            let items: Vec<&str> = inside[..end]
+                .lines()
+                .map(str::trim)
+                .filter(|line| !line.is_empty())
+                .collect();
+            out += &format!("[{}]", items.join(" "));
+            rest = &inside[end + 1..];
+        } else {
+            out.push('[');
+            rest = inside;
+        }
+    }
+    out + rest
+}
+
+/// Byte position of the first of `wanted` that is not inside a JSON string.
+fn next_outside_strings(text: &str, wanted: &[char]) -> Option<usize> {
+    let (mut in_string, mut escaped) = (false, false);
+    text.char_indices()
+        .find(|(_, c)| {
+            if in_string {
+                (in_string, escaped) = (escaped || *c != '"', !escaped && *c == '\\');
+                return false;
+            }
+            in_string = *c == '"';
+            wanted.contains(c)
+        })
+        .map(|(at, _)| at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    #[test]
+    fn plain_lists_are_joined_and_nothing_else_changes() {
+        let value = json!({
+            "a": [1.5, null, "x, ] [ \" \\", true],
+            "b": [[1, 2], [3, 4]],
+            "c": [{"d": []}],
+            "e": "[not,\na list]",
+            "f\"[": {}
+        });
+        let text = to_json(&value).unwrap();
+        assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
+        assert!(
+            text.contains(r#""a": [1.5, null, "x, ] [ \" \\", true]"#),
+            "{text}"
+        );
+        assert!(text.contains("    [1, 2],\n    [3, 4]\n"), "{text}");
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_null() {
+        assert_eq!(
+            to_json(&[f64::NAN, f64::INFINITY, 1.0]).unwrap(),
+            "[null, null, 1.0]\n"
+        );
+    }
+}

@@ -1,0 +1,140 @@
+//! Tables for people: numbers right-aligned under their units.
+
+use anstyle::{AnsiColor, Style};
+use std::fmt;
+
+/// Side a column is aligned to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Names and sentences.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// A table in the making.
+#[derive(Debug, Clone)]
+pub struct Table {
+    headings: Vec<(String, Align)>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table whose first column holds names and the others numbers.
+    pub fn new<S: Into<String>>(headings: impl IntoIterator<Item = S>) -> Self {
+        let headings = headings.into_iter().map(|h| (h.into(), Align::Right));
+        let mut table = Table {
+            headings: headings.collect(),
+            rows: Vec::new(),
+        };
+        table.align(0, Align::Left);
+        table
+    }
+
+    /// Aligns one column.
+    pub fn align(&mut self, column: usize, align: Align) {
+        if let Some(heading) = self.headings.get_mut(column) {
+            heading.1 = align;
+        }
+    }
+
+    /// Adds a row; missing fields stay empty.
+    pub fn row<S: Into<String>>(&mut self, fields: impl IntoIterator<Item = S>) {
+        self.rows.push(fields.into_iter().map(Into::into).collect());
+    }
+
+    fn width(&self, column: usize) -> usize {
+        let fields = self
+            .rows
+            .iter()
+            .filter_map(|row| row.get(column))
+            .map(|f| f.chars().count());
+        fields
+            .chain([self.headings[column].0.chars().count()])
+            .max()
+            .unwrap_or(0)
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let widths: Vec<usize> = (0..self.headings.len()).map(|c| self.width(c)).collect();
+        let line =
+            |fields: &[String]| {
+                let padded = self.headings.iter().zip(&widths).enumerate().map(
+                    |(c, ((_, align), width))| {
+                        let field = fields.get(c).map_or("", String::as_str);
+                        match align {
+                            Align::Left => format!("{field:<width$}"),
+                            Align::Right => format!("{field:>width$}"),
+                        }
+                    },
+                );
+                padded.collect::<Vec<_>>().join("  ").trim_end().to_string()
+            };
+        let headings: Vec<String> = self.headings.iter().map(|(h, _)| h.clone()).collect();
+        writeln!(f, "{}", paint(Style::new().bold(), &line(&headings)))?;
+        self.rows
+            .iter()
+            .try_for_each(|row| writeln!(f, "{}", line(row)))
+    }
+}
+
+/// `text` in a style; what prints it drops the style where colours are not wanted.
+pub fn paint(style: Style, text: &str) -> String {
+    format!("{style}{text}{style:#}")
+}
+
+/// A heading between tables.
+pub fn title(text: &str) -> String {
+    format!("\n{}\n", paint(Style::new().bold().underline(), text))
+}
+
+/// `text` as something that is wrong.
+pub fn red(text: &str) -> String {
+    paint(AnsiColor::Red.on_default().bold(), text)
+}
+
+/// `text` as something to look at.
+pub fn yellow(text: &str) -> String {
+    paint(AnsiColor::Yellow.on_default(), text)
+}
+
+/// `text` as something that is right.
+pub fn green(text: &str) -> String {
+    paint(AnsiColor::Green.on_default(), text)
+}
+
+/// A list in words: `a, b and c`.
+pub fn list<S: AsRef<str>>(names: &[S]) -> String {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_right_aligned_and_line_ends_bare() {
+        let mut table = Table::new(["joint", "k [N·m/rad]", "note"]);
+        table.align(2, Align::Left);
+        table.row(["joint 1", "9.500e5", ""]);
+        table.row(["6", "1.5e5"]);
+        let text = anstream::adapter::strip_str(&table.to_string()).to_string();
+        assert_eq!(
+            text,
+            "joint    k [N·m/rad]  note\njoint 1      9.500e5\n6              1.5e5\n"
+        );
+    }
+
+    #[test]
+    fn lists_in_words() {
+        assert_eq!(list::<&str>(&[]), "");
+        assert_eq!(list(&["a"]), "a");
+        assert_eq!(list(&["a", "b", "c"]), "a, b and c");
+    }
+}

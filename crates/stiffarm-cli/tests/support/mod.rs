@@ -1,0 +1,159 @@
+//! A folder of its own for each test, and the command run inside it.
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use serde_json::Value;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+static FOLDERS: AtomicUsize = AtomicUsize::new(0);
+
+/// A temporary folder; it goes when the test is over.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    /// An empty folder.
+    pub fn new() -> Self {
+        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+        let path =
+            std::env::temp_dir().join(format!("stiffarm-test-{}-{number}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    /// A file's path in it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// Writes a file into it.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.path(name), content).unwrap();
+    }
+
+    /// Text of a file in it.
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Names in it, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.0).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Runs `stiffarm` with the words of `line` in this folder.
+    pub fn run(&self, line: &str) -> Ran {
+        self.run_with(line, b"")
+    }
+
+    /// As [`Folder::run`], with this on standard input.
+    pub fn run_with(&self, line: &str, input: &[u8]) -> Ran {
+        let mut child = command(&self.0)
+            .args(line.split_whitespace())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // A command that ends before it reads closes the pipe.
+        let _ = child.stdin.take().unwrap().write_all(input);
+        let output = child.wait_with_output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        Ran {
+            code: output.status.code(),
+            out: text(output.stdout),
+            err: text(output.stderr),
+        }
+    }
+
+    /// Runs a line that must end well, and gives what it printed.
+    pub fn ok(&self, line: &str) -> String {
+        let ran = self.run(line);
+        assert_eq!(ran.code, Some(0), "{line}\n{}{}", ran.out, ran.err);
+        ran.out
+    }
+
+    /// Runs a line with `--json` and gives the object it printed.
+    pub fn json(&self, line: &str) -> Value {
+        let ran = self.run(&format!("{line} --json"));
+        assert_eq!(ran.err, "", "{line}");
+        serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{line}: {e}\n{}", ran.out))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The command in a folder, in surroundings that are always the same.
+pub fn command(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiffarm"));
+    command
+        .current_dir(folder)
+        .env_remove("NO_COLOR")
+        .env_remove("CLICOLOR_FORCE")
+        .env("TERM", "dumb");
+    command
+}
+
+/// What a run left behind.
+pub struct Ran {
+    /// Exit code.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl Ran {
+    /// The run as a transcript.
+    pub fn transcript(&self, line: &str) -> String {
+        let mut text = format!("$ stiffarm {line}\n{}", self.out);
+        if !self.err.is_empty() {
+            text += &format!("-- standard error\n{}", self.err);
+        }
+        text += &format!("-- exit code {}\n", self.code.unwrap_or(-1));
+        redact(&text)
+    }
+}
+
+/// The text without what differs from version to version.
+pub fn redact(text: &str) -> String {
+    text.replace(
+        &format!("\"stiffarm\": \"{}\"", env!("CARGO_PKG_VERSION")),
+        "\"stiffarm\": \"[version]\"",
+    )
+}
+
+/// JSON with the last digits of its numbers and its hashes taken off, so that
+/// a snapshot outlives a different rounding and a comment in a cell.
+pub fn rounded(value: &Value) -> Value {
+    match value {
+        Value::Number(number) => match number.as_f64() {
+            Some(v) if number.is_f64() => {
+                let short: f64 = format!("{v:.4e}").parse().unwrap();
+                Value::from(short)
+            }
+            _ => value.clone(),
+        },
+        Value::Array(items) => items.iter().map(rounded).collect(),
+        Value::Object(entries) => entries
+            .iter()
+            .map(|(key, v)| (key.clone(), rounded(v)))
+            .collect(),
+        Value::String(text) if text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit()) => {
+            "[sha256]".into()
+        }
+        other => other.clone(),
+    }
+}

@@ -1,0 +1,79 @@
+//! Errors of the model in a simulation: what the force reading, the pendant and
+//! the drawing of the tool get wrong perturbs Ψ itself, not only Δ.
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::load::{Load, Wrench};
+use crate::observation::{PostureTerms, Setup};
+use crate::posture::Posture;
+use nalgebra::{DVector, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+/// Standard deviations of model errors, all zero in the paper. The true arm has
+/// them; the identification uses the nominal model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ModelErrors {
+    /// Scale of the force reading, one error for the whole experiment (fraction).
+    pub force_scale: f64,
+    /// Force reading, a fresh error for each posture (fraction).
+    pub force_per_posture: f64,
+    /// Each joint angle of each posture \[rad\].
+    pub joint_angle_rad: f64,
+    /// Each coordinate of the loading point, one error for the experiment \[m\].
+    pub loading_point_m: f64,
+    /// Each coordinate of the rope's anchor, one error for the experiment \[m\].
+    pub anchor_m: f64,
+}
+
+impl ModelErrors {
+    /// True when the model is exact, as in the paper.
+    pub fn is_exact(&self) -> bool {
+        *self == ModelErrors::default()
+    }
+
+    /// Error of the displacements when the true arm differs from the nominal
+    /// one by one draw of these errors, rows as in Ψ \[m\].
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub(super) fn draw(
+        &self,
+        cell: &Cell,
+        postures: &[Posture],
+        compliance: &DVector<f64>,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<DVector<f64>> {
+        let mut normal = |std: f64| -> f64 {
+            let z: f64 = StandardNormal.sample(rng);
+            std * z
+        };
+        let force_scale = 1.0 + normal(self.force_scale);
+        let loading_shift = Vector3::from_fn(|_, _| normal(self.loading_point_m));
+        let anchor_shift = Vector3::from_fn(|_, _| normal(self.anchor_m));
+        let mut truth: Setup = cell.setup.clone();
+        truth.tool.loading_point += loading_shift;
+        if let Load::Rope { anchor, .. } = &mut truth.load {
+            *anchor += anchor_shift;
+        }
+        let rows = 3 * cell.setup.tool.point_count();
+        let mut out = DVector::zeros(rows * postures.len());
+        for (p, posture) in postures.iter().enumerate() {
+            let q: Vec<f64> = posture.q.iter().map(|a| a + normal(self.joint_angle_rad)).collect();
+            let factor = force_scale * (1.0 + normal(self.force_per_posture));
+            let nominal = PostureTerms::new(&cell.setup, &posture.q, None)?;
+            let pull = PostureTerms::new(&truth, &q, None)?;
+            // The true force is the read one times `factor`.
+            let wrench = Wrench {
+                force: pull.wrench().force * factor,
+                moment: pull.wrench().moment * factor,
+            };
+            let actual = PostureTerms::new(&truth, &q, Some(&wrench))?;
+            let difference = (actual.block(&truth.robot) - nominal.block(&cell.setup.robot)) * compliance;
+            out.rows_mut(rows * p, rows).copy_from(&difference);
+        }
+        Ok(out)
+    }
+}

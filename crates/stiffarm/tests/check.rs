@@ -1,0 +1,412 @@
+//! `check` names what is wrong with a cell, each fault by its own reason, and
+//! agrees with what an evaluation of many postures finds.
+
+use nalgebra::Vector3;
+use stiffarm::builtin;
+use stiffarm::cell::Cell;
+use stiffarm::cell::file::parse_cell;
+use stiffarm::check::{CellCheck, SAMPLES, check};
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::index::evaluate;
+use stiffarm::load::{Axes, Load, Wrench};
+use stiffarm::posture::Posture;
+use stiffarm::select::{StartKind, random_group};
+
+fn comau() -> Cell {
+    builtin::cell("comau").unwrap()
+}
+
+/// The built-in COMAU cell with one line of its file replaced.
+fn comau_with(from: &str, to: &str) -> Cell {
+    let text = builtin::cell_text("comau").unwrap();
+    assert!(text.contains(from), "{from}");
+    parse_cell(&text.replace(from, to), "cell.toml").unwrap()
+}
+
+fn found<'a>(check: &'a CellCheck, code: &str) -> Vec<&'a Finding> {
+    check.findings.iter().filter(|f| f.code == code).collect()
+}
+
+/// The one finding of this code, whose sentence holds `words`.
+fn the(check: &CellCheck, code: &str, words: &str) -> Finding {
+    match found(check, code).as_slice() {
+        [finding] => {
+            assert!(finding.sentence.contains(words), "{}", finding.sentence);
+            (*finding).clone()
+        }
+        other => panic!("{code}: {other:#?} among {:#?}", check.findings),
+    }
+}
+
+/// Joints that no sampled posture determines, by check and by evaluation.
+fn undetermined(cell: &Cell) -> (Vec<String>, Vec<String>) {
+    let checked = check(cell).unwrap();
+    let names = checked.joints.iter().filter(|j| !j.determined);
+    let group = random_group(cell, StartKind::Uniform, 30, 5, 0).unwrap();
+    let evaluated = evaluate(cell, "many", &group).unwrap();
+    (
+        names.map(|j| j.name.clone()).collect(),
+        evaluated.undetermined_joints,
+    )
+}
+
+#[test]
+fn the_built_in_cells_are_usable() {
+    for name in builtin::cell_names() {
+        let checked = check(&builtin::cell(name).unwrap()).unwrap();
+        assert!(!checked.is_serious(), "{name}: {:#?}", checked.findings);
+        assert!(checked.joints.iter().all(|j| j.determined), "{name}");
+        assert_eq!(
+            found(&checked, "suspicious-unit").len(),
+            0,
+            "{name}: {:#?}",
+            checked.findings
+        );
+        assert_eq!(checked.postures_sampled, SAMPLES as usize);
+    }
+    let checked = check(&comau()).unwrap();
+    // 27 % of random postures meet the default cell's limits (docs/method.md).
+    let share = checked.postures_within_limits as f64 / f64::from(SAMPLES);
+    assert!((0.2..0.35).contains(&share), "{share}");
+    the(&checked, "one-reading", "One reading");
+    let joint = &checked.joints[1];
+    assert!(
+        joint.largest_torque_nm.unwrap() > 500.0 && joint.largest_displacement_m.unwrap() > 1e-4
+    );
+}
+
+#[test]
+fn the_same_cell_always_gives_the_same_result() {
+    assert_eq!(check(&comau()).unwrap(), check(&comau()).unwrap());
+}
+
+#[test]
+fn loading_point_on_the_last_axis() {
+    let cell = comau_with(
+        "loading_point_mm = [200, 0, 250]",
+        "loading_point_mm = [0, 0, 250]",
+    );
+    let checked = check(&cell).unwrap();
+    assert!(checked.is_serious());
+    let finding = the(
+        &checked,
+        "undetermined-joint",
+        "the loading point lies on its axis",
+    );
+    assert_eq!(
+        (finding.subject.as_str(), finding.severity),
+        ("joint 6", Severity::Serious)
+    );
+    let (checked, evaluated) = undetermined(&cell);
+    assert_eq!(checked, ["joint 6"]);
+    assert_eq!(checked, evaluated);
+}
+
+#[test]
+fn weight_on_a_floor_mounted_robot() {
+    let mut cell = comau();
+    cell.setup.load = Load::Weight {
+        magnitude: 500.0,
+        direction: -Vector3::z(),
+    };
+    cell.limits.rope_length = None;
+    let checked = check(&cell).unwrap();
+    let finding = the(
+        &checked,
+        "undetermined-joint",
+        "the load is parallel to its axis",
+    );
+    assert_eq!(finding.subject, "joint 1");
+    let (checked, evaluated) = undetermined(&cell);
+    assert_eq!(checked, evaluated);
+    // Hanging from a wall, the same weight excites every joint.
+    cell.setup.load = Load::Weight {
+        magnitude: 500.0,
+        direction: Vector3::x(),
+    };
+    assert!(check(&cell).unwrap().joints.iter().all(|j| j.determined));
+}
+
+#[test]
+fn rope_anchored_on_axis_1() {
+    let cell = comau_with("anchor_mm = [1800, 0, 0]", "anchor_mm = [0, 0, 1000]");
+    let checked = check(&cell).unwrap();
+    let finding = the(
+        &checked,
+        "undetermined-joint",
+        "the rope's anchor lies on its axis",
+    );
+    assert_eq!(finding.subject, "joint 1");
+    let (checked, evaluated) = undetermined(&cell);
+    assert_eq!(checked, evaluated);
+}
+
+#[test]
+fn reflectors_on_the_last_axis() {
+    let mut cell = comau();
+    cell.setup.tool.measuring_points[1].position = Vector3::new(0.0, 0.0, 0.2);
+    let checked = check(&cell).unwrap();
+    let finding = the(&checked, "blind-point", "lies on the axis of joint 6");
+    assert_eq!(finding.subject, "tool.measuring_point[2].position_mm");
+    assert!(!checked.is_serious());
+    cell.setup.tool.measuring_points.truncate(2);
+    cell.setup.tool.measuring_points[0].position = Vector3::new(0.0, 0.0, 0.3);
+    let checked = check(&cell).unwrap();
+    the(
+        &checked,
+        "undetermined-joint",
+        "every measuring point lies on its axis",
+    );
+    assert_eq!(found(&checked, "blind-point").len(), 0);
+}
+
+#[test]
+fn a_load_of_nothing_and_a_moment_about_nothing() {
+    let mut cell = comau();
+    cell.limits.rope_length = None;
+    let zero = Vector3::zeros();
+    let constant = |force, moment| Load::Constant {
+        wrench: Wrench { force, moment },
+        axes: Axes::Tool,
+    };
+    cell.setup.load = constant(zero, zero);
+    let checked = check(&cell).unwrap();
+    let dark = found(&checked, "undetermined-joint");
+    assert_eq!(dark.len(), 6);
+    assert!(dark.iter().all(|f| f.sentence.contains("the load is zero")));
+    // A pure moment across the last axis, turning with the tool.
+    cell.setup.load = constant(zero, Vector3::new(100.0, 0.0, 0.0));
+    let checked = check(&cell).unwrap();
+    let finding = the(&checked, "undetermined-joint", "no moment about its axis");
+    assert_eq!(finding.subject, "joint 6");
+}
+
+#[test]
+fn measured_forces_on_the_last_axis_are_a_caution() {
+    let mut cell = builtin::cell("fanuc-r2000ic").unwrap();
+    assert!(
+        check(&cell)
+            .unwrap()
+            .joints
+            .iter()
+            .all(|j| j.largest_torque_nm.is_none())
+    );
+    cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.3);
+    let checked = check(&cell).unwrap();
+    let finding = the(
+        &checked,
+        "undetermined-joint",
+        "no force at the loading point",
+    );
+    assert_eq!(
+        (finding.subject.as_str(), finding.severity),
+        ("joint 6", Severity::Caution)
+    );
+}
+
+#[test]
+fn a_joint_that_drowns_in_the_noise() {
+    let cell = comau_with(
+        "loading_point_mm = [200, 0, 250]",
+        "loading_point_mm = [2, 0, 250]",
+    );
+    let finding = the(
+        &check(&cell).unwrap(),
+        "weak-joint",
+        "moves no measuring point",
+    );
+    assert_eq!(
+        (finding.subject.as_str(), finding.severity),
+        ("joint 6", Severity::Caution)
+    );
+}
+
+#[test]
+fn limits_that_nothing_or_little_meets() {
+    let cell = comau_with(
+        "box_min_mm = [900, -1900, 300]",
+        "box_min_mm = [2990, -1900, 2990]",
+    );
+    let checked = check(&cell).unwrap();
+    assert_eq!(checked.postures_within_limits, 0);
+    the(
+        &checked,
+        "unreachable-limits",
+        "violated most often: the box for tool points and flange",
+    );
+    assert!(checked.is_serious());
+    // The load is looked at all the same.
+    assert!(checked.joints.iter().all(|j| j.determined));
+    let cell = comau_with("wrist_height_mm = 300", "wrist_height_mm = 2700");
+    let checked = check(&cell).unwrap();
+    the(&checked, "cramped-limits", "Only ");
+    let unlimited = check(&builtin::cell("comau-reference").unwrap()).unwrap();
+    the(&unlimited, "no-limits", "no limits");
+}
+
+#[test]
+fn slips_of_the_unit() {
+    let slips = [
+        (
+            "loading_point_mm = [200, 0, 250]",
+            "loading_point_mm = [0.2, 0, 0.25]",
+            "tool.loading_point_mm",
+            "in metres?",
+        ),
+        (
+            "position_mm = [0, 150, 200]",
+            "position_mm = [0, 150000, 200000]",
+            "tool.measuring_point[2].position_mm",
+            "250 m from the flange: is it in mm?",
+        ),
+        (
+            "position_mm = [-150, 0, 200]",
+            "position_mm = [150, 0, 200]",
+            "tool.measuring_point[3].position_mm",
+            "\"1\" and \"3\" are the same place",
+        ),
+        (
+            "anchor_mm = [1800, 0, 0]",
+            "anchor_mm = [1.8, 0, 0]",
+            "load.anchor_mm",
+            "in metres?",
+        ),
+        (
+            "anchor_mm = [1800, 0, 0]",
+            "anchor_mm = [1800000, 0, 0]",
+            "load.anchor_mm",
+            "1800 m",
+        ),
+        (
+            "magnitude_n = 500",
+            "magnitude_n = 0.5",
+            "load.magnitude_n",
+            "too little",
+        ),
+        (
+            "magnitude_n = 500",
+            "magnitude_n = 5000",
+            "load.magnitude_n",
+            "165 kg",
+        ),
+        (
+            "variance_mm2 = 9.23e-5",
+            "variance_mm2 = 9.6",
+            "noise.variance_mm2",
+            "a variance in mm²",
+        ),
+        (
+            "variance_mm2 = 9.23e-5",
+            "variance_mm2 = 9e-11",
+            "noise.variance_mm2",
+            "a variance in mm²",
+        ),
+        (
+            "[950000,",
+            "[950,",
+            "stiffness.prior_nm_per_rad",
+            "joint 1 is 9.500e2 N·m/rad",
+        ),
+        (
+            "characteristic_length_mm = 773",
+            "characteristic_length_mm = 0.773",
+            "robot.characteristic_length_mm",
+            "in mm?",
+        ),
+        (
+            "keep_out_radius_mm = 900",
+            "keep_out_radius_mm = 0.9",
+            "limits.keep_out_radius_mm",
+            "0.90 mm",
+        ),
+        (
+            "rope_length_mm = [800, 3400]",
+            "rope_length_mm = [0.8, 3.4]",
+            "limits.rope_length_mm",
+            "3.40 mm",
+        ),
+    ];
+    for (from, to, key, words) in slips {
+        let checked = check(&comau_with(from, to)).unwrap();
+        let finding = the(&checked, "suspicious-unit", words);
+        assert_eq!(
+            (finding.subject.as_str(), finding.severity),
+            (key, Severity::Caution),
+            "{to}"
+        );
+    }
+}
+
+#[test]
+fn a_box_in_metres_is_named_beside_what_it_does() {
+    let cell = comau_with(
+        "box_min_mm = [900, -1900, 300]\nbox_max_mm = [3000, 1900, 3000]",
+        "box_min_mm = [0.9, -1.9, 0.3]\nbox_max_mm = [3, 1.9, 3]",
+    );
+    let checked = check(&cell).unwrap();
+    assert_eq!(checked.findings[0].severity, Severity::Serious);
+    the(&checked, "unreachable-limits", "None of 256");
+    the(
+        &checked,
+        "suspicious-unit",
+        "3.80 mm long: is it in metres?",
+    );
+}
+
+#[test]
+fn bounds_in_radians() {
+    let mut cell = comau();
+    for bounds in &mut cell.bounds {
+        *bounds = bounds.map(f64::to_radians);
+    }
+    let checked = check(&cell).unwrap();
+    assert!(
+        found(&checked, "suspicious-unit")
+            .iter()
+            .any(|f| f.subject == "bounds.q_deg")
+    );
+}
+
+#[test]
+fn what_is_missing_or_contradicts() {
+    let mut cell = comau();
+    cell.prior = None;
+    cell.setup.tool.has_sensor = true;
+    cell.noise.readings_per_displacement = 2;
+    let checked = check(&cell).unwrap();
+    the(&checked, "no-prior", "no prior joint stiffness");
+    the(&checked, "sensor-compliance", "its compliance is not given");
+    assert_eq!(found(&checked, "one-reading").len(), 0);
+    assert!(
+        checked
+            .joints
+            .iter()
+            .all(|j| j.largest_displacement_m.is_none())
+    );
+
+    let mut q = vec![0.0; 6];
+    q[2] = -1.5;
+    q[1] = 3.0;
+    cell.validation = vec![Posture {
+        name: "V9".to_string(),
+        q,
+    }];
+    cell.bounds[0][1] = 4.0;
+    let checked = check(&cell).unwrap();
+    the(
+        &checked,
+        "validation-outside-machine-limits",
+        "V9 has joint 2 at 171.88733853924697°",
+    );
+    let finding = the(&checked, "bounds-outside-machine-limits", "joint 1");
+    assert_eq!(finding.subject, "bounds.q_deg[1]");
+    let order: Vec<Severity> = checked.findings.iter().map(|f| f.severity).collect();
+    assert!(order.is_sorted_by(|a, b| a >= b), "{order:?}");
+}
+
+#[test]
+fn a_cell_whose_bounds_do_not_fit_the_robot_is_an_error() {
+    let mut cell = comau();
+    cell.bounds.pop();
+    assert!(check(&cell).is_err());
+}
