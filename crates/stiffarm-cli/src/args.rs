@@ -204,15 +204,15 @@ pub struct SimulateArgs {
     /// Seed of the random numbers
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Errors of the model behind the readings.
-    #[command(flatten)]
-    pub errors: ErrorArgs,
     /// Also write one simulated measurement of the first group (exact model), to try `identify` on
     #[arg(long, value_name = "measurements.csv")]
     pub measurements: Option<String>,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
+    /// Errors of the model behind the readings.
+    #[command(flatten)]
+    pub errors: ErrorArgs,
 }
 
 /// Standard deviations of model errors, all zero in the paper.

@@ -56,8 +56,11 @@ pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {
     let joined = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut paragraphs = text.trim().split("\n\n").map(joined);
     let message = paragraphs.next().unwrap_or_default();
-    let hint: Vec<String> = paragraphs.collect();
-    let error = Error::new(Code::Usage, message.trim_start_matches("error: ")).hint(hint.join(" "));
+    let hint: Vec<String> = paragraphs
+        .filter(|p| !p.starts_with("For more information"))
+        .collect();
+    let error =
+        Error::new(Code::Usage, message.trim_start_matches("error: ")).hint(hint.join("; "));
     let _ = std::io::stdout().write_all(json(&error).as_bytes());
     ExitCode::from(code)
 }
@@ -101,7 +104,8 @@ fn json(error: &Error) -> String {
 fn draw(session: &Session, error: &Error) -> String {
     let place = error.place();
     let text = place.file.as_deref().and_then(|file| session.text_of(file));
-    let shown = text.and_then(|text| Some((span(error, &text)?, text)));
+    let shown = text.filter(|text| !text.trim().is_empty());
+    let shown = shown.and_then(|text| Some((span(error, &text)?, text)));
     let mut message = error.message().to_string();
     if shown.is_none() {
         message = match &place.key {
@@ -180,5 +184,17 @@ mod tests {
         assert_eq!(at(2, Some(3)).as_deref(), Some("12x"));
         assert_eq!(at(2, None).as_deref(), Some("ä,12x"));
         assert_eq!(at(9, Some(1)), None);
+    }
+
+    #[test]
+    fn a_panic_becomes_an_error_of_its_own_kind() {
+        let fault =
+            catch_panic(|| -> Result<()> { panic!("index {} out of range", 7) }).unwrap_err();
+        assert_eq!(
+            (fault.code(), fault.code().exit_code()),
+            (Code::Internal, 3)
+        );
+        assert!(fault.message().contains("index 7 out of range"));
+        assert!(catch_panic(|| Ok(1)).is_ok());
     }
 }

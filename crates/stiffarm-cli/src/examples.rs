@@ -1,5 +1,6 @@
-//! The ends of the helps. Run top to bottom, each command finds the files
-//! that the ones before it wrote.
+//! The ends of the helps. Run top to bottom, each command finds the files that
+//! the ones before it wrote. No line is wider than a terminal of 80 columns,
+//! where it would be broken in two.
 
 pub const STUDY: &str = "Examples:
   $ stiffarm study --runs 20 --starts 2 --output-dir quick-study";
@@ -10,23 +11,23 @@ pub const CHECK: &str = "Examples:
   $ stiffarm check
   $ stiffarm check cell.toml";
 pub const SELECT: &str = "Examples:
-  Six postures, the best of four random starts, and a sheet for the readings:
-  $ stiffarm select cell.toml --starts 4 --output plan.csv --sheet readings.csv
+  Six postures, the best of eight random starts:
+  $ stiffarm select cell.toml --output plan.csv --sheet readings.csv
 
   As in the paper, from an initial group under the novel index:
-  $ stiffarm select builtin:comau --index novel --from builtin:comau-group1 --output group3.csv";
+  $ stiffarm select builtin:comau --index novel --from builtin:comau-group1";
 pub const EVALUATE: &str = "Examples:
-  $ stiffarm evaluate builtin:comau builtin:comau-group1 group3.csv plan.csv
+  $ stiffarm evaluate builtin:comau builtin:comau-group1 plan.csv
   $ stiffarm evaluate builtin:comau plan.csv --json";
 pub const SIMULATE: &str = "Examples:
-  $ stiffarm simulate builtin:comau builtin:comau-group1 plan.csv --levels 1,2
-  $ stiffarm simulate builtin:comau plan.csv --runs 50 --measurements simulated.csv";
+  $ stiffarm simulate builtin:comau plan.csv --levels 1,2 --runs 500
+  $ stiffarm simulate builtin:comau plan.csv --measurements simulated.csv";
 pub const IDENTIFY: &str = "Examples:
-  $ stiffarm identify builtin:comau simulated.csv
-  $ stiffarm identify builtin:comau simulated.csv --exclude 6 --noise known --output stiffness.json";
+  $ stiffarm identify builtin:comau simulated.csv --noise known
+  $ stiffarm identify builtin:comau simulated.csv --exclude 6 --output k.json";
 pub const VALIDATE: &str = "Examples:
-  $ stiffarm validate builtin:comau stiffness.json simulated.csv --only 6
-  $ stiffarm validate builtin:comau stiffness.json simulated.csv --model equilibrium --tolerance-mm 0.1";
+  $ stiffarm validate builtin:comau k.json simulated.csv --only 6
+  $ stiffarm validate builtin:comau k.json simulated.csv --tolerance-mm 0.1";
 pub const ROBOTS: &str = "Examples:
   $ stiffarm robots
   $ stiffarm robots comau-nj165-3.0";

@@ -5,6 +5,9 @@ use stiffarm::units::{m_to_mm, rad_to_deg};
 /// Shown where a value does not exist.
 pub const NONE: &str = "-";
 
+/// Percentages below this are rounding.
+const ROUNDING: f64 = 1e-6;
+
 /// `value` with `digits` significant digits, in powers of ten where it is very
 /// large or small.
 pub fn significant(value: f64, digits: usize) -> String {
@@ -40,7 +43,9 @@ pub fn stiffness(value: f64) -> String {
 /// A fraction in percent, without the sign for it.
 pub fn percent(fraction: f64) -> String {
     let percent = fraction * 100.0;
-    if percent.abs() < 0.1 {
+    if percent.abs() < ROUNDING {
+        "0".to_string()
+    } else if percent.abs() < 0.1 {
         significant(percent, 2)
     } else {
         format!("{percent:.2}")

@@ -32,7 +32,7 @@ pub struct Evaluated {
 pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
     let mut named = session.read_cell(&args.cell)?;
     let groups = session.read_groups(&args.postures, &named.cell.setup.robot)?;
-    let (cell, length_line) = with_length(named.cell)?;
+    let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
     let cell = &named.cell;
     let evaluations = groups

@@ -114,8 +114,8 @@ fn table(
     excluded: &[String],
 ) -> String {
     let mut out = named.line();
-    out += &words::data(measured, result, excluded);
     out += &words::undetermined(result);
+    out += &words::data(measured, result, excluded);
     out += &title("Joint stiffness");
     out += &estimates(result).to_string();
     out.push('\n');

@@ -16,29 +16,32 @@ pub mod validate;
 
 use crate::numbers;
 use crate::table::Table;
-use stiffarm::Result;
 use stiffarm::cell::Cell;
 use stiffarm::index::Index;
 use stiffarm::observation::PostureTerms;
 use stiffarm::optimise::with_characteristic_length;
 use stiffarm::posture::Posture;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 
 /// The cell with the characteristic length of Eq. (20), and a line that says
-/// so where it had to be computed.
-fn with_length(cell: Cell) -> Result<(Cell, String)> {
+/// so where it had to be computed. A robot that has none stays without: the
+/// indices that need it do not exist, or say why.
+fn with_length(cell: Cell) -> (Cell, String) {
     if cell.characteristic_length.is_some() {
-        return Ok((cell, String::new()));
+        return (cell, String::new());
     }
-    let cell = with_characteristic_length(cell)?;
+    let (cell, missing) = match with_characteristic_length(cell.clone()) {
+        Ok(cell) => (cell, "k(J_N) needs at least six joints".to_string()),
+        Err(error) => (cell, error.message().to_string()),
+    };
     let line = match cell.characteristic_length {
         Some(length) => format!(
             "characteristic length: {:.1} mm, computed (robot.characteristic_length_mm is not set)\n",
-            length * 1e3
+            m_to_mm(length)
         ),
-        None => "characteristic length: none, k(J_N) needs at least six joints\n".to_string(),
+        None => format!("characteristic length: none; {missing}\n"),
     };
-    Ok((cell, line))
+    (cell, line)
 }
 
 /// True for the indices that are relative errors, shown in percent.
@@ -78,10 +81,10 @@ fn posture_remarks(cell: &Cell, postures: &[Posture]) -> Vec<String> {
             if *q < bounds[0] - 1e-9 || *q > bounds[1] + 1e-9 {
                 let [low, high] = bounds.map(rad_to_shortest_deg);
                 remarks.push(format!(
-                    "posture {}: {} at {} lies outside the cell's bounds, {low} to {high}",
+                    "posture {}: {} at {}° lies outside the cell's bounds, {low}° to {high}°",
                     posture.name,
                     cell.setup.robot.joints()[j].name,
-                    numbers::deg(*q)
+                    rad_to_shortest_deg(*q)
                 ));
             }
         }

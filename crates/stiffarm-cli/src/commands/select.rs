@@ -81,7 +81,7 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
         .as_deref()
         .map(|from| session.read_postures("initial", from, &named.cell.setup.robot))
         .transpose()?;
-    let (cell, length_line) = with_length(named.cell)?;
+    let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
     let cell = &named.cell;
     let optimiser = OptimiserOptions {

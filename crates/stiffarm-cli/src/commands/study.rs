@@ -107,7 +107,10 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
             args.output_dir.join("study.md").display()
         )
     })?;
-    let serious = result.findings.iter().any(|f| f.severity == Severity::Serious);
+    let serious = result
+        .findings
+        .iter()
+        .any(|f| f.severity == Severity::Serious);
     Ok(match result.interrupted {
         true => Exit::Interrupted,
         false => Exit::finding(serious),
@@ -127,7 +130,10 @@ fn initial_group(
         postures,
     };
     if let Some(from) = &args.initial {
-        return Ok((named(session.read_postures("initial", from, robot)?), "given"));
+        return Ok((
+            named(session.read_postures("initial", from, robot)?),
+            "given",
+        ));
     }
     if let Ok(postures) = builtin::postures("comau-group1", robot) {
         let inside = postures.iter().all(|p| {
@@ -137,7 +143,10 @@ fn initial_group(
         });
         let same_robot = builtin::cell("comau").is_ok_and(|c| c.setup.robot == *robot);
         if same_robot && inside && smallest_margin(cell, &postures)?.is_none_or(|m| m >= 0.0) {
-            return Ok((named(session.read_postures("initial", GROUP_1, robot)?), GROUP_1));
+            return Ok((
+                named(session.read_postures("initial", GROUP_1, robot)?),
+                GROUP_1,
+            ));
         }
     }
     // Its stream is none of those the study draws its other groups from.

@@ -34,12 +34,14 @@ pub(super) fn check(
             *largest = largest.max(load.abs());
         }
     }
+    drop_rounding(&mut torque);
     let undetermined = Factor::new(&psi)?.undetermined().to_vec();
-    let moved = cell
+    let mut moved = cell
         .prior
         .as_ref()
         .filter(|_| !measured)
         .map(|prior| largest_displacements(&psi, prior));
+    moved.iter_mut().for_each(|moved| drop_rounding(moved));
     let names = robot.spring_names();
     for &j in &undetermined {
         findings.push(dark_joint(cell, terms, j, &names[j], &undetermined));
@@ -56,6 +58,14 @@ pub(super) fn check(
             largest_displacement_m: moved.as_ref().map(|moved| moved[j]),
         })
         .collect())
+}
+
+/// Sets to zero what is rounding beside the largest.
+fn drop_rounding(values: &mut [f64]) {
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    for value in values.iter_mut().filter(|v| **v <= ROUNDING * largest) {
+        *value = 0.0;
+    }
 }
 
 /// Largest ‖Ψ_j‖/k_j over postures and points \[m\]: how far joint j alone

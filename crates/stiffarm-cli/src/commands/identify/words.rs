@@ -26,11 +26,14 @@ pub fn data(measured: &[MeasuredPosture], result: &Identification, excluded: &[S
     names.sort_unstable();
     names.dedup();
     let mut line = format!(
-        "data: {}, {} ({} components), {} degrees of freedom",
+        "data: {}, {} ({} components), {}",
         counted(names.len(), "posture"),
         counted(displacements, "displacement"),
         result.rows,
-        result.degrees_of_freedom
+        match result.degrees_of_freedom {
+            1 => "1 degree of freedom".to_string(),
+            count => format!("{count} degrees of freedom"),
+        }
     );
     if !excluded.is_empty() {
         line += &format!("; left out: {}", list(excluded));
