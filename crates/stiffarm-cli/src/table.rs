@@ -105,15 +105,6 @@ pub fn green(text: &str) -> String {
     paint(AnsiColor::Green.on_default(), text)
 }
 
-/// A list in words: `a, b and c`.
-pub fn list<S: AsRef<str>>(names: &[S]) -> String {
-    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-    match names.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => names.concat(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,12 +120,5 @@ mod tests {
             text,
             "joint    k [N·m/rad]  note\njoint 1      9.500e5\n6              1.5e5\n"
         );
-    }
-
-    #[test]
-    fn lists_in_words() {
-        assert_eq!(list::<&str>(&[]), "");
-        assert_eq!(list(&["a"]), "a");
-        assert_eq!(list(&["a", "b", "c"]), "a, b and c");
     }
 }

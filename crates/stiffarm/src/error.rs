@@ -323,7 +323,10 @@ pub(crate) fn did_you_mean<'a>(
     known
         .into_iter()
         .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
-        .filter(|(distance, k)| *distance <= 2.max(k.chars().count() / 3))
+        .filter(|(distance, k)| {
+            // A short name is not a slip of an equally short other one.
+            *distance <= 2.max(k.chars().count() / 3) && *distance < lower.chars().count()
+        })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, k)| format!("did you mean \"{k}\"?"))
 }

@@ -206,8 +206,8 @@ pub fn measured_system(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Meas
 /// whitening against the cell's posture-common part where it has one.
 ///
 /// # Errors
-/// As [`measured_system`]; fewer rows than unknowns; a confidence outside
-/// (0, 1). Joints without information are not an error: they are named in the
+/// As [`measured_system`]; a confidence outside (0, 1). Joints without
+/// information, also for want of rows, are not an error: they are named in the
 /// result.
 pub fn identify(
     cell: &Cell,

@@ -96,7 +96,10 @@ impl PostureTerms {
                         Code::MissingKey,
                         "The load is measured, but this posture comes with no force.",
                     )
-                    .hint("give fx_n, fy_n, fz_n with each measurement, or set another [load] kind")
+                    .hint(
+                        "give fx_n, fy_n, fz_n with each measurement; to plan or simulate, set load.kind to \
+                         \"rope\", \"weight\" or \"wrench\" as the load will be",
+                    )
                 })?,
         };
         for j in 0..n {

@@ -6,6 +6,7 @@ pub use model_errors::ModelErrors;
 
 use crate::cell::{Cell, Noise};
 use crate::error::{Code, Error, Result};
+use crate::findings::list;
 use crate::index::evaluate;
 use crate::information::{Factor, whiten_posture};
 use crate::observation::{Rows, observation_matrix};
@@ -135,14 +136,19 @@ pub fn simulate(
                 format!(
                     "\"{}\" cannot determine {}.",
                     group.name,
-                    evaluation.undetermined_joints.join(", ")
+                    list(&evaluation.undetermined_joints)
                 ),
             )
             .hint("evaluate shows which joints each group determines"));
         }
         let psi = observation_matrix(&cell.setup, &group.postures, Rows::Translations)?;
         for (l, factor) in options.variance_factors.iter().enumerate() {
-            jobs.push(Job { group: g, level: l, factor: *factor, psi: psi.clone() });
+            jobs.push(Job {
+                group: g,
+                level: l,
+                factor: *factor,
+                psi: psi.clone(),
+            });
         }
     }
     let total = jobs.len();
@@ -270,7 +276,9 @@ fn simulate_level(
         let mut rng = run_rng(options.seed, job.group, job.level, run);
         let mut error = draw_noise(&mut rng, &noise, postures, points);
         if !options.model_errors.is_exact() {
-            error += options.model_errors.draw(cell, &group.postures, &compliance, &mut rng)?;
+            error += options
+                .model_errors
+                .draw(cell, &group.postures, &compliance, &mut rng)?;
         }
         let mut error = DMatrix::from_columns(&[error]);
         whiten(&mut error);

@@ -35,7 +35,7 @@ impl SeriesCompliance {
         rotational: [f64; 3],
     ) -> Result<Self> {
         let stiffness = [translational, rotational].concat();
-        if stiffness.iter().any(|k| !(*k > 0.0)) {
+        if stiffness.iter().any(|k| k.is_nan() || *k <= 0.0) {
             return Err(Error::new(
                 Code::InvalidValue,
                 "Each stiffness of the series compliance must be above zero.",

@@ -5,11 +5,12 @@ use crate::args::EvaluateArgs;
 use crate::numbers::{optional, optional_percent};
 use crate::output::Exit;
 use crate::session::Session;
-use crate::table::{Align, Table, list, red, title, yellow};
+use crate::table::{Align, Table, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::cell::Cell;
+use stiffarm::findings::list;
 use stiffarm::index::{GroupEvaluation, Index, evaluate};
 
 /// Options of the result.

@@ -182,9 +182,18 @@ fn other_starts(study: &Study) -> Option<Figure> {
     if study.starts.kinds.is_empty() {
         return None;
     }
-    let rows = study.starts.kinds.first().map_or(&[][..], |kind| &kind.rows);
-    let names: Vec<String> =
-        rows.iter().map(|row| row.index.map_or("start".into(), |i| i.as_str().replace('_', " "))).collect();
+    let rows = study
+        .starts
+        .kinds
+        .first()
+        .map_or(&[][..], |kind| &kind.rows);
+    let names: Vec<String> = rows
+        .iter()
+        .map(|row| {
+            row.index
+                .map_or("start".into(), |i| i.as_str().replace('_', " "))
+        })
+        .collect();
     let series = study
         .starts
         .kinds

@@ -98,9 +98,7 @@ pub fn tables(study: &Study) -> Vec<Table> {
                 .collect(),
         );
         for (p, q) in g.postures_deg.iter().enumerate() {
-            let cells = q
-                .iter()
-                .map(|a| a.to_string());
+            let cells = q.iter().map(|a| a.to_string());
             table
                 .rows
                 .push(std::iter::once((p + 1).to_string()).chain(cells).collect());

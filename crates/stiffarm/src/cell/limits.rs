@@ -61,6 +61,10 @@ pub struct LimitMargin {
     pub margin: f64,
 }
 
+/// Called with limit, subject, margin and a function that writes the margin's
+/// derivative with respect to θ.
+type Visitor<'a> = dyn FnMut(LimitKind, usize, f64, &dyn Fn(&mut [f64])) + 'a;
+
 /// A point that moves with the joints below `moved_by`.
 struct Subject {
     point: Vector3<f64>,
@@ -136,12 +140,7 @@ impl Limits {
         });
     }
 
-    fn visit(
-        &self,
-        setup: &Setup,
-        terms: &PostureTerms,
-        each: &mut dyn FnMut(LimitKind, usize, f64, &dyn Fn(&mut [f64])),
-    ) {
+    fn visit(&self, setup: &Setup, terms: &PostureTerms, each: &mut Visitor<'_>) {
         let n = setup.robot.joint_count();
         let frames = terms.frames();
         let mut subjects = vec![Subject {

@@ -1,6 +1,6 @@
 //! A robot cell: what is measured, within which bounds, how exactly.
 //!
-//! Values only; reading and writing `cell.toml` is in [`file`].
+//! Values only; reading and writing `cell.toml` is in [`mod@file`].
 
 #[cfg(feature = "files")]
 pub mod file;

@@ -40,13 +40,18 @@ impl Termination {
     }
 }
 
+/// Asked whether to stop.
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+/// Told what is being done, how much is done, of how much.
+pub type Report<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
+
 /// How a caller watches and stops long work.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
     /// Asked now and then; `true` stops with the best result so far.
-    pub stop: Option<&'a (dyn Fn() -> bool + Sync)>,
+    pub stop: Option<Stop<'a>>,
     /// Told about finished steps: what, done, of how many.
-    pub progress: Option<&'a (dyn Fn(&str, usize, usize) + Sync)>,
+    pub progress: Option<Report<'a>>,
 }
 
 impl Control<'_> {

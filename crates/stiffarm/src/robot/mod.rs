@@ -125,7 +125,8 @@ impl Robot {
             ));
         }
         for (joint, limit) in self.joints.iter_mut().zip(limits) {
-            if !(limit[0] < limit[1]) {
+            // NaN is not below anything either.
+            if limit[0].partial_cmp(&limit[1]) != Some(std::cmp::Ordering::Less) {
                 return Err(Error::new(
                     Code::InvalidValue,
                     format!(

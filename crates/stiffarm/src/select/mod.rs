@@ -6,6 +6,7 @@ pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
 
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
+use crate::findings::list;
 use crate::index::{GroupEvaluation, Index, IndexFunction, Indices, evaluate};
 use crate::observation::PostureTerms;
 use crate::optimise::{Control, Evaluation, Options, Solution, Termination, minimise};
@@ -330,9 +331,12 @@ fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termination: Termi
         return Error::new(
             Code::NotIdentifiable,
             format!(
-                "{} postures with this load cannot determine {}.",
-                at.posture_count,
-                at.undetermined_joints.join(", ")
+                "{} with this load cannot determine {}.",
+                match at.posture_count {
+                    1 => "One posture".to_string(),
+                    count => format!("{count} postures"),
+                },
+                list(&at.undetermined_joints)
             ),
         )
         .hint("add postures or measuring points, or move the load off the joint's axis");

@@ -61,7 +61,11 @@ impl ModelErrors {
         let rows = 3 * cell.setup.tool.point_count();
         let mut out = DVector::zeros(rows * postures.len());
         for (p, posture) in postures.iter().enumerate() {
-            let q: Vec<f64> = posture.q.iter().map(|a| a + normal(self.joint_angle_rad)).collect();
+            let q: Vec<f64> = posture
+                .q
+                .iter()
+                .map(|a| a + normal(self.joint_angle_rad))
+                .collect();
             let factor = force_scale * (1.0 + normal(self.force_per_posture));
             let nominal = PostureTerms::new(&cell.setup, &posture.q, None)?;
             let pull = PostureTerms::new(&truth, &q, None)?;
@@ -71,7 +75,8 @@ impl ModelErrors {
                 moment: pull.wrench().moment * factor,
             };
             let actual = PostureTerms::new(&truth, &q, Some(&wrench))?;
-            let difference = (actual.block(&truth.robot) - nominal.block(&cell.setup.robot)) * compliance;
+            let difference =
+                (actual.block(&truth.robot) - nominal.block(&cell.setup.robot)) * compliance;
             out.rows_mut(rows * p, rows).copy_from(&difference);
         }
         Ok(out)

@@ -35,7 +35,10 @@ pub const STUDY_INDICES: [(Index, &str); 4] = [
 /// there is no k(J_N), and only the expected error is left.
 pub fn study_indices(cell: &Cell) -> Vec<(Index, &'static str)> {
     let dexterity = cell.setup.robot.joint_count() >= 6;
-    STUDY_INDICES.into_iter().filter(|(index, _)| dexterity || !index.uses_dexterity()).collect()
+    STUDY_INDICES
+        .into_iter()
+        .filter(|(index, _)| dexterity || !index.uses_dexterity())
+        .collect()
 }
 
 /// Name of the initial group.
@@ -187,10 +190,18 @@ pub fn study(
         .map(|((_, group), _)| group.clone())
         .collect();
     // The simulation is a matter of milliseconds: an interruption waits for it.
-    let unstopped = Control { stop: None, ..control };
+    let unstopped = Control {
+        stop: None,
+        ..control
+    };
     let simulation = simulate(cell, &simulated, &options.simulation, unstopped)?;
-    let classical_q1 = match named.iter().find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical)) {
-        Some((_, group)) => starts::q1_range(cell, group, options.q1_draws, options.simulation.seed)?,
+    let classical_q1 = match named
+        .iter()
+        .find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical))
+    {
+        Some((_, group)) => {
+            starts::q1_range(cell, group, options.q1_draws, options.simulation.seed)?
+        }
         None => None,
     };
     let starts = starts::other_starts(

@@ -129,11 +129,7 @@ pub(super) fn other_starts(
     Ok(result)
 }
 
-fn summarise(
-    kind: &str,
-    studied: &[(Index, &str)],
-    outcomes: &[Vec<Option<f64>>],
-) -> StartsOfKind {
+fn summarise(kind: &str, studied: &[(Index, &str)], outcomes: &[Vec<Option<f64>>]) -> StartsOfKind {
     // An undetermined group is worse than any determined one.
     let badness = |v: Option<f64>| v.unwrap_or(f64::INFINITY);
     let indices = std::iter::once(None).chain(studied.iter().map(|(i, _)| Some(*i)));

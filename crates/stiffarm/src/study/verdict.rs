@@ -1,7 +1,7 @@
 //! The verdict of a study in sentences.
 
 use super::{INITIAL_GROUP, STUDY_INDICES, Study};
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, list};
 use crate::index::Index;
 use crate::simulate::mean;
 
@@ -41,7 +41,7 @@ pub(super) fn conclude(study: &mut Study) {
                 "undetermined-joints",
                 Severity::Serious,
                 &group.name,
-                format!("{} cannot determine {}.", group.name, lost.join(", ")),
+                format!("{} cannot determine {}.", group.name, list(lost)),
             ));
         }
     }
@@ -185,7 +185,7 @@ pub(super) fn conclude(study: &mut Study) {
                     "{}: the relative standard error of {} passes 10 % at some noise level; the mean of |k̂ − k|/k is \
                      not meaningful there, so the median is shown.",
                     group.name,
-                    flagged.join(", ")
+                    list(&flagged)
                 ),
             ));
         }

@@ -1,8 +1,9 @@
 //! An identification in sentences.
 
 use crate::numbers::{mm, percent, significant, stiffness};
-use crate::table::{list, red};
+use crate::table::red;
 use stiffarm::cell::Cell;
+use stiffarm::findings::list;
 use stiffarm::identify::{Identification, JointEstimate, NoiseSource, Verdict};
 use stiffarm::measurement::MeasuredPosture;
 
