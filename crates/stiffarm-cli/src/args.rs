@@ -374,6 +374,8 @@ pub enum SchemaChoice {
     ResultIdentify,
     /// Output of `validate --json`
     ResultValidate,
+    /// Output of `study --json`, and study.json
+    ResultStudy,
 }
 
 /// Generated pages.

@@ -313,6 +313,10 @@ fn schemas_describe_what_the_commands_print() {
             "result-validate",
             "validate builtin:comau stiffness.json simulated.csv",
         ),
+        (
+            "result-study",
+            "study --runs 2 --starts 2 --output-dir study",
+        ),
     ];
     for (name, line) in lines {
         let schema: serde_json::Value =

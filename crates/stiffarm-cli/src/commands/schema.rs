@@ -1,6 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{check, evaluate, identify, select, simulate, validate};
+use super::{check, evaluate, identify, select, simulate, study, validate};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
 use crate::session::Session;
@@ -12,6 +12,7 @@ use stiffarm::cell::file::cell_schema;
 use stiffarm::check::CellCheck;
 use stiffarm::identify::Identification;
 use stiffarm::simulate::Simulation;
+use stiffarm::study::Study;
 use stiffarm::validate::Validation;
 
 /// Prints one schema.
@@ -24,6 +25,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
         SchemaChoice::ResultIdentify => of::<identify::Options, Identification>("identify"),
         SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),
+        SchemaChoice::ResultStudy => of::<study::Options, Study>("study"),
     };
     session.print(&to_json(&schema)?)?;
     Ok(Exit::Done)

@@ -339,7 +339,9 @@ fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termination: Termi
                 list(&at.undetermined_joints)
             ),
         )
-        .hint("add postures or measuring points, or move the load off the joint's axis");
+        .hint(
+            "add postures that differ, or measuring points, or move the load off the joint's axis",
+        );
     }
     let limits = if cell.limits.is_empty() {
         "the joint bounds"
