@@ -79,6 +79,22 @@ impl Target {
 /// # Errors
 /// More than one of `targets`, or one of them and `--json`, is standard output.
 pub fn check_one_stdout(session: &Session, targets: &[Option<&Target>]) -> Result<()> {
+    for (i, target) in targets.iter().enumerate() {
+        let (Some(Target::File(path)), rest) = (target, &targets[..i]) else {
+            continue;
+        };
+        if rest
+            .iter()
+            .flatten()
+            .any(|other| matches!(other, Target::File(p) if p == path))
+        {
+            return Err(
+                Error::new(Code::Usage, "Two results would go to the same file.")
+                    .file(path.display().to_string())
+                    .hint("give each a name of its own"),
+            );
+        }
+    }
     let used = targets
         .iter()
         .flatten()
@@ -99,6 +115,17 @@ pub fn check_one_stdout(session: &Session, targets: &[Option<&Target>]) -> Resul
 /// # Errors
 /// A file cannot be written.
 pub fn write_all(session: &Session, files: &[(Target, String)]) -> Result<()> {
+    for (target, _) in files {
+        let Target::File(path) = target else { continue };
+        if session.has_read(path) {
+            return Err(Error::new(
+                Code::Conflict,
+                "This file is an input of the same command, and it is not overwritten even with --force.",
+            )
+            .file(path.display().to_string())
+            .hint("give the output another name"));
+        }
+    }
     let mut finished: Vec<(PathBuf, &PathBuf)> = Vec::new();
     let written = files.iter().try_for_each(|(target, text)| match target {
         Target::Stdout => session.print(text),

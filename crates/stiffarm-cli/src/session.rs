@@ -62,6 +62,18 @@ impl Session {
         self.inputs.borrow().iter().any(|input| input.is_stdin)
     }
 
+    /// True when `path` is a file that was read.
+    pub fn has_read(&self, path: &std::path::Path) -> bool {
+        let Ok(path) = std::fs::canonicalize(path) else {
+            return false;
+        };
+        let inputs = self.inputs.borrow();
+        inputs
+            .iter()
+            .filter(|input| !input.is_stdin)
+            .any(|input| std::fs::canonicalize(&input.name).is_ok_and(|p| p == path))
+    }
+
     /// Text of an input by the name that errors use for it.
     pub fn text_of(&self, name: &str) -> Option<String> {
         let inputs = self.inputs.borrow();

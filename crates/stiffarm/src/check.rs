@@ -81,6 +81,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     let terms: Vec<&PostureTerms> = looked_at.iter().flat_map(|s| &s.terms).collect();
     let joints = excitation::check(cell, &terms, &mut findings)?;
     validation(cell, &mut findings);
+    machine_limits(cell, &mut findings);
     slips::check(cell, &mut findings);
     setup(cell, &mut findings);
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
@@ -90,6 +91,21 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
         postures_within_limits,
         joints,
     })
+}
+
+/// Says where limits of ±360° only stand in for unknown ones.
+fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
+    let unknown = [-std::f64::consts::TAU, std::f64::consts::TAU];
+    let joints = cell.setup.robot.joints();
+    if joints.iter().all(|j| j.limits == unknown) {
+        findings.push(Finding::new(
+            "unknown-limits",
+            Severity::Caution,
+            "robot.limits_deg",
+            "The machine's limits are not known: -360° to 360° stand in for them. Give robot.limits_deg, or bounds that \
+             the machine can reach, before a plan is driven.",
+        ));
+    }
 }
 
 /// One sampled posture.

@@ -3,6 +3,10 @@
 //! Least squares for H by column-scaled QR and SVD, never by the normal
 //! equations (Eq. (14) as printed squares the condition number), k_j = 1/H_j.
 
+mod plausibility;
+
+pub use plausibility::implausible_scale;
+
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::information::{Factor, whiten_posture};
@@ -17,7 +21,7 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum NoiseSource {
-    /// From the residuals, s² = RSS/(rows − n), with Student's t quantiles.
+    /// From the residuals, s² = RSS/(rows − rank), with Student's t quantiles.
     Estimated,
     /// From the cell, with normal quantiles.
     Known,
@@ -53,6 +57,8 @@ pub enum Verdict {
     LowerBoundOnly,
     /// Even the upper end of the compliance is negative: sign or model fault.
     SignOrModelFault,
+    /// A stiffness without an interval: no degrees of freedom, or no deflection.
+    NoInterval,
     /// The data carry no information about this joint.
     Undetermined,
 }
@@ -108,7 +114,8 @@ pub struct Identification {
     pub residual_rms_m: f64,
     /// RMS of the measured displacement components \[m\].
     pub displacement_rms_m: f64,
-    /// s = sqrt(RSS/(rows − rank)) \[m\], `None` without degrees of freedom.
+    /// s = sqrt(RSS/(rows − rank)) of the whitened residuals \[m\], `None` without
+    /// degrees of freedom.
     pub residual_std_m: Option<f64>,
     /// σ of a displacement component by the cell's noise \[m\].
     pub expected_std_m: f64,
@@ -137,7 +144,7 @@ impl Identification {
             .collect()
     }
 
-    /// True when every joint has a positive stiffness that the data determine.
+    /// True when every joint has a stiffness with a closed interval.
     pub fn is_complete(&self) -> bool {
         self.joints.iter().all(|j| j.verdict == Verdict::Determined)
     }
@@ -243,7 +250,7 @@ pub fn identify(
     };
     let covariance = factor.inverse_information();
     let unit_errors = factor.standard_errors();
-    let names = robot_names(cell);
+    let names = cell.setup.robot.spring_names();
     let joints = (0..n)
         .map(|j| {
             let error = unit_errors[j].zip(sigma).map(|(e, s)| e * s);
@@ -307,10 +314,6 @@ pub fn identify(
             })
             .collect(),
     })
-}
-
-fn robot_names(cell: &Cell) -> Vec<String> {
-    cell.setup.robot.spring_names()
 }
 
 /// Root mean square; zero for no values.
@@ -383,13 +386,13 @@ fn estimate(
         out.standard_error = error.map(|e| e / (h * h));
     }
     let Some(half) = error.zip(quantile).map(|(e, t)| e * t) else {
-        if h <= 0.0 {
-            out.verdict = Verdict::SignOrModelFault;
-        }
+        out.verdict = Verdict::NoInterval;
         return out;
     };
     let (low, high) = (h - half, h + half);
-    if high <= 0.0 {
+    if high == 0.0 && low == 0.0 {
+        out.verdict = Verdict::NoInterval;
+    } else if high < 0.0 {
         out.verdict = Verdict::SignOrModelFault;
     } else if low <= 0.0 {
         out.verdict = Verdict::LowerBoundOnly;

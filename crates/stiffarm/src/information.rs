@@ -17,6 +17,9 @@ const ZERO_COLUMN: f64 = 1e-10;
 const RANK_TOLERANCE: f64 = 1e-10;
 /// Share of a joint in the null space above which it is called undetermined.
 const NULL_SHARE: f64 = 1e-6;
+/// Smallest eigenvalue of a Gram matrix, relative to the largest and per row,
+/// that is more than its rounding error.
+pub(crate) const GRAM_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Iterations after which a decomposition counts as failed.
 const MAX_ITERATIONS: usize = 1000;
 

@@ -22,12 +22,7 @@ impl Frames {
     /// # Panics
     /// If `q` does not have one entry per joint.
     pub fn new(robot: &Robot, q: &[f64]) -> Self {
-        let n = robot.joint_count();
-        let mut frames = Frames {
-            axes: vec![Vector3::zeros(); n],
-            origins: vec![Vector3::zeros(); n],
-            flange: Isometry3::identity(),
-        };
+        let mut frames = Frames::zero(robot.joint_count());
         frames.update(robot, q);
         frames
     }
@@ -39,13 +34,17 @@ impl Frames {
     pub fn at_serial_angles(robot: &Robot, theta: &[f64]) -> Self {
         let n = robot.joint_count();
         assert_eq!(theta.len(), n, "one serial angle per joint");
-        let mut frames = Frames {
+        let mut frames = Frames::zero(n);
+        frames.update_serial(robot, theta.iter().copied());
+        frames
+    }
+
+    fn zero(n: usize) -> Self {
+        Frames {
             axes: vec![Vector3::zeros(); n],
             origins: vec![Vector3::zeros(); n],
             flange: Isometry3::identity(),
-        };
-        frames.update_serial(robot, theta.iter().copied());
-        frames
+        }
     }
 
     /// Moves these frames to the controller angles `q` \[rad\].

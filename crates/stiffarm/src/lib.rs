@@ -27,6 +27,7 @@ pub mod robot;
 pub mod select;
 pub mod simulate;
 pub mod stiffness;
+mod streams;
 pub mod study;
 #[cfg(feature = "files")]
 pub mod table;

@@ -12,11 +12,12 @@ use crate::information::{Factor, whiten_posture};
 use crate::observation::{Rows, observation_matrix};
 use crate::optimise::Control;
 use crate::posture::PostureGroup;
+use crate::streams::run_rng;
 use nalgebra::{DMatrix, DVector};
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Relative standard error above which the mean of |1/Ĥ − k|/k is flagged and
 /// the median printed: E|1/Ĥ| does not even exist.
@@ -117,6 +118,12 @@ pub fn simulate(
             "A simulation needs at least one run and one noise level.",
         ));
     }
+    if options.runs > MAX_RUNS || options.variance_factors.len() > MAX_LEVELS {
+        return Err(Error::new(
+            Code::InvalidValue,
+            format!("A simulation has at most {MAX_RUNS} runs and {MAX_LEVELS} noise levels."),
+        ));
+    }
     if options
         .variance_factors
         .iter()
@@ -152,12 +159,17 @@ pub fn simulate(
         }
     }
     let total = jobs.len();
-    let run = |(i, job): (usize, &Job)| {
+    let done = AtomicUsize::new(0);
+    let run = |(_, job): (usize, &Job)| {
         if control.stopped() {
             return Err(Error::new(Code::Interrupted, "The simulation was stopped."));
         }
         let level = simulate_level(cell, &groups[job.group], prior, options, job);
-        control.report("simulating", i + 1, total);
+        control.report(
+            "simulating",
+            done.fetch_add(1, Ordering::Relaxed) + 1,
+            total,
+        );
         level
     };
     let levels: Vec<LevelResult> = in_order(&jobs, run)?;
@@ -181,15 +193,15 @@ pub(crate) fn in_order<J: Sync, T: Send>(
     jobs: &[J],
     run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
+    // The first error by order, whichever thread met one first.
     #[cfg(feature = "parallel")]
-    {
+    let results: Vec<Result<T>> = {
         use rayon::prelude::*;
         jobs.par_iter().enumerate().map(run).collect()
-    }
+    };
     #[cfg(not(feature = "parallel"))]
-    {
-        jobs.iter().enumerate().map(run).collect()
-    }
+    let results: Vec<Result<T>> = jobs.iter().enumerate().map(run).collect();
+    results.into_iter().collect()
 }
 
 /// Noise of the displacements of `postures` postures with `points` points each.
@@ -218,13 +230,9 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
-/// The random numbers of one run.
-pub(crate) fn run_rng(seed: u64, group: usize, level: usize, run: usize) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(((group as u64) << 44) | ((level as u64) << 34) | run as u64);
-    rng
-}
-
+/// Largest number of noise levels and of runs whose random numbers stay apart.
+const MAX_LEVELS: usize = 1 << 10;
+const MAX_RUNS: usize = 1 << 34;
 /// One noise level of one group.
 struct Job {
     group: usize,
@@ -270,8 +278,8 @@ fn simulate_level(
         .map(|(e, k)| e.unwrap_or(f64::INFINITY) * k * noise.displacement_std())
         .collect();
     let compliance = DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k));
-    let mut deviations = vec![Vec::with_capacity(options.runs); n];
-    let mut compliance_deviations = vec![Vec::with_capacity(options.runs); n];
+    let mut deviations = vec![Vec::new(); n];
+    let mut compliance_deviations = vec![Vec::new(); n];
     for run in 0..options.runs {
         let mut rng = run_rng(options.seed, job.group, job.level, run);
         let mut error = draw_noise(&mut rng, &noise, postures, points);

@@ -13,7 +13,8 @@ use crate::observation::{PostureTerms, Setup};
 use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
-/// Changes of θ below this end the equilibrium iteration \[rad\].
+/// Changes of θ below this, and below the rounding of the deflection, end the
+/// equilibrium iteration \[rad\].
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-15;
 /// Iterations after which the equilibrium counts as not found.
 const EQUILIBRIUM_ITERATIONS: usize = 200;
@@ -211,7 +212,7 @@ pub fn equilibrium(
         if !change.is_finite() {
             break;
         }
-        if change <= EQUILIBRIUM_TOLERANCE {
+        if change <= EQUILIBRIUM_TOLERANCE + 4.0 * f64::EPSILON * deflection.amax() {
             return Ok(Equilibrium {
                 frames: terms.frames,
                 deflection,

@@ -6,8 +6,9 @@ use crate::identify::rms;
 use crate::measurement::{Displacement, MeasuredPosture};
 use crate::observation::PostureTerms;
 use crate::posture::Posture;
-use crate::simulate::{draw_noise, run_rng};
+use crate::simulate::draw_noise;
 use crate::stiffness::{equilibrium_displacement, joint_compliance, linear_displacement};
+use crate::streams::run_rng;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -118,6 +119,19 @@ pub fn validate(
     model: Model,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
+    let finite = |d: &Displacement| d.value.iter().all(|v| v.is_finite());
+    if !measured.iter().all(|m| m.displacements.iter().all(finite)) {
+        return Err(Error::new(
+            Code::NotFinite,
+            "A displacement is not a finite number.",
+        ));
+    }
+    if tolerance_m.is_some_and(|t| t.is_nan() || t < 0.0) {
+        return Err(Error::new(
+            Code::InvalidValue,
+            "The tolerance must be 0 or above.",
+        ));
+    }
     let mut points = Vec::new();
     let names: Vec<&str> = cell
         .setup

@@ -162,7 +162,7 @@ fn meaning(index: Index) -> &'static str {
         Index::ExpectedError => "RMS relative standard error of k [%]",
         Index::WorstJoint => "largest relative standard error of k [%]",
         Index::DropOne => "expected_error with the worst posture lost [%]",
-        Index::D => "geometric mean relative standard error [%]",
+        Index::D => "size of the error ellipsoid, per axis [%]",
         Index::O1 => "geometric mean of σ_i / √postures; larger is better",
         Index::O2 => "σ_min/σ_max; larger is better",
         Index::O3 => "σ_min; larger is better",

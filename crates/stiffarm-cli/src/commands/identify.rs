@@ -8,11 +8,12 @@ use crate::input::NamedCell;
 use crate::numbers::{NONE, mm, optional, percent, stiffness};
 use crate::output::{Exit, to_json};
 use crate::session::Session;
-use crate::table::{Table, title, yellow};
+use crate::table::{Table, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::identify::{
     Identification, IdentifyOptions, JointEstimate, NoiseSource, Verdict, identify,
+    implausible_scale,
 };
 use stiffarm::measurement::{MeasuredPosture, split_by_name};
 use stiffarm::{Code, Error, Result};
@@ -64,7 +65,8 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     };
     let result = identify(cell, &measured, options)?;
 
-    let exit = Exit::finding(!result.is_complete());
+    let implausible = implausible_scale(cell, &result);
+    let exit = Exit::finding(!result.is_complete() || implausible.is_some());
     let options = Options {
         noise: options.noise,
         confidence: options.confidence,
@@ -119,6 +121,9 @@ fn table(
     out += &title("Joint stiffness");
     out += &estimates(result).to_string();
     out.push('\n');
+    if let Some(finding) = implausible_scale(&named.cell, result) {
+        out += &format!("{}\n", red(&finding.sentence));
+    }
     for sentence in words::verdicts(result) {
         out += &format!("{sentence}\n");
     }

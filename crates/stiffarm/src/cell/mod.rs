@@ -41,7 +41,7 @@ impl Noise {
     pub fn common_weight(&self, points: usize) -> f64 {
         let tau2 = self.posture_common_std.powi(2);
         let total = self.displacement_variance() + points as f64 * tau2;
-        if tau2 > 0.0 && total > 0.0 {
+        if tau2 > 0.0 && self.displacement_variance() > 0.0 {
             tau2 / total
         } else {
             0.0

@@ -5,7 +5,7 @@
 //! of J_N, so a chain with n > 6 joints uses its 6 × n Gram matrix; with n < 6
 //! J_N has no full rank and k(J_N) does not exist.
 
-use crate::information::{svd, symmetric_eigen};
+use crate::information::{GRAM_ROUNDING, svd, symmetric_eigen};
 use crate::kinematics::Frames;
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3};
 
@@ -55,7 +55,7 @@ pub(crate) fn log_condition_gradient(
     else {
         return (f64::INFINITY, 0.0);
     };
-    if values[0] <= f64::EPSILON * values[5] {
+    if values[0] <= 6.0 * GRAM_ROUNDING * values[5] {
         return (f64::INFINITY, 0.0);
     }
     let trace = values.sum();

@@ -3,7 +3,7 @@
 use super::dexterity;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::information::{Factor, whiten_posture};
+use crate::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use crate::observation::PostureTerms;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,8 @@ pub struct Indices {
     pub worst_joint: Option<f64>,
     /// Largest expected error when any one posture is lost (fraction).
     pub drop_one: Option<f64>,
-    /// Geometric-mean relative standard error (fraction).
+    /// Geometric mean of the semi-axes of the relative error ellipsoid,
+    /// σ·det(K⁻¹ΨᵀΨK⁻¹)^(−1/(2n)) (fraction).
     pub d: Option<f64>,
     /// (Π σ_i)^(1/n)/√m with m postures.
     pub o1: Option<f64>,
@@ -138,7 +139,8 @@ pub fn evaluate<Q: AsRef<[f64]>>(
     let factor = Factor::new(&psi)?;
     let full = factor.undetermined().is_empty();
     let sigma = factor.singular_values(|_| 1.0)?;
-    let ratio = |s: &nalgebra::DVector<f64>| full.then(|| s[0] / s[n - 1]);
+    let ratio =
+        |s: &nalgebra::DVector<f64>| full.then(|| s[0] / s[n - 1]).filter(|c| c.is_finite());
     let condition = ratio(&sigma);
     // k(J_N)_max exists only where every posture has one.
     let classical = k_jn
@@ -165,7 +167,7 @@ pub fn evaluate<Q: AsRef<[f64]>>(
         .copied()
         .try_fold(0.0_f64, |max, e| e.map(|e| max.max(e)));
     let times = |a: Option<f64>, b: Option<f64>| Some(a? * b?);
-    let observability = |f: &dyn Fn() -> f64| full.then(f);
+    let observability = |f: &dyn Fn() -> f64| full.then(f).filter(|v| v.is_finite());
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
     Ok(GroupEvaluation {
         name: name.to_string(),
@@ -218,6 +220,37 @@ fn rms(values: &[Option<f64>]) -> Option<f64> {
     sum.map(|s| (s / values.len() as f64).sqrt())
 }
 
+/// Groups up to this size have a decomposition for each posture left out.
+const EXACT_DROP_ONE: usize = 60;
+
+/// As [`drop_one_error`] for large groups, where one posture more or less hardly
+/// changes the information, from the information matrices.
+fn drop_one_by_information(
+    whitened: &DMatrix<f64>,
+    rows: usize,
+    postures: usize,
+    prior: &[f64],
+    std: f64,
+) -> Option<f64> {
+    let mut scaled = whitened.clone();
+    for (j, k) in prior.iter().enumerate() {
+        scaled.column_mut(j).scale_mut(1.0 / k);
+    }
+    let total = scaled.tr_mul(&scaled);
+    let mut worst = 0.0_f64;
+    for p in 0..postures {
+        let block = scaled.rows(rows * p, rows);
+        let (values, _) = symmetric_eigen(&total - block.tr_mul(&block))?;
+        let n = values.len();
+        if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
+            return None;
+        }
+        let trace: f64 = values.iter().map(|v| 1.0 / v).sum();
+        worst = worst.max((trace / n as f64).sqrt());
+    }
+    Some(std * worst)
+}
+
 fn drop_one_error(
     whitened: &DMatrix<f64>,
     rows: usize,
@@ -227,6 +260,11 @@ fn drop_one_error(
 ) -> Result<Option<f64>> {
     if postures < 2 {
         return Ok(None);
+    }
+    if postures > EXACT_DROP_ONE {
+        return Ok(drop_one_by_information(
+            whitened, rows, postures, prior, std,
+        ));
     }
     let mut worst = Some(0.0_f64);
     for p in 0..postures {

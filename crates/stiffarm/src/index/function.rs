@@ -10,7 +10,7 @@
 use super::{Index, dexterity};
 use crate::cell::Cell;
 use crate::error::{Error, Result};
-use crate::information::{point_sums, posture_information, symmetric_eigen};
+use crate::information::{GRAM_ROUNDING, point_sums, posture_information, symmetric_eigen};
 use crate::observation::PostureTerms;
 use nalgebra::{DMatrix, DVector};
 
@@ -34,24 +34,8 @@ pub struct Minimax {
 impl Minimax {
     /// ln of the index (of its reciprocal for O1 to O5).
     pub fn value(&self) -> f64 {
-        self.exact
-            + self
-                .components
-                .iter()
-                .copied()
-                .fold(f64::NEG_INFINITY, f64::max)
-                .max_or_zero()
-    }
-}
-
-trait MaxOrZero {
-    fn max_or_zero(self) -> f64;
-}
-
-impl MaxOrZero for f64 {
-    /// The maximum of no components adds nothing.
-    fn max_or_zero(self) -> f64 {
-        if self == f64::NEG_INFINITY { 0.0 } else { self }
+        let largest = self.components.iter().copied().reduce(f64::max);
+        self.exact + largest.unwrap_or(0.0)
     }
 }
 
@@ -296,7 +280,7 @@ impl<'a> IndexFunction<'a> {
     fn spectral(&self, information: &DMatrix<f64>) -> Option<(f64, f64, DMatrix<f64>)> {
         let (values, vectors) = symmetric_eigen(information.clone())?;
         let n = values.len();
-        if values[0] <= f64::EPSILON * values[n - 1] {
+        if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
             return None;
         }
         let count = n as f64;
@@ -418,7 +402,8 @@ fn add_gradient(
 /// Inverse of a positive definite matrix, `None` where it is not (numerically).
 fn positive_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let (values, vectors) = symmetric_eigen(matrix.clone())?;
-    if values[0] <= f64::EPSILON * values[values.len() - 1] {
+    let n = values.len();
+    if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
         return None;
     }
     Some(&vectors * DMatrix::from_diagonal(&values.map(|v| 1.0 / v)) * vectors.transpose())

@@ -34,7 +34,7 @@ pub enum Index {
     WorstJoint,
     /// Largest expected error when any one posture is lost.
     DropOne,
-    /// Geometric-mean relative standard error (D-optimality).
+    /// Geometric mean of the semi-axes of the relative error ellipsoid (D-optimality).
     D,
     /// (Π σ_i)^(1/n)/√m with m postures; larger is better (Borm & Menq).
     O1,

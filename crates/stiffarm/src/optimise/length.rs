@@ -49,6 +49,12 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
         .sum::<f64>()
         + robot.flange().translation.vector.norm()
         + tcp.norm();
+    if reach.is_nan() || reach <= 0.0 {
+        return Err(Error::new(
+            Code::Unsupported,
+            "The chain has no length, so there is no characteristic length.",
+        ));
+    }
     // ln L between a thousandth of the reach and the reach.
     let mut bounds = cell.bounds.clone();
     bounds.push([(1e-3 * reach).ln(), reach.ln()]);
@@ -113,13 +119,18 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
 }
 
 /// The cell with its characteristic length, computed where it was left open.
-/// Robots with fewer than six joints stay without one.
+/// Robots that have none (fewer than six joints, or a Jacobian that never has
+/// full rank) stay without one.
 ///
 /// # Errors
-/// As [`characteristic_length`], except for too few joints.
+/// As [`characteristic_length`], except where the robot has none.
 pub fn with_characteristic_length(mut cell: Cell) -> Result<Cell> {
-    if cell.characteristic_length.is_none() && cell.setup.robot.joint_count() >= 6 {
-        cell.characteristic_length = Some(characteristic_length(&cell)?.length);
+    if cell.characteristic_length.is_none() {
+        cell.characteristic_length = match characteristic_length(&cell) {
+            Ok(found) => Some(found.length),
+            Err(error) if error.code() == Code::Unsupported => None,
+            Err(error) => return Err(error),
+        };
     }
     Ok(cell)
 }

@@ -21,10 +21,10 @@ pub struct Evaluation {
     pub margins: Vec<f64>,
     /// Their gradients, row by row.
     pub margin_gradients: Vec<f64>,
-    /// The value the search is judged by (the objective without its epigraph
-    /// variable), and the largest violation of a hard limit.
+    /// The value the search is judged by: the objective without its epigraph
+    /// variable and without smoothing.
     pub merit: f64,
-    /// Violation of hard limits in their own unit; 0 when all are met.
+    /// Largest violation of a hard limit, in its own unit; 0 when all are met.
     pub violation: f64,
 }
 
@@ -38,6 +38,9 @@ pub struct Options {
     pub tolerance: f64,
     /// Largest violation of a hard limit that counts as met.
     pub feasibility: f64,
+    /// Largest ∞-norm of the projected gradient of the Lagrangian that counts
+    /// as a local minimum.
+    pub optimality: f64,
 }
 
 impl Default for Options {
@@ -46,6 +49,7 @@ impl Default for Options {
             max_iterations: 2000,
             tolerance: 1e-10,
             feasibility: 1e-9,
+            optimality: 5e-3,
         }
     }
 }
@@ -68,7 +72,8 @@ pub struct Solution {
     /// Evaluations of the problem.
     pub evaluations: u64,
     /// ∞-norm of the projected gradient of the Lagrangian at the last iterate
-    /// (first-order optimality), where the solver reports it.
+    /// (first-order optimality), where the solver reports it. When converged,
+    /// that iterate is as good as the returned point to `Options::optimality`.
     pub stationarity: Option<f64>,
     /// Largest |multiplier × margin| there.
     pub complementarity: Option<f64>,
@@ -113,7 +118,8 @@ impl<F: FnMut(&[f64]) -> Evaluation> Problem<'_, F> {
     fn with<T>(&self, x: &[f64], read: impl FnOnce(&Evaluation) -> T) -> Result<T, Stopped> {
         let mut cache = self.cache.borrow_mut();
         if cache.at != x {
-            if self.control.stopped() {
+            // The start is always evaluated: it is the best so far.
+            if cache.evaluations > 0 && self.control.stopped() {
                 return Err(Stopped);
             }
             cache.last = (cache.evaluate)(x);
@@ -258,7 +264,19 @@ pub fn minimise(
         }
         let after = best_merit();
         if let Some(last) = last {
-            solution.last_violation = (cache.borrow_mut().evaluate)(&last).violation;
+            let evaluation = (cache.borrow_mut().evaluate)(&last);
+            solution.last_violation = evaluation.violation;
+            // The library also stops on a small step or change; only a point
+            // that is optimal to first order, and as good as the best seen, is
+            // called converged.
+            let optimal = solution
+                .stationarity
+                .is_some_and(|s| s <= options.optimality)
+                && evaluation.violation <= options.feasibility
+                && evaluation.merit - after <= options.optimality;
+            if solution.termination == Termination::Converged && !optimal {
+                solution.termination = Termination::Stalled;
+            }
             solution.last = last;
         }
         let done = matches!(

@@ -8,7 +8,7 @@ use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::index::{GroupEvaluation, Index, IndexFunction, Indices, evaluate};
-use crate::observation::PostureTerms;
+use crate::observation::{PostureTerms, check_angles};
 use crate::optimise::{Control, Evaluation, Options, Solution, Termination, minimise};
 use crate::posture::PostureGroup;
 use crate::units::rad_to_shortest_deg;
@@ -17,6 +17,10 @@ use std::cell::RefCell;
 
 /// Margin kept from hard limits so that rounding never crosses them \[m\].
 const LIMIT_GUARD: f64 = 5e-10;
+/// First size of the move off a singular start \[rad\], doubled each time.
+const FIRST_NUDGE: f64 = 5e-3;
+/// Moves off a singular start before it counts as hopeless.
+const NUDGES: u32 = 5;
 /// Range of the epigraph variable, the logarithm of an index part.
 const EPIGRAPH_RANGE: [f64; 2] = [-200.0, 200.0];
 
@@ -37,7 +41,9 @@ pub struct Selection {
     pub index: Index,
     /// Its value at the selected postures.
     pub value: f64,
-    /// Its value at the initial group, `None` where it does not exist there.
+    /// Its value at the initial group, moved onto the bounds; `None` where it
+    /// does not exist there. A start outside the limits may well be better than
+    /// any group inside them.
     pub start_value: Option<f64>,
     /// Every index of the selected postures.
     pub indices: Indices,
@@ -56,7 +62,7 @@ pub struct Selection {
     pub stationarity: Option<f64>,
     /// Smallest margin to a limit of the cell \[m\], `None` without limits.
     pub smallest_margin_m: Option<f64>,
-    /// Names of the selected group.
+    /// Controller angles of the selected group \[rad\]; not saved, see `postures_deg`.
     #[serde(skip)]
     pub group: Vec<Vec<f64>>,
 }
@@ -88,7 +94,28 @@ pub fn select_from<Q: AsRef<[f64]>>(
     let setup = &cell.setup;
     let n = setup.robot.joint_count();
     let count = initial.len();
-    let start_evaluation = evaluate(cell, "start", initial)?;
+    if count == 0 {
+        return Err(Error::new(
+            Code::TooFewData,
+            "The initial group has no postures.",
+        ));
+    }
+    for q in initial {
+        check_angles(&setup.robot, q.as_ref())?;
+    }
+    if let Some(j) = cell
+        .bounds
+        .iter()
+        .position(|b| b[0].is_nan() || b[1].is_nan() || b[0] > b[1])
+    {
+        return Err(Error::new(
+            Code::InvalidValue,
+            format!(
+                "The bounds of {} are reversed.",
+                setup.robot.joints()[j].name
+            ),
+        ));
+    }
     let function = RefCell::new(IndexFunction::new(cell, index, count)?);
     let limits_per_posture = cell.limits.count(setup);
     let components = function.borrow().component_count();
@@ -109,6 +136,9 @@ pub fn select_from<Q: AsRef<[f64]>>(
     for (x, b) in start.iter_mut().zip(&bounds) {
         *x = x.clamp(b[0], b[1]);
     }
+    let start_groups: Vec<Vec<f64>> = start.chunks_exact(n).map(<[f64]>::to_vec).collect();
+    let start_evaluation = evaluate(cell, "start", &start_groups)?;
+    leave_singularity(&mut function.borrow_mut(), &bounds, &mut start);
     if epigraph == 1 {
         bounds.push(EPIGRAPH_RANGE);
         start.push(0.0);
@@ -282,6 +312,35 @@ pub fn select_from<Q: AsRef<[f64]>>(
     })
 }
 
+/// Moves a start at which the index does not exist (a singular posture, equal
+/// postures) a little, always the same way, until it does. A start that stays
+/// without an index is left as it was.
+fn leave_singularity(function: &mut IndexFunction<'_>, bounds: &[[f64; 2]], start: &mut [f64]) {
+    if function.evaluate(start).value().is_finite() {
+        return;
+    }
+    for attempt in 0..NUDGES {
+        let size = FIRST_NUDGE * f64::from(1 << attempt);
+        let moved: Vec<f64> = start
+            .iter()
+            .zip(bounds)
+            .enumerate()
+            .map(|(i, (x, b))| {
+                let shift = f64::from(sobol_burley::sample(
+                    attempt + 1,
+                    (i % 256) as u32,
+                    i as u32 / 256,
+                ));
+                (x + size * (2.0 * shift - 1.0)).clamp(b[0], b[1])
+            })
+            .collect();
+        if function.evaluate(&moved).value().is_finite() {
+            start.copy_from_slice(&moved);
+            return;
+        }
+    }
+}
+
 /// Smallest margin of a group to the cell's limits \[m\], `None` without limits.
 ///
 /// # Errors
@@ -342,6 +401,23 @@ fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termination: Termi
         .hint(
             "add postures that differ, or measuring points, or move the load off the joint's axis",
         );
+    }
+    if index == Index::DropOne && at.indices.drop_one.is_none() {
+        return Error::new(
+            Code::NotIdentifiable,
+            format!(
+                "{} postures less one cannot determine every joint, so drop_one does not exist.",
+                at.posture_count
+            ),
+        )
+        .hint("give more postures, or choose expected_error");
+    }
+    if index.uses_dexterity() && at.k_jn.iter().any(Option::is_none) {
+        return Error::new(
+            Code::InvalidValue,
+            "k(J_N) does not exist at some posture of the initial group: the Jacobian is singular there.",
+        )
+        .hint("start from other postures, for example with the wrist bent");
     }
     let limits = if cell.limits.is_empty() {
         "the joint bounds"

@@ -3,8 +3,8 @@
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::observation::PostureTerms;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use crate::streams::group_rng;
+use rand::RngExt;
 
 /// Half-width of the wrist angles of a hand-picked-like group: 30°.
 pub const SMALL_WRIST_RAD: f64 = std::f64::consts::FRAC_PI_6;
@@ -34,8 +34,7 @@ pub fn random_group(
     stream: u64,
 ) -> Result<Vec<Vec<f64>>> {
     let n = cell.setup.robot.joint_count();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(stream);
+    let mut rng = group_rng(seed, stream);
     let bounds: Vec<[f64; 2]> = cell
         .bounds
         .iter()

@@ -75,8 +75,11 @@ impl ModelErrors {
                 moment: pull.wrench().moment * factor,
             };
             let actual = PostureTerms::new(&truth, &q, Some(&wrench))?;
-            let difference =
-                (actual.block(&truth.robot) - nominal.block(&cell.setup.robot)) * compliance;
+            let known = actual.known_displacement(&truth.tool)
+                - nominal.known_displacement(&cell.setup.tool);
+            let difference = (actual.block(&truth.robot) - nominal.block(&cell.setup.robot))
+                * compliance
+                + known;
             out.rows_mut(rows * p, rows).copy_from(&difference);
         }
         Ok(out)

@@ -9,7 +9,7 @@ pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 
 use crate::cell::Cell;
 use crate::error::Result;
-use crate::findings::Finding;
+use crate::findings::{Finding, Severity};
 use crate::identify::{Identification, IdentifyOptions, NoiseSource, identify};
 use crate::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
 use crate::observation::{PostureTerms, Rows, observation_matrix};
@@ -31,10 +31,10 @@ pub const STUDY_INDICES: [(Index, &str); 4] = [
     (Index::ExpectedError, "expected error"),
 ];
 
-/// The indices of the study that `cell`'s robot has: with fewer than six joints
-/// there is no k(J_N), and only the expected error is left.
+/// The indices of the study that `cell` has: without a characteristic length
+/// (fewer than six joints) there is no k(J_N), and only the expected error is left.
 pub fn study_indices(cell: &Cell) -> Vec<(Index, &'static str)> {
-    let dexterity = cell.setup.robot.joint_count() >= 6;
+    let dexterity = cell.characteristic_length.is_some();
     STUDY_INDICES
         .into_iter()
         .filter(|(index, _)| dexterity || !index.uses_dexterity())
@@ -83,7 +83,8 @@ pub struct StudyGroup {
     pub postures_deg: Vec<Vec<f64>>,
     /// Points of the arm per posture, base to TCP, base frame \[m\].
     pub arms_m: Vec<Vec<[f64; 3]>>,
-    /// Eq. (19) for tracker noise alone, δΩ = 0 and ‖δΛ‖ at its RMS value.
+    /// Eq. (19) for tracker noise alone (without a posture-common part), δΩ = 0
+    /// and ‖δΛ‖ at its RMS value.
     pub error_bound: Option<ErrorBound>,
     /// Expected RMS of ‖δH‖/‖H‖, which the bound of Eq. (19) bounds.
     pub expected_relative_norm: Option<f64>,
@@ -157,8 +158,15 @@ pub fn study(
 
     // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
     let indices = study_indices(cell);
-    let selections: Vec<Selection> = in_order(&indices, |(_, (index, _))| {
-        select_from(cell, *index, &initial.postures, select_options, control)
+    let mut findings = Vec::new();
+    let selections: Vec<Result<Selection>> = in_order(&indices, |(_, (index, _))| {
+        Ok(select_from(
+            cell,
+            *index,
+            &initial.postures,
+            select_options,
+            control,
+        ))
     })?;
     control.report("selecting from Group 1", 1, 1);
     let mut named = vec![(
@@ -168,9 +176,25 @@ pub fn study(
             ..initial.clone()
         },
     )];
-    for ((_, name), selection) in indices.iter().zip(selections) {
-        let group = selection.to_group(name);
-        named.push((Some(selection), group));
+    for ((index, name), selection) in indices.iter().zip(selections) {
+        match selection {
+            Ok(selection) => {
+                let group = selection.to_group(name);
+                named.push((Some(selection), group));
+            }
+            // One index without a result leaves the others to be compared.
+            Err(error) if error.code().exit_code() != 3 => findings.push(Finding::new(
+                "no-selection",
+                Severity::Serious,
+                index.as_str(),
+                format!(
+                    "Under the {} index no group was found: {}",
+                    index.as_str().replace('_', "-"),
+                    error.message()
+                ),
+            )),
+            Err(error) => return Err(error),
+        }
     }
     let mut groups = Vec::with_capacity(named.len());
     for (g, (selection, group)) in named.iter().enumerate() {
@@ -199,9 +223,13 @@ pub fn study(
         .iter()
         .find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical))
     {
-        Some((_, group)) => {
-            starts::q1_range(cell, group, options.q1_draws, options.simulation.seed)?
-        }
+        Some((_, group)) => starts::q1_range(
+            cell,
+            group,
+            options.q1_draws,
+            options.simulation.seed,
+            control,
+        )?,
         None => None,
     };
     let starts = starts::other_starts(
@@ -226,7 +254,7 @@ pub fn study(
         classical_q1,
         recommended: None,
         interrupted: control.stopped(),
-        findings: Vec::new(),
+        findings,
         tool_box_m: cell.limits.tool_box.map(|b| b.map(Into::into)),
         anchor_m: match cell.setup.load {
             crate::load::Load::Rope { anchor, .. } => Some(anchor.into()),

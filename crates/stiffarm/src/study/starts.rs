@@ -2,12 +2,13 @@
 
 use super::study_indices;
 use crate::cell::Cell;
-use crate::error::Result;
+use crate::error::{Code, Result};
 use crate::index::{Index, evaluate};
 use crate::optimise::{Control, Options};
 use crate::posture::PostureGroup;
 use crate::select::{StartKind, random_group, select_from, smallest_margin};
-use crate::simulate::{in_order, quantile_of, run_rng};
+use crate::simulate::{in_order, quantile_of};
+use crate::streams::run_rng;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -38,8 +39,9 @@ pub struct StartsOfKind {
     /// The start itself, then every index of the study.
     pub rows: Vec<IndexOverStarts>,
     /// Starts where the novel group is better than both its start and the
-    /// classical group, as the paper reports for its own.
-    pub paper_order_held: usize,
+    /// classical group, as the paper reports for its own; `None` where the
+    /// robot has no such indices.
+    pub paper_order_held: Option<usize>,
 }
 
 /// What other initial groups lead to.
@@ -56,8 +58,6 @@ pub struct StartsStudy {
 pub struct Q1Range {
     /// Draws of q1 for all postures that meet the cell's limits.
     pub draws: usize,
-    /// Draws tried in all.
-    pub tried: usize,
     /// Draws that leave a joint undetermined.
     pub undetermined: usize,
     /// Mean expected deviation of each determined draw, ascending.
@@ -106,7 +106,12 @@ pub(super) fn other_starts(
                 }
                 // A start from which no determined group inside the limits is
                 // reached counts as not improved.
-                Err(_) => None,
+                Err(error)
+                    if matches!(error.code(), Code::NotIdentifiable | Code::InvalidValue) =>
+                {
+                    None
+                }
+                Err(error) => return Err(error),
             });
         }
         control.report(
@@ -150,19 +155,25 @@ fn summarise(kind: &str, studied: &[(Index, &str)], outcomes: &[Vec<Option<f64>>
         })
         .collect();
     let position = |index: Index| studied.iter().position(|(i, _)| *i == index).map(|p| p + 1);
-    let held = |o: &[Option<f64>]| match (position(Index::Classical), position(Index::Novel)) {
-        (Some(classical), Some(novel)) => {
-            badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical])
-        }
-        _ => false,
-    };
+    let paper_order_held =
+        position(Index::Classical)
+            .zip(position(Index::Novel))
+            .map(|(classical, novel)| {
+                let held = |o: &&Vec<Option<f64>>| {
+                    badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical])
+                };
+                outcomes.iter().filter(held).count()
+            });
     StartsOfKind {
         kind: kind.to_string(),
         count: outcomes.len(),
         rows,
-        paper_order_held: outcomes.iter().filter(|o| held(o)).count(),
+        paper_order_held,
     }
 }
+
+/// Draws of one posture's q1 before its feasible window counts as too narrow.
+const Q1_TRIES: usize = 1000;
 
 /// Redraws q1 of every posture of the classical group, uniform in its bounds.
 pub(super) fn q1_range(
@@ -170,6 +181,7 @@ pub(super) fn q1_range(
     group: &PostureGroup,
     draws: usize,
     seed: u64,
+    control: Control<'_>,
 ) -> Result<Option<Q1Range>> {
     if draws == 0 {
         return Ok(None);
@@ -177,32 +189,36 @@ pub(super) fn q1_range(
     let bound = cell.bounds[0];
     let mut range = Q1Range {
         draws: 0,
-        tried: 0,
         undetermined: 0,
         mean_expected_deviation: Vec::new(),
         quantiles: None,
     };
     let mut rng = run_rng(seed, 1 << 17, 0, 0);
     let mut angles: Vec<Vec<f64>> = group.postures.iter().map(|p| p.q.clone()).collect();
-    while range.draws < draws && range.tried < 50 * draws {
-        range.tried += 1;
+    while range.draws < draws && !control.stopped() {
         for q in &mut angles {
             // Redraw one posture's q1 until it meets the limits on its own.
-            for _ in 0..200 {
+            let mut inside = false;
+            for _ in 0..Q1_TRIES {
                 q[0] = bound[0] + (bound[1] - bound[0]) * rng.random::<f64>();
-                if smallest_margin(cell, std::slice::from_ref(q))?.is_none_or(|m| m >= -1e-9) {
+                inside = smallest_margin(cell, std::slice::from_ref(q))?.is_none_or(|m| m >= -1e-9);
+                if inside {
                     break;
                 }
             }
-        }
-        if smallest_margin(cell, &angles)?.is_some_and(|m| m < -1e-9) {
-            continue;
+            if !inside {
+                // Its window of q1 is too narrow to say anything about a range.
+                return Ok(None);
+            }
         }
         range.draws += 1;
         match evaluate(cell, &group.name, &angles)?.mean_expected_deviation() {
             Some(deviation) => range.mean_expected_deviation.push(deviation),
             None => range.undetermined += 1,
         }
+    }
+    if range.draws == 0 {
+        return Ok(None);
     }
     range.mean_expected_deviation.sort_by(f64::total_cmp);
     if !range.mean_expected_deviation.is_empty() {

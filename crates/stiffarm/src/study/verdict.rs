@@ -1,6 +1,6 @@
 //! The verdict of a study in sentences.
 
-use super::{INITIAL_GROUP, STUDY_INDICES, Study};
+use super::{INITIAL_GROUP, STUDY_INDICES, StartsOfKind, Study, StudyGroup};
 use crate::findings::{Finding, Severity, list};
 use crate::index::Index;
 use crate::simulate::mean;
@@ -17,14 +17,7 @@ fn percent(fraction: f64) -> String {
 
 /// Fills in the recommendation and the findings.
 pub(super) fn conclude(study: &mut Study) {
-    let deviation = |g: &super::StudyGroup| g.evaluation.mean_expected_deviation();
-    let find = |index: Index| {
-        study
-            .groups
-            .iter()
-            .find(|g| g.selection.as_ref().is_some_and(|s| s.index == index))
-    };
-    let mut findings = Vec::new();
+    let mut findings = std::mem::take(&mut study.findings);
     if study.interrupted {
         findings.push(Finding::new(
             "interrupted",
@@ -46,103 +39,18 @@ pub(super) fn conclude(study: &mut Study) {
         }
     }
 
-    let best = study
-        .groups
-        .iter()
-        .filter_map(|g| Some((g.selection.as_ref()?.index, deviation(g)?, g)))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    if let Some((index, value, group)) = best {
-        let others: Vec<String> = study
-            .groups
-            .iter()
-            .filter(|g| g.name != group.name)
-            .filter_map(|g| {
-                Some(format!(
-                    "{} {} ({:.1} times)",
-                    g.name,
-                    percent(deviation(g)?),
-                    deviation(g)? / value
-                ))
-            })
-            .collect();
+    if study.noise_std_m > 0.0 {
+        let (recommended, finding) = recommendation(study);
+        findings.extend(finding);
+        findings.extend(paper_order(study));
+        findings.extend(study.starts.kinds.iter().map(other_starts));
+        study.recommended = recommended;
+    } else {
         findings.push(Finding::new(
-            "recommended-index",
-            Severity::Note,
-            index.as_str(),
-            format!(
-                "In this cell the {} index gives the smallest expected error: {} on average over the joints at \
-                 variance factor 1, against {}. Select with it.",
-                words(index),
-                percent(value),
-                others.join(", ")
-            ),
-        ));
-        study.recommended = Some(index);
-    }
-
-    if let (Some(start), Some(classical), Some(novel)) = (
-        study.groups.first(),
-        find(Index::Classical),
-        find(Index::Novel),
-    ) {
-        let (s, c, n) = (deviation(start), deviation(classical), deviation(novel));
-        let worse = |a: Option<f64>, b: Option<f64>| {
-            a.unwrap_or(f64::INFINITY) < b.unwrap_or(f64::INFINITY)
-        };
-        let (beats_start, beats_classical) = (worse(n, s), worse(n, c));
-        let show = |v: Option<f64>| v.map_or("undetermined".to_string(), percent);
-        let held = match (beats_start, beats_classical) {
-            (true, true) => "The paper's ordering of the groups holds here",
-            _ => "The paper's ordering of the groups does not hold here",
-        };
-        findings.push(Finding::new(
-            "paper-order",
-            if beats_start && beats_classical { Severity::Note } else { Severity::Caution },
-            INITIAL_GROUP,
-            format!(
-                "{held}: the paper finds Group 3 (novel) better than Group 1 and Group 2 (classical); from this \
-                 Group 1 the mean expected deviations are {} (Group 1), {} (Group 2), {} (Group 3), so Group 3 is \
-                 {} than Group 1 and {} than Group 2.",
-                show(s),
-                show(c),
-                show(n),
-                if beats_start { "better" } else { "worse" },
-                if beats_classical { "better" } else { "worse" },
-            ),
-        ));
-    }
-
-    for kind in &study.starts.kinds {
-        let parts: Vec<String> = kind
-            .rows
-            .iter()
-            .filter_map(|row| {
-                let name = words(row.index?);
-                let median = row.median.map_or("none determined".to_string(), percent);
-                Some(format!(
-                    "{name} {} of {} (median {median})",
-                    row.improved, kind.count
-                ))
-            })
-            .collect();
-        let start = kind
-            .rows
-            .first()
-            .and_then(|r| r.median)
-            .map_or("undetermined".to_string(), percent);
-        findings.push(Finding::new(
-            "other-starts",
-            Severity::Note,
-            &kind.kind,
-            format!(
-                "Over {} initial groups ({}), median start {start}, each index improves on its start: {}. The \
-                 paper's ordering, novel better than both its start and the classical group, held for {} of {}.",
-                kind.count,
-                kind.kind,
-                parts.join(", "),
-                kind.paper_order_held,
-                kind.count
-            ),
+            "no-noise",
+            Severity::Caution,
+            "noise.variance_mm2",
+            "The cell has no measurement noise, so every expected deviation is zero and nothing can be recommended.",
         ));
     }
 
@@ -151,7 +59,7 @@ pub(super) fn conclude(study: &mut Study) {
             0 => String::new(),
             k => format!(" {k} of them leave a joint undetermined."),
         };
-        let spread = range.quantiles.map_or(String::new(), |q| {
+        let spread = range.quantiles.map_or(" does not exist".to_string(), |q| {
             format!(
                 " runs from {} to {} (median {})",
                 percent(q[0]),
@@ -195,6 +103,7 @@ pub(super) fn conclude(study: &mut Study) {
         .groups
         .iter()
         .filter_map(|g| Some(g.error_bound?.bound? / g.expected_relative_norm?))
+        .filter(|ratio| ratio.is_finite())
         .collect();
     if !looseness.is_empty() {
         let low = looseness.iter().copied().fold(f64::INFINITY, f64::min);
@@ -265,6 +174,153 @@ pub(super) fn conclude(study: &mut Study) {
         ));
     }
     study.findings = findings;
+}
+
+fn deviation(group: &StudyGroup) -> Option<f64> {
+    group.evaluation.mean_expected_deviation()
+}
+
+/// The index to select with, and the sentence that says so.
+fn recommendation(study: &Study) -> (Option<Index>, Option<Finding>) {
+    let best = study
+        .groups
+        .iter()
+        .filter_map(|g| Some((g.selection.as_ref()?.index, deviation(g)?, g)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((index, value, group)) = best else {
+        return (None, None);
+    };
+    let others: Vec<String> = study
+        .groups
+        .iter()
+        .filter(|g| g.name != group.name)
+        .filter_map(|g| {
+            let other = deviation(g)?;
+            Some(format!(
+                "{} {} ({:.1} times)",
+                g.name,
+                percent(other),
+                other / value
+            ))
+        })
+        .collect();
+    let against = if others.is_empty() {
+        String::new()
+    } else {
+        format!(", against {}", others.join(", "))
+    };
+    let start_is_better = study
+        .groups
+        .first()
+        .and_then(deviation)
+        .is_some_and(|start| start < value);
+    let advice = match (start_is_better, study.interrupted) {
+        (true, _) => {
+            "Group 1 is better still: it lies outside the bounds or limits, or the searches were cut short."
+        }
+        (false, true) => "The searches were cut short, so this may change.",
+        (false, false) => "Select with it.",
+    };
+    let sentence = format!(
+        "Of the indices of this study the {} index gives the smallest expected error in this cell: {} on average over \
+         the joints at variance factor 1{against}. {advice}",
+        words(index),
+        percent(value),
+    );
+    let severity = if start_is_better {
+        Severity::Caution
+    } else {
+        Severity::Note
+    };
+    (
+        Some(index),
+        Some(Finding::new(
+            "recommended-index",
+            severity,
+            index.as_str(),
+            sentence,
+        )),
+    )
+}
+
+/// Whether the paper's ordering of its three groups holds.
+fn paper_order(study: &Study) -> Option<Finding> {
+    let find = |index: Index| {
+        study
+            .groups
+            .iter()
+            .find(|g| g.selection.as_ref().is_some_and(|s| s.index == index))
+    };
+    let start = deviation(study.groups.first()?);
+    let classical = deviation(find(Index::Classical)?);
+    let novel = deviation(find(Index::Novel)?);
+    let than = |other: Option<f64>| match (novel, other) {
+        (Some(n), Some(o)) if n < o => "better than",
+        (Some(n), Some(o)) if n > o => "worse than",
+        (Some(_), None) => "better than",
+        (None, Some(_)) => "worse than",
+        _ => "no better than",
+    };
+    let held = than(start) == "better than" && than(classical) == "better than";
+    let show = |v: Option<f64>| v.map_or("undetermined".to_string(), percent);
+    Some(Finding::new(
+        "paper-order",
+        if held {
+            Severity::Note
+        } else {
+            Severity::Caution
+        },
+        INITIAL_GROUP,
+        format!(
+            "The paper's ordering of the groups {} here: the paper finds Group 3 (novel) better than Group 1 and Group 2 \
+             (classical); from this Group 1 the mean expected deviations are {} (Group 1), {} (Group 2), {} (Group 3), \
+             so Group 3 is {} Group 1 and {} Group 2.",
+            if held { "holds" } else { "does not hold" },
+            show(start),
+            show(classical),
+            show(novel),
+            than(start),
+            than(classical),
+        ),
+    ))
+}
+
+/// How often each index improves on other initial groups of one kind.
+fn other_starts(kind: &StartsOfKind) -> Finding {
+    let parts: Vec<String> = kind
+        .rows
+        .iter()
+        .filter_map(|row| {
+            let name = words(row.index?);
+            let median = row.median.map_or("none determined".to_string(), percent);
+            Some(format!(
+                "{name} {} of {} (median {median})",
+                row.improved, kind.count
+            ))
+        })
+        .collect();
+    let start = kind
+        .rows
+        .first()
+        .and_then(|r| r.median)
+        .map_or("undetermined".to_string(), percent);
+    let order = kind.paper_order_held.map_or(String::new(), |held| {
+        format!(
+            " The paper's ordering, novel better than both its start and the classical group, held for {held} of {}.",
+            kind.count
+        )
+    });
+    Finding::new(
+        "other-starts",
+        Severity::Note,
+        &kind.kind,
+        format!(
+            "Over {} initial groups ({}), median start {start}, each index improves on its start: {}.{order}",
+            kind.count,
+            kind.kind,
+            parts.join(", "),
+        ),
+    )
 }
 
 /// Name of an index in a sentence.

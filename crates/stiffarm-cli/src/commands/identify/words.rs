@@ -124,6 +124,10 @@ fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
             stiffness(low),
             confidence(level)
         )),
+        (Verdict::NoInterval, _) => Some(format!(
+            "{}: no interval, because the data leave no degree of freedom to judge the noise, or show no deflection.",
+            joint.name
+        )),
         (Verdict::SignOrModelFault, _) => Some(red(&format!(
             "{}: its compliance comes out negative, beyond what noise explains. Check the sign of the force (on the \
              robot), the frames and the model.",

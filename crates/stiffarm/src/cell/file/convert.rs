@@ -206,7 +206,7 @@ fn noise(source: &Source<'_>, table: Option<&At<RawNoise>>) -> Result<Noise> {
         return Ok(noise);
     };
     if let Some(variance) = &raw.variance_mm2 {
-        noise.reading_variance = mm2_to_m2(source.not_negative(variance, "noise.variance_mm2")?);
+        noise.reading_variance = mm2_to_m2(source.positive(variance, "noise.variance_mm2")?);
     }
     if let Some(readings) = &raw.readings_per_displacement {
         noise.readings_per_displacement = match readings.get() {

@@ -1,0 +1,52 @@
+//! Whether an identified stiffness can be meant: slips of units and signs show
+//! as values that no industrial robot has.
+
+use super::Identification;
+use crate::cell::Cell;
+use crate::findings::{Finding, Severity};
+
+/// Ratio to the prior, for all joints alike, beyond which a unit is suspected.
+const SUSPICIOUS_RATIO: f64 = 100.0;
+/// Joint stiffness beyond which, without a prior, a unit is suspected \[N·m/rad\].
+const SUSPICIOUS_STIFFNESS: [f64; 2] = [1e3, 1e8];
+
+/// A finding when the stiffness of the joints as a whole is far from the prior,
+/// or, without one, from that of any industrial robot.
+pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding> {
+    let mut ratios: Vec<f64> = Vec::new();
+    for (j, joint) in result.joints.iter().enumerate() {
+        let Some(k) = joint.stiffness else { continue };
+        ratios.push(match &cell.prior {
+            Some(prior) => k.abs() / prior[j],
+            // The middle of the plausible range is neither small nor large.
+            None => match k.abs() {
+                k if k < SUSPICIOUS_STIFFNESS[0] => k / SUSPICIOUS_STIFFNESS[0] / SUSPICIOUS_RATIO,
+                k if k > SUSPICIOUS_STIFFNESS[1] => k / SUSPICIOUS_STIFFNESS[1] * SUSPICIOUS_RATIO,
+                _ => 1.0,
+            },
+        });
+    }
+    ratios.sort_by(f64::total_cmp);
+    let middle = *ratios.get(ratios.len() / 2)?;
+    let against = match cell.prior {
+        Some(_) => "the cell's prior",
+        None => "what industrial robots have",
+    };
+    let cause = if middle > SUSPICIOUS_RATIO {
+        "Are the displacements in metres instead of millimetres, or is the force too large?"
+    } else if middle < 1.0 / SUSPICIOUS_RATIO {
+        "Are the displacements in micrometres instead of millimetres, or the force in kilonewtons?"
+    } else {
+        return None;
+    };
+    let factor = if middle > 1.0 { middle } else { 1.0 / middle };
+    Some(Finding::new(
+        "implausible-stiffness",
+        Severity::Serious,
+        "measurements",
+        format!(
+            "The joint stiffness is {factor:.0} times {} than {against}. {cause}",
+            if middle > 1.0 { "larger" } else { "smaller" }
+        ),
+    ))
+}

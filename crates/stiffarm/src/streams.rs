@@ -1,0 +1,43 @@
+//! Random numbers by stream: each run and each random group has its own, so
+//! that neither threads nor the number of runs change anything.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// Marks the streams of random initial groups, which no run shares.
+const GROUPS: u64 = 1 << 63;
+
+/// The random numbers of one run of a simulation. Groups below 2¹⁹, levels
+/// below 2¹⁰ and runs below 2³⁴ never share a stream.
+pub(crate) fn run_rng(seed: u64, group: usize, level: usize, run: usize) -> ChaCha8Rng {
+    stream(
+        seed,
+        ((group as u64) << 44) | ((level as u64) << 34) | run as u64,
+    )
+}
+
+/// The random numbers of one random initial group.
+pub(crate) fn group_rng(seed: u64, group: u64) -> ChaCha8Rng {
+    stream(seed, GROUPS | group)
+}
+
+fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream);
+    rng
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::RngExt;
+
+    #[test]
+    fn runs_and_groups_do_not_share_numbers() {
+        let first: u64 = run_rng(1, 0, 0, 3).random();
+        let group: u64 = group_rng(1, 3).random();
+        let again: u64 = run_rng(1, 0, 0, 3).random();
+        assert_ne!(first, group);
+        assert_eq!(first, again);
+    }
+}
