@@ -50,7 +50,7 @@ pub enum Code {
     Unsupported,
     /// The JSON result file cannot be used.
     ResultFile,
-    /// Too few measurements for the number of unknowns.
+    /// No postures or no displacements to work with.
     TooFewData,
     /// The observation matrix loses rank: joints cannot be determined.
     NotIdentifiable,
@@ -162,7 +162,10 @@ impl Code {
                 "The robot or set-up is not supported by this version.",
             ),
             Code::ResultFile => ("result-file", "A saved result cannot be used here."),
-            Code::TooFewData => ("too-few-data", "Fewer measurements than unknowns."),
+            Code::TooFewData => (
+                "too-few-data",
+                "Nothing to work with: no postures, no displacements, or all excluded.",
+            ),
             Code::NotIdentifiable => (
                 "not-identifiable",
                 "The postures and the load cannot determine every joint; the joints are named.",

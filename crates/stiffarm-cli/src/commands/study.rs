@@ -47,6 +47,17 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         starts: args.starts,
         ..StudyOptions::default()
     };
+    if args.runs == 0 {
+        return Err(Error::new(Code::Usage, "A study needs at least one run.").key("--runs"));
+    }
+    if args.output_dir.exists() && !args.output_dir.is_dir() {
+        return Err(Error::new(
+            Code::FileWrite,
+            "This is a file; the study writes a folder.",
+        )
+        .file(args.output_dir.display().to_string())
+        .hint("give another --output-dir"));
+    }
     // The names of all files are known before any work: nobody waits half a
     // minute to be told that a file exists.
     let names = file_names(&named.cell, &options);

@@ -233,7 +233,7 @@ fn other_starts(study: &Study) -> Option<Figure> {
 
 /// Distribution of the classical group's outcome over q1.
 fn q1_range(study: &Study) -> Option<Figure> {
-    let range = study.classical_q1.as_ref()?;
+    let range = study.classical_q1.as_ref().filter(|r| r.matters())?;
     let count = range.draws as f64;
     let x: Vec<f64> = range
         .mean_expected_deviation

@@ -172,6 +172,14 @@ fn summarise(kind: &str, studied: &[(Index, &str)], outcomes: &[Vec<Option<f64>>
     }
 }
 
+impl Q1Range {
+    /// True when q1 changes the outcome by more than a hundredth; it does not
+    /// where the load turns with axis 1.
+    pub fn matters(&self) -> bool {
+        self.undetermined > 0 || self.quantiles.is_some_and(|q| q[4] > 1.01 * q[0])
+    }
+}
+
 /// Draws of one posture's q1 before its feasible window counts as too narrow.
 const Q1_TRIES: usize = 1000;
 

@@ -3,7 +3,7 @@
 use super::{INITIAL_GROUP, STUDY_INDICES, StartsOfKind, Study, StudyGroup};
 use crate::findings::{Finding, Severity, list};
 use crate::index::Index;
-use crate::simulate::mean;
+use crate::simulate::{FIRST_ORDER_LIMIT, mean};
 
 /// Fraction as a percentage with three digits.
 fn percent(fraction: f64) -> String {
@@ -43,6 +43,7 @@ pub(super) fn conclude(study: &mut Study) {
         let (recommended, finding) = recommendation(study);
         findings.extend(finding);
         findings.extend(paper_order(study));
+        findings.extend(first_order_means(study));
         findings.extend(study.starts.kinds.iter().map(other_starts));
         study.recommended = recommended;
     } else {
@@ -54,7 +55,7 @@ pub(super) fn conclude(study: &mut Study) {
         ));
     }
 
-    if let Some(range) = &study.classical_q1 {
+    if let Some(range) = study.classical_q1.as_ref().filter(|range| range.matters()) {
         let lost = match range.undetermined {
             0 => String::new(),
             k => format!(" {k} of them leave a joint undetermined."),
@@ -285,6 +286,41 @@ fn paper_order(study: &Study) -> Option<Finding> {
     ))
 }
 
+/// Names the groups whose mean rests on joints beyond the first order.
+fn first_order_means(study: &Study) -> Option<Finding> {
+    let beyond = |g: &StudyGroup| -> Vec<&str> {
+        let errors = g
+            .evaluation
+            .relative_standard_error
+            .iter()
+            .zip(&study.joints);
+        errors
+            .filter(|(error, _)| error.is_some_and(|e| e > FIRST_ORDER_LIMIT))
+            .map(|(_, joint)| joint.as_str())
+            .collect()
+    };
+    let named: Vec<String> = study
+        .groups
+        .iter()
+        .filter_map(|g| {
+            let joints = beyond(g);
+            (!joints.is_empty()).then(|| format!("{} ({})", g.name, list(&joints)))
+        })
+        .collect();
+    (!named.is_empty()).then(|| {
+        Finding::new(
+            "first-order-means",
+            Severity::Caution,
+            "expected deviation",
+            format!(
+                "The mean expected deviation is a first-order figure; where a relative standard error passes 10 % it \
+                 understates what the simulation gives. At variance factor 1 that concerns {}.",
+                list(&named)
+            ),
+        )
+    })
+}
+
 /// How often each index improves on other initial groups of one kind.
 fn other_starts(kind: &StartsOfKind) -> Finding {
     let parts: Vec<String> = kind
@@ -315,8 +351,11 @@ fn other_starts(kind: &StartsOfKind) -> Finding {
         Severity::Note,
         &kind.kind,
         format!(
-            "Over {} initial groups ({}), median start {start}, each index improves on its start: {}.{order}",
-            kind.count,
+            "Over {} ({}), median start {start}, each index improves on its start: {}.{order}",
+            match kind.count {
+                1 => "one initial group".to_string(),
+                count => format!("{count} initial groups"),
+            },
             kind.kind,
             parts.join(", "),
         ),
