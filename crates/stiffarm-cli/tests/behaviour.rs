@@ -250,3 +250,49 @@ fn manual_pages_and_completions() {
         );
     }
 }
+
+#[test]
+fn an_input_is_never_overwritten() {
+    let folder = Folder::new();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv");
+    let before = folder.read("m.csv");
+    let ran = folder.run("identify builtin:comau m.csv --output m.csv --force");
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("input of the same command"), "{}", ran.err);
+    assert_eq!(folder.read("m.csv"), before);
+    let ran =
+        folder.run("select builtin:comau --from builtin:comau-group1 --output a.csv --sheet a.csv");
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("same file"), "{}", ran.err);
+}
+
+#[test]
+fn displacements_in_metres_are_suspected() {
+    let folder = Folder::new();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv");
+    let metres: String = folder
+        .read("m.csv")
+        .lines()
+        .map(|line| {
+            let fields: Vec<String> = line
+                .split(',')
+                .enumerate()
+                .map(|(i, field)| match (i, field.parse::<f64>()) {
+                    (3..=5, Ok(mm)) => (mm / 1e3).to_string(),
+                    _ => field.to_string(),
+                })
+                .collect();
+            fields.join(",") + "\n"
+        })
+        .collect();
+    folder.write("metres.csv", metres);
+    let ran = folder.run("identify builtin:comau metres.csv");
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.out.contains("in metres instead of millimetres"),
+        "{}",
+        ran.out
+    );
+}
