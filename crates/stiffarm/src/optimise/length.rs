@@ -1,7 +1,7 @@
 //! The characteristic length: the L that minimises the smallest attainable
 //! k(J_N) over the joint bounds (Angeles' definition; the paper gives no L).
 
-use super::{Control, Evaluation, Options, minimise};
+use super::{Control, Evaluation, Options, Problem, minimise};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::dexterity::log_condition_gradient;
@@ -20,6 +20,41 @@ pub struct CharacteristicLength {
     pub condition_number: f64,
     /// A posture that attains it, controller angles \[rad\].
     pub posture: Vec<f64>,
+}
+
+/// ln k(J_N) over the joint angles and ln L.
+struct Dexterity<'a> {
+    cell: &'a Cell,
+    bounds: Vec<[f64; 2]>,
+    frames: Frames,
+}
+
+impl Problem for Dexterity<'_> {
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.bounds
+    }
+
+    fn margin_count(&self) -> usize {
+        0
+    }
+
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+        let robot = &self.cell.setup.robot;
+        let n = robot.joint_count();
+        self.frames.update(robot, &x[..n]);
+        let tcp = self.frames.point(&self.cell.setup.tool.tcp());
+        let mut theta = vec![0.0; n];
+        let (value, by_length) = log_condition_gradient(&self.frames, &tcp, x[n].exp(), &mut theta);
+        let mut gradient = vec![0.0; n + 1];
+        robot.gradient_to_controller(&theta, &mut gradient[..n]);
+        gradient[n] = by_length;
+        Evaluation {
+            objective: value,
+            gradient,
+            merit: value,
+            ..Evaluation::default()
+        }
+    }
 }
 
 /// Minimises k(J_N) over the joint bounds and L, at measuring point 1.
@@ -58,7 +93,11 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
     // ln L between a thousandth of the reach and the reach.
     let mut bounds = cell.bounds.clone();
     bounds.push([(1e-3 * reach).ln(), reach.ln()]);
-    let mut frames = Frames::new(robot, &vec![0.0; n]);
+    let mut problem = Dexterity {
+        cell,
+        bounds,
+        frames: Frames::new(robot, &vec![0.0; n]),
+    };
     let mut best: Option<(f64, Vec<f64>)> = None;
     for start in 0..STARTS {
         let mut x: Vec<f64> = cell
@@ -68,34 +107,11 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
             .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(start, j as u32, 0)))
             .collect();
         x.push((0.3 * reach).ln());
-        let evaluate = |x: &[f64]| {
-            frames.update(robot, &x[..n]);
-            let mut theta = vec![0.0; n];
-            let (value, by_length) =
-                log_condition_gradient(&frames, &frames.point(&tcp), x[n].exp(), &mut theta);
-            let mut gradient = vec![0.0; n + 1];
-            robot.gradient_to_controller(&theta, &mut gradient[..n]);
-            gradient[n] = by_length;
-            Evaluation {
-                objective: value,
-                gradient,
-                merit: value,
-                ..Evaluation::default()
-            }
-        };
         let options = Options {
             max_iterations: 300,
             ..Options::default()
         };
-        let solution = minimise(
-            &x,
-            &bounds,
-            0,
-            options,
-            Control::default(),
-            |_, _| {},
-            evaluate,
-        );
+        let solution = minimise(&mut problem, &x, options, Control::default());
         if best
             .as_ref()
             .is_none_or(|(merit, _)| solution.merit < *merit)

@@ -5,7 +5,7 @@ mod length;
 mod slsqp;
 
 pub use length::{CharacteristicLength, characteristic_length, with_characteristic_length};
-pub use slsqp::{Evaluation, Options, Solution, minimise};
+pub use slsqp::{Evaluation, Options, Problem, Solution, minimise};
 
 use serde::{Deserialize, Serialize};
 

@@ -28,6 +28,18 @@ pub struct Evaluation {
     pub violation: f64,
 }
 
+/// Something to minimise within bounds.
+pub trait Problem {
+    /// Lower and upper bound of each variable.
+    fn bounds(&self) -> &[[f64; 2]];
+    /// Number of margins of each evaluation.
+    fn margin_count(&self) -> usize;
+    /// Value, margins and derivatives at `x`.
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation;
+    /// Resets dependent variables (an epigraph variable) before each restart.
+    fn prepare(&mut self, _x: &mut [f64]) {}
+}
+
 /// Budget and tolerance of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -97,16 +109,17 @@ impl Solution {
 
 struct Stopped;
 
-struct Cache<F> {
-    evaluate: F,
+struct Cache<'a, P> {
+    problem: &'a mut P,
     at: Vec<f64>,
     last: Evaluation,
     best: Option<(f64, Vec<f64>)>,
     evaluations: u64,
 }
 
-struct Problem<'a, F> {
-    cache: &'a RefCell<Cache<F>>,
+/// A problem as the library wants to see it.
+struct Adapter<'a, 'p, P> {
+    cache: &'a RefCell<Cache<'p, P>>,
     lower: Vec<f64>,
     upper: Vec<f64>,
     margins: usize,
@@ -114,7 +127,7 @@ struct Problem<'a, F> {
     control: Control<'a>,
 }
 
-impl<F: FnMut(&[f64]) -> Evaluation> Problem<'_, F> {
+impl<P: Problem> Adapter<'_, '_, P> {
     fn with<T>(&self, x: &[f64], read: impl FnOnce(&Evaluation) -> T) -> Result<T, Stopped> {
         let mut cache = self.cache.borrow_mut();
         if cache.at != x {
@@ -122,7 +135,7 @@ impl<F: FnMut(&[f64]) -> Evaluation> Problem<'_, F> {
             if cache.evaluations > 0 && self.control.stopped() {
                 return Err(Stopped);
             }
-            cache.last = (cache.evaluate)(x);
+            cache.last = cache.problem.evaluate(x);
             cache.at = x.to_vec();
             cache.evaluations += 1;
             let (merit, violation) = (cache.last.merit, cache.last.violation);
@@ -135,7 +148,7 @@ impl<F: FnMut(&[f64]) -> Evaluation> Problem<'_, F> {
     }
 }
 
-impl<F> basin::Constraints for Problem<'_, F> {
+impl<P> basin::Constraints for Adapter<'_, '_, P> {
     type Set = ConstraintSet<
         BoxBounds<Vec<f64>>,
         NoLinearConstraints,
@@ -148,7 +161,7 @@ impl<F> basin::Constraints for Problem<'_, F> {
     }
 }
 
-impl<F: FnMut(&[f64]) -> Evaluation> CostFunction for Problem<'_, F> {
+impl<P: Problem> CostFunction for Adapter<'_, '_, P> {
     type Param = Vec<f64>;
     type Output = f64;
     type Error = Stopped;
@@ -157,14 +170,14 @@ impl<F: FnMut(&[f64]) -> Evaluation> CostFunction for Problem<'_, F> {
     }
 }
 
-impl<F: FnMut(&[f64]) -> Evaluation> Gradient for Problem<'_, F> {
+impl<P: Problem> Gradient for Adapter<'_, '_, P> {
     type Gradient = Vec<f64>;
     fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
         self.with(x, |e| e.gradient.clone())
     }
 }
 
-impl<F: FnMut(&[f64]) -> Evaluation> basin::NonlinearInequalityValues for Problem<'_, F> {
+impl<P: Problem> basin::NonlinearInequalityValues for Adapter<'_, '_, P> {
     type Param = Vec<f64>;
     type Values = Vec<f64>;
     type Error = Stopped;
@@ -178,7 +191,7 @@ impl<F: FnMut(&[f64]) -> Evaluation> basin::NonlinearInequalityValues for Proble
     }
 }
 
-impl<F: FnMut(&[f64]) -> Evaluation> basin::ConstraintJacobian for Problem<'_, F> {
+impl<P: Problem> basin::ConstraintJacobian for Adapter<'_, '_, P> {
     type Param = Vec<f64>;
     type Jacobian = DenseMatrix;
     type Error = Stopped;
@@ -199,20 +212,16 @@ impl<F: FnMut(&[f64]) -> Evaluation> basin::ConstraintJacobian for Problem<'_, F
 /// Rounds of restarting with a fresh curvature estimate; each must improve.
 const MAX_RESTARTS: usize = 12;
 
-/// Minimises from `start` within `bounds`, restarting with a fresh curvature
-/// estimate while that still improves. `prepare` may reset dependent variables
-/// (an epigraph variable) before each round.
+/// Minimises `problem` from `start`, restarting with a fresh curvature estimate
+/// while that still improves.
 pub fn minimise(
+    problem: &mut impl Problem,
     start: &[f64],
-    bounds: &[[f64; 2]],
-    margins: usize,
     options: Options,
     control: Control<'_>,
-    prepare: impl Fn(&mut [f64], &mut dyn FnMut(&[f64]) -> Evaluation),
-    evaluate: impl FnMut(&[f64]) -> Evaluation,
 ) -> Solution {
     let cache = RefCell::new(Cache {
-        evaluate,
+        problem,
         at: Vec::new(),
         last: Evaluation::default(),
         best: None,
@@ -233,18 +242,22 @@ pub fn minimise(
     for _ in 0..MAX_RESTARTS {
         let best_merit = || cache.borrow().best.as_ref().map_or(f64::INFINITY, |b| b.0);
         let before = best_merit();
-        prepare(&mut x, &mut cache.borrow_mut().evaluate);
+        cache.borrow_mut().problem.prepare(&mut x);
         let left = options.max_iterations.saturating_sub(solution.iterations);
-        let problem = Problem {
-            cache: &cache,
-            lower: bounds.iter().map(|b| b[0]).collect(),
-            upper: bounds.iter().map(|b| b[1]).collect(),
-            margins,
-            feasibility: options.feasibility,
-            control,
+        let adapter = {
+            let cached = cache.borrow();
+            let bounds = cached.problem.bounds();
+            Adapter {
+                cache: &cache,
+                lower: bounds.iter().map(|b| b[0]).collect(),
+                upper: bounds.iter().map(|b| b[1]).collect(),
+                margins: cached.problem.margin_count(),
+                feasibility: options.feasibility,
+                control,
+            }
         };
         let solver = Slsqp::new().with_absolute_accuracy_tolerance(options.tolerance);
-        let executor = Executor::new(problem, solver, SelectedFirstOrderState::new(x.clone()));
+        let executor = Executor::new(adapter, solver, SelectedFirstOrderState::new(x.clone()));
         let run = executor.max_iter(left).run_with_solver();
         let mut last = None;
         match run {
@@ -264,7 +277,7 @@ pub fn minimise(
         }
         let after = best_merit();
         if let Some(last) = last {
-            let evaluation = (cache.borrow_mut().evaluate)(&last);
+            let evaluation = cache.borrow_mut().problem.evaluate(&last);
             solution.last_violation = evaluation.violation;
             // The library also stops on a small step or change; only a point
             // that is optimal to first order, and as good as the best seen, is

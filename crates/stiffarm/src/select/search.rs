@@ -1,0 +1,300 @@
+//! One local search over all postures of a group: the index with its epigraph
+//! variable, and the limits of the cell that matter.
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::{Index, IndexFunction};
+use crate::observation::PostureTerms;
+use crate::optimise::{Control, Evaluation, Options, Problem, Solution, Termination, minimise};
+
+/// Margin kept from hard limits so that rounding never crosses them \[m\].
+const LIMIT_GUARD: f64 = 5e-10;
+/// First size of the move off a singular start \[rad\], doubled each time.
+const FIRST_NUDGE: f64 = 5e-3;
+/// Moves off a singular start before it counts as hopeless.
+const NUDGES: u32 = 5;
+/// Range of the epigraph variable, the logarithm of an index part.
+const EPIGRAPH_RANGE: [f64; 2] = [-200.0, 200.0];
+
+/// Limits closer than this are constraints of a search round; the others are
+/// checked after it and join the next round when they are crossed \[m\].
+const WATCH_DISTANCE: f64 = 0.5;
+/// Rounds of adding crossed limits.
+const WATCH_ROUNDS: usize = 12;
+/// Stages of the smoothing of coalescing singular values; the last is off by
+/// at most ln(6)/p = 3·10⁻⁵ of the index.
+const SHARPNESS: [Option<f64>; 5] = [Some(30.0), Some(300.0), Some(3e3), Some(3e4), Some(6e4)];
+
+/// The search's variables: the controller angles of all postures \[rad\], and
+/// the epigraph variable where the index has components.
+pub(super) struct Search<'a> {
+    cell: &'a Cell,
+    function: IndexFunction<'a>,
+    bounds: Vec<[f64; 2]>,
+    /// Number of controller angles of all postures.
+    angles: usize,
+    /// Number of components of the index; there is an epigraph variable if any.
+    components: usize,
+    limits_per_posture: usize,
+    /// Limits that are constraints now, sorted, posture by posture.
+    watched: Vec<usize>,
+    terms: PostureTerms,
+    limit_values: Vec<f64>,
+    limit_gradients: Vec<f64>,
+}
+
+impl<'a> Search<'a> {
+    /// A search over groups of `count` postures.
+    ///
+    /// # Errors
+    /// The cell lacks what the index needs.
+    pub(super) fn new(cell: &'a Cell, index: Index, count: usize) -> Result<Self> {
+        let function = IndexFunction::new(cell, index, count)?;
+        let components = function.component_count();
+        let n = cell.setup.robot.joint_count();
+        let limits_per_posture = cell.limits.count(&cell.setup);
+        let mut bounds: Vec<[f64; 2]> = cell
+            .bounds
+            .iter()
+            .copied()
+            .cycle()
+            .take(n * count)
+            .collect();
+        if components > 0 {
+            bounds.push(EPIGRAPH_RANGE);
+        }
+        let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
+        Ok(Search {
+            cell,
+            function,
+            bounds,
+            angles: n * count,
+            components,
+            limits_per_posture,
+            watched: Vec::new(),
+            terms: PostureTerms::new(&cell.setup, &middle, None)?,
+            limit_values: vec![0.0; limits_per_posture],
+            limit_gradients: vec![0.0; limits_per_posture * n],
+        })
+    }
+
+    /// Searches from the controller angles `start`, posture by posture \[rad\].
+    ///
+    /// # Errors
+    /// A start that is not finite.
+    pub(super) fn run(
+        mut self,
+        mut start: Vec<f64>,
+        options: Options,
+        control: Control<'_>,
+    ) -> Result<Solution> {
+        self.leave_singularity(&mut start);
+        if self.components > 0 {
+            start.push(0.0);
+        }
+        // Where singular values coalesce the gradient of cond(Ψ) jumps, as that
+        // of max k(J_N) does: the first is smoothed ever more sharply, the
+        // second has its epigraph variable.
+        let stages: &[Option<f64>] = match self.function.has_extreme_singular_values() {
+            true => &SHARPNESS,
+            false => &[None],
+        };
+        let mut solution: Option<Solution> = None;
+        for sharpness in stages {
+            self.function.set_sharpness(*sharpness);
+            solution = Some(self.stage(&start, solution, options, control)?);
+        }
+        solution.ok_or_else(|| Error::new(Code::Internal, "A selection without a stage."))
+    }
+
+    /// One stage: rounds of searching and adding the limits that were crossed.
+    fn stage(
+        &mut self,
+        start: &[f64],
+        mut solution: Option<Solution>,
+        options: Options,
+        control: Control<'_>,
+    ) -> Result<Solution> {
+        let mut from = solution.as_ref().map_or(start.to_vec(), |s| s.x.clone());
+        let mut last = from.clone();
+        self.watched.clear();
+        for _ in 0..WATCH_ROUNDS {
+            self.watch_near_limits(&from)?;
+            self.watch_near_limits(&last)?;
+            let used = solution.as_ref().map_or(0, |s| s.iterations);
+            let left = Options {
+                max_iterations: options.max_iterations.saturating_sub(used),
+                ..options
+            };
+            let next = minimise(self, &from, left, control);
+            let outside = next.last_violation > options.feasibility;
+            let done =
+                !outside || next.termination == Termination::Interrupted || next.iterations == 0;
+            last.clone_from(&next.last);
+            // Go on from the best point inside all limits, if there is one: a
+            // search from outside may never come back in.
+            from = if next.merit.is_finite() {
+                next.x.clone()
+            } else {
+                next.last.clone()
+            };
+            solution = Some(match solution {
+                Some(previous) => next.after(previous),
+                None => next,
+            });
+            if done {
+                break;
+            }
+        }
+        solution.ok_or_else(|| Error::new(Code::Internal, "A stage without a round."))
+    }
+
+    /// Moves a start at which the index does not exist (a singular posture,
+    /// equal postures) a little, always the same way, until it does. A start
+    /// that stays without an index is left as it was.
+    fn leave_singularity(&mut self, start: &mut [f64]) {
+        if self.function.evaluate(start).value().is_finite() {
+            return;
+        }
+        for attempt in 0..NUDGES {
+            let size = FIRST_NUDGE * f64::from(1 << attempt);
+            let moved: Vec<f64> = start
+                .iter()
+                .zip(&self.bounds)
+                .enumerate()
+                .map(|(i, (x, b))| {
+                    let i = i as u32;
+                    let shift = f64::from(sobol_burley::sample(attempt + 1, i % 256, i / 256));
+                    (x + size * (2.0 * shift - 1.0)).clamp(b[0], b[1])
+                })
+                .collect();
+            if self.function.evaluate(&moved).value().is_finite() {
+                start.copy_from_slice(&moved);
+                return;
+            }
+        }
+    }
+
+    /// Watches the limits that the postures of `x` come near to or cross.
+    fn watch_near_limits(&mut self, x: &[f64]) -> Result<()> {
+        if self.limits_per_posture == 0 {
+            return Ok(());
+        }
+        let setup = &self.cell.setup;
+        for (p, q) in x[..self.angles]
+            .chunks_exact(setup.robot.joint_count())
+            .enumerate()
+        {
+            self.terms.update(setup, q)?;
+            self.cell
+                .limits
+                .evaluate(setup, &self.terms, &mut self.limit_values, None);
+            let near = self
+                .limit_values
+                .iter()
+                .enumerate()
+                .filter(|(_, margin)| **margin < WATCH_DISTANCE);
+            self.watched
+                .extend(near.map(|(l, _)| p * self.limits_per_posture + l));
+        }
+        self.watched.sort_unstable();
+        self.watched.dedup();
+        Ok(())
+    }
+
+    /// Writes the margins of the watched limits, and the violation of all.
+    fn add_limits(&mut self, q: &[f64], out: &mut Evaluation) {
+        let setup = &self.cell.setup;
+        let n = setup.robot.joint_count();
+        let variables = self.bounds.len();
+        let mut next = self.watched.iter().enumerate().peekable();
+        for (p, q) in q.chunks_exact(n).enumerate() {
+            // The load was checked when the search was made.
+            if self.limits_per_posture == 0 || self.terms.update(setup, q).is_err() {
+                continue;
+            }
+            self.cell.limits.evaluate(
+                setup,
+                &self.terms,
+                &mut self.limit_values,
+                Some(&mut self.limit_gradients),
+            );
+            for margin in &self.limit_values {
+                out.violation = out.violation.max(-margin);
+            }
+            let end = (p + 1) * self.limits_per_posture;
+            while let Some((w, limit)) = next.next_if(|(_, limit)| **limit < end) {
+                let l = limit - p * self.limits_per_posture;
+                let at = self.components + w;
+                out.margins[at] = self.limit_values[l] - LIMIT_GUARD;
+                let offset = at * variables + p * n;
+                setup.robot.gradient_to_controller(
+                    &self.limit_gradients[l * n..(l + 1) * n],
+                    &mut out.margin_gradients[offset..offset + n],
+                );
+            }
+        }
+    }
+}
+
+impl Problem for Search<'_> {
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.bounds
+    }
+
+    fn margin_count(&self) -> usize {
+        self.components + self.watched.len()
+    }
+
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+        let (q, epigraph) = x.split_at(self.angles);
+        let variables = self.bounds.len();
+        let margins = self.margin_count();
+        let minimax = self.function.evaluate(q);
+        let merit = minimax.value();
+        let mut out = Evaluation {
+            objective: minimax.smooth,
+            gradient: minimax.smooth_gradient,
+            margins: vec![0.0; margins],
+            margin_gradients: vec![0.0; margins * variables],
+            merit,
+            violation: 0.0,
+        };
+        if let [t] = epigraph {
+            // Epigraph: minimise smooth + t with t ≥ every component.
+            out.objective += t;
+            out.gradient.push(1.0);
+            let rows = out.margin_gradients.chunks_exact_mut(variables);
+            let components = minimax.component_gradients.chunks_exact(self.angles);
+            for (c, (row, component)) in rows.zip(components).enumerate() {
+                out.margins[c] = t - minimax.components[c];
+                for (g, d) in row.iter_mut().zip(component) {
+                    *g = -d;
+                }
+                row[self.angles] = 1.0;
+            }
+        }
+        self.add_limits(q, &mut out);
+        out
+    }
+
+    fn prepare(&mut self, x: &mut [f64]) {
+        if self.components == 0 {
+            return;
+        }
+        // The smallest feasible t at these postures.
+        let (q, t) = x.split_at_mut(self.angles);
+        let largest = self
+            .function
+            .evaluate(q)
+            .components
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        t[0] = if largest.is_finite() {
+            largest
+        } else {
+            EPIGRAPH_RANGE[1]
+        };
+    }
+}
