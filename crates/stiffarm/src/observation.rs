@@ -326,12 +326,20 @@ impl PostureTerms {
 /// (6m · postures) × n for [`Rows::FullPose`].
 ///
 /// # Errors
-/// As [`PostureTerms::new`].
+/// As [`PostureTerms::new`]; a length that is not above zero.
 pub fn observation_matrix<Q: AsRef<[f64]>>(
     setup: &Setup,
     postures: &[Q],
     rows: Rows,
 ) -> Result<DMatrix<f64>> {
+    if let Rows::FullPose { length } = rows {
+        if !(length.is_finite() && length > 0.0) {
+            return Err(Error::new(
+                Code::InvalidValue,
+                "The length that weighs rotations against translations must be above zero.",
+            ));
+        }
+    }
     let n = setup.robot.spring_count();
     let m = setup.tool.point_count();
     let per_point = match rows {

@@ -8,7 +8,7 @@ mod tables;
 pub use figures::figures;
 pub use page::page;
 pub use published::{PAPER, PublishedTables, published_for};
-pub use tables::{Table, tables};
+pub use tables::{Cell, Table, tables};
 
 use stiffarm::study::Study;
 

@@ -2,7 +2,9 @@
 
 use super::figures::{figures, slug};
 use super::published::{PAPER, published_for};
-use super::tables::{find, percent, significant, tables};
+use super::tables::{
+    Table, find, percent, significant, starts_summary, stiffness_side_by_side, tables,
+};
 use std::fmt::Write;
 use stiffarm::study::{Study, StudyGroup};
 
@@ -24,6 +26,10 @@ fn rounded_postures(group: &StudyGroup, joints: &[String]) -> String {
     out
 }
 
+fn write_table(out: &mut String, table: &Table) {
+    let _ = write!(out, "\n{}\n\n*{}*\n", table.markdown(), table.caption);
+}
+
 /// The page. `command` is the command line that repeats the study; figures are
 /// referred to as `<id>.svg` beside the page.
 pub fn page(study: &Study, version: &str, command: &str) -> String {
@@ -32,7 +38,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     let mut out = String::new();
     let table = |out: &mut String, id: &str| {
         if let Some(t) = find(&tables, id) {
-            let _ = write!(out, "\n{}\n\n*{}*\n", t.markdown(), t.caption);
+            write_table(out, t);
         }
     };
     let picture = |out: &mut String, id: &str| {
@@ -135,7 +141,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
         out.push_str("\n### Other initial groups\n");
         finding(&mut out, "other-starts");
         picture(&mut out, "other-starts");
-        table(&mut out, "other-starts");
+        write_table(&mut out, &starts_summary(study));
     }
     if study
         .classical_q1
@@ -154,7 +160,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
          identified. The noise is the only error here, so this shows what the tracker allows, not what an experiment \
          reaches, and each column is one draw: differences of the size of the intervals are luck.\n",
     );
-    table(&mut out, "stiffness");
+    write_table(&mut out, &stiffness_side_by_side(study));
     if published_for(&study.robot).is_some() {
         out.push_str(
             "\nThe paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its three \

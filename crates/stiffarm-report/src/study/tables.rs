@@ -3,9 +3,66 @@
 use super::figures::illustration;
 use super::published::published_for;
 use stiffarm::index::Index;
+use stiffarm::select::Selection;
 use stiffarm::study::Study;
 
-/// A table: file name stem, caption, headings, rows of text.
+/// One cell: the page rounds numbers, the CSV file has every digit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// A name or a remark.
+    Text(String),
+    /// A number, or none.
+    Number(Option<f64>),
+}
+
+impl Cell {
+    fn percent(fraction: Option<f64>) -> Self {
+        Cell::Number(fraction.map(|f| 100.0 * f))
+    }
+
+    /// Four significant digits, `–` for none.
+    fn rounded(&self) -> String {
+        match self {
+            Cell::Text(text) => text.clone(),
+            Cell::Number(value) => significant(*value),
+        }
+    }
+
+    /// Every digit, empty for none.
+    fn exact(&self) -> String {
+        match self {
+            Cell::Text(text) => text.clone(),
+            Cell::Number(Some(value)) if value.is_finite() => value.to_string(),
+            Cell::Number(_) => String::new(),
+        }
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Cell::Text(text.to_string())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Cell::Text(text)
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        Cell::Number(Some(value))
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(value: Option<f64>) -> Self {
+        Cell::Number(value)
+    }
+}
+
+/// A table: file name stem, caption, headings, rows of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Stem of the CSV file.
@@ -15,7 +72,7 @@ pub struct Table {
     /// Headings, units included.
     pub headings: Vec<String>,
     /// Rows; every row has one cell per heading.
-    pub rows: Vec<Vec<String>>,
+    pub rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
@@ -42,7 +99,7 @@ impl Table {
         };
         let mut out = line(&self.headings);
         for row in &self.rows {
-            out.push_str(&line(row));
+            out.push_str(&line(&row.iter().map(Cell::exact).collect::<Vec<_>>()));
         }
         out
     }
@@ -57,7 +114,7 @@ impl Table {
         }
         out.push('\n');
         for row in &self.rows {
-            out.push_str(&line(row));
+            out.push_str(&line(&row.iter().map(Cell::rounded).collect::<Vec<_>>()));
         }
         out
     }
@@ -98,10 +155,8 @@ pub fn tables(study: &Study) -> Vec<Table> {
                 .collect(),
         );
         for (p, q) in g.postures_deg.iter().enumerate() {
-            let cells = q.iter().map(|a| a.to_string());
-            table
-                .rows
-                .push(std::iter::once((p + 1).to_string()).chain(cells).collect());
+            let angles = q.iter().map(|a| Cell::from(*a));
+            table.rows.push(row((p + 1).to_string(), angles));
         }
         table
     }));
@@ -113,6 +168,11 @@ pub fn tables(study: &Study) -> Vec<Table> {
     ]);
     out.extend(validation(study));
     out
+}
+
+/// A row from its name and its cells.
+fn row(name: impl Into<Cell>, cells: impl IntoIterator<Item = Cell>) -> Vec<Cell> {
+    std::iter::once(name.into()).chain(cells).collect()
 }
 
 /// A table of the study by its identifier.
@@ -137,49 +197,34 @@ fn indices(study: &Study) -> Table {
             index,
             Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
         );
-        let mut row = vec![format!(
-            "{}{}",
-            index.as_str(),
-            if fraction { " [%]" } else { "" }
-        )];
-        for group in &study.groups {
-            let value = group.evaluation.indices.get(index);
-            row.push(if fraction {
-                percent(value)
+        let name = format!("{}{}", index.as_str(), if fraction { " [%]" } else { "" });
+        let values = study.groups.iter().map(|g| {
+            let value = g.evaluation.indices.get(index);
+            if fraction {
+                Cell::percent(value)
             } else {
-                significant(value)
-            });
-        }
-        table.rows.push(row);
+                value.into()
+            }
+        });
+        table.rows.push(row(name, values));
     }
-    let selection = |f: &dyn Fn(&stiffarm::select::Selection) -> String| -> Vec<String> {
-        study
+    let mut add = |name: &str, cell: &dyn Fn(&Selection) -> Cell| {
+        let cells = study
             .groups
             .iter()
-            .map(|g| g.selection.as_ref().map_or("–".into(), f))
-            .collect()
+            .map(|g| g.selection.as_ref().map_or("–".into(), cell));
+        table.rows.push(row(name, cells));
     };
-    let mut add = |name: &str, cells: Vec<String>| {
-        table
-            .rows
-            .push(std::iter::once(name.to_string()).chain(cells).collect());
-    };
-    add(
-        "search ended",
-        selection(&|s| s.termination.describe().to_string()),
-    );
-    add("iterations", selection(&|s| s.iterations.to_string()));
-    add(
-        "first-order optimality [1/rad]",
-        selection(&|s| significant(s.stationarity)),
-    );
+    add("search ended", &|s| s.termination.describe().into());
+    add("iterations", &|s| s.iterations.to_string().into());
+    add("first-order optimality [1/rad]", &|s| s.stationarity.into());
     add(
         "smallest margin to a limit [mm]",
-        selection(&|s| match s.smallest_margin_m {
-            // Below a nanometre is on the limit.
+        &|s| match s.smallest_margin_m {
+            // Below a hundredth of a micrometre is on the limit.
             Some(m) if m.abs() < 1e-8 => "0 (on a limit)".into(),
-            other => significant(other.map(|m| 1e3 * m)),
-        }),
+            other => other.map(|m| 1e3 * m).into(),
+        },
     );
     table
 }
@@ -194,18 +239,14 @@ fn expected(study: &Study) -> Table {
         let cells = study
             .groups
             .iter()
-            .map(|g| percent(g.evaluation.expected_deviation[j]));
-        table
-            .rows
-            .push(std::iter::once(joint.clone()).chain(cells).collect());
+            .map(|g| Cell::percent(g.evaluation.expected_deviation[j]));
+        table.rows.push(row(joint.as_str(), cells));
     }
-    let mean = study
+    let means = study
         .groups
         .iter()
-        .map(|g| percent(g.evaluation.mean_expected_deviation()));
-    table
-        .rows
-        .push(std::iter::once("mean".to_string()).chain(mean).collect());
+        .map(|g| Cell::percent(g.evaluation.mean_expected_deviation()));
+    table.rows.push(row("mean", means));
     table
 }
 
@@ -223,20 +264,14 @@ fn illustration_case(study: &Study) -> Table {
         headings,
     );
     for (j, joint) in study.joints.iter().enumerate() {
-        let mut row = vec![joint.clone()];
-        row.extend(
-            cases
-                .iter()
-                .map(|(_, level)| percent(Some(level.first_run_deviation[j]))),
-        );
-        if let Some(published) = published {
-            row.extend(
-                published.deviation_percent[j]
-                    .iter()
-                    .map(|v| significant(Some(*v))),
-            );
-        }
-        table.rows.push(row);
+        let ours = cases
+            .iter()
+            .map(|(_, level)| Cell::percent(Some(level.first_run_deviation[j])));
+        let theirs = published
+            .iter()
+            .flat_map(|p| p.deviation_percent[j])
+            .map(Cell::from);
+        table.rows.push(row(joint.as_str(), ours.chain(theirs)));
     }
     table
 }
@@ -263,16 +298,16 @@ fn simulation(study: &Study) -> Table {
     for group in &study.simulation.groups {
         for level in &group.levels {
             for (j, joint) in study.joints.iter().enumerate() {
-                let number = |v: &[f64]| format!("{}", 100.0 * v[j]);
+                let percent = |v: &[f64]| Cell::percent(Some(v[j]));
                 table.rows.push(vec![
-                    group.name.clone(),
-                    format!("{}", level.variance_factor),
-                    joint.clone(),
-                    number(&level.mean_deviation),
-                    number(&level.standard_error),
-                    number(&level.median_deviation),
-                    number(&level.expected_deviation),
-                    level.beyond_first_order[j].to_string(),
+                    group.name.as_str().into(),
+                    level.variance_factor.into(),
+                    joint.as_str().into(),
+                    percent(&level.mean_deviation),
+                    percent(&level.standard_error),
+                    percent(&level.median_deviation),
+                    percent(&level.expected_deviation),
+                    level.beyond_first_order[j].to_string().into(),
                 ]);
             }
         }
@@ -280,7 +315,41 @@ fn simulation(study: &Study) -> Table {
     table
 }
 
+/// Name of a row of the other initial groups.
+fn index_name(index: Option<Index>) -> String {
+    index.map_or("(start)".into(), |i| i.as_str().replace('_', " "))
+}
+
+/// Every initial group with what each index makes of it.
 fn starts(study: &Study) -> Table {
+    let headings = [
+        "initial groups",
+        "number",
+        "index",
+        "mean expected deviation [%]",
+    ];
+    let mut table = Table::new(
+        "other-starts",
+        "Mean expected deviation after selection from each other initial group.",
+        headings.map(String::from).to_vec(),
+    );
+    for kind in &study.starts.kinds {
+        for start in &kind.rows {
+            for (number, value) in start.mean_expected_deviation.iter().enumerate() {
+                table.rows.push(vec![
+                    kind.kind.as_str().into(),
+                    (number + 1).to_string().into(),
+                    index_name(start.index).into(),
+                    Cell::percent(*value),
+                ]);
+            }
+        }
+    }
+    table
+}
+
+/// The same counted and as medians, for the page.
+pub(super) fn starts_summary(study: &Study) -> Table {
     let headings = [
         "initial groups",
         "index",
@@ -288,27 +357,62 @@ fn starts(study: &Study) -> Table {
         "median mean expected deviation [%]",
     ];
     let mut table = Table::new(
-        "other-starts",
+        "other-starts-summary",
         "How often each index improves on its start, and the median outcome.",
         headings.map(String::from).to_vec(),
     );
     for kind in &study.starts.kinds {
-        for row in &kind.rows {
+        for start in &kind.rows {
             table.rows.push(vec![
-                kind.kind.clone(),
-                row.index
-                    .map_or("(start)".into(), |i| i.as_str().replace('_', " ")),
-                row.index.map_or("–".into(), |_| {
-                    format!("{} of {}", row.improved, kind.count)
-                }),
-                percent(row.median),
+                kind.kind.as_str().into(),
+                index_name(start.index).into(),
+                start
+                    .index
+                    .map_or("–".into(), |_| {
+                        format!("{} of {}", start.improved, kind.count)
+                    })
+                    .into(),
+                Cell::percent(start.median),
             ]);
         }
     }
     table
 }
 
+/// Identified stiffness, one row per group and joint.
 fn stiffness(study: &Study) -> Table {
+    let headings = [
+        "group",
+        "joint",
+        "truth [N·m/rad]",
+        "k [N·m/rad]",
+        "low [N·m/rad]",
+        "high [N·m/rad]",
+    ];
+    let mut table = Table::new(
+        "stiffness",
+        "Joint stiffness identified from one simulated measurement, with the 95 % interval.",
+        headings.map(String::from).to_vec(),
+    );
+    for group in &study.groups {
+        for (j, joint) in study.joints.iter().enumerate() {
+            let estimate = group.identification.as_ref().map(|i| &i.joints[j]);
+            let [low, high] = estimate.map_or([None, None], |e| e.interval);
+            table.rows.push(vec![
+                group.name.as_str().into(),
+                joint.as_str().into(),
+                study.stiffness[j].into(),
+                estimate.and_then(|e| e.stiffness).into(),
+                low.into(),
+                high.into(),
+            ]);
+        }
+    }
+    table
+}
+
+/// The same side by side, beside the paper's Table 6, for the page.
+pub(super) fn stiffness_side_by_side(study: &Study) -> Table {
     let published = published_for(&study.robot);
     let mut headings = vec!["joint".to_string(), "truth".to_string()];
     headings.extend(study.groups.iter().map(|g| g.name.clone()));
@@ -316,33 +420,36 @@ fn stiffness(study: &Study) -> Table {
         headings.extend((1..=3).map(|g| format!("paper, Group {g}")));
     }
     let mut table = Table::new(
-        "stiffness",
+        "stiffness-side-by-side",
         "Joint stiffness identified from one simulated measurement, N·m/rad (Table 6), with the 95 % interval.",
         headings,
     );
     for (j, joint) in study.joints.iter().enumerate() {
-        let mut row = vec![joint.clone(), significant(Some(study.stiffness[j]))];
-        for group in &study.groups {
+        let ours = study.groups.iter().map(|group| {
             let estimate = group.identification.as_ref().map(|i| &i.joints[j]);
-            row.push(
-                match estimate.and_then(|e| Some((e.stiffness?, e.interval))) {
-                    Some((k, [Some(low), Some(high)])) => {
-                        format!(
-                            "{} ({}–{})",
-                            significant(Some(k)),
-                            significant(Some(low)),
-                            significant(Some(high))
-                        )
-                    }
-                    Some((k, _)) => significant(Some(k)),
-                    None => "–".into(),
-                },
-            );
-        }
-        if let Some(published) = published {
-            row.extend(published.stiffness[j].iter().map(|v| significant(Some(*v))));
-        }
-        table.rows.push(row);
+            match estimate.and_then(|e| Some((e.stiffness?, e.interval))) {
+                Some((k, [low @ Some(_), high @ Some(_)])) => format!(
+                    "{} ({}–{})",
+                    significant(Some(k)),
+                    significant(low),
+                    significant(high)
+                )
+                .into(),
+                Some((k, [low @ Some(_), None])) => {
+                    format!("{} (above {})", significant(Some(k)), significant(low)).into()
+                }
+                Some((k, _)) => format!("{} (no interval)", significant(Some(k))).into(),
+                None => Cell::Number(None),
+            }
+        });
+        let theirs = published
+            .iter()
+            .flat_map(|p| p.stiffness[j])
+            .map(Cell::from);
+        let values = std::iter::once(study.stiffness[j].into())
+            .chain(ours)
+            .chain(theirs);
+        table.rows.push(row(joint.as_str(), values));
     }
     table
 }
@@ -361,21 +468,17 @@ fn validation(study: &Study) -> Option<Table> {
         headings,
     );
     for (i, point) in first.points.iter().enumerate() {
-        let mut row = vec![point.label.clone()];
-        row.extend(
-            study
-                .groups
-                .iter()
-                .map(|g| significant(g.validation.as_ref().map(|v| 1e3 * v.points[i].deviation_m))),
-        );
-        if let Some(published) = published {
-            row.extend(
-                published.deflection_mm[i]
-                    .iter()
-                    .map(|v| significant(Some(*v))),
-            );
-        }
-        table.rows.push(row);
+        let ours = study
+            .groups
+            .iter()
+            .map(|g| Cell::Number(g.validation.as_ref().map(|v| 1e3 * v.points[i].deviation_m)));
+        let theirs = published
+            .iter()
+            .flat_map(|p| p.deflection_mm[i])
+            .map(Cell::from);
+        table
+            .rows
+            .push(row(point.label.as_str(), ours.chain(theirs)));
     }
     Some(table)
 }
