@@ -332,13 +332,13 @@ pub fn observation_matrix<Q: AsRef<[f64]>>(
     postures: &[Q],
     rows: Rows,
 ) -> Result<DMatrix<f64>> {
-    if let Rows::FullPose { length } = rows {
-        if !(length.is_finite() && length > 0.0) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                "The length that weighs rotations against translations must be above zero.",
-            ));
-        }
+    if let Rows::FullPose { length } = rows
+        && !(length.is_finite() && length > 0.0)
+    {
+        return Err(Error::new(
+            Code::InvalidValue,
+            "The length that weighs rotations against translations must be above zero.",
+        ));
     }
     let n = setup.robot.spring_count();
     let m = setup.tool.point_count();
