@@ -6,6 +6,7 @@
 
 mod common;
 
+use common::random::Dice;
 use common::{group1, random_group, reference_cell};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
 use stiffarm::cell::Cell;
@@ -139,6 +140,61 @@ fn twenty_thousand_runs_meet_the_closed_forms() {
             assert!((a.unwrap() / b - 1.0).abs() < 1e-12);
         }
     }
+}
+
+/// The closed form holds on cells of any size, load and springs, not only on
+/// the reference cell.
+#[test]
+fn the_closed_form_holds_on_random_cells() {
+    const RUNS: usize = 4_000;
+    let mut compared = Vec::new();
+    for seed in 0..24_u64 {
+        let mut dice = Dice::new(1000 + seed);
+        let n = 4 + dice.below(4);
+        let kind = dice.below(4);
+        let (elastic, common) = (dice.chance(0.5), dice.chance(0.5));
+        let cell = dice.model(n, kind, elastic, common).cell();
+        let count = 4 + dice.below(3);
+        let group = PostureGroup::from_angles(format!("cell {seed}"), dice.postures(n, count));
+        let determined = evaluate(&cell, &group.name, &group.postures)
+            .unwrap()
+            .undetermined_joints
+            .is_empty();
+        if determined {
+            compared.extend(run(&cell, &[group], RUNS, seed).groups);
+        }
+    }
+    assert!(compared.len() >= 12, "{} cells", compared.len());
+    let cases: Vec<(&str, &LevelResult, usize)> = compared
+        .iter()
+        .flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)))
+        .flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)))
+        .collect();
+    let limit = threshold(2 * cases.len());
+    let mut largest = 0.0_f64;
+    for (name, level, j) in cases {
+        let expected = level.expected_deviation[j];
+        let z =
+            (level.compliance_mean_deviation[j] - expected) / level.compliance_standard_error[j];
+        assert!(
+            z.abs() < limit,
+            "{name}, joint {}: z = {z} on the compliance",
+            j + 1
+        );
+        largest = largest.max(z.abs());
+        if relative_error(level, j) < 0.05 {
+            let z = (level.mean_deviation[j] - expected) / level.standard_error[j];
+            assert!(
+                z.abs() < limit,
+                "{name}, joint {}: z = {z} on the stiffness",
+                j + 1
+            );
+        }
+    }
+    println!(
+        "{} random cells, largest |z| {largest:.2} (limit {limit:.2})",
+        compared.len()
+    );
 }
 
 #[test]
