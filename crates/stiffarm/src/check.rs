@@ -95,9 +95,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
 
 /// Says where limits of ±360° only stand in for unknown ones.
 fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
-    let unknown = [-std::f64::consts::TAU, std::f64::consts::TAU];
-    let joints = cell.setup.robot.joints();
-    if joints.iter().all(|j| j.limits == unknown) {
+    if cell.setup.robot.limits_are_unknown() {
         findings.push(Finding::new(
             "unknown-limits",
             Severity::Caution,

@@ -265,6 +265,9 @@ fn table(
             coarse_mm(margin.max(0.0))
         );
     }
+    if cell.setup.robot.limits_are_unknown() {
+        out += "the machine's limits are not known (±360° stand in): compare the postures with the machine before driving them\n";
+    }
     for (posture, k) in postures.iter().zip(&after.k_jn) {
         if cell.characteristic_length.is_some() && k.is_none_or(|k| k > NEAR_SINGULAR) {
             let k = k.map_or_else(

@@ -60,6 +60,9 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     );
     for code in [
         "undetermined-joints",
+        "no-selection",
+        "no-noise",
+        "unknown-limits",
         "recommended-index",
         "paper-order",
         "first-order-means",

@@ -13,6 +13,9 @@ pub use dh::{DhConvention, DhRow};
 use crate::error::{Code, Error, Result};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 
+/// Stands in for limits that nobody gave \[rad\].
+const UNKNOWN_LIMITS: [f64; 2] = [-std::f64::consts::TAU, std::f64::consts::TAU];
+
 /// One revolute joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
@@ -71,7 +74,7 @@ impl Robot {
             .map(|(i, placement)| Joint {
                 name: format!("joint {}", i + 1),
                 placement,
-                limits: [-std::f64::consts::TAU, std::f64::consts::TAU],
+                limits: UNKNOWN_LIMITS,
             })
             .collect();
         let n = rows.len();
@@ -246,6 +249,12 @@ impl Robot {
     /// Names of the springs, in the order of the columns of Ψ.
     pub fn spring_names(&self) -> Vec<String> {
         self.joints.iter().map(|j| j.name.clone()).collect()
+    }
+
+    /// True when no limits of the controller angles were given and ±360° stand
+    /// in for them.
+    pub fn limits_are_unknown(&self) -> bool {
+        self.joints.iter().all(|j| j.limits == UNKNOWN_LIMITS)
     }
 
     /// The joints, base to flange.

@@ -159,6 +159,15 @@ pub fn study(
     // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
     let indices = study_indices(cell);
     let mut findings = Vec::new();
+    if cell.setup.robot.limits_are_unknown() {
+        findings.push(Finding::new(
+            "unknown-limits",
+            Severity::Caution,
+            "robot.limits_deg",
+            "The machine's limits are not known and ±360° stand in: compare the postures with the machine before driving \
+             them.",
+        ));
+    }
     let selections: Vec<Result<Selection>> = in_order(&indices, |(_, (index, _))| {
         Ok(select_from(
             cell,
