@@ -280,7 +280,11 @@ pub fn identify(
     let residual = &system.delta - &system.psi * &compliance;
     let condition = match factor.undetermined().is_empty() {
         true => {
-            let s = Factor::new(&system.psi)?.singular_values(|_| 1.0)?;
+            // Without a posture-common part the whitened Ψ is Ψ.
+            let s = match cell.noise.posture_common_std > 0.0 {
+                true => Factor::new(&system.psi)?.singular_values(|_| 1.0)?,
+                false => factor.singular_values(|_| 1.0)?,
+            };
             Some(s[0] / s[n - 1])
         }
         false => None,

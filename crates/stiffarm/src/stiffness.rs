@@ -243,9 +243,18 @@ pub fn equilibrium_displacement(
 ) -> Result<Vector6<f64>> {
     let before = Frames::new(&setup.robot, q);
     let after = equilibrium(setup, q, stiffness, wrench)?.frames;
+    Ok(displacement_between(&before, &after, in_flange))
+}
+
+/// Displacement of a flange-fixed point from one set of frames to another:
+/// \[shift (m); rotation vector (rad)\], base axes. `in_flange` is in flange
+/// axes \[m\].
+pub fn displacement_between(
+    before: &Frames,
+    after: &Frames,
+    in_flange: &Vector3<f64>,
+) -> Vector6<f64> {
     let shift = after.point(in_flange) - before.point(in_flange);
     let turn = (after.flange().rotation * before.flange().rotation.inverse()).scaled_axis();
-    Ok(Vector6::new(
-        shift.x, shift.y, shift.z, turn.x, turn.y, turn.z,
-    ))
+    Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
 }

@@ -7,7 +7,7 @@ use crate::measurement::{Displacement, MeasuredPosture};
 use crate::observation::PostureTerms;
 use crate::posture::Posture;
 use crate::simulate::draw_noise;
-use crate::stiffness::{equilibrium_displacement, joint_compliance, linear_displacement};
+use crate::stiffness::{displacement_between, equilibrium, joint_compliance, linear_displacement};
 use crate::streams::run_rng;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -81,25 +81,26 @@ pub fn calculated_displacements(
     let terms = PostureTerms::new(&cell.setup, q, measured.wrench.as_ref())?;
     let known = terms.known_displacement(&cell.setup.tool);
     let tool = &cell.setup.tool;
+    // One equilibrium per posture moves all its points.
+    let after = match model {
+        Model::Linear => None,
+        Model::Equilibrium => {
+            Some(equilibrium(&cell.setup, q, stiffness, measured.wrench.as_ref())?.frames)
+        }
+    };
     (0..tool.point_count())
         .map(|a| {
-            let twist = match model {
-                Model::Linear => linear_displacement(
+            let twist = match &after {
+                None => linear_displacement(
                     &cell.setup,
                     &terms,
                     &terms.measuring_points()[a],
                     stiffness,
                     None,
                 )?,
-                Model::Equilibrium => {
+                Some(after) => {
                     let point = &tool.measuring_points[a].position;
-                    equilibrium_displacement(
-                        &cell.setup,
-                        q,
-                        point,
-                        stiffness,
-                        measured.wrench.as_ref(),
-                    )?
+                    displacement_between(terms.frames(), after, point)
                 }
             };
             Ok(Vector3::new(twist[0], twist[1], twist[2]) + known.fixed_rows::<3>(3 * a))

@@ -3,12 +3,14 @@
 mod figures;
 mod page;
 mod published;
+mod table;
 mod tables;
 
 pub use figures::figures;
 pub use page::page;
 pub use published::{PAPER, PublishedTables, published_for};
-pub use tables::{Cell, Table, tables};
+pub use table::{Cell, Table};
+pub use tables::tables;
 
 use stiffarm::study::Study;
 

@@ -2,9 +2,8 @@
 
 use super::figures::{figures, slug};
 use super::published::{PAPER, published_for};
-use super::tables::{
-    Table, find, percent, significant, starts_summary, stiffness_side_by_side, tables,
-};
+use super::table::{Table, percent, significant};
+use super::tables::{find, starts_summary, stiffness_side_by_side, tables};
 use std::fmt::Write;
 use stiffarm::study::{Study, StudyGroup};
 

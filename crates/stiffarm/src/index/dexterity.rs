@@ -5,12 +5,31 @@
 //! of J_N, so a chain with n > 6 joints uses its 6 × n Gram matrix; with n < 6
 //! J_N has no full rank and k(J_N) does not exist.
 
+use crate::error::{Code, Error, Result};
 use crate::information::{GRAM_ROUNDING, svd, symmetric_eigen};
 use crate::kinematics::Frames;
+use crate::robot::Robot;
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3};
 
 /// Relative size of the smallest singular value below which J_N counts as singular.
 const SINGULAR: f64 = 1e-12;
+
+/// Refuses robots whose J_N has no full rank in any posture for want of joints.
+///
+/// # Errors
+/// Fewer than six joints.
+pub(crate) fn require_six_joints(robot: &Robot) -> Result<()> {
+    match robot.joint_count() {
+        n if n < 6 => Err(Error::new(
+            Code::Unsupported,
+            format!(
+                "k(J_N) needs at least 6 joints, and {} has {n}.",
+                robot.name()
+            ),
+        )),
+        _ => Ok(()),
+    }
+}
 
 /// Normalised Jacobian J_N = diag(I/L, I) J, Eq. (20), at the base-frame point
 /// `p` \[m\] with the characteristic length `length` \[m\]; 6 × n, dimensionless.

@@ -153,7 +153,11 @@ pub fn evaluate<Q: AsRef<[f64]>>(
     let (mut scaled_condition, mut d, mut drop_one) = (None, None, None);
     if let Some(prior) = &cell.prior {
         scaled_condition = ratio(&factor.singular_values(|j| 1.0 / prior[j])?);
-        let weighted = Factor::new(&whitened)?;
+        // Without a posture-common part the whitened Ψ is Ψ.
+        let weighted = match rho > 0.0 {
+            true => Factor::new(&whitened)?,
+            false => factor.clone(),
+        };
         relative = relative_errors(&weighted, prior, std);
         if weighted.undetermined().is_empty() {
             let s = weighted.singular_values(|j| 1.0 / prior[j])?;

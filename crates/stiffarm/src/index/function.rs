@@ -9,7 +9,7 @@
 
 use super::{Index, dexterity};
 use crate::cell::Cell;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::information::{GRAM_ROUNDING, point_sums, posture_information, symmetric_eigen};
 use crate::observation::PostureTerms;
 use nalgebra::{DMatrix, DVector};
@@ -64,16 +64,9 @@ impl<'a> IndexFunction<'a> {
     pub fn new(cell: &'a Cell, index: Index, posture_count: usize) -> Result<Self> {
         let n = cell.setup.robot.joint_count();
         let length = if index.uses_dexterity() {
-            if n < 6 {
-                return Err(Error::new(
-                    crate::Code::Unsupported,
-                    format!(
-                        "k(J_N) needs at least 6 joints, and {} has {n}.",
-                        cell.setup.robot.name()
-                    ),
-                )
-                .hint("choose an index without dexterity: expected_error, scaled_condition, d"));
-            }
+            dexterity::require_six_joints(&cell.setup.robot).map_err(|error| {
+                error.hint("choose an index without dexterity: expected_error, scaled_condition, d")
+            })?;
             cell.require_characteristic_length()?
         } else {
             1.0

@@ -4,7 +4,7 @@
 use super::{Control, Evaluation, Options, Problem, minimise};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::index::dexterity::log_condition_gradient;
+use crate::index::dexterity::{log_condition_gradient, require_six_joints};
 use crate::kinematics::Frames;
 use sobol_burley::sample;
 
@@ -67,15 +67,7 @@ impl Problem for Dexterity<'_> {
 pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
     let robot = &cell.setup.robot;
     let n = robot.joint_count();
-    if n < 6 {
-        return Err(Error::new(
-            Code::Unsupported,
-            format!(
-                "k(J_N) needs at least 6 joints, and {} has {n}.",
-                robot.name()
-            ),
-        ));
-    }
+    require_six_joints(robot)?;
     let tcp = cell.setup.tool.tcp();
     let reach: f64 = robot
         .joints()

@@ -17,7 +17,9 @@ use crate::optimise::{Control, Options, with_characteristic_length};
 use crate::posture::PostureGroup;
 use crate::select::{Selection, select_from};
 use crate::simulate::{Simulation, SimulationOptions, in_order, simulate};
-use crate::stiffness::{equilibrium_displacement, linear_displacement, stiffness_correction};
+use crate::stiffness::{
+    displacement_between, equilibrium, linear_displacement, stiffness_correction,
+};
 use crate::units::rad_to_shortest_deg;
 use crate::validate::{Model, Validation, simulate_measurements, validate};
 use nalgebra::DVector;
@@ -322,6 +324,7 @@ fn study_group(
     for posture in &group.postures {
         let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
         let k_c = stiffness_correction(&terms);
+        let after = equilibrium(&cell.setup, &posture.q, truth, None)?.frames;
         for (point, p) in cell
             .setup
             .tool
@@ -331,8 +334,7 @@ fn study_group(
         {
             let linear = linear_displacement(&cell.setup, &terms, p, truth, None)?;
             let corrected = linear_displacement(&cell.setup, &terms, p, truth, Some(&k_c))?;
-            let exact =
-                equilibrium_displacement(&cell.setup, &posture.q, &point.position, truth, None)?;
+            let exact = displacement_between(terms.frames(), &after, &point.position);
             let norm = |d: nalgebra::Vector6<f64>| d.fixed_rows::<3>(0).norm();
             correction_share_m = correction_share_m.max(norm(corrected - linear));
             linearisation_m = linearisation_m.max(norm(exact - linear));
