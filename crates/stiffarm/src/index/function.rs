@@ -4,18 +4,23 @@
 //! information matrix and, for the minimax indices, components whose maximum
 //! counts (k(J_N) per posture, one joint, one lost posture). Both parts are
 //! logarithms, so that products become sums; O1 to O5 enter as reciprocals,
-//! so that every index is minimised. The maximum is left to the optimiser,
-//! which treats it as an epigraph and never differentiates a max().
+//! so that every index is minimised.
+//!
+//! [`IndexFunction::evaluate`] leaves the maximum to the optimiser, which
+//! treats it as an epigraph and never differentiates a max().
+//! [`IndexFunction::smoothed`] replaces it by a log-sum-exp, for searches that
+//! want one smooth function. Neither allocates after the first call.
 
-use super::{Index, dexterity};
+use super::Index;
+use super::criterion::{Criterion, Value};
+use super::kernel::{Kernel, Wanted};
 use crate::cell::Cell;
 use crate::error::Result;
-use crate::information::{GRAM_ROUNDING, point_sums, posture_information, symmetric_eigen};
-use crate::observation::PostureTerms;
-use nalgebra::{DMatrix, DVector};
+use crate::information::small::packed;
+use crate::observation::check_angles;
 
 /// ln of an index at one group, split into a smooth part and components.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Minimax {
     /// Smooth part; infinite where the index does not exist.
     pub smooth: f64,
@@ -39,65 +44,142 @@ impl Minimax {
     }
 }
 
+/// ln of an index at one group, as one smooth function and exactly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothed {
+    /// Smoothed value, plus the penalty of the limits where they are watched.
+    pub objective: f64,
+    /// The index itself: no smoothing, no penalty.
+    pub exact: f64,
+}
+
+/// Postures that are measured whatever the search does.
+#[derive(Debug, Clone)]
+struct Given {
+    count: usize,
+    /// Their information, packed, one after the other.
+    each: Vec<f64>,
+    /// Largest ln k(J_N) of them.
+    log_dexterity: f64,
+}
+
 /// An index of groups of a fixed number of postures, ready to be evaluated
 /// many times at the flat vector of all controller angles \[rad\].
 #[derive(Debug, Clone)]
-pub struct IndexFunction<'a> {
-    cell: &'a Cell,
+pub struct IndexFunction {
     index: Index,
-    length: f64,
-    /// 1/k per spring, ones where the index has no prior.
-    prior_compliance: Vec<f64>,
-    common_weight: f64,
-    sharpness: Option<f64>,
-    terms: Vec<PostureTerms>,
-    blocks: Vec<DMatrix<f64>>,
-    theta_gradient: Vec<f64>,
+    kernel: Kernel,
+    criterion: Criterion,
+    given: Given,
+    /// ln of what the value is multiplied by: σ, √m.
+    log_factor: f64,
+    total: Vec<f64>,
+    /// Information of one posture left out.
+    rest: Vec<f64>,
+    components: Vec<f64>,
+    weights: Vec<f64>,
+    adjoint: Vec<f64>,
+    /// Derivatives of the drop-one components, one after the other.
+    adjoints: Vec<f64>,
+    row: Vec<f64>,
 }
 
-impl<'a> IndexFunction<'a> {
+impl IndexFunction {
     /// Prepares `index` for groups of `posture_count` postures.
     ///
     /// # Errors
     /// The cell lacks what the index needs: a prior stiffness, the
     /// characteristic length, or a load that is known without a measurement.
-    pub fn new(cell: &'a Cell, index: Index, posture_count: usize) -> Result<Self> {
-        let n = cell.setup.robot.joint_count();
-        let length = if index.uses_dexterity() {
-            dexterity::require_six_joints(&cell.setup.robot).map_err(|error| {
-                error.hint("choose an index without dexterity: expected_error, scaled_condition, d")
-            })?;
-            cell.require_characteristic_length()?
-        } else {
-            1.0
+    pub fn new(cell: &Cell, index: Index, posture_count: usize) -> Result<Self> {
+        IndexFunction::with_given::<Vec<f64>>(cell, index, posture_count, &[])
+    }
+
+    /// Prepares `index` for groups of the postures `given` (controller angles,
+    /// rad), which stay as they are, and `posture_count` further ones.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); given angles of the wrong number or not finite.
+    pub fn with_given<Q: AsRef<[f64]>>(
+        cell: &Cell,
+        index: Index,
+        posture_count: usize,
+        given: &[Q],
+    ) -> Result<Self> {
+        IndexFunction::build(cell, index, posture_count, given, false)
+    }
+
+    /// As [`with_given`](Self::with_given), with the cell's limits as a penalty
+    /// of [`smoothed`](Self::smoothed).
+    pub(crate) fn with_limits<Q: AsRef<[f64]>>(
+        cell: &Cell,
+        index: Index,
+        posture_count: usize,
+        given: &[Q],
+    ) -> Result<Self> {
+        IndexFunction::build(cell, index, posture_count, given, true)
+    }
+
+    fn build<Q: AsRef<[f64]>>(
+        cell: &Cell,
+        index: Index,
+        count: usize,
+        given: &[Q],
+        limits: bool,
+    ) -> Result<Self> {
+        let setup = &cell.setup;
+        let dexterity = match index.uses_dexterity() {
+            true => {
+                super::dexterity::require_six_joints(&setup.robot).map_err(|error| {
+                    error.hint(
+                        "choose an index without dexterity: expected_error, scaled_condition, d",
+                    )
+                })?;
+                Some(cell.require_characteristic_length()?)
+            }
+            false => None,
         };
-        let prior_compliance = if index.needs_prior() {
-            cell.require_prior()?.iter().map(|k| 1.0 / k).collect()
-        } else {
-            vec![1.0; cell.setup.robot.spring_count()]
+        let n = setup.robot.spring_count();
+        let compliance = relative_compliance(cell, index)?;
+        let wanted = Wanted {
+            dexterity,
+            information: index
+                .uses_observation()
+                .then(|| (compliance.as_slice(), common_weight(cell, index))),
+            limits,
         };
-        let weighted = matches!(
+        for q in given {
+            check_angles(&setup.robot, q.as_ref())?;
+        }
+        let given = fixed_postures(cell, wanted, given)?;
+        let kernel = Kernel::new(cell, wanted, count)?;
+        let postures = count + given.count;
+        let log_factor = match index {
+            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D => {
+                let std = cell.noise.displacement_std();
+                std.max(f64::MIN_POSITIVE).ln()
+            }
+            // O1 has 1/√m with m postures.
+            Index::O1 => 0.5 * (postures as f64).ln(),
+            _ => 0.0,
+        };
+        let drop_one = index == Index::DropOne;
+        let mut function = IndexFunction {
             index,
-            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
-        );
-        let common_weight = if weighted {
-            cell.noise.common_weight(cell.setup.tool.point_count())
-        } else {
-            0.0
+            kernel,
+            criterion: Criterion::new(index, n, None),
+            given,
+            log_factor,
+            total: vec![0.0; packed(n, 0)],
+            rest: vec![0.0; packed(n, 0)],
+            components: Vec::new(),
+            weights: Vec::new(),
+            adjoint: vec![0.0; n * n],
+            adjoints: vec![0.0; if drop_one { n * n * postures } else { 0 }],
+            row: vec![0.0; n * count],
         };
-        let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
-        let terms = vec![PostureTerms::new(&cell.setup, &middle, None)?; posture_count];
-        Ok(IndexFunction {
-            cell,
-            index,
-            length,
-            prior_compliance,
-            common_weight,
-            sharpness: None,
-            terms,
-            blocks: Vec::with_capacity(posture_count),
-            theta_gradient: vec![0.0; n],
-        })
+        function.components = vec![0.0; function.component_count()];
+        function.weights = function.components.clone();
+        Ok(function)
     }
 
     /// Smooths the largest and smallest singular value, whose gradients jump
@@ -107,7 +189,7 @@ impl<'a> IndexFunction<'a> {
     /// ε-subdifferential of the exact one. `None` differentiates one singular
     /// vector as if the singular value were simple.
     pub fn set_sharpness(&mut self, sharpness: Option<f64>) {
-        self.sharpness = sharpness;
+        self.criterion.sharpness = sharpness;
     }
 
     /// True when the index rests on the largest or smallest singular value.
@@ -129,11 +211,20 @@ impl<'a> IndexFunction<'a> {
         self.index
     }
 
+    /// Number of postures that are free to move.
+    pub fn posture_count(&self) -> usize {
+        self.kernel.posture_count()
+    }
+
     /// Number of components of the minimax part.
     pub fn component_count(&self) -> usize {
+        let free = self.kernel.posture_count();
         match self.index {
-            Index::Classical | Index::Novel | Index::Scaled | Index::DropOne => self.terms.len(),
-            Index::WorstJoint => self.cell.setup.robot.spring_count(),
+            Index::Classical | Index::Novel | Index::Scaled => {
+                free + usize::from(self.given.count > 0)
+            }
+            Index::DropOne => free + self.given.count,
+            Index::WorstJoint => self.criterion_size(),
             _ => 0,
         }
     }
@@ -143,268 +234,316 @@ impl<'a> IndexFunction<'a> {
     /// # Panics
     /// If `q` does not have postures × joints entries.
     pub fn evaluate(&mut self, q: &[f64]) -> Minimax {
-        let n = self.cell.setup.robot.joint_count();
-        assert_eq!(q.len(), n * self.terms.len(), "postures × joints angles");
-        let components = self.component_count();
-        let mut out = Minimax {
-            smooth: 0.0,
-            exact: 0.0,
-            smooth_gradient: vec![0.0; q.len()],
-            components: vec![0.0; components],
-            component_gradients: vec![0.0; components * q.len()],
-        };
-        for (terms, q) in self.terms.iter_mut().zip(q.chunks_exact(n)) {
-            // The load was checked when the function was made.
-            if terms.update(&self.cell.setup, q).is_err() {
-                out.smooth = f64::INFINITY;
-                out.exact = f64::INFINITY;
-                return out;
-            }
-        }
-        if self.index.uses_dexterity() {
-            self.add_dexterity(&mut out);
-        }
-        if self.index.uses_observation() {
-            self.add_information(&mut out);
-        }
+        let mut out = Minimax::default();
+        self.evaluate_into(q, &mut out);
         out
     }
 
-    fn add_dexterity(&mut self, out: &mut Minimax) {
-        let robot = &self.cell.setup.robot;
-        let n = robot.joint_count();
-        let width = out.smooth_gradient.len();
-        for (i, terms) in self.terms.iter().enumerate() {
-            self.theta_gradient.fill(0.0);
-            // J_N at the TCP, measuring point 1 (Section IV.B).
-            let tcp = terms.measuring_points[0];
-            let (value, _) = dexterity::log_condition_gradient(
-                &terms.frames,
-                &tcp,
-                self.length,
-                &mut self.theta_gradient,
-            );
-            out.components[i] = value;
-            let start = i * width + i * n;
-            robot.gradient_to_controller(
-                &self.theta_gradient,
-                &mut out.component_gradients[start..start + n],
-            );
+    /// [`evaluate`](Self::evaluate) into a result that is used again, without
+    /// allocation once it has its size.
+    ///
+    /// # Panics
+    /// If `q` does not have postures × joints entries.
+    pub fn evaluate_into(&mut self, q: &[f64], out: &mut Minimax) {
+        let size = q.len();
+        let components = self.component_count();
+        out.smooth_gradient.resize(size, 0.0);
+        out.components.resize(components, 0.0);
+        out.component_gradients.resize(components * size, 0.0);
+        out.component_gradients.fill(0.0);
+        out.smooth_gradient.fill(0.0);
+        let value = self.forward(q);
+        (out.smooth, out.exact) = (value.smooth, value.exact);
+        out.components.copy_from_slice(&self.components);
+        if !value.exact.is_finite() {
+            return;
         }
-    }
-
-    /// Relative information K⁻¹ Ψᵀ P Ψ K⁻¹ of each posture and their sum.
-    fn add_information(&mut self, out: &mut Minimax) {
-        let n = self.prior_compliance.len();
-        self.blocks.clear();
-        let mut total = DMatrix::zeros(n, n);
-        let mut each = Vec::with_capacity(self.terms.len());
-        for terms in &self.terms {
-            let mut block = terms.block(&self.cell.setup.robot);
-            for j in 0..n {
-                block.column_mut(j).scale_mut(self.prior_compliance[j]);
+        let n = self.kernel.joint_count();
+        if self.index.uses_dexterity() {
+            // Each k(J_N) depends on its own posture only: one sweep for all.
+            self.adjoint.fill(0.0);
+            self.kernel.set_adjoint(None, &self.adjoint);
+            for p in 0..self.kernel.posture_count() {
+                self.kernel.set_dexterity_weight(p, 1.0);
             }
-            let information = posture_information(&block, self.common_weight);
-            total += &information;
-            each.push(information);
-            self.blocks.push(block);
+            self.kernel.reverse(&mut self.row);
+            for (p, row) in self.row.chunks_exact(n).enumerate() {
+                let start = p * size + p * n;
+                out.component_gradients[start..start + n].copy_from_slice(row);
+                self.kernel.set_dexterity_weight(p, 0.0);
+            }
         }
-        let log_sigma = self
-            .cell
-            .noise
-            .displacement_std()
-            .max(f64::MIN_POSITIVE)
-            .ln();
-        let size = out.smooth_gradient.len();
-        let infinite = |out: &mut Minimax| {
-            out.smooth = f64::INFINITY;
-            out.exact = f64::INFINITY;
-        };
         match self.index {
+            Index::Classical => {}
             Index::WorstJoint => {
-                let Some(inverse) = positive_inverse(&total) else {
-                    return infinite(out);
-                };
-                out.smooth = log_sigma;
-                out.exact = log_sigma;
-                for j in 0..n {
-                    // ½ ln [M⁻¹]_jj, derivative −½ w wᵀ/[M⁻¹]_jj with w = M⁻¹ e_j.
-                    let w = inverse.column(j).into_owned();
-                    out.components[j] = 0.5 * w[j].ln();
-                    let adjoint = &w * w.transpose() * (-0.5 / w[j]);
-                    let row = &mut out.component_gradients[j * size..(j + 1) * size];
-                    add_gradient(self, &adjoint, None, row);
+                for (j, row) in out.component_gradients.chunks_exact_mut(size).enumerate() {
+                    self.adjoint.fill(0.0);
+                    self.criterion.add_joint_adjoint(j, 1.0, &mut self.adjoint);
+                    self.kernel.set_adjoint(None, &self.adjoint);
+                    self.kernel.reverse(row);
                 }
             }
             Index::DropOne => {
-                out.smooth = log_sigma;
-                out.exact = log_sigma;
-                for p in 0..each.len() {
-                    let Some(inverse) = positive_inverse(&(&total - &each[p])) else {
-                        return infinite(out);
-                    };
-                    let (value, adjoint) = rms_error(&inverse);
-                    out.components[p] = value;
-                    let row = &mut out.component_gradients[p * size..(p + 1) * size];
-                    add_gradient(self, &adjoint, Some(p), row);
+                let square = self.adjoint.len();
+                self.adjoint.fill(0.0);
+                for (c, row) in out.component_gradients.chunks_exact_mut(size).enumerate() {
+                    self.kernel
+                        .set_adjoint(None, &self.adjoints[c * square..(c + 1) * square]);
+                    if let Some(p) = c.checked_sub(self.given.count) {
+                        self.kernel.set_adjoint(Some(p), &self.adjoint);
+                    }
+                    self.kernel.reverse(row);
                 }
             }
             _ => {
-                let Some((smooth, exact, adjoint)) = self.spectral(&total) else {
-                    return infinite(out);
-                };
-                let constant = match self.index {
-                    Index::ExpectedError | Index::D => log_sigma,
-                    // O1 has 1/√m with m postures.
-                    Index::O1 => 0.5 * (each.len() as f64).ln(),
-                    _ => 0.0,
-                };
-                out.smooth = smooth + constant;
-                out.exact = exact + constant;
-                let mut gradient = std::mem::take(&mut out.smooth_gradient);
-                add_gradient(self, &adjoint, None, &mut gradient);
-                out.smooth_gradient = gradient;
+                self.kernel.set_adjoint(None, &self.criterion.adjoint);
+                self.kernel.reverse(&mut out.smooth_gradient);
             }
         }
     }
 
-    /// ln of a spectral index of the information M: smoothed, exact, and the
-    /// derivative of the smoothed one with respect to M (symmetric).
-    fn spectral(&self, information: &DMatrix<f64>) -> Option<(f64, f64, DMatrix<f64>)> {
-        let (values, vectors) = symmetric_eigen(information.clone())?;
-        let n = values.len();
-        if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
-            return None;
-        }
-        let count = n as f64;
-        // ln of the extreme eigenvalues with their derivatives.
-        let most = Extreme::new(&values, 1.0, self.sharpness);
-        let least = Extreme::new(&values, -1.0, self.sharpness);
-        let combine = |a: f64, b: f64| {
-            let smooth = a * most.smooth + b * least.smooth;
-            let exact = a * most.exact + b * least.exact;
-            (smooth, exact, &most.slope * a + &least.slope * b)
-        };
-        // Value, and derivative with respect to each eigenvalue λ = σ².
-        let (smooth, exact, slope): (f64, f64, DVector<f64>) = match self.index {
-            Index::Condition
-            | Index::Novel
-            | Index::ScaledCondition
-            | Index::Scaled
-            | Index::O2 => combine(0.5, -0.5),
-            Index::O3 => combine(0.0, -0.5),
-            Index::O4 => combine(0.5, -1.0),
-            Index::ExpectedError => {
-                let trace: f64 = values.iter().map(|v| 1.0 / v).sum();
-                let value = 0.5 * (trace / count).ln();
-                (value, value, values.map(|v| -0.5 / (v * v * trace)))
-            }
-            Index::D | Index::O1 => {
-                let log_det: f64 = values.iter().map(|v| v.ln()).sum();
-                let value = -0.5 * log_det / count;
-                (value, value, values.map(|v| -0.5 / (count * v)))
-            }
-            Index::O5 => {
-                let sum: f64 = values.iter().map(|v| v.powf(-0.5)).sum();
-                (
-                    sum.ln(),
-                    sum.ln(),
-                    values.map(|v| -0.5 * v.powf(-1.5) / sum),
-                )
-            }
-            Index::Classical | Index::WorstJoint | Index::DropOne => return None,
-        };
-        let adjoint = &vectors * DMatrix::from_diagonal(&slope) * vectors.transpose();
-        Some((smooth, exact, adjoint))
+    /// ln of the index alone (of its reciprocal for O1 to O5), infinite where
+    /// it does not exist.
+    ///
+    /// # Panics
+    /// If `q` does not have postures × joints entries.
+    pub fn value(&mut self, q: &[f64]) -> f64 {
+        let sharpness = self.criterion.sharpness.take();
+        let value = self.forward(q).exact + self.largest_component();
+        self.criterion.sharpness = sharpness;
+        value
     }
-}
 
-/// ln of the largest (`sign` = 1) or smallest (−1) eigenvalue.
-struct Extreme {
-    smooth: f64,
-    exact: f64,
-    slope: DVector<f64>,
-}
-
-impl Extreme {
-    fn new(values: &DVector<f64>, sign: f64, sharpness: Option<f64>) -> Self {
-        let n = values.len();
-        let at = if sign > 0.0 { n - 1 } else { 0 };
-        let exact = values[at].ln();
-        let Some(p) = sharpness else {
-            let mut slope = DVector::zeros(n);
-            slope[at] = 1.0 / values[at];
-            return Extreme {
-                smooth: exact,
-                exact,
-                slope,
+    /// One smooth function with its gradient \[1/rad\]: the maximum of the
+    /// components becomes ln(Σ exp(p·component))/p, off by at most ln(count)/p,
+    /// and the extreme singular values as [`set_sharpness`](Self::set_sharpness)
+    /// says, both with p = `sharpness`.
+    ///
+    /// # Panics
+    /// If `q` does not have postures × joints entries, or `gradient` not as many.
+    pub fn smoothed(&mut self, q: &[f64], sharpness: f64, gradient: &mut [f64]) -> Smoothed {
+        assert_eq!(q.len(), gradient.len(), "one derivative per angle");
+        self.criterion.sharpness = Some(sharpness);
+        let value = self.forward(q);
+        let largest = self.largest_component();
+        let exact = value.exact + largest;
+        if !exact.is_finite() {
+            gradient.fill(0.0);
+            return Smoothed {
+                objective: f64::INFINITY,
+                exact: f64::INFINITY,
             };
-        };
-        // sign/p · ln Σ exp(sign·p·(ln λ − ln λ_extreme)), no overflow.
-        let weights = values.map(|v| (sign * p * (v.ln() - exact)).exp());
-        let sum = weights.sum();
-        let slope = DVector::from_fn(n, |i, _| weights[i] / (sum * values[i]));
-        Extreme {
-            smooth: exact + sign * sum.ln() / p,
+        }
+        let mut smooth = value.smooth;
+        if !self.components.is_empty() {
+            let mut sum = 0.0;
+            for (weight, component) in self.weights.iter_mut().zip(&self.components) {
+                // Weights that count for nothing are zero, not slow tiny numbers.
+                let exponent = sharpness * (component - largest);
+                *weight = if exponent < -40.0 { 0.0 } else { exponent.exp() };
+                sum += *weight;
+            }
+            for weight in &mut self.weights {
+                *weight /= sum;
+            }
+            smooth += largest + sum.ln() / sharpness;
+        }
+        self.set_smoothed_adjoints();
+        self.kernel.reverse(gradient);
+        Smoothed {
+            objective: smooth + self.kernel.penalty(),
             exact,
-            slope,
         }
     }
-}
 
-/// Adds to `gradient` (all q) the derivative of a function of the summed
-/// relative information whose derivative with respect to it is `adjoint`,
-/// leaving out the posture `without`.
-fn add_gradient(
-    function: &mut IndexFunction<'_>,
-    adjoint: &DMatrix<f64>,
-    without: Option<usize>,
-    gradient: &mut [f64],
-) {
-    let robot = &function.cell.setup.robot;
-    let n = robot.joint_count();
-    let mut theta_gradient = std::mem::take(&mut function.theta_gradient);
-    let mut controller = vec![0.0; n];
-    for (p, terms) in function.terms.iter().enumerate() {
-        if Some(p) == without {
-            continue;
-        }
-        let block = &function.blocks[p];
-        // d⟨F, BᵀPB⟩ = 2⟨P B F, dB⟩, and the prior scales the columns of B.
-        let mut r = block * adjoint * 2.0;
-        if function.common_weight > 0.0 {
-            let shift = point_sums(&r) * function.common_weight;
-            for a in 0..r.nrows() / 3 {
-                let mut rows = r.rows_mut(3 * a, 3);
-                rows -= &shift;
+    /// Derivatives of the smoothed index by information and k(J_N).
+    fn set_smoothed_adjoints(&mut self) {
+        if self.index.uses_dexterity() {
+            for p in 0..self.kernel.posture_count() {
+                self.kernel.set_dexterity_weight(p, self.weights[p]);
             }
         }
-        for (j, compliance) in function.prior_compliance.iter().enumerate() {
-            r.column_mut(j).scale_mut(*compliance);
-        }
-        theta_gradient.fill(0.0);
-        terms.add_block_gradient(&function.cell.setup, &r, &mut theta_gradient);
-        robot.gradient_to_controller(&theta_gradient, &mut controller);
-        for (g, c) in gradient[p * n..(p + 1) * n].iter_mut().zip(&controller) {
-            *g += c;
+        match self.index {
+            Index::Classical => {}
+            Index::WorstJoint => {
+                self.adjoint.fill(0.0);
+                for (j, weight) in self.weights.iter().enumerate() {
+                    self.criterion
+                        .add_joint_adjoint(j, *weight, &mut self.adjoint);
+                }
+                self.kernel.set_adjoint(None, &self.adjoint);
+            }
+            Index::DropOne => {
+                // Every posture counts in all components but its own.
+                let square = self.adjoint.len();
+                self.adjoint.fill(0.0);
+                for (weight, part) in self.weights.iter().zip(self.adjoints.chunks_exact(square)) {
+                    for (sum, v) in self.adjoint.iter_mut().zip(part) {
+                        *sum += weight * v;
+                    }
+                }
+                for p in 0..self.kernel.posture_count() {
+                    let c = p + self.given.count;
+                    let own = &mut self.adjoints[c * square..(c + 1) * square];
+                    for (own, sum) in own.iter_mut().zip(&self.adjoint) {
+                        *own = sum - self.weights[c] * *own;
+                    }
+                    self.kernel.set_adjoint(Some(p), own);
+                }
+            }
+            _ => self.kernel.set_adjoint(None, &self.criterion.adjoint),
         }
     }
-    function.theta_gradient = theta_gradient;
-}
 
-/// Inverse of a positive definite matrix, `None` where it is not (numerically).
-fn positive_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let (values, vectors) = symmetric_eigen(matrix.clone())?;
-    let n = values.len();
-    if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
-        return None;
+    /// Everything but the reverse sweep: the smooth part, and the components.
+    fn forward(&mut self, q: &[f64]) -> Value {
+        let n = self.kernel.joint_count();
+        let count = self.kernel.posture_count();
+        assert_eq!(q.len(), n * count, "postures × joints angles");
+        self.kernel.forward(q);
+        if self.index.uses_dexterity() {
+            for p in 0..count {
+                self.components[p] = self.kernel.log_dexterity(p);
+            }
+            if self.given.count > 0 {
+                self.components[count] = self.given.log_dexterity;
+            }
+        }
+        if !self.index.uses_observation() {
+            return Value {
+                smooth: 0.0,
+                exact: 0.0,
+            };
+        }
+        let size = self.total.len();
+        self.total.fill(0.0);
+        for each in self.given.each.chunks_exact(size) {
+            for (sum, v) in self.total.iter_mut().zip(each) {
+                *sum += v;
+            }
+        }
+        self.kernel.add_information(&mut self.total);
+        let constant = Value {
+            smooth: self.log_factor,
+            exact: self.log_factor,
+        };
+        let infinite = Value {
+            smooth: f64::INFINITY,
+            exact: f64::INFINITY,
+        };
+        match self.index {
+            Index::WorstJoint => {
+                if !self.criterion.invert(&self.total) {
+                    return infinite;
+                }
+                for (j, component) in self.components.iter_mut().enumerate() {
+                    *component = self.criterion.joint(j);
+                }
+                constant
+            }
+            Index::DropOne => {
+                let square = self.adjoint.len();
+                for c in 0..self.components.len() {
+                    self.rest.copy_from_slice(&self.total);
+                    match c.checked_sub(self.given.count) {
+                        None => {
+                            let own = &self.given.each[c * size..(c + 1) * size];
+                            for (rest, v) in self.rest.iter_mut().zip(own) {
+                                *rest -= v;
+                            }
+                        }
+                        Some(p) => {
+                            for (rest, v) in self.rest.iter_mut().zip(self.kernel.information(p)) {
+                                *rest -= v;
+                            }
+                        }
+                    }
+                    let value = self.criterion.evaluate(&self.rest);
+                    if !value.exact.is_finite() {
+                        return infinite;
+                    }
+                    self.components[c] = value.exact;
+                    self.adjoints[c * square..(c + 1) * square]
+                        .copy_from_slice(&self.criterion.adjoint);
+                }
+                constant
+            }
+            _ => {
+                let value = self.criterion.evaluate(&self.total);
+                Value {
+                    smooth: value.smooth + self.log_factor,
+                    exact: value.exact + self.log_factor,
+                }
+            }
+        }
     }
-    Some(&vectors * DMatrix::from_diagonal(&values.map(|v| 1.0 / v)) * vectors.transpose())
+
+    fn largest_component(&self) -> f64 {
+        let largest = self.components.iter().copied().reduce(f64::max);
+        largest.unwrap_or(0.0)
+    }
+
+    fn criterion_size(&self) -> usize {
+        self.kernel.joint_count()
+    }
+
+    /// The kernel, for its limits and load.
+    pub(crate) fn kernel(&self) -> &Kernel {
+        &self.kernel
+    }
+
+    /// The kernel, to move limits' multipliers and load.
+    pub(crate) fn kernel_mut(&mut self) -> &mut Kernel {
+        &mut self.kernel
+    }
 }
 
-/// ln of the RMS of sqrt([M⁻¹]_jj), with its derivative with respect to M.
-fn rms_error(inverse: &DMatrix<f64>) -> (f64, DMatrix<f64>) {
-    let trace = inverse.trace();
-    let adjoint = inverse * inverse * (-0.5 / trace);
-    (0.5 * (trace / inverse.nrows() as f64).ln(), adjoint)
+/// Compliances that the information is measured in: 1/k per spring, ones where
+/// the index has no prior.
+pub(crate) fn relative_compliance(cell: &Cell, index: Index) -> Result<Vec<f64>> {
+    if index.needs_prior() {
+        Ok(cell.require_prior()?.iter().map(|k| 1.0 / k).collect())
+    } else {
+        Ok(vec![1.0; cell.setup.robot.spring_count()])
+    }
+}
+
+/// Weight of the posture-common shift in the information of an index.
+pub(crate) fn common_weight(cell: &Cell, index: Index) -> f64 {
+    match index {
+        Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D => {
+            cell.noise.common_weight(cell.setup.tool.point_count())
+        }
+        _ => 0.0,
+    }
+}
+
+fn fixed_postures<Q: AsRef<[f64]>>(cell: &Cell, wanted: Wanted<'_>, given: &[Q]) -> Result<Given> {
+    let mut fixed = Given {
+        count: given.len(),
+        each: Vec::new(),
+        log_dexterity: f64::NEG_INFINITY,
+    };
+    if given.is_empty() {
+        return Ok(fixed);
+    }
+    let mut kernel = Kernel::new(
+        cell,
+        Wanted {
+            limits: false,
+            ..wanted
+        },
+        given.len(),
+    )?;
+    let q: Vec<f64> = given.iter().flat_map(|q| q.as_ref().to_vec()).collect();
+    kernel.forward(&q);
+    for p in 0..given.len() {
+        if wanted.information.is_some() {
+            fixed.each.extend(kernel.information(p));
+        }
+        if wanted.dexterity.is_some() {
+            fixed.log_dexterity = fixed.log_dexterity.max(kernel.log_dexterity(p));
+        }
+    }
+    Ok(fixed)
 }

@@ -2,13 +2,15 @@
 
 pub mod dexterity;
 mod error_bound;
+mod criterion;
 mod evaluate;
 mod function;
+pub(crate) mod kernel;
 
 pub use error_bound::{ErrorBound, error_bound};
 pub use evaluate::expected_deviation;
 pub use evaluate::{GroupEvaluation, Indices, evaluate};
-pub use function::{IndexFunction, Minimax};
+pub use function::{IndexFunction, Minimax, Smoothed};
 
 use crate::error::{Code, Error, Result, did_you_mean};
 use serde::{Deserialize, Serialize};

@@ -3,6 +3,7 @@
 
 mod length;
 mod slsqp;
+pub mod smooth;
 
 pub use length::{CharacteristicLength, characteristic_length, with_characteristic_length};
 pub use slsqp::{Evaluation, Options, Problem, Solution, minimise};

@@ -29,7 +29,7 @@ const SHARPNESS: [Option<f64>; 5] = [Some(30.0), Some(300.0), Some(3e3), Some(3e
 /// the epigraph variable where the index has components.
 pub(super) struct Search<'a> {
     cell: &'a Cell,
-    function: IndexFunction<'a>,
+    function: IndexFunction,
     bounds: Vec<[f64; 2]>,
     /// Number of controller angles of all postures.
     angles: usize,

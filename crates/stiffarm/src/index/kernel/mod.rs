@@ -1,0 +1,291 @@
+//! The inner loop of every search: information, k(J_N) and margins of a group
+//! of postures with their derivatives, four postures at a time, without
+//! allocation. The observation and dexterity rooms define what it computes;
+//! tests hold it against them.
+
+mod batch;
+mod dexterity;
+mod forward;
+mod lanes;
+mod limits;
+mod model;
+mod reverse;
+
+pub(crate) use model::Wanted;
+
+use crate::cell::Cell;
+use crate::error::Result;
+use batch::Batch;
+use lanes::{Lanes, WIDTH};
+use model::{KernelLoad, Model};
+
+/// A group of postures in lanes.
+#[derive(Debug, Clone)]
+pub(crate) struct Kernel {
+    model: Model,
+    batches: Vec<Batch>,
+    count: usize,
+}
+
+impl Kernel {
+    /// A kernel for groups of `count` postures.
+    ///
+    /// # Errors
+    /// A load that only a measurement gives; k(J_N) with fewer than six joints.
+    pub fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
+        let model = Model::new(cell, wanted)?;
+        let batches = vec![Batch::new(&model); count.div_ceil(WIDTH)];
+        Ok(Kernel {
+            model,
+            batches,
+            count,
+        })
+    }
+
+    /// Number of postures.
+    pub fn posture_count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of joints.
+    pub fn joint_count(&self) -> usize {
+        self.model.joints
+    }
+
+    /// Computes everything at the controller angles `q`, posture by posture \[rad\].
+    pub fn forward(&mut self, q: &[f64]) {
+        let n = self.model.joints;
+        for (b, batch) in self.batches.iter_mut().enumerate() {
+            for lane in 0..WIDTH {
+                // Lanes without a posture of their own repeat the last one.
+                let p = (b * WIDTH + lane).min(self.count - 1);
+                for j in 0..n {
+                    batch.q[j].0[lane] = q[p * n + j];
+                }
+            }
+            sweep_forward(&self.model, batch);
+        }
+    }
+
+    /// Adds the information of all postures to `total` (lower triangle, row by row).
+    pub fn add_information(&self, total: &mut [f64]) {
+        for (b, batch) in self.batches.iter().enumerate() {
+            let live = self.live(b);
+            for (sum, entry) in total.iter_mut().zip(&batch.information) {
+                for lane in 0..live {
+                    *sum += entry.0[lane];
+                }
+            }
+        }
+    }
+
+    /// Information of one posture, lower triangle row by row.
+    pub fn information(&self, posture: usize) -> impl Iterator<Item = f64> {
+        let (batch, lane) = (&self.batches[posture / WIDTH], posture % WIDTH);
+        batch.information.iter().map(move |entry| entry.0[lane])
+    }
+
+    /// ln k(J_N) of one posture.
+    pub fn log_dexterity(&self, posture: usize) -> f64 {
+        let (batch, lane) = (&self.batches[posture / WIDTH], posture % WIDTH);
+        0.5 * (batch.trace.0[lane] * batch.inverse_trace.0[lane]).ln() - 6f64.ln()
+    }
+
+    /// Sets the derivative of the index with respect to the information of one
+    /// posture, or of all (n × n).
+    pub fn set_adjoint(&mut self, posture: Option<usize>, adjoint: &[f64]) {
+        match posture {
+            None => {
+                for batch in &mut self.batches {
+                    for (lanes, value) in batch.adjoint.iter_mut().zip(adjoint) {
+                        *lanes = Lanes::splat(*value);
+                    }
+                }
+            }
+            Some(p) => {
+                let batch = &mut self.batches[p / WIDTH];
+                for (lanes, value) in batch.adjoint.iter_mut().zip(adjoint) {
+                    lanes.0[p % WIDTH] = *value;
+                }
+            }
+        }
+    }
+
+    /// Sets the derivative of the index with respect to ln k(J_N) of one posture.
+    pub fn set_dexterity_weight(&mut self, posture: usize, weight: f64) {
+        self.batches[posture / WIDTH].dexterity_weight.0[posture % WIDTH] = weight;
+    }
+
+    /// Writes the gradient with respect to all controller angles.
+    pub fn reverse(&mut self, gradient: &mut [f64]) {
+        let n = self.model.joints;
+        gradient.fill(0.0);
+        for b in 0..self.batches.len() {
+            sweep_reverse(&self.model, &mut self.batches[b]);
+            let live = self.live(b);
+            let batch = &self.batches[b];
+            for (row, by_theta) in self.model.coupling.iter().zip(&batch.gradient) {
+                // Gradient with respect to q: Cᵀ g.
+                for (j, factor) in row {
+                    for lane in 0..live {
+                        gradient[(b * WIDTH + lane) * n + j] += by_theta.0[lane] * factor;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gradient of the last reverse sweep with respect to the rope's anchor
+    /// (base axes) and the loading point (flange axes).
+    pub fn load_gradient(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut anchor, mut loading) = ([0.0; 3], [0.0; 3]);
+        for (b, batch) in self.batches.iter().enumerate() {
+            for lane in 0..self.live(b) {
+                let mut local = [0.0; 3];
+                for i in 0..3 {
+                    anchor[i] += batch.anchor_gradient[i].0[lane];
+                    for r in 0..3 {
+                        local[i] += batch.rotation[i][r].0[lane] * batch.loading_gradient[r].0[lane];
+                    }
+                }
+                // From the axes of the last joint to those of the flange.
+                for i in 0..3 {
+                    for k in 0..3 {
+                        loading[i] += self.model.flange_rotation[k][i] * local[k];
+                    }
+                }
+            }
+        }
+        (anchor, loading)
+    }
+
+    /// Moves the rope's anchor \[m, base\], where the load is a rope.
+    pub fn set_anchor(&mut self, to: [f64; 3]) {
+        if let KernelLoad::Rope { anchor, .. } = &mut self.model.load {
+            *anchor = to;
+        }
+    }
+
+    /// Moves the loading point \[m, flange axes\].
+    pub fn set_loading_point(&mut self, to: [f64; 3]) {
+        let r = &self.model.flange_rotation;
+        for i in 0..3 {
+            self.model.loading_point[i] =
+                self.model.flange[i] + r[i][0] * to[0] + r[i][1] * to[1] + r[i][2] * to[2];
+        }
+    }
+
+    /// Number of limits per posture.
+    pub fn limit_count(&self) -> usize {
+        self.model.limit_count
+    }
+
+    /// Penalty of the limits of all postures.
+    pub fn penalty(&self) -> f64 {
+        self.per_posture(|batch| batch.penalty).sum()
+    }
+
+    /// Largest violation of a limit \[m\], 0 when all are met.
+    pub fn violation(&self) -> f64 {
+        self.per_posture(|batch| batch.violation).fold(0.0, f64::max)
+    }
+
+    /// Violation of each posture's limits \[m\].
+    pub fn violations(&self) -> impl Iterator<Item = f64> {
+        self.per_posture(|batch| batch.violation)
+    }
+
+    /// Margins of one posture \[m\].
+    pub fn margins(&self, posture: usize) -> impl Iterator<Item = f64> {
+        let (batch, lane) = (&self.batches[posture / WIDTH], posture % WIDTH);
+        batch.margins.iter().map(move |margin| margin.0[lane])
+    }
+
+    /// Starts the augmented Lagrangian of the limits afresh: multipliers zero,
+    /// quadratic weight `weight` \[1/m²\], margins kept above `guard` \[m\].
+    pub fn reset_penalty(&mut self, weight: f64, guard: f64) {
+        for batch in &mut self.batches {
+            batch.multipliers.fill(Lanes::splat(0.0));
+            batch.penalty_guard = guard;
+        }
+        self.set_penalty_weight(weight);
+    }
+
+    /// Changes the quadratic weight of the limits \[1/m²\].
+    pub fn set_penalty_weight(&mut self, weight: f64) {
+        for batch in &mut self.batches {
+            batch.penalty_weight = weight;
+        }
+    }
+
+    /// Moves the multipliers after a minimisation; returns how far limits and
+    /// multipliers are from optimal \[m\].
+    pub fn update_multipliers(&mut self) -> f64 {
+        let mut worst = 0.0_f64;
+        for b in 0..self.batches.len() {
+            let live = self.live(b);
+            worst = worst.max(limits::update_multipliers(&mut self.batches[b], live));
+        }
+        worst
+    }
+
+    fn per_posture(&self, of: impl Fn(&Batch) -> Lanes) -> impl Iterator<Item = f64> {
+        (0..self.count).map(move |p| of(&self.batches[p / WIDTH]).0[p % WIDTH])
+    }
+
+    /// Lanes of batch `b` that hold a posture of their own.
+    fn live(&self, b: usize) -> usize {
+        (self.count - b * WIDTH).min(WIDTH)
+    }
+}
+
+fn sweep_forward(model: &Model, batch: &mut Batch) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has what the function asks for.
+        #[allow(unsafe_code)]
+        return unsafe { forward_avx2(model, batch) };
+    }
+    forward_any(model, batch);
+}
+
+fn sweep_reverse(model: &Model, batch: &mut Batch) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has what the function asks for.
+        #[allow(unsafe_code)]
+        return unsafe { reverse_avx2(model, batch) };
+    }
+    reverse_any(model, batch);
+}
+
+/// With four-wide instructions: the same sums in the same order (no fused
+/// multiply-add), so the same bytes.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn forward_avx2(model: &Model, batch: &mut Batch) {
+    forward_any(model, batch);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn reverse_avx2(model: &Model, batch: &mut Batch) {
+    reverse_any(model, batch);
+}
+
+#[inline(always)]
+fn forward_any(model: &Model, batch: &mut Batch) {
+    // With a constant number of joints the compiler unrolls.
+    match model.joints {
+        6 => forward::forward(model, batch, 6),
+        n => forward::forward(model, batch, n),
+    }
+}
+
+#[inline(always)]
+fn reverse_any(model: &Model, batch: &mut Batch) {
+    match model.joints {
+        6 => reverse::reverse(model, batch, 6),
+        n => reverse::reverse(model, batch, n),
+    }
+}

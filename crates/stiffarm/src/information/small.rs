@@ -1,0 +1,317 @@
+//! Factorisations of one small symmetric matrix in place, for loops that must
+//! not allocate. Lower triangles are packed row by row; full matrices are n × n.
+
+use super::GRAM_ROUNDING;
+
+/// Sweeps of the QL iteration per eigenvalue before it counts as failed.
+const MAX_ITERATIONS: usize = 60;
+
+/// Position of (i, j), i ≥ j, in a packed lower triangle.
+#[inline(always)]
+pub(crate) fn packed(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
+}
+
+/// Cholesky factor L of M = L Lᵀ (both packed). False where M is not positive
+/// definite beyond its rounding errors.
+#[inline(always)]
+pub(crate) fn cholesky(n: usize, m: &[f64], l: &mut [f64]) -> bool {
+    let size = packed(n, 0);
+    let (m, l) = (&m[..size], &mut l[..size]);
+    for j in 0..n {
+        let row = packed(j, 0);
+        let mut pivot = m[row + j];
+        for k in 0..j {
+            pivot -= l[row + k] * l[row + k];
+        }
+        let least = n as f64 * GRAM_ROUNDING * m[row + j];
+        // NaN is not above anything.
+        if pivot.partial_cmp(&least.max(0.0)) != Some(std::cmp::Ordering::Greater) {
+            return false;
+        }
+        let pivot = pivot.sqrt();
+        l[row + j] = pivot;
+        let inverse = 1.0 / pivot;
+        for i in j + 1..n {
+            let below = packed(i, 0);
+            let mut sum = m[below + j];
+            for k in 0..j {
+                sum -= l[below + k] * l[row + k];
+            }
+            l[below + j] = sum * inverse;
+        }
+    }
+    true
+}
+
+/// Inverse of a lower triangular matrix, packed.
+#[inline(always)]
+pub(crate) fn invert_lower(n: usize, l: &[f64], inverse: &mut [f64]) {
+    let size = packed(n, 0);
+    let (l, inverse) = (&l[..size], &mut inverse[..size]);
+    for i in 0..n {
+        let row = packed(i, 0);
+        let pivot = 1.0 / l[row + i];
+        inverse[row + i] = pivot;
+        for j in 0..i {
+            let mut sum = 0.0;
+            for k in j..i {
+                sum += l[row + k] * inverse[packed(k, j)];
+            }
+            inverse[row + j] = -sum * pivot;
+        }
+    }
+}
+
+/// M⁻¹ = L⁻ᵀ L⁻¹, n × n, from the packed L⁻¹.
+#[inline(always)]
+pub(crate) fn inverse_from_lower(n: usize, inverse_lower: &[f64], out: &mut [f64]) {
+    let (lower, out) = (&inverse_lower[..packed(n, 0)], &mut out[..n * n]);
+    for i in 0..n {
+        for j in 0..=i {
+            let mut sum = 0.0;
+            for k in i..n {
+                sum += lower[packed(k, i)] * lower[packed(k, j)];
+            }
+            out[i * n + j] = sum;
+            out[j * n + i] = sum;
+        }
+    }
+}
+
+/// `out` = A·B for symmetric A and B whose product is symmetric too.
+#[inline(always)]
+pub(crate) fn symmetric_product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+    let (a, b, out) = (&a[..n * n], &b[..n * n], &mut out[..n * n]);
+    for i in 0..n {
+        for j in 0..=i {
+            let mut sum = 0.0;
+            for k in 0..n {
+                sum += a[i * n + k] * b[j * n + k];
+            }
+            out[i * n + j] = sum;
+            out[j * n + i] = sum;
+        }
+    }
+}
+
+/// Eigenvalues (any order) and eigenvectors (rows of `vectors`) of the
+/// symmetric matrix in `vectors`, n × n, which is replaced. `off` is scratch of
+/// length n. False when the iteration does not converge.
+///
+/// Householder reduction to tridiagonal form and the implicit QL iteration
+/// (Martin, Reinsch & Wilkinson 1968; Dubrulle, Martin & Wilkinson 1968).
+#[inline(always)]
+pub(crate) fn eigen(n: usize, vectors: &mut [f64], values: &mut [f64], off: &mut [f64]) -> bool {
+    let (a, d, e) = (&mut vectors[..n * n], &mut values[..n], &mut off[..n]);
+    tridiagonal(n, a, d, e);
+    // The reflections stand in columns; rows are faster to rotate.
+    for i in 0..n {
+        for j in 0..i {
+            a.swap(i * n + j, j * n + i);
+        }
+    }
+    e.rotate_left(1);
+    e[n - 1] = 0.0;
+    for l in 0..n {
+        for iteration in 0.. {
+            let m = (l..n - 1)
+                .find(|&m| e[m].abs() <= f64::EPSILON * (d[m].abs() + d[m + 1].abs()))
+                .unwrap_or(n - 1);
+            if m == l {
+                break;
+            }
+            if iteration == MAX_ITERATIONS || !e[l].is_finite() {
+                return false;
+            }
+            // Shift from the leading two by two block.
+            let g = (d[l + 1] - d[l]) / (2.0 * e[l]);
+            let root = (g * g + 1.0).sqrt();
+            let mut g = d[m] - d[l] + e[l] / (g + root.copysign(g));
+            let (mut sine, mut cosine, mut shift) = (1.0, 1.0, 0.0);
+            let mut split = false;
+            for i in (l..m).rev() {
+                let f = sine * e[i];
+                let b = cosine * e[i];
+                let r = (f * f + g * g).sqrt();
+                e[i + 1] = r;
+                if r == 0.0 {
+                    d[i + 1] -= shift;
+                    e[m] = 0.0;
+                    split = true;
+                    break;
+                }
+                let inverse = 1.0 / r;
+                sine = f * inverse;
+                cosine = g * inverse;
+                g = d[i + 1] - shift;
+                let r = (d[i] - g) * sine + 2.0 * cosine * b;
+                shift = sine * r;
+                d[i + 1] = g + shift;
+                g = cosine * r - b;
+                let (upper, lower) = a.split_at_mut((i + 1) * n);
+                let (upper, lower) = (&mut upper[i * n..], &mut lower[..n]);
+                for (x, y) in upper.iter_mut().zip(lower) {
+                    (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+                }
+            }
+            if !split {
+                d[l] -= shift;
+                e[l] = g;
+                e[m] = 0.0;
+            }
+        }
+    }
+    true
+}
+
+/// Reduces the symmetric `a` to tridiagonal form: diagonal `d`, subdiagonal
+/// `e[1..]`, and the orthogonal transformation in `a`.
+#[inline(always)]
+fn tridiagonal(n: usize, a: &mut [f64], d: &mut [f64], e: &mut [f64]) {
+    for i in (1..n).rev() {
+        let mut h = 0.0;
+        for k in 0..i {
+            h += a[i * n + k] * a[i * n + k];
+        }
+        let last = a[i * n + i - 1];
+        if i == 1 || h == last * last {
+            e[i] = last;
+            d[i] = 0.0;
+            continue;
+        }
+        let g = -h.sqrt().copysign(last);
+        e[i] = g;
+        h -= last * g;
+        a[i * n + i - 1] = last - g;
+        let inverse = 1.0 / h;
+        let mut sum = 0.0;
+        for j in 0..i {
+            a[j * n + i] = a[i * n + j] * inverse;
+            let mut g = 0.0;
+            for k in 0..=j {
+                g += a[j * n + k] * a[i * n + k];
+            }
+            for k in j + 1..i {
+                g += a[k * n + j] * a[i * n + k];
+            }
+            e[j] = g * inverse;
+            sum += e[j] * a[i * n + j];
+        }
+        let half = sum * 0.5 * inverse;
+        for j in 0..i {
+            let f = a[i * n + j];
+            let g = e[j] - half * f;
+            e[j] = g;
+            for k in 0..=j {
+                a[j * n + k] -= f * e[k] + g * a[i * n + k];
+            }
+        }
+        d[i] = h;
+    }
+    d[0] = 0.0;
+    e[0] = 0.0;
+    for i in 0..n {
+        if d[i] != 0.0 {
+            for j in 0..i {
+                let mut g = 0.0;
+                for k in 0..i {
+                    g += a[i * n + k] * a[k * n + j];
+                }
+                for k in 0..i {
+                    a[k * n + j] -= g * a[k * n + i];
+                }
+            }
+        }
+        d[i] = a[i * n + i];
+        a[i * n + i] = 1.0;
+        for j in 0..i {
+            a[i * n + j] = 0.0;
+            a[j * n + i] = 0.0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    fn sample(n: usize, seed: u64, grade: f64) -> DMatrix<f64> {
+        let b = DMatrix::from_fn(n + 3, n, |i, j| {
+            let x = 12.9898 * i as f64 + 78.233 * j as f64 + 37.719 * seed as f64;
+            ((x.sin() * 43758.5453).fract() - 0.2) * grade.powi(j as i32)
+        });
+        b.tr_mul(&b)
+    }
+
+    fn pack(m: &DMatrix<f64>) -> Vec<f64> {
+        (0..m.nrows())
+            .flat_map(|i| (0..=i).map(move |j| (i, j)))
+            .map(|at| m[at])
+            .collect()
+    }
+
+    #[test]
+    fn inverse_times_matrix_is_the_identity() {
+        for n in 1..9 {
+            for seed in 0..20 {
+                let m = sample(n, seed, 0.7);
+                let size = packed(n, 0);
+                let (mut l, mut il) = (vec![0.0; size], vec![0.0; size]);
+                assert!(cholesky(n, &pack(&m), &mut l));
+                invert_lower(n, &l, &mut il);
+                let mut inverse = vec![0.0; n * n];
+                inverse_from_lower(n, &il, &mut inverse);
+                let inverse = DMatrix::from_row_slice(n, n, &inverse);
+                let error = (&inverse * &m - DMatrix::identity(n, n)).amax();
+                assert!(error < 1e-9, "n {n} seed {seed}: {error:e}");
+                let mut squared = vec![0.0; n * n];
+                symmetric_product(n, inverse.as_slice(), inverse.as_slice(), &mut squared);
+                let direct = &inverse * &inverse;
+                let error = (DMatrix::from_row_slice(n, n, &squared) - &direct).amax();
+                assert!(error < 1e-12 * direct.amax());
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_is_refused() {
+        let mut l = [0.0; 3];
+        assert!(!cholesky(2, &[1.0, 1.0, 1.0], &mut l));
+        assert!(!cholesky(2, &[1.0, f64::NAN, 1.0], &mut l));
+        assert!(!cholesky(2, &[0.0, 0.0, 1.0], &mut l));
+        assert!(cholesky(2, &[1.0, 0.5, 1.0], &mut l));
+    }
+
+    #[test]
+    fn eigenvectors_rebuild_the_matrix() {
+        for n in 1..9 {
+            for seed in 0..40 {
+                for m in [
+                    sample(n, seed, 0.4),
+                    sample(n, seed, 1.0),
+                    DMatrix::identity(n, n) * 3.0,
+                    DMatrix::from_element(n, n, 2.0),
+                    DMatrix::zeros(n, n),
+                ] {
+                    let mut vectors = m.as_slice().to_vec();
+                    let (mut values, mut off) = (vec![0.0; n], vec![0.0; n]);
+                    assert!(eigen(n, &mut vectors, &mut values, &mut off));
+                    let v = DMatrix::from_row_slice(n, n, &vectors);
+                    let d = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(values));
+                    let error = (v.transpose() * d * &v - &m).amax();
+                    assert!(error <= 1e-13 * m.amax(), "n {n} seed {seed}: {error:e}");
+                    let error = (&v * v.transpose() - DMatrix::identity(n, n)).amax();
+                    assert!(error < 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nan_ends_the_iteration() {
+        let mut vectors = vec![f64::NAN; 9];
+        assert!(!eigen(3, &mut vectors, &mut [0.0; 3], &mut [0.0; 3]));
+    }
+}

@@ -1,0 +1,126 @@
+//! Bounded minimisation of one smooth function with its gradient: limited-memory
+//! quasi-Newton steps within a box (Byrd, Lu, Nocedal & Zhu 1995,
+//! doi 10.1137/0916069). Needs no matrix of the size of the problem, so its
+//! cost grows linearly with the number of postures.
+
+use basin::{
+    BoxBounds, ConstraintSet, CostFunction, Executor, FirstOrderState, Gradient, Lbfgsb,
+    TerminationCode,
+};
+use std::cell::{Cell, RefCell};
+use std::convert::Infallible;
+
+/// Budget and tolerances of one minimisation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SmoothOptions {
+    /// Iterations.
+    pub max_iterations: u64,
+    /// Largest ∞-norm of the projected gradient that counts as a minimum.
+    pub optimality: f64,
+    /// Relative reduction of the function by one iteration that counts as none.
+    pub reduction: f64,
+}
+
+/// Where a minimisation ended.
+#[derive(Debug, Clone)]
+pub struct SmoothSolution {
+    /// The last iterate, which has the lowest value.
+    pub x: Vec<f64>,
+    /// Value there; infinite where the start already was.
+    pub value: f64,
+    /// Evaluations of the function with its gradient.
+    pub evaluations: u64,
+    /// True when a tolerance was met within the budget.
+    pub converged: bool,
+}
+
+struct Adapter<'a, F> {
+    function: RefCell<F>,
+    evaluations: &'a Cell<u64>,
+    lower: &'a Vec<f64>,
+    upper: &'a Vec<f64>,
+}
+
+impl<F: FnMut(&[f64], &mut [f64]) -> f64> Adapter<'_, F> {
+    fn call(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        self.evaluations.set(self.evaluations.get() + 1);
+        let value = (self.function.borrow_mut())(x, gradient);
+        // The line search backs off from a large value, not from infinity.
+        if value.is_finite() { value } else { 1e10 }
+    }
+}
+
+impl<F> basin::Constraints for Adapter<'_, F> {
+    type Set = ConstraintSet<BoxBounds<Vec<f64>>>;
+    fn constraints(&self) -> <Self::Set as basin::ConstraintDescription>::Borrowed<'_> {
+        ConstraintSet::new().with_bounds(BoxBounds::new(Some(self.lower), Some(self.upper)))
+    }
+}
+
+impl<F: FnMut(&[f64], &mut [f64]) -> f64> CostFunction for Adapter<'_, F> {
+    type Param = Vec<f64>;
+    type Output = f64;
+    type Error = Infallible;
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, Infallible> {
+        Ok(self.call(x, &mut vec![0.0; x.len()]))
+    }
+}
+
+impl<F: FnMut(&[f64], &mut [f64]) -> f64> Gradient for Adapter<'_, F> {
+    type Gradient = Vec<f64>;
+    fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Infallible> {
+        let mut gradient = vec![0.0; x.len()];
+        self.call(x, &mut gradient);
+        Ok(gradient)
+    }
+    fn cost_and_gradient(&self, x: &Vec<f64>) -> Result<(f64, Vec<f64>), Infallible> {
+        let mut gradient = vec![0.0; x.len()];
+        Ok((self.call(x, &mut gradient), gradient))
+    }
+    fn cost_and_gradient_into(
+        &self,
+        x: &Vec<f64>,
+        gradient: &mut Vec<f64>,
+    ) -> Result<f64, Infallible> {
+        Ok(self.call(x, gradient))
+    }
+}
+
+/// Minimises `function` (value returned, gradient written) from `start`.
+pub fn minimise_smooth(
+    function: impl FnMut(&[f64], &mut [f64]) -> f64,
+    lower: &Vec<f64>,
+    upper: &Vec<f64>,
+    start: &[f64],
+    options: SmoothOptions,
+) -> SmoothSolution {
+    let evaluations = Cell::new(0);
+    let adapter = Adapter {
+        function: RefCell::new(function),
+        evaluations: &evaluations,
+        lower,
+        upper,
+    };
+    let solver = Lbfgsb::new()
+        .with_m_capacity(10)
+        .with_absolute_projected_gradient_tolerance(options.optimality)
+        .with_relative_cost_reduction_tolerance(options.reduction);
+    let state = FirstOrderState::new(start.to_vec());
+    let run = Executor::new(adapter, solver, state)
+        .max_iter(options.max_iterations)
+        .run();
+    match run {
+        Ok(result) => SmoothSolution {
+            value: basin::State::best_cost(&result.state),
+            x: basin::State::best_param(&result.state).clone(),
+            evaluations: evaluations.get(),
+            converged: result.report.code() == TerminationCode::SolverConverged,
+        },
+        Err(_) => SmoothSolution {
+            x: start.to_vec(),
+            value: f64::INFINITY,
+            evaluations: evaluations.get(),
+            converged: false,
+        },
+    }
+}
