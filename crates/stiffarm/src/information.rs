@@ -217,6 +217,15 @@ impl Factor {
         full.columns(0, rows.min(full.ncols())).into_owned()
     }
 
+    /// sqrt(tr(A (ΨᵀΨ)⁻¹ Aᵀ)) of A = `map` (rows × n): per unit σ the root mean
+    /// square of ‖A δH‖, δH the error of the estimated H. `None` where an
+    /// unknown is undetermined.
+    pub fn mapped_error(&self, map: &DMatrix<f64>) -> Option<f64> {
+        self.undetermined
+            .is_empty()
+            .then(|| (map * self.scaled_right_inverse()).norm())
+    }
+
     /// Standard errors per unit σ: sqrt of the diagonal of (ΨᵀΨ)⁻¹, `None` for
     /// undetermined unknowns.
     pub fn standard_errors(&self) -> Vec<Option<f64>> {

@@ -3,6 +3,8 @@
 
 #![cfg(feature = "files")]
 
+mod common;
+
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
 use stiffarm::cell::file::{
@@ -97,6 +99,17 @@ fn the_default_cell_holds_the_published_values() -> Check {
         assert_eq!(posture.name, format!("V{}", i + 1));
         assert_eq!(posture.q, degrees.map(f64::to_radians));
     }
+    // The tasks' tool points down onto the table, inside the limits (the rope
+    // is no part of the work).
+    assert_eq!(cell.tasks, common::tasks());
+    let mut work = cell.limits.clone();
+    work.rope_length = None;
+    for task in &cell.tasks {
+        let terms = PostureTerms::new(&cell.setup, &task.q, None)?;
+        assert!(terms.frames().direction(&nalgebra::Vector3::z()).z < -0.85);
+        let margin = work.smallest(&cell.setup, &terms).ok_or("no limits")?;
+        assert!(margin.margin > 0.05, "{}: {margin:?}", task.name);
+    }
     Ok(())
 }
 
@@ -106,6 +119,7 @@ fn the_reference_cell_has_joint_bounds_only() -> Check {
     check_comau(&cell);
     assert!(cell.limits.is_empty());
     assert!(cell.validation.is_empty());
+    assert!(cell.tasks.is_empty());
     Ok(())
 }
 
@@ -212,6 +226,12 @@ fn templates_can_be_used_as_they_are() -> Check {
             "{}",
             entry.key
         );
+        // The commented task can be used as it is, too.
+        let (above, task) = text.split_once("# [[task]]").ok_or("no task")?;
+        let task = task.replace("\n# ", "\n");
+        let with_task = parse_cell(&format!("{above}[[task]]{task}"), "cell.toml")?;
+        assert_eq!(with_task.tasks[0].name, "roughing");
+        assert_eq!(with_task.tasks[0].tip, cell.setup.tool.tcp());
         // The limits leave room for postures of this robot.
         let mut inside = 0;
         for q in some_postures(&cell) {
@@ -316,6 +336,19 @@ fn every_key_arrives_in_si_units() -> Check {
     assert_close(cell.noise.posture_common_std, 1e-5);
     assert_eq!(cell.prior.as_deref(), Some(&[1e6, 3e6][..]));
     assert_eq!(cell.validation[0].q[1], 90f64.to_radians());
+    let [milling, plain] = &cell.tasks[..] else {
+        panic!("two tasks");
+    };
+    assert_eq!(milling.name, "milling");
+    assert_eq!(milling.q, [100.0, -70.0].map(f64::to_radians));
+    assert_eq!(milling.wrench.force.as_slice(), [300.0, -150.0, 0.0]);
+    assert_eq!(milling.wrench.moment.as_slice(), [0.0, 0.0, 12.0]);
+    assert_eq!(milling.axes, Axes::Tool);
+    assert_eq!(milling.tip.as_slice(), [0.0, 0.01, 0.35]);
+    // What may be left out of a task.
+    assert_eq!((plain.name.as_str(), plain.axes), ("task 2", Axes::Base));
+    assert_eq!(plain.wrench.moment.norm(), 0.0);
+    assert_eq!(plain.tip, cell.setup.tool.tcp());
     Ok(())
 }
 
@@ -592,6 +625,22 @@ const SLIPS: &[(&str, &str)] = &[
         "joint_names = [\"A1\", \"A2\"]",
         "joint_names = [\"A1\", \"A1\"]",
     ),
+    // Tasks.
+    ("tip_mm = [0, 10, 350]", "tip_m = [0, 0.01, 0.35]"),
+    ("tip_mm = [0, 10, 350]", "magnitude_n = 300"),
+    ("tip_mm = [0, 10, 350]", "tip_mm = [0, 350]"),
+    ("q_deg = [100, -70]\n", ""),
+    ("q_deg = [100, -70]", "q_deg = [100, -70, 20]"),
+    ("q_deg = [100, -70]", "q_deg = [100, -76]"),
+    ("force_n = [300, -150, 0]\n", ""),
+    ("force_n = [300, -150, 0]", "force_n = 300"),
+    ("force_n = [0, 0, 400]", "force_n = [0, 0, 0]"),
+    ("moment_nm = [0, 0, 12]", "moment_nm = [0, 0, nan]"),
+    ("axes = \"tool\"", "axes = \"world\""),
+    ("name = \"milling\"", "name = \"task 2\""),
+    ("name = \"milling\"", "name = \"\""),
+    ("[[task]]\nname", "[task]\nname"),
+    ("[[task]]\nname", "[[tasks]]\nname"),
     // Contradictions.
     ("[robot]", "[robot]\ncatalogue = \"comau-nj165-3.0\""),
     ("name = \"two joints\"", "dh_standard = [[0, 0, 830, 0]]"),

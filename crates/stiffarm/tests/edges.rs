@@ -222,6 +222,7 @@ fn one_posture_with_one_point_is_answered() {
     let mut dice = Dice::new(1);
     let mut model = dice.model(3, 0, false, false);
     model.rows.truncate(1);
+    model.tasks.clear();
     model.prior.truncate(1);
     model.measuring_points.truncate(1);
     model.coupling = DMatrix::identity(1, 1);

@@ -140,6 +140,20 @@ impl<'a> Reference<'a> {
                 let diagonal = inverse_gram_diagonal(&self.stacked(true, true, None));
                 (ln_sigma, diagonal.iter().map(|v| v.ln() * 0.5).collect())
             }
+            // tr(T (ΨᵀPΨ)⁻¹) is the squared norm of the tasks' rows times R⁻¹.
+            Index::Task => {
+                let inverse = inverse_r(&self.stacked(false, true, None));
+                let rows = self.model.task_rows();
+                let mut trace = zero;
+                for i in 0..rows.nrows() {
+                    for j in 0..inverse.ncols() {
+                        let entry = (0..inverse.nrows())
+                            .fold(zero, |s, k| s + inverse[(k, j)] * rows[(i, k)]);
+                        trace += entry * entry;
+                    }
+                }
+                (ln_sigma + trace.ln() * 0.5, dexterity)
+            }
             // √det(ΨᵀΨ) is the product of R's diagonal.
             Index::D | Index::O1 => {
                 let own = index == Index::D;

@@ -305,6 +305,14 @@ proptest! {
             }
             _ => {}
         }
+        for task in &mut moved.tasks {
+            if task.axes == stiffarm::load::Axes::Base {
+                task.wrench = Wrench {
+                    force: pose.rotation * task.wrench.force,
+                    moment: pose.rotation * task.wrench.moment,
+                };
+            }
+        }
         let moved = evaluate(&moved, "", &postures).unwrap();
         for (what, after) in [("turned", turned), ("swapped", swapped), ("moved", moved)] {
             for index in Index::ALL {

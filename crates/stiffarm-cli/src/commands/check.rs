@@ -11,7 +11,7 @@ use stiffarm::Result;
 use stiffarm::cell::{Cell, Limits, Noise};
 use stiffarm::check::{CellCheck, check};
 use stiffarm::findings::Severity;
-use stiffarm::load::{Axes, Load};
+use stiffarm::load::{Axes, Load, Wrench};
 use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 
 /// A check has no options.
@@ -105,6 +105,15 @@ fn setup(cell: &Cell) -> String {
         let names: Vec<&str> = cell.validation.iter().map(|p| p.name.as_str()).collect();
         lines.push(("validation postures", names.join(", ")));
     }
+    for task in &cell.tasks {
+        let what = format!(
+            "{}: {}; tip ({}) mm, flange axes",
+            task.name,
+            wrench(&task.wrench, task.axes),
+            point(&task.tip)
+        );
+        lines.push(("task", what));
+    }
     let width = lines.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     lines
         .iter()
@@ -137,21 +146,28 @@ fn load(load: &Load) -> String {
             )
         }
         Load::Weight { magnitude, .. } => format!("weight, {magnitude} N along gravity"),
-        Load::Constant { wrench, axes } => {
-            let newtons: Vec<String> = wrench.force.iter().map(|f| significant(*f, 4)).collect();
-            let moments: Vec<String> = wrench.moment.iter().map(|m| significant(*m, 4)).collect();
-            let axes = match axes {
-                Axes::Base => "base",
-                Axes::Tool => "tool",
-            };
-            format!(
-                "force ({}) N, moment ({}) N·m, {axes} axes",
-                newtons.join(", "),
-                moments.join(", ")
-            )
-        }
+        Load::Constant { wrench: w, axes } => wrench(w, *axes),
         Load::Measured => "measured with each displacement".to_string(),
     }
+}
+
+fn wrench(wrench: &Wrench, axes: Axes) -> String {
+    let list = |values: &[f64]| {
+        let values: Vec<String> = values.iter().map(|v| significant(*v, 4)).collect();
+        values.join(", ")
+    };
+    let moment = match wrench.moment.norm() > 0.0 {
+        true => format!(", moment ({}) N·m", list(wrench.moment.as_slice())),
+        false => String::new(),
+    };
+    let axes = match axes {
+        Axes::Base => "base",
+        Axes::Tool => "tool",
+    };
+    format!(
+        "force ({}) N{moment}, {axes} axes",
+        list(wrench.force.as_slice())
+    )
 }
 
 fn limits(limits: &Limits) -> String {

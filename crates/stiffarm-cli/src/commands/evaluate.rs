@@ -56,6 +56,9 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
         if cell.prior.is_none() {
             out += "note: the cell has no prior stiffness, so there are no expected errors\n";
         }
+        if cell.tasks.is_empty() {
+            out += "note: the cell has no [[task]], so there is no task index\n";
+        }
         let postures: Vec<Vec<&str>> = groups
             .iter()
             .map(|g| g.postures.iter().map(|p| p.name.as_str()).collect())
@@ -163,6 +166,7 @@ fn meaning(index: Index) -> &'static str {
         Index::WorstJoint => "largest relative standard error of k [%]",
         Index::DropOne => "expected_error with the worst posture lost [%]",
         Index::D => "size of the error ellipsoid, per axis [%]",
+        Index::Task => "RMS error of the tasks' predicted deflection [mm]",
         Index::O1 => "geometric mean of σ_i / √postures; larger is better",
         Index::O2 => "σ_min/σ_max; larger is better",
         Index::O3 => "σ_min; larger is better",

@@ -52,10 +52,13 @@ fn is_relative_error(index: Index) -> bool {
     )
 }
 
-/// Value of an index as tables show it.
+/// Value of an index as tables show it: relative errors in percent, the task
+/// index in millimetres.
 fn index_value(index: Index, value: Option<f64>) -> String {
     if is_relative_error(index) {
         numbers::optional_percent(value)
+    } else if index == Index::Task {
+        numbers::optional(value.map(m_to_mm), 4)
     } else {
         numbers::optional(value, 4)
     }

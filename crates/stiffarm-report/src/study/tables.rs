@@ -53,7 +53,7 @@ fn with_groups(first: &str, study: &Study) -> Vec<String> {
 fn indices(study: &Study) -> Table {
     let mut table = Table::new(
         "indices",
-        "Every index of each group; expected_error, worst_joint, drop_one and d in %.",
+        "Every index of each group; expected_error, worst_joint, drop_one and d in %, task in mm.",
         with_groups("index", study),
     );
     for index in Index::ALL {
@@ -61,11 +61,18 @@ fn indices(study: &Study) -> Table {
             index,
             Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
         );
-        let name = format!("{}{}", index.as_str(), if fraction { " [%]" } else { "" });
+        let unit = match index {
+            Index::Task => " [mm]",
+            _ if fraction => " [%]",
+            _ => "",
+        };
+        let name = format!("{}{unit}", index.as_str());
         let values = study.groups.iter().map(|g| {
             let value = g.evaluation.indices.get(index);
             if fraction {
                 Cell::percent(value)
+            } else if index == Index::Task {
+                value.map(|v| 1e3 * v).into()
             } else {
                 value.into()
             }

@@ -5,8 +5,10 @@
 #[cfg(feature = "files")]
 pub mod file;
 mod limits;
+mod task;
 
 pub use limits::{LimitKind, LimitMargin, Limits};
+pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
 use crate::observation::Setup;
@@ -69,6 +71,8 @@ pub struct Cell {
     pub characteristic_length: Option<f64>,
     /// Postures kept for validation; held to the machine's limits, not to `bounds`.
     pub validation: Vec<Posture>,
+    /// The user's own machining postures and loads; they may be none.
+    pub tasks: Vec<Task>,
 }
 
 impl Cell {
@@ -85,6 +89,22 @@ impl Cell {
             .key("stiffness.prior_nm_per_rad")
             .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad")
         })
+    }
+
+    /// The tasks, or an error that says how to add one.
+    ///
+    /// # Errors
+    /// The cell has no tasks.
+    pub fn require_tasks(&self) -> Result<&[Task]> {
+        if self.tasks.is_empty() {
+            return Err(Error::new(
+                Code::MissingKey,
+                "This needs your own machining postures and loads, and the cell has none.",
+            )
+            .key("task")
+            .hint("add [[task]] with q_deg and force_n, once per posture of your work"));
+        }
+        Ok(&self.tasks)
     }
 
     /// L of Eq. (20) \[m\], or an error where it is still to be computed.

@@ -103,7 +103,7 @@ impl Criterion {
     #[inline(always)]
     fn evaluate_sized(&mut self, m: &[f64], n: usize) -> Value {
         match self.index {
-            Index::ExpectedError | Index::DropOne => self.trace(m, n),
+            Index::ExpectedError | Index::DropOne | Index::Task => self.trace(m, n),
             Index::D | Index::O1 => {
                 if !self.factor(m) {
                     return Value::INFINITE;

@@ -1,7 +1,7 @@
 //! All indices and the expected errors of one group of postures.
 
 use super::dexterity;
-use crate::cell::Cell;
+use crate::cell::{Cell, task_rows};
 use crate::error::{Code, Error, Result};
 use crate::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use crate::observation::PostureTerms;
@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// Values of every index; `None` where an index does not exist: a joint is
-/// undetermined, J_N is singular, or the cell has no prior.
+/// undetermined, J_N is singular, or the cell has no prior or no tasks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Indices {
@@ -32,6 +32,9 @@ pub struct Indices {
     /// Geometric mean of the semi-axes of the relative error ellipsoid,
     /// σ·det(K⁻¹ΨᵀΨK⁻¹)^(−1/(2n)) (fraction).
     pub d: Option<f64>,
+    /// RMS over the cell's tasks of the error of the predicted tip deflection,
+    /// σ·sqrt(tr(T (ΨᵀΨ)⁻¹)) with T of [`task_matrix`](crate::cell::task_matrix) \[m\].
+    pub task: Option<f64>,
     /// (Π σ_i)^(1/n)/√m with m postures.
     pub o1: Option<f64>,
     /// σ_min/σ_max.
@@ -58,6 +61,7 @@ impl Indices {
             I::WorstJoint => self.worst_joint,
             I::DropOne => self.drop_one,
             I::D => self.d,
+            I::Task => self.task,
             I::O1 => self.o1,
             I::O2 => self.o2,
             I::O3 => self.o3,
@@ -100,12 +104,12 @@ impl GroupEvaluation {
 
 /// Evaluates every index of a group of postures (controller angles, rad).
 ///
-/// Indices that need a prior stiffness or the characteristic length are `None`
-/// when the cell has none.
+/// Indices that need a prior stiffness, tasks or the characteristic length are
+/// `None` when the cell has none.
 ///
 /// # Errors
-/// An empty group, angles of the wrong length or not finite, or a load that
-/// only a measurement gives.
+/// An empty group, angles (of postures or tasks) of the wrong length or not
+/// finite, or a load that only a measurement gives.
 pub fn evaluate<Q: AsRef<[f64]>>(
     cell: &Cell,
     name: &str,
@@ -151,13 +155,13 @@ pub fn evaluate<Q: AsRef<[f64]>>(
     let std = cell.noise.displacement_std();
     let mut relative = vec![None; n];
     let (mut scaled_condition, mut d, mut drop_one) = (None, None, None);
+    // Without a posture-common part the whitened Ψ is Ψ.
+    let weighted = match rho > 0.0 {
+        true => Factor::new(&whitened)?,
+        false => factor.clone(),
+    };
     if let Some(prior) = &cell.prior {
         scaled_condition = ratio(&factor.singular_values(|j| 1.0 / prior[j])?);
-        // Without a posture-common part the whitened Ψ is Ψ.
-        let weighted = match rho > 0.0 {
-            true => Factor::new(&whitened)?,
-            false => factor.clone(),
-        };
         relative = relative_errors(&weighted, prior, std);
         if weighted.undetermined().is_empty() {
             let s = weighted.singular_values(|j| 1.0 / prior[j])?;
@@ -165,6 +169,10 @@ pub fn evaluate<Q: AsRef<[f64]>>(
         }
         drop_one = drop_one_error(&whitened, rows, postures.len(), prior, std)?;
     }
+    let task = match cell.tasks.is_empty() {
+        true => None,
+        false => weighted.mapped_error(&task_rows(cell)?).map(|e| std * e),
+    };
     let rms = rms(&relative);
     let worst = relative
         .iter()
@@ -186,6 +194,7 @@ pub fn evaluate<Q: AsRef<[f64]>>(
             worst_joint: worst,
             drop_one,
             d,
+            task,
             o1: observability(&|| (log_sum() / n as f64).exp() / (postures.len() as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),
             o3: observability(&|| sigma[n - 1]),

@@ -14,7 +14,7 @@
 use super::Index;
 use super::criterion::{Criterion, Value};
 use super::kernel::{Kernel, Wanted};
-use crate::cell::Cell;
+use crate::cell::{Cell, task_matrix};
 use crate::error::Result;
 use crate::information::small::packed;
 use crate::observation::check_angles;
@@ -88,8 +88,8 @@ impl IndexFunction {
     /// Prepares `index` for groups of `posture_count` postures.
     ///
     /// # Errors
-    /// The cell lacks what the index needs: a prior stiffness, the
-    /// characteristic length, or a load that is known without a measurement.
+    /// The cell lacks what the index needs: a prior stiffness, tasks,
+    /// the characteristic length, or a load that is known without a measurement.
     pub fn new(cell: &Cell, index: Index, posture_count: usize) -> Result<Self> {
         IndexFunction::with_given::<Vec<f64>>(cell, index, posture_count, &[])
     }
@@ -154,7 +154,11 @@ impl IndexFunction {
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + given.count;
         let log_factor = match index {
-            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D => {
+            Index::ExpectedError
+            | Index::WorstJoint
+            | Index::DropOne
+            | Index::D
+            | Index::Task => {
                 let std = cell.noise.displacement_std();
                 std.max(f64::MIN_POSITIVE).ln()
             }
@@ -166,7 +170,7 @@ impl IndexFunction {
         let mut function = IndexFunction {
             index,
             kernel,
-            criterion: Criterion::new(index, n, None),
+            criterion: criterion(cell, index)?,
             given,
             log_factor,
             total: vec![0.0; packed(n, 0)],
@@ -508,10 +512,27 @@ pub(crate) fn relative_compliance(cell: &Cell, index: Index) -> Result<Vec<f64>>
     }
 }
 
+/// The index of an information matrix, with the cell's tasks where it needs them.
+///
+/// # Errors
+/// The index needs tasks and the cell has none.
+pub(crate) fn criterion(cell: &Cell, index: Index) -> Result<Criterion> {
+    let task = match index.needs_tasks() {
+        // Symmetric, so the order of rows and columns does not matter.
+        true => Some(task_matrix(cell)?.as_slice().to_vec()),
+        false => None,
+    };
+    Ok(Criterion::new(index, cell.setup.robot.spring_count(), task))
+}
+
 /// Weight of the posture-common shift in the information of an index.
 pub(crate) fn common_weight(cell: &Cell, index: Index) -> f64 {
     match index {
-        Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D => {
+        Index::ExpectedError
+        | Index::WorstJoint
+        | Index::DropOne
+        | Index::D
+        | Index::Task => {
             cell.noise.common_weight(cell.setup.tool.point_count())
         }
         _ => 0.0,

@@ -38,6 +38,8 @@ pub enum Index {
     DropOne,
     /// Geometric mean of the semi-axes of the relative error ellipsoid (D-optimality).
     D,
+    /// RMS error of the predicted tip deflection over the cell's tasks \[m\] (I-optimality).
+    Task,
     /// (Π σ_i)^(1/n)/√m with m postures; larger is better (Borm & Menq).
     O1,
     /// σ_min/σ_max; larger is better (Driels & Pathre).
@@ -52,7 +54,7 @@ pub enum Index {
 
 impl Index {
     /// Every index.
-    pub const ALL: [Index; 14] = [
+    pub const ALL: [Index; 15] = [
         Index::Classical,
         Index::Condition,
         Index::Novel,
@@ -62,6 +64,7 @@ impl Index {
         Index::WorstJoint,
         Index::DropOne,
         Index::D,
+        Index::Task,
         Index::O1,
         Index::O2,
         Index::O3,
@@ -81,6 +84,7 @@ impl Index {
             Index::WorstJoint => "worst_joint",
             Index::DropOne => "drop_one",
             Index::D => "d",
+            Index::Task => "task",
             Index::O1 => "o1",
             Index::O2 => "o2",
             Index::O3 => "o3",
@@ -134,6 +138,11 @@ impl Index {
                 | Index::DropOne
                 | Index::D
         )
+    }
+
+    /// True when it needs the cell's tasks.
+    pub fn needs_tasks(self) -> bool {
+        self == Index::Task
     }
 
     /// True when it uses the observation matrix (all but the classical one).

@@ -9,8 +9,8 @@ pub mod random;
 use nalgebra::{DMatrix, Isometry3, Vector3};
 use proptest::test_runner::{Config, RngSeed};
 use serde_json::Value;
-use stiffarm::cell::{Cell, Limits, Noise};
-use stiffarm::load::Load;
+use stiffarm::cell::{Cell, Limits, Noise, Task};
+use stiffarm::load::{Axes, Load, Wrench};
 use stiffarm::observation::Setup;
 use stiffarm::robot::{DhConvention, DhRow, Robot};
 use stiffarm::tool::{NamedPoint, Tool};
@@ -124,7 +124,39 @@ pub fn reference_cell() -> Cell {
         prior: Some(numbers(&data["robot"]["k_theta"])),
         characteristic_length: Some(number(&data["characteristic_length_m"])),
         validation: Vec::new(),
+        tasks: tasks(),
     }
+}
+
+/// The tasks of the built-in default cell.
+pub fn tasks() -> Vec<Task> {
+    let task = |name: &str, q: [f64; 6], force: [f64; 3], axes| Task {
+        name: name.to_string(),
+        q: q.map(f64::to_radians).to_vec(),
+        wrench: Wrench::force(Vector3::from(force)),
+        axes,
+        tip: Vector3::new(0.15, 0.0, 0.2),
+    };
+    vec![
+        task(
+            "aluminium, left",
+            [-30.0, 5.0, -115.0, 0.0, 60.0, 20.0],
+            [-220.0, 140.0, 90.0],
+            Axes::Base,
+        ),
+        task(
+            "titanium, front",
+            [0.0, 20.0, -120.0, 0.0, 50.0, 0.0],
+            [150.0, -320.0, 180.0],
+            Axes::Base,
+        ),
+        task(
+            "aluminium, right",
+            [35.0, -10.0, -125.0, 30.0, 60.0, -30.0],
+            [-150.0, 80.0, -60.0],
+            Axes::Tool,
+        ),
+    ]
 }
 
 /// The reference cell with limits on where the tool may be: the default cell.

@@ -1,11 +1,11 @@
 //! The model a second time, as plain as it can be: products of 4 × 4 matrices,
 //! over any number type, so that dual numbers give exact derivatives.
 //!
-//! Shares only data types with the library (its `Load` enum), no arithmetic.
+//! Shares only data types with the library (its `Load` and `Task`), no arithmetic.
 
 use nalgebra::{DMatrix, Isometry3, SVD, Vector3};
 use num_dual::{Dual64, DualNum};
-use stiffarm::cell::{Cell, Limits, Noise};
+use stiffarm::cell::{Cell, Limits, Noise, Task};
 use stiffarm::load::{Axes, Load};
 use stiffarm::observation::Setup;
 use stiffarm::robot::{DhConvention, DhRow, Robot};
@@ -90,6 +90,7 @@ pub struct Model {
     pub sigma: f64,
     /// Standard deviation of a shift common to the points of a posture.
     pub tau: f64,
+    pub tasks: Vec<Task>,
 }
 
 /// Axes, origins and flange of a model at one posture.
@@ -176,6 +177,7 @@ impl Model {
             prior: Some(self.prior.clone()),
             characteristic_length: Some(self.length),
             validation: Vec::new(),
+            tasks: self.tasks.clone(),
         }
     }
 
@@ -280,6 +282,29 @@ impl Model {
         let height = blocks[0].nrows();
         DMatrix::from_fn(height * blocks.len(), self.rows.len(), |i, j| {
             blocks[i / height][(i % height, j)]
+        })
+    }
+
+    /// Ψ of each task, loaded and measured at its tip, stacked, so that the mean
+    /// square of a predicted shift is the squared norm.
+    pub fn task_rows(&self) -> DMatrix<f64> {
+        let blocks: Vec<DMatrix<f64>> = self
+            .tasks
+            .iter()
+            .map(|task| {
+                let mut work = self.clone();
+                work.loading_point = task.tip.into();
+                work.measuring_points = vec![task.tip.into()];
+                work.load = Load::Constant {
+                    wrench: task.wrench,
+                    axes: task.axes,
+                };
+                work.psi::<f64>(&task.q)
+            })
+            .collect();
+        let count = blocks.len();
+        DMatrix::from_fn(3 * count, self.rows.len(), |i, j| {
+            blocks[i / 3][(i % 3, j)] / (count as f64).sqrt()
         })
     }
 

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI};
+use stiffarm::cell::Task;
 use stiffarm::load::{Axes, Load, Wrench};
 
 /// A seeded source of random choices.
@@ -87,6 +88,26 @@ impl Dice {
         }
     }
 
+    /// One to three tasks of a robot with `n` joints.
+    pub fn tasks(&mut self, n: usize) -> Vec<Task> {
+        (0..1 + self.below(3))
+            .map(|i| Task {
+                name: format!("task {i}"),
+                q: self.posture(n),
+                wrench: Wrench {
+                    force: self.direction() * self.between(100.0, 500.0),
+                    moment: self.vector(30.0),
+                },
+                axes: if self.chance(0.5) {
+                    Axes::Base
+                } else {
+                    Axes::Tool
+                },
+                tip: self.vector(0.5),
+            })
+            .collect()
+    }
+
     /// A cell with `n` joints, a load of `kind`, and where asked springs that
     /// do not sit on the joint axes and a shift common to a posture's points.
     pub fn model(&mut self, n: usize, kind: usize, elastic: bool, common: bool) -> Model {
@@ -143,6 +164,8 @@ impl Dice {
             } else {
                 0.0
             },
+            // Their own source: the choices above and after stay what they are.
+            tasks: Dice::new(sigma.to_bits()).tasks(n),
         }
     }
 }

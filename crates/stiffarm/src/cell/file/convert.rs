@@ -4,6 +4,7 @@ use super::load::load;
 use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawValidation};
 use super::robot;
 use super::source::Source;
+use super::task::tasks;
 use crate::cell::{Cell, Limits, Noise};
 use crate::error::{Code, Result};
 use crate::load::Load;
@@ -32,6 +33,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let published = entry.filter(|_| robot.spring_mixing().is_none());
     let prior = prior(source, raw.stiffness.as_ref(), &robot, published)?;
     let validation = validation(source, raw.validation.as_ref(), &robot)?;
+    let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
     let name = match &raw.name {
         Some(name) => source.name(name, "name")?,
         None => robot.name().to_string(),
@@ -45,6 +47,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         prior,
         characteristic_length,
         validation,
+        tasks,
     })
 }
 

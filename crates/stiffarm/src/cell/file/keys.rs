@@ -2,7 +2,7 @@
 
 use super::raw::{
     RawBounds, RawCell, RawLimits, RawLoad, RawNoise, RawPoint, RawPosture, RawRobot, RawSeries,
-    RawStiffness, RawTool, RawValidation,
+    RawStiffness, RawTask, RawTool, RawValidation,
 };
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
@@ -24,7 +24,7 @@ struct Section {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [Section; 12] = [
+const SECTIONS: [Section; 13] = [
     Section { path: "", array: false, keys: keys_of::<RawCell> },
     Section { path: "robot", array: false, keys: keys_of::<RawRobot> },
     Section { path: "bounds", array: false, keys: keys_of::<RawBounds> },
@@ -37,6 +37,7 @@ const SECTIONS: [Section; 12] = [
     Section { path: "stiffness", array: false, keys: keys_of::<RawStiffness> },
     Section { path: "validation", array: false, keys: keys_of::<RawValidation> },
     Section { path: "validation.posture", array: true, keys: keys_of::<RawPosture> },
+    Section { path: "task", array: true, keys: keys_of::<RawTask> },
 ];
 
 /// Parses the text into the raw cell: valid TOML, a known format, known keys

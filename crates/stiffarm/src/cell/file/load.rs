@@ -1,6 +1,6 @@
 //! `[load]`: the kind of load and the keys that belong to it.
 
-use super::raw::{At, RawLoad};
+use super::raw::{At, RawLoad, Text};
 use super::source::Source;
 use crate::error::{Code, Result, did_you_mean};
 use crate::load::{Axes, Load, Wrench};
@@ -16,6 +16,9 @@ const KINDS: [(&str, &[&str]); 4] = [
     ("wrench", &["force_n", "moment_nm", "axes"]),
     ("measured", &[]),
 ];
+
+/// The two kinds of axes of a wrench.
+const AXES_HINT: &str = "axes = \"base\" (fixed) or axes = \"tool\" (turning with the flange)";
 
 /// The load of `robot`, whose direction of gravity a weight follows.
 pub(super) fn load(
@@ -108,19 +111,23 @@ fn wrench(source: &Source<'_>, table: &At<RawLoad>) -> Result<Load> {
         return Err(source.error(Code::InvalidValue, key, given.span(), message));
     }
     let key = "load.axes";
-    let hint = "axes = \"base\" (fixed) or axes = \"tool\" (turning with the flange)";
-    let given = source.required(&raw.axes, key, at, hint)?;
-    let axes = match given.get().as_str() {
-        "base" => Axes::Base,
-        "tool" => Axes::Tool,
-        other => {
-            let message = format!("There are no axes \"{other}\".");
-            let error = source.error(Code::InvalidValue, key, given.span(), message);
-            return Err(error.hint(hint));
-        }
-    };
+    let given = source.required(&raw.axes, key, at, AXES_HINT)?;
+    let axes = axes(source, given, key)?;
     Ok(Load::Constant {
         wrench: Wrench { force, moment },
         axes,
     })
+}
+
+/// The axes of a wrench.
+pub(super) fn axes(source: &Source<'_>, given: &Text, key: &str) -> Result<Axes> {
+    match given.get().as_str() {
+        "base" => Ok(Axes::Base),
+        "tool" => Ok(Axes::Tool),
+        other => {
+            let message = format!("There are no axes \"{other}\".");
+            let error = source.error(Code::InvalidValue, key, given.span(), message);
+            Err(error.hint(AXES_HINT))
+        }
+    }
 }

@@ -14,6 +14,7 @@ mod robot;
 #[cfg(feature = "schema")]
 mod schema;
 mod source;
+mod task;
 mod template;
 
 #[cfg(feature = "schema")]

@@ -67,6 +67,9 @@ pub(super) struct RawCell {
     pub stiffness: Option<At<RawStiffness>>,
     /// Postures kept for validation.
     pub validation: Option<At<RawValidation>>,
+    /// Your own machining postures and loads: the task index chooses postures for the
+    /// deflection predicted there.
+    pub task: Option<At<Vec<At<RawTask>>>>,
 }
 
 /// The robot: exactly one of `catalogue`, `dh_modified`, `dh_standard`.
@@ -285,4 +288,30 @@ pub(super) struct RawPosture {
     /// Controller angles, degrees, one per joint.
     #[cfg_attr(feature = "schema", schemars(required))]
     pub q_deg: Option<Numbers>,
+}
+
+/// A machining posture with its load, which acts at the tool tip.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Task"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawTask {
+    /// Name of the task in tables (default: "task 1", "task 2", …).
+    pub name: Option<Text>,
+    /// Controller angles, degrees, one per joint: held to the machine's limits, not to the bounds.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub q_deg: Option<Numbers>,
+    /// Force on the robot at the tip, N, in the axes named by `axes`.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub force_n: Option<Numbers>,
+    /// Moment on the robot about the tip, N·m, in the axes named by `axes` (default: none).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub moment_nm: Option<Numbers>,
+    /// Axes of force_n and moment_nm: "base" (fixed, the default) or "tool" (turning with
+    /// the flange).
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["base", "tool"])))]
+    pub axes: Option<Text>,
+    /// Tool tip in flange axes, mm: where the force acts and whose deflection counts
+    /// (default: the first measuring point).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub tip_mm: Option<Numbers>,
 }

@@ -117,6 +117,17 @@ posture_common_mm = 0
 # [[validation.posture]]
 # name = "V1"
 # q_deg = {example}
+
+# Your own machining postures and process forces, once for each: `select --index task`
+# chooses postures so that the deflection predicted there is as sure as possible.
+# force_n acts on the robot at tip_mm (flange axes; default: the first measuring point),
+# in axes = "base" (default) or "tool"; moment_nm about the tip may be added.
+# [[task]]
+# name = "roughing"
+# q_deg = {example}
+# force_n = [-200, 150, 100]
+# axes = "base"
+# tip_mm = [150, 0, 200]
 "#,
         name = entry.name,
         key = entry.key,
