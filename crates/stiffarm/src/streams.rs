@@ -6,8 +6,11 @@ use rand_chacha::ChaCha8Rng;
 
 /// Marks the streams of random initial groups, which no run shares.
 const GROUPS: u64 = 1 << 63;
+/// Marks those of the chains of a global selection, and of its candidates.
+const CHAINS: u64 = 3 << 61;
+const CANDIDATES: u64 = 7 << 61;
 
-/// The random numbers of one run of a simulation. Groups below 2¹⁹, levels
+/// The random numbers of one run of a simulation. Groups below 2¹⁷, levels
 /// below 2¹⁰ and runs below 2³⁴ never share a stream.
 pub(crate) fn run_rng(seed: u64, group: usize, level: usize, run: usize) -> ChaCha8Rng {
     stream(
@@ -19,6 +22,16 @@ pub(crate) fn run_rng(seed: u64, group: usize, level: usize, run: usize) -> ChaC
 /// The random numbers of one random initial group.
 pub(crate) fn group_rng(seed: u64, group: u64) -> ChaCha8Rng {
     stream(seed, GROUPS | group)
+}
+
+/// The random numbers of one chain in one round of a global selection.
+pub(crate) fn chain_rng(seed: u64, round: u64, chain: usize) -> ChaCha8Rng {
+    stream(seed, CHAINS | (round << 8) | chain as u64)
+}
+
+/// The random numbers of the candidate postures of a global selection.
+pub(crate) fn candidate_rng(seed: u64) -> ChaCha8Rng {
+    stream(seed, CANDIDATES)
 }
 
 fn stream(seed: u64, stream: u64) -> ChaCha8Rng {

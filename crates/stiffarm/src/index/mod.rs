@@ -2,9 +2,9 @@
 
 pub mod dexterity;
 mod error_bound;
-mod criterion;
+pub(crate) mod criterion;
 mod evaluate;
-mod function;
+pub(crate) mod function;
 pub(crate) mod kernel;
 
 pub use error_bound::{ErrorBound, error_bound};

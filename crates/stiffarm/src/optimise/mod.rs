@@ -3,7 +3,7 @@
 
 mod length;
 mod slsqp;
-pub mod smooth;
+pub(crate) mod smooth;
 
 pub use length::{CharacteristicLength, characteristic_length, with_characteristic_length};
 pub use slsqp::{Evaluation, Options, Problem, Solution, minimise};
@@ -22,6 +22,8 @@ pub enum Termination {
     Stalled,
     /// The budget of iterations is used up.
     IterationLimit,
+    /// The time allowed is over.
+    TimeLimit,
     /// The user stopped it.
     Interrupted,
     /// No point that satisfies the cell's limits was found.
@@ -35,6 +37,7 @@ impl Termination {
             Termination::Converged => "converged",
             Termination::Stalled => "stalled",
             Termination::IterationLimit => "iteration limit",
+            Termination::TimeLimit => "time limit",
             Termination::Interrupted => "interrupted",
             Termination::Infeasible => "limits not met",
         }

@@ -12,7 +12,7 @@ use std::convert::Infallible;
 
 /// Budget and tolerances of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SmoothOptions {
+pub(crate) struct SmoothOptions {
     /// Iterations.
     pub max_iterations: u64,
     /// Largest ∞-norm of the projected gradient that counts as a minimum.
@@ -23,7 +23,7 @@ pub struct SmoothOptions {
 
 /// Where a minimisation ended.
 #[derive(Debug, Clone)]
-pub struct SmoothSolution {
+pub(crate) struct SmoothSolution {
     /// The last iterate, which has the lowest value.
     pub x: Vec<f64>,
     /// Value there; infinite where the start already was.
@@ -87,7 +87,7 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> Gradient for Adapter<'_, F> {
 }
 
 /// Minimises `function` (value returned, gradient written) from `start`.
-pub fn minimise_smooth(
+pub(crate) fn minimise_smooth(
     function: impl FnMut(&[f64], &mut [f64]) -> f64,
     lower: &Vec<f64>,
     upper: &Vec<f64>,

@@ -1,7 +1,12 @@
 //! Choosing postures: the paper's procedure, from an initial group (Section III.B).
 
+mod global;
+mod load_design;
 mod random;
 mod search;
+
+pub use global::{GlobalOptions, RoundReport, select_global, select_watched};
+pub use load_design::{DesignedLoad, LoadDesign};
 
 pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
 
@@ -32,9 +37,17 @@ pub struct Selection {
     pub indices: Indices,
     /// Selected postures, controller angles \[deg\].
     pub postures_deg: Vec<Vec<f64>>,
+    /// Number of postures that were given and stay as they are; `value` and
+    /// `indices` are those of given and selected postures together.
+    #[serde(default)]
+    pub given: usize,
     /// Why the search ended.
     pub termination: Termination,
-    /// Number of initial groups tried.
+    /// Rounds of a global search that were completed: asking for as many gives
+    /// the same result again. `None` for a local one.
+    #[serde(default)]
+    pub rounds: Option<u64>,
+    /// Number of local searches.
     pub starts: usize,
     /// Evaluations of index, limits and their derivatives.
     pub evaluations: u64,
@@ -45,6 +58,9 @@ pub struct Selection {
     pub stationarity: Option<f64>,
     /// Smallest margin to a limit of the cell \[m\], `None` without limits.
     pub smallest_margin_m: Option<f64>,
+    /// The load, where it was chosen together with the postures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<DesignedLoad>,
     /// Controller angles of the selected group \[rad\]; not saved, see `postures_deg`.
     #[serde(skip)]
     pub group: Vec<Vec<f64>>,
@@ -86,19 +102,7 @@ pub fn select_from<Q: AsRef<[f64]>>(
     for q in initial {
         check_angles(&setup.robot, q.as_ref())?;
     }
-    if let Some(j) = cell
-        .bounds
-        .iter()
-        .position(|b| b[0].is_nan() || b[1].is_nan() || b[0] > b[1])
-    {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!(
-                "The bounds of {} are reversed.",
-                setup.robot.joints()[j].name
-            ),
-        ));
-    }
+    check_bounds(cell)?;
     let mut start: Vec<f64> = initial
         .iter()
         .flat_map(|q| q.as_ref().iter().copied())
@@ -108,7 +112,7 @@ pub fn select_from<Q: AsRef<[f64]>>(
     }
     let start_group: Vec<&[f64]> = start.chunks_exact(n).collect();
     let start_evaluation = evaluate(cell, "start", &start_group)?;
-    let solution = Search::new(cell, index, count)?.run(start, options, control)?;
+    let solution = Search::new::<Vec<f64>>(cell, index, count, &[])?.run(start, options, control)?;
     if !solution.merit.is_finite() {
         return Err(no_result(
             cell,
@@ -135,14 +139,32 @@ pub fn select_from<Q: AsRef<[f64]>>(
             .iter()
             .map(|q| q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
             .collect(),
+        given: 0,
         termination: solution.termination,
+        rounds: None,
         starts: 1,
         evaluations: solution.evaluations,
         iterations: solution.iterations,
         stationarity: solution.stationarity,
         smallest_margin_m: smallest_margin(cell, &group)?,
+        load: None,
         group,
     })
+}
+
+/// Refuses bounds that no angle meets.
+fn check_bounds(cell: &Cell) -> Result<()> {
+    let reversed = |b: &[f64; 2]| b[0].is_nan() || b[1].is_nan() || b[0] > b[1];
+    match cell.bounds.iter().position(reversed) {
+        None => Ok(()),
+        Some(j) => Err(Error::new(
+            Code::InvalidValue,
+            format!(
+                "The bounds of {} are reversed.",
+                cell.setup.robot.joints()[j].name
+            ),
+        )),
+    }
 }
 
 /// Smallest margin of a group to the cell's limits \[m\], `None` without limits.

@@ -44,12 +44,17 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search over groups of `count` postures.
+    /// A search over groups of `count` postures beside the `given` ones.
     ///
     /// # Errors
     /// The cell lacks what the index needs.
-    pub(super) fn new(cell: &'a Cell, index: Index, count: usize) -> Result<Self> {
-        let function = IndexFunction::new(cell, index, count)?;
+    pub(super) fn new<Q: AsRef<[f64]>>(
+        cell: &'a Cell,
+        index: Index,
+        count: usize,
+        given: &[Q],
+    ) -> Result<Self> {
+        let function = IndexFunction::with_given(cell, index, count, given)?;
         let components = function.component_count();
         let n = cell.setup.robot.joint_count();
         let limits_per_posture = cell.limits.count(&cell.setup);
@@ -83,8 +88,32 @@ impl<'a> Search<'a> {
     /// # Errors
     /// A start that is not finite.
     pub(super) fn run(
+        self,
+        start: Vec<f64>,
+        options: Options,
+        control: Control<'_>,
+    ) -> Result<Solution> {
+        self.run_stages(start, &SHARPNESS, options, control)
+    }
+
+    /// As [`run`](Self::run) from a start that is a local minimum of the index
+    /// smoothed with p = 1000: only the last stages.
+    ///
+    /// # Errors
+    /// A start that is not finite.
+    pub(super) fn run_sharp(
+        self,
+        start: Vec<f64>,
+        options: Options,
+        control: Control<'_>,
+    ) -> Result<Solution> {
+        self.run_stages(start, &SHARPNESS[2..], options, control)
+    }
+
+    fn run_stages(
         mut self,
         mut start: Vec<f64>,
+        sharpness: &'static [Option<f64>],
         options: Options,
         control: Control<'_>,
     ) -> Result<Solution> {
@@ -96,7 +125,7 @@ impl<'a> Search<'a> {
         // of max k(J_N) does: the first is smoothed ever more sharply, the
         // second has its epigraph variable.
         let stages: &[Option<f64>] = match self.function.has_extreme_singular_values() {
-            true => &SHARPNESS,
+            true => sharpness,
             false => &[None],
         };
         let mut solution: Option<Solution> = None;

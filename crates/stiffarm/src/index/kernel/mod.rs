@@ -195,12 +195,6 @@ impl Kernel {
         self.per_posture(|batch| batch.violation)
     }
 
-    /// Margins of one posture \[m\].
-    pub fn margins(&self, posture: usize) -> impl Iterator<Item = f64> {
-        let (batch, lane) = (&self.batches[posture / WIDTH], posture % WIDTH);
-        batch.margins.iter().map(move |margin| margin.0[lane])
-    }
-
     /// Starts the augmented Lagrangian of the limits afresh: multipliers zero,
     /// quadratic weight `weight` \[1/m²\], margins kept above `guard` \[m\].
     pub fn reset_penalty(&mut self, weight: f64, guard: f64) {

@@ -1,0 +1,193 @@
+//! One of several independent searches: local minima of a chain of changed
+//! groups (iterated local search), with its own random numbers.
+
+use super::Plan;
+use super::exchange::{Base, exchange};
+use super::local::{Effort, Local};
+use super::pool::Pool;
+use crate::index::criterion::Criterion;
+use crate::optimise::Control;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// Candidates of one exchange.
+const CANDIDATES: usize = 128;
+/// Tries without improvement after which a chain starts afresh.
+const PATIENCE: usize = 60;
+/// A rough search that ends within this of ln(index) of the incumbent goes on.
+const NEAR: f64 = 0.01;
+/// Largest shift of an angle when postures are shaken \[rad\].
+const SHAKE: f64 = 0.5;
+
+/// A chain with its incumbent.
+#[derive(Debug, Clone)]
+pub(super) struct Island {
+    pub local: Local,
+    criterion: Criterion,
+    base: Base,
+    joints: usize,
+    count: usize,
+    /// Where the chain is now.
+    current: Option<Plan>,
+    /// The best it ever was.
+    pub best: Option<Plan>,
+    idle: usize,
+}
+
+impl Island {
+    pub fn new(local: Local, criterion: Criterion, base: Base, joints: usize) -> Self {
+        let count = local.angle_count() / joints;
+        Island {
+            local,
+            criterion,
+            base,
+            joints,
+            count,
+            current: None,
+            best: None,
+            idle: 0,
+        }
+    }
+
+    /// Puts the chain onto another plan.
+    pub fn move_to(&mut self, plan: Plan) {
+        self.current = Some(plan);
+        self.idle = 0;
+    }
+
+    /// `tries` local searches with the random numbers of this round.
+    pub fn work(
+        &mut self,
+        rng: &mut ChaCha8Rng,
+        pool: &Pool,
+        first: Option<&[f64]>,
+        tries: usize,
+        control: Control<'_>,
+    ) {
+        for attempt in 0..tries {
+            if control.stopped() {
+                return;
+            }
+            let start = match (&self.current, first) {
+                (None, Some(first)) if attempt == 0 => first.to_vec(),
+                (Some(_), _) if self.idle < PATIENCE => self.changed(rng, pool),
+                _ => {
+                    self.current = None;
+                    self.fresh(rng, pool, attempt % 2 == 0)
+                }
+            };
+            let mut plan = self.local.improve(start, Effort::Rough);
+            // Compare the end of the valley, not where a rough search stops.
+            let near = |old: &Option<Plan>| {
+                old.as_ref()
+                    .is_none_or(|old| plan.value < old.value + NEAR)
+            };
+            if plan.value.is_finite() && near(&self.current) {
+                plan = self.local.refine(plan, Effort::Fine);
+            }
+            if !plan.value.is_finite() {
+                self.idle += 1;
+                continue;
+            }
+            let better = |old: &Option<Plan>| {
+                old.as_ref()
+                    .is_none_or(|old| plan.value < old.value - 1e-9)
+            };
+            if better(&self.best) {
+                self.best = Some(plan.clone());
+            }
+            if better(&self.current) {
+                self.current = Some(plan);
+                self.idle = 0;
+            } else {
+                self.idle += 1;
+            }
+        }
+    }
+
+    /// A new group: random, or the best exchange among random candidates.
+    fn fresh(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, by_exchange: bool) -> Vec<f64> {
+        self.idle = 0;
+        let mut chosen: Vec<usize> = (0..self.count)
+            .map(|_| rng.random_range(0..pool.len()))
+            .collect();
+        if by_exchange && self.is_known(pool) {
+            let candidates = self.candidates(rng, pool);
+            exchange(
+                &mut self.criterion,
+                &self.base,
+                pool,
+                &mut chosen,
+                &candidates,
+            );
+        }
+        let mut x: Vec<f64> = chosen
+            .iter()
+            .flat_map(|at| pool.angles(*at).iter().copied())
+            .collect();
+        self.add_load(rng, &mut x);
+        x
+    }
+
+    /// True when the pool's information is that of the search: it is not where
+    /// the load is free.
+    fn is_known(&self, pool: &Pool) -> bool {
+        let (lower, _) = self.local.bounds();
+        lower.len() == self.local.angle_count()
+            && (!pool.information(0).is_empty() || self.base.uses_dexterity)
+    }
+
+    fn candidates(&self, rng: &mut ChaCha8Rng, pool: &Pool) -> Vec<usize> {
+        (0..CANDIDATES)
+            .map(|_| rng.random_range(0..pool.len()))
+            .collect()
+    }
+
+    /// Load variables at random within their boxes.
+    fn add_load(&self, rng: &mut ChaCha8Rng, x: &mut Vec<f64>) {
+        let (lower, upper) = self.local.bounds();
+        for (low, high) in lower.iter().zip(upper).skip(self.local.angle_count()) {
+            x.push(low + (high - low) * rng.random::<f64>());
+        }
+    }
+
+    /// The incumbent with some postures replaced or shaken.
+    fn changed(&mut self, rng: &mut ChaCha8Rng, pool: &Pool) -> Vec<f64> {
+        let Some(current) = &self.current else {
+            return self.fresh(rng, pool, false);
+        };
+        let mut x = current.x.clone();
+        let n = self.joints;
+        let most = (self.count / 3).clamp(1, 6);
+        let many = 1 + rng.random_range(0..most);
+        let kind: u32 = rng.random_range(0..4);
+        for _ in 0..many {
+            let p = rng.random_range(0..self.count);
+            let own = &mut x[p * n..(p + 1) * n];
+            match kind {
+                0 => {
+                    let (lower, upper) = self.local.bounds();
+                    for (j, q) in own.iter_mut().enumerate() {
+                        let shift = SHAKE * (2.0 * rng.random::<f64>() - 1.0);
+                        *q = (*q + shift).clamp(lower[j], upper[j]);
+                    }
+                }
+                1 => {
+                    // One joint of the posture anywhere.
+                    let (lower, upper) = self.local.bounds();
+                    let j = rng.random_range(0..n);
+                    own[j] = lower[j] + (upper[j] - lower[j]) * rng.random::<f64>();
+                }
+                _ => {
+                    let at = rng.random_range(0..pool.len());
+                    own.copy_from_slice(pool.angles(at));
+                }
+            }
+        }
+        if self.local.bounds().0.len() > self.local.angle_count() && rng.random::<f64>() < 0.3 {
+            x.truncate(self.local.angle_count());
+            self.add_load(rng, &mut x);
+        }
+        x
+    }
+}

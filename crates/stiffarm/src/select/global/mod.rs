@@ -1,0 +1,458 @@
+//! Global selection: several chains of local searches, in rounds.
+//!
+//! Each round gives every chain the same number of local searches with random
+//! numbers of its own, and the results are compared in the order of the
+//! chains. So the rounds that were completed, not time or threads, decide the
+//! result.
+
+mod exchange;
+mod island;
+mod local;
+mod polish;
+mod pool;
+
+use super::load_design::LoadDesign;
+use super::{Selection, StartKind, no_result, smallest_margin};
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::function::{common_weight, criterion, relative_compliance};
+use crate::index::kernel::{Kernel, Wanted};
+use crate::index::{Index, evaluate};
+use crate::observation::check_angles;
+use crate::optimise::{Control, Termination};
+use crate::streams::chain_rng;
+use crate::units::rad_to_shortest_deg;
+use exchange::Base;
+use island::Island;
+use local::{Effort, Local};
+use pool::Pool;
+use std::time::{Duration, Instant};
+
+/// Chains; a number that divides well among the cores of a workshop computer.
+const CHAINS: usize = 16;
+/// Rounds between exchanges of the best plan among the chains.
+const MIGRATION: u64 = 6;
+/// Relative improvement that counts.
+const LEAST: f64 = 1e-6;
+
+/// A group of postures (and the load's variables where they are free) with ln
+/// of its index.
+#[derive(Debug, Clone, PartialEq)]
+struct Plan {
+    x: Vec<f64>,
+    value: f64,
+}
+
+/// What a global selection may use and how long it may go on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GlobalOptions {
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Rounds of the search; `None` goes on until [`patience`](Self::patience)
+    /// rounds brought nothing, or the default largest number is reached.
+    pub rounds: Option<u64>,
+    /// Ends after the round in which this time is over. Results then depend on
+    /// the machine; the rounds completed reproduce them.
+    pub time_limit: Option<Duration>,
+    /// Load parameters to choose together with the postures.
+    pub load: LoadDesign,
+}
+
+impl Default for GlobalOptions {
+    fn default() -> Self {
+        GlobalOptions {
+            seed: 1,
+            rounds: None,
+            time_limit: None,
+            load: LoadDesign::default(),
+        }
+    }
+}
+
+/// How a search stands after a round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundReport {
+    /// Rounds completed.
+    pub rounds: u64,
+    /// Evaluations of the index with its gradient so far.
+    pub evaluations: u64,
+    /// Best value of the index so far, before the final polish.
+    pub value: Option<f64>,
+}
+
+/// Local searches of each chain and round, and how many rounds to go on.
+struct Schedule {
+    tries: usize,
+    rounds: u64,
+    patience: u64,
+}
+
+impl Schedule {
+    fn new(index: Index, count: usize) -> Self {
+        // Indices with kinks have many local minima, the others few.
+        let rugged = !matches!(
+            index,
+            Index::ExpectedError | Index::D | Index::O1 | Index::Task | Index::O5
+        );
+        let (rounds, patience) = match rugged {
+            true => (48, 16),
+            false => (40, 8),
+        };
+        let large = count > 12;
+        Schedule {
+            tries: match (rugged, large) {
+                (true, false) => 6,
+                (false, false) => 3,
+                (_, true) => 1,
+            },
+            rounds: if large { rounds / 2 } else { rounds },
+            patience: if large { patience.min(8) } else { patience },
+        }
+    }
+}
+
+/// Selects `count` postures beside the `given` ones (controller angles, rad;
+/// possibly none) that make `index` of all of them together best, within the
+/// bounds and the limits of the cell: the best of many local searches.
+///
+/// # Errors
+/// A cell without what the index needs, postures that cannot determine all
+/// joints, or limits that no posture meets.
+pub fn select_global<Q: AsRef<[f64]> + Sync>(
+    cell: &Cell,
+    index: Index,
+    count: usize,
+    given: &[Q],
+    options: &GlobalOptions,
+    control: Control<'_>,
+) -> Result<Selection> {
+    select_watched(cell, index, count, given, options, control, &mut |_| {})
+}
+
+/// [`select_global`], with a report after each round.
+///
+/// # Errors
+/// As [`select_global`].
+pub fn select_watched<Q: AsRef<[f64]> + Sync>(
+    cell: &Cell,
+    index: Index,
+    count: usize,
+    given: &[Q],
+    options: &GlobalOptions,
+    control: Control<'_>,
+    watch: &mut dyn FnMut(&RoundReport),
+) -> Result<Selection> {
+    if count == 0 {
+        return Err(Error::new(
+            Code::TooFewData,
+            "No posture is to be selected.",
+        ));
+    }
+    super::check_bounds(cell)?;
+    for q in given {
+        check_angles(&cell.setup.robot, q.as_ref())?;
+    }
+    if !options.load.is_empty() && !given.is_empty() {
+        return Err(Error::new(
+            Code::InvalidValue,
+            "Postures that were measured already fix the load: it cannot be designed any more.",
+        )
+        .hint("leave out the load's boxes, or the given postures"));
+    }
+    let prepared = options.load.prepare(cell)?;
+    let mut search = Global::new(&prepared, index, count, given, options)?;
+    let termination = search.rounds(control, watch)?;
+    search.finish(given, termination, control)
+}
+
+struct Global<'a> {
+    cell: &'a Cell,
+    index: Index,
+    count: usize,
+    options: &'a GlobalOptions,
+    schedule: Schedule,
+    pool: Pool,
+    islands: Vec<Island>,
+    best: Option<Plan>,
+    completed: u64,
+}
+
+impl<'a> Global<'a> {
+    fn new<Q: AsRef<[f64]>>(
+        cell: &'a Cell,
+        index: Index,
+        count: usize,
+        given: &[Q],
+        options: &'a GlobalOptions,
+    ) -> Result<Self> {
+        let local = Local::new(cell, index, count, given, &options.load)?;
+        let compliance = relative_compliance(cell, index)?;
+        let wanted = Wanted {
+            dexterity: match index.uses_dexterity() {
+                true => Some(cell.require_characteristic_length()?),
+                false => None,
+            },
+            information: index
+                .uses_observation()
+                .then(|| (compliance.as_slice(), common_weight(cell, index))),
+            limits: true,
+        };
+        let base = base(cell, index, wanted, given)?;
+        let n = cell.setup.robot.joint_count();
+        let island = Island::new(local, criterion(cell, index)?, base, n);
+        Ok(Global {
+            cell,
+            index,
+            count,
+            options,
+            schedule: Schedule::new(index, count),
+            pool: Pool::new(cell, wanted, options.seed)?,
+            islands: vec![island; CHAINS],
+            best: None,
+            completed: 0,
+        })
+    }
+
+    /// Rounds until the budget is used up or nothing improves any more.
+    fn rounds(
+        &mut self,
+        control: Control<'_>,
+        watch: &mut dyn FnMut(&RoundReport),
+    ) -> Result<Termination> {
+        let begin = Instant::now();
+        let limit = self.options.time_limit;
+        let over = || limit.is_some_and(|limit| begin.elapsed() >= limit);
+        let fixed = self.options.rounds;
+        // With a time limit alone the search goes on until it is over.
+        let most = fixed.unwrap_or(match limit {
+            Some(_) => u64::MAX,
+            None => self.schedule.rounds,
+        });
+        let mut idle = 0;
+        while self.completed < most {
+            let before = self.best.as_ref().map(|plan| plan.value);
+            let saved = self.islands.clone();
+            // The first round is worth finishing: there is nothing else to show.
+            let stop = || control.stopped() || (self.completed > 0 && over());
+            let inner = Control {
+                stop: Some(&stop),
+                progress: None,
+            };
+            let mut islands = std::mem::take(&mut self.islands);
+            self.round(&mut islands, inner);
+            self.islands = islands;
+            if stop() {
+                if self.completed > 0 {
+                    // Half a round cannot be reproduced.
+                    self.islands = saved;
+                } else {
+                    self.gather();
+                }
+                return Ok(match control.stopped() {
+                    true => Termination::Interrupted,
+                    false => Termination::TimeLimit,
+                });
+            }
+            self.gather();
+            self.completed += 1;
+            let now = self.best.as_ref().map(|plan| plan.value);
+            watch(&RoundReport {
+                rounds: self.completed,
+                evaluations: self.evaluations(),
+                value: now.map(|value| self.shown(value)),
+            });
+            control.report(
+                &now.map_or("searching".to_string(), |v| {
+                    format!("best {} {:.6}", self.index.as_str(), self.shown(v))
+                }),
+                self.completed as usize,
+                most.min(1 << 30) as usize,
+            );
+            let improved = match (before, now) {
+                (Some(before), Some(now)) => now < before - LEAST,
+                (_, now) => now.is_some(),
+            };
+            idle = if improved { 0 } else { idle + 1 };
+            if fixed.is_none() && limit.is_none() && idle >= self.schedule.patience {
+                return Ok(Termination::Converged);
+            }
+        }
+        Ok(Termination::IterationLimit)
+    }
+
+    /// One round on every chain, on all cores.
+    fn round(&self, islands: &mut [Island], control: Control<'_>) {
+        let work = |(i, island): (usize, &mut Island)| {
+            let mut rng = chain_rng(self.options.seed, self.completed, i);
+            island.work(&mut rng, &self.pool, None, self.schedule.tries, control);
+        };
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            islands
+                .par_iter_mut()
+                .with_max_len(1)
+                .enumerate()
+                .for_each(work);
+        }
+        #[cfg(not(feature = "parallel"))]
+        islands.iter_mut().enumerate().for_each(work);
+    }
+
+    /// Takes the best of all chains, and from time to time puts the worst
+    /// quarter of them onto it.
+    fn gather(&mut self) {
+        let values: Vec<f64> = self
+            .islands
+            .iter()
+            .map(|island| island.best.as_ref().map_or(f64::INFINITY, |p| p.value))
+            .collect();
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        // A stable sort: equal values stay in the order of the chains.
+        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        let leader = order[0];
+        if let Some(plan) = self.islands[leader].best.clone() {
+            if self.best.as_ref().is_none_or(|b| plan.value < b.value) {
+                self.best = Some(plan);
+            }
+        }
+        if (self.completed + 1) % MIGRATION == 0
+            && let Some(best) = self.best.clone()
+        {
+            for island in order.iter().rev().take(CHAINS / 4) {
+                self.islands[*island].move_to(best.clone());
+            }
+        }
+    }
+
+    /// The best plan searched to the end, with everything that is to be said of it.
+    fn finish<Q: AsRef<[f64]>>(
+        mut self,
+        given: &[Q],
+        termination: Termination,
+        control: Control<'_>,
+    ) -> Result<Selection> {
+        let n = self.cell.setup.robot.joint_count();
+        let Some(best) = self.best.take() else {
+            return Err(self.nothing(given, termination));
+        };
+        let local = &mut self.islands[0].local;
+        let mut plan = local.improve(best.x.clone(), Effort::Full);
+        if best.value < plan.value {
+            plan = best;
+        }
+        let mut iterations = 0;
+        let mut stationarity = None;
+        let mut evaluations = self.evaluations();
+        if self.options.load.is_empty() {
+            let (polished, solution) =
+                polish::polish(self.cell, self.index, plan, n, given, control)?;
+            plan = polished;
+            if let Some(solution) = solution {
+                evaluations += solution.evaluations;
+                iterations = solution.iterations;
+                stationarity = solution.stationarity;
+            }
+        }
+        let (angles, load) = plan.x.split_at(n * self.count);
+        let cell = self.options.load.applied(self.cell, load);
+        let group: Vec<Vec<f64>> = angles.chunks_exact(n).map(<[f64]>::to_vec).collect();
+        let all: Vec<Vec<f64>> = given
+            .iter()
+            .map(|q| q.as_ref().to_vec())
+            .chain(group.iter().cloned())
+            .collect();
+        let evaluation = evaluate(&cell, self.index.as_str(), &all)?;
+        let value = evaluation
+            .indices
+            .get(self.index)
+            .ok_or_else(|| no_result(&cell, self.index, &evaluation, termination))?;
+        Ok(Selection {
+            index: self.index,
+            value,
+            start_value: None,
+            indices: evaluation.indices,
+            postures_deg: group
+                .iter()
+                .map(|q| q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
+                .collect(),
+            given: given.len(),
+            termination,
+            rounds: Some(self.completed),
+            starts: self.islands.iter().map(|i| i.local.searches as usize).sum(),
+            evaluations,
+            iterations,
+            stationarity,
+            smallest_margin_m: smallest_margin(&cell, &group)?,
+            load: (!self.options.load.is_empty()).then(|| cell.setup.clone().into()),
+            group,
+        })
+    }
+
+    /// Why nothing was found.
+    fn nothing<Q: AsRef<[f64]>>(&self, given: &[Q], termination: Termination) -> Error {
+        let random = super::random_group(
+            self.cell,
+            StartKind::Uniform,
+            self.count,
+            self.options.seed,
+            0,
+        );
+        let random = match random {
+            Ok(group) => group,
+            Err(error) => return error,
+        };
+        let all: Vec<Vec<f64>> = given
+            .iter()
+            .map(|q| q.as_ref().to_vec())
+            .chain(random)
+            .collect();
+        match evaluate(self.cell, "start", &all) {
+            Ok(evaluation) => no_result(self.cell, self.index, &evaluation, termination),
+            Err(error) => error,
+        }
+    }
+
+    fn evaluations(&self) -> u64 {
+        self.islands.iter().map(|i| i.local.evaluations).sum()
+    }
+
+    /// A value of the index from its logarithm.
+    fn shown(&self, log: f64) -> f64 {
+        match self.index.larger_is_better() {
+            true => (-log).exp(),
+            false => log.exp(),
+        }
+    }
+}
+
+/// Information and k(J_N) of the given postures.
+fn base<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    wanted: Wanted<'_>,
+    given: &[Q],
+) -> Result<Base> {
+    let springs = cell.setup.robot.spring_count();
+    let size = match wanted.information {
+        Some(_) => springs * (springs + 1) / 2,
+        None => 0,
+    };
+    let mut base = Base {
+        information: vec![0.0; size],
+        log_dexterity: f64::NEG_INFINITY,
+        uses_dexterity: index.uses_dexterity(),
+    };
+    if !given.is_empty() {
+        let mut kernel = Kernel::new(cell, wanted, given.len())?;
+        let q: Vec<f64> = given.iter().flat_map(|q| q.as_ref().to_vec()).collect();
+        kernel.forward(&q);
+        kernel.add_information(&mut base.information);
+        if base.uses_dexterity {
+            base.log_dexterity = (0..given.len())
+                .map(|p| kernel.log_dexterity(p))
+                .fold(f64::NEG_INFINITY, f64::max);
+        }
+    }
+    Ok(base)
+}

@@ -1,0 +1,42 @@
+//! The end of a global selection: the best plan once more by the method of
+//! [`select_from`](crate::select::select_from), which takes maxima and limits
+//! as constraints and so finds their corners exactly.
+
+use super::Plan;
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::index::Index;
+use crate::optimise::{Control, Options, Solution};
+use crate::select::search::Search;
+
+/// Variables beyond which its cost, which grows with their third power, is not
+/// worth it.
+const MOST_VARIABLES: usize = 72;
+/// Iterations of each stage; a polish that needs more gains nothing.
+const MAX_ITERATIONS: u64 = 400;
+
+/// `plan`, or what became of it where that is better.
+pub(super) fn polish<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    plan: Plan,
+    joints: usize,
+    given: &[Q],
+    control: Control<'_>,
+) -> Result<(Plan, Option<Solution>)> {
+    if plan.x.len() > MOST_VARIABLES || control.stopped() {
+        return Ok((plan, None));
+    }
+    let search = Search::new(cell, index, plan.x.len() / joints, given)?;
+    let options = Options {
+        max_iterations: MAX_ITERATIONS,
+        ..Options::default()
+    };
+    let solution = search.run_sharp(plan.x.clone(), options, control)?;
+    let better = solution.merit < plan.value;
+    let polished = Plan {
+        x: solution.x.clone(),
+        value: solution.merit,
+    };
+    Ok((if better { polished } else { plan }, Some(solution)))
+}

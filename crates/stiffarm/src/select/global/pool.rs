@@ -1,0 +1,174 @@
+//! Candidate postures inside bounds and limits, drawn once per selection, with
+//! their information and k(J_N).
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::kernel::{Kernel, Wanted};
+use crate::optimise::smooth::{SmoothOptions, minimise_smooth};
+use crate::streams::candidate_rng;
+use rand::RngExt;
+
+/// Candidates wanted.
+const SIZE: usize = 1024;
+/// Draws before the ones that were found must do.
+const MAX_DRAWS: usize = 200_000;
+/// With fewer candidates than this, random postures are moved inside the limits.
+const TOO_FEW: usize = 64;
+/// Attempts at that.
+const REPAIRS: usize = 256;
+/// Lanes are filled this many postures at a time.
+const CHUNK: usize = 64;
+
+/// Feasible candidates; information in packed lower triangles.
+#[derive(Debug, Clone)]
+pub(super) struct Pool {
+    joints: usize,
+    triangle: usize,
+    angles: Vec<f64>,
+    information: Vec<f64>,
+    log_dexterity: Vec<f64>,
+}
+
+impl Pool {
+    /// Draws the candidates of `seed`.
+    ///
+    /// # Errors
+    /// No posture inside the limits was found.
+    pub fn new(cell: &Cell, wanted: Wanted<'_>, seed: u64) -> Result<Self> {
+        let n = cell.setup.robot.joint_count();
+        let mut kernel = Kernel::new(cell, wanted, CHUNK)?;
+        let mut rng = candidate_rng(seed);
+        let mut pool = Pool {
+            joints: n,
+            triangle: n * (n + 1) / 2,
+            angles: Vec::new(),
+            information: Vec::new(),
+            log_dexterity: Vec::new(),
+        };
+        let mut drawn = 0;
+        let mut outside = Vec::new();
+        let mut draw = |q: &mut Vec<f64>| {
+            q.clear();
+            for _ in 0..CHUNK {
+                q.extend(
+                    cell.bounds
+                        .iter()
+                        .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>()),
+                );
+            }
+        };
+        let mut q = Vec::new();
+        while pool.len() < SIZE && drawn < MAX_DRAWS {
+            draw(&mut q);
+            drawn += CHUNK;
+            pool.take(&mut kernel, &q, wanted);
+            if outside.len() < REPAIRS * n {
+                outside.extend_from_slice(&q);
+            }
+        }
+        if pool.len() < TOO_FEW {
+            outside.truncate(REPAIRS * n);
+            let repaired = repair(cell, &outside)?;
+            for chunk in repaired.chunks(CHUNK * n) {
+                let mut padded = chunk.to_vec();
+                let last = chunk[chunk.len() - n..].to_vec();
+                while padded.len() < CHUNK * n {
+                    padded.extend_from_slice(&last);
+                }
+                pool.take(&mut kernel, &padded, wanted);
+            }
+        }
+        if pool.len() == 0 {
+            return Err(Error::new(
+                Code::InvalidValue,
+                format!(
+                    "None of {drawn} random postures within the bounds meets the cell's limits, nor could one be \
+                     moved inside them."
+                ),
+            )
+            .key("limits")
+            .hint("check the limits' frame (robot base) and unit (mm)"));
+        }
+        Ok(pool)
+    }
+
+    /// Number of candidates.
+    pub fn len(&self) -> usize {
+        self.angles.len() / self.joints
+    }
+
+    /// Controller angles of one candidate \[rad\].
+    pub fn angles(&self, at: usize) -> &[f64] {
+        &self.angles[at * self.joints..(at + 1) * self.joints]
+    }
+
+    /// Information of one candidate, packed; empty where the index has none.
+    pub fn information(&self, at: usize) -> &[f64] {
+        match self.information.is_empty() {
+            true => &[],
+            false => &self.information[at * self.triangle..(at + 1) * self.triangle],
+        }
+    }
+
+    /// ln k(J_N) of one candidate, 0 where the index does not use it.
+    pub fn log_dexterity(&self, at: usize) -> f64 {
+        self.log_dexterity.get(at).copied().unwrap_or(0.0)
+    }
+
+    /// Keeps those of a chunk of postures that are inside the limits.
+    fn take(&mut self, kernel: &mut Kernel, q: &[f64], wanted: Wanted<'_>) {
+        kernel.forward(q);
+        let inside: Vec<bool> = kernel.violations().map(|v| v <= 0.0).collect();
+        for (p, q) in q.chunks_exact(self.joints).enumerate() {
+            if !inside[p] || self.len() == SIZE {
+                continue;
+            }
+            self.angles.extend_from_slice(q);
+            if wanted.information.is_some() {
+                self.information.extend(kernel.information(p));
+            }
+            if wanted.dexterity.is_some() {
+                self.log_dexterity.push(kernel.log_dexterity(p));
+            }
+        }
+    }
+}
+
+/// Moves postures inside the limits, as far as that succeeds.
+fn repair(cell: &Cell, angles: &[f64]) -> Result<Vec<f64>> {
+    let n = cell.setup.robot.joint_count();
+    let wanted = Wanted {
+        dexterity: None,
+        information: None,
+        limits: true,
+    };
+    let mut kernel = Kernel::new(cell, wanted, 1)?;
+    // Aim a little inside, or the end is never quite inside.
+    kernel.reset_penalty(1.0, 1e-3);
+    let lower: Vec<f64> = cell.bounds.iter().map(|b| b[0]).collect();
+    let upper: Vec<f64> = cell.bounds.iter().map(|b| b[1]).collect();
+    let options = SmoothOptions {
+        max_iterations: 200,
+        optimality: 1e-9,
+        reduction: 1e-12,
+    };
+    let mut inside = Vec::new();
+    for q in angles.chunks_exact(n) {
+        let solution = minimise_smooth(
+            |q, gradient| {
+                kernel.forward(q);
+                kernel.reverse(gradient);
+                kernel.penalty()
+            },
+            &lower,
+            &upper,
+            q,
+            options,
+        );
+        kernel.forward(&solution.x);
+        if kernel.violation() <= 0.0 {
+            inside.extend_from_slice(&solution.x);
+        }
+    }
+    Ok(inside)
+}
