@@ -1,12 +1,20 @@
 //! Choosing postures: the paper's procedure, from an initial group (Section III.B).
 
+mod curve;
 mod global;
 mod load_design;
 mod random;
 mod search;
+mod sensitivity;
+mod worth;
 
+pub use curve::{CurvePoint, curve};
 pub use global::{GlobalOptions, RoundReport, select_global, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
+pub use sensitivity::{
+    PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
+};
+pub use worth::{Dropped, PostureWorth, drop_postures};
 
 pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
 

@@ -1,0 +1,72 @@
+//! How many postures: the best value of an index against their number.
+
+use super::global::{GlobalOptions, select_global};
+use crate::cell::Cell;
+use crate::error::{Code, Result};
+use crate::index::Index;
+use crate::optimise::Control;
+use serde::{Deserialize, Serialize};
+
+/// The best group of one size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CurvePoint {
+    /// Number of postures.
+    pub postures: usize,
+    /// The index of the best group found; `None` where so few postures cannot
+    /// determine every joint.
+    pub value: Option<f64>,
+    /// RMS over joints of the relative standard error of k_j of that group
+    /// (fraction); `None` without a prior.
+    pub expected_error: Option<f64>,
+    /// Rounds of the search that were completed.
+    pub rounds: Option<u64>,
+    /// Evaluations of the index.
+    pub evaluations: u64,
+}
+
+/// Selects the best group of each size in `sizes`. Ends early, with the sizes
+/// done so far, when it is stopped.
+///
+/// # Errors
+/// As [`select_global`], except where too few postures are the reason.
+pub fn curve(
+    cell: &Cell,
+    index: Index,
+    sizes: impl IntoIterator<Item = usize>,
+    options: &GlobalOptions,
+    control: Control<'_>,
+) -> Result<Vec<CurvePoint>> {
+    let sizes: Vec<usize> = sizes.into_iter().collect();
+    let mut points = Vec::with_capacity(sizes.len());
+    for (done, postures) in sizes.iter().enumerate() {
+        if control.stopped() {
+            break;
+        }
+        let quiet = Control {
+            progress: None,
+            ..control
+        };
+        let found = select_global::<Vec<f64>>(cell, index, *postures, &[], options, quiet);
+        points.push(match found {
+            Ok(selection) => CurvePoint {
+                postures: *postures,
+                value: Some(selection.value),
+                expected_error: selection.indices.expected_error,
+                rounds: selection.rounds,
+                evaluations: selection.evaluations,
+            },
+            Err(error) if error.code() == Code::NotIdentifiable => CurvePoint {
+                postures: *postures,
+                value: None,
+                expected_error: None,
+                rounds: None,
+                evaluations: 0,
+            },
+            Err(error) if error.code() == Code::Interrupted => break,
+            Err(error) => return Err(error),
+        });
+        control.report("sizes", done + 1, sizes.len());
+    }
+    Ok(points)
+}

@@ -1,0 +1,195 @@
+//! What each posture of a group is worth, and which ones to leave out.
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::{Index, evaluate};
+use serde::{Deserialize, Serialize};
+
+/// Subsets up to which all ways of leaving postures out are compared.
+const EXHAUSTIVE: u128 = 20_000;
+
+/// What is lost without one posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PostureWorth {
+    /// Position in the group, from 0.
+    pub posture: usize,
+    /// The index without it; `None` where the rest no longer has one (a joint
+    /// is undetermined).
+    pub value: Option<f64>,
+    /// How much worse the index becomes without it (fraction of the index;
+    /// negative where it improves).
+    pub loss: Option<f64>,
+}
+
+/// A group with the postures least worth their measuring time left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Dropped {
+    /// The index.
+    pub index: Index,
+    /// Its value for the whole group.
+    pub before: f64,
+    /// Its value without the postures left out.
+    pub value: f64,
+    /// Positions of the postures left out, from 0, ascending.
+    pub dropped: Vec<usize>,
+    /// Positions of those that stay.
+    pub kept: Vec<usize>,
+    /// True when every way of leaving out as many was compared; else one after
+    /// the other was left out.
+    pub exhaustive: bool,
+    /// Every posture's worth in the whole group, least first.
+    pub worth: Vec<PostureWorth>,
+}
+
+/// Leaves out the `count` postures of a group (controller angles, rad) without
+/// which `index` stays best.
+///
+/// # Errors
+/// Not fewer postures to leave out than there are, a group or rest that cannot
+/// determine all joints, or a cell without what the index needs.
+pub fn drop_postures<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    postures: &[Q],
+    count: usize,
+) -> Result<Dropped> {
+    if count >= postures.len() {
+        return Err(Error::new(
+            Code::TooFewData,
+            format!(
+                "{count} of {} postures cannot be left out: at least one must stay.",
+                postures.len()
+            ),
+        ));
+    }
+    // Missing tasks, prior or length are errors, not missing values.
+    crate::index::IndexFunction::new(cell, index, 1)?;
+    let value_of = |kept: &[usize]| -> Result<Option<f64>> {
+        let group: Vec<&[f64]> = kept.iter().map(|p| postures[*p].as_ref()).collect();
+        Ok(evaluate(cell, index.as_str(), &group)?.indices.get(index))
+    };
+    let all: Vec<usize> = (0..postures.len()).collect();
+    let before = value_of(&all)?.ok_or_else(|| {
+        Error::new(
+            Code::NotIdentifiable,
+            format!("{} does not exist for the given postures.", index.as_str()),
+        )
+        .hint("`stiffarm evaluate` names the joints they cannot determine")
+    })?;
+    // Smaller is better from here on.
+    let sign = if index.larger_is_better() { -1.0 } else { 1.0 };
+    let without = |from: &[usize], out: &[usize]| -> Vec<usize> {
+        from.iter().copied().filter(|p| !out.contains(p)).collect()
+    };
+    let mut worth = Vec::with_capacity(postures.len());
+    for p in &all {
+        let value = value_of(&without(&all, &[*p]))?;
+        worth.push(PostureWorth {
+            posture: *p,
+            value,
+            loss: value.map(|v| sign * (v - before) / before),
+        });
+    }
+    let loss = |w: &PostureWorth| w.loss.unwrap_or(f64::INFINITY);
+    worth.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
+
+    let exhaustive = subsets(postures.len(), count) <= EXHAUSTIVE;
+    let mut best: Option<(f64, Vec<usize>)> = None;
+    if exhaustive {
+        let mut out: Vec<usize> = (0..count).collect();
+        loop {
+            if let Some(value) = value_of(&without(&all, &out))?
+                && best.as_ref().is_none_or(|(b, _)| sign * value < sign * b)
+            {
+                best = Some((value, out.clone()));
+            }
+            if !next_subset(&mut out, postures.len()) {
+                break;
+            }
+        }
+    } else {
+        let mut dropped = Vec::new();
+        for _ in 0..count {
+            best = None;
+            for p in without(&all, &dropped) {
+                let mut out = dropped.clone();
+                out.push(p);
+                if let Some(value) = value_of(&without(&all, &out))?
+                    && best.as_ref().is_none_or(|(b, _)| sign * value < sign * b)
+                {
+                    best = Some((value, out));
+                }
+            }
+            match &best {
+                Some((_, out)) => dropped.clone_from(out),
+                None => break,
+            }
+        }
+    }
+    let (value, mut dropped) = best.ok_or_else(|| {
+        Error::new(
+            Code::NotIdentifiable,
+            format!(
+                "Without {count} of these {} postures a joint is undetermined, whichever are left out.",
+                postures.len()
+            ),
+        )
+    })?;
+    dropped.sort_unstable();
+    Ok(Dropped {
+        index,
+        before,
+        value,
+        kept: without(&all, &dropped),
+        dropped,
+        exhaustive,
+        worth,
+    })
+}
+
+/// Number of subsets of `count` out of `of`, or more than [`EXHAUSTIVE`].
+fn subsets(of: usize, count: usize) -> u128 {
+    let mut product: u128 = 1;
+    for i in 0..count.min(of - count) {
+        product = product * (of - i) as u128 / (i + 1) as u128;
+        if product > EXHAUSTIVE {
+            return product;
+        }
+    }
+    product
+}
+
+/// The next subset in lexicographic order; false after the last.
+fn next_subset(subset: &mut [usize], of: usize) -> bool {
+    let count = subset.len();
+    let Some(at) = (0..count).rev().find(|i| subset[*i] + count - i < of) else {
+        return false;
+    };
+    subset[at] += 1;
+    for i in at + 1..count {
+        subset[i] = subset[i - 1] + 1;
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subsets_are_all_visited_once() {
+        for (of, count) in [(5, 1), (5, 2), (6, 3), (4, 4)] {
+            let mut subset: Vec<usize> = (0..count).collect();
+            let mut seen = vec![subset.clone()];
+            while next_subset(&mut subset, of) {
+                seen.push(subset.clone());
+            }
+            assert_eq!(seen.len() as u128, subsets(of, count), "{count} of {of}");
+            seen.dedup();
+            assert_eq!(seen.len() as u128, subsets(of, count));
+        }
+        assert!(subsets(60, 30) > EXHAUSTIVE);
+    }
+}
