@@ -2,10 +2,10 @@
 //! Works on packed lower triangles and allocates nothing once made.
 
 use super::Index;
-use crate::information::small::{
-    cholesky, eigen, invert_lower, inverse_from_lower, packed, symmetric_product,
-};
 use crate::information::GRAM_ROUNDING;
+use crate::information::small::{
+    cholesky, eigen, inverse_from_lower, invert_lower, packed, symmetric_product,
+};
 
 /// ln of an index and of its smoothed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -210,7 +210,8 @@ impl Criterion {
             least = if *v < least { *v } else { least };
             most = if *v > most { *v } else { most };
         }
-        if least.partial_cmp(&(n as f64 * GRAM_ROUNDING * most)) != Some(std::cmp::Ordering::Greater)
+        if least.partial_cmp(&(n as f64 * GRAM_ROUNDING * most))
+            != Some(std::cmp::Ordering::Greater)
         {
             return Value::INFINITE;
         }

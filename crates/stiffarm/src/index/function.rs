@@ -154,11 +154,7 @@ impl IndexFunction {
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + given.count;
         let log_factor = match index {
-            Index::ExpectedError
-            | Index::WorstJoint
-            | Index::DropOne
-            | Index::D
-            | Index::Task => {
+            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task => {
                 let std = cell.noise.displacement_std();
                 std.max(f64::MIN_POSITIVE).ln()
             }
@@ -344,7 +340,11 @@ impl IndexFunction {
             for (weight, component) in self.weights.iter_mut().zip(&self.components) {
                 // Weights that count for nothing are zero, not slow tiny numbers.
                 let exponent = sharpness * (component - largest);
-                *weight = if exponent < -40.0 { 0.0 } else { exponent.exp() };
+                *weight = if exponent < -40.0 {
+                    0.0
+                } else {
+                    exponent.exp()
+                };
                 sum += *weight;
             }
             for weight in &mut self.weights {
@@ -528,11 +528,7 @@ pub(crate) fn criterion(cell: &Cell, index: Index) -> Result<Criterion> {
 /// Weight of the posture-common shift in the information of an index.
 pub(crate) fn common_weight(cell: &Cell, index: Index) -> f64 {
     match index {
-        Index::ExpectedError
-        | Index::WorstJoint
-        | Index::DropOne
-        | Index::D
-        | Index::Task => {
+        Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task => {
             cell.noise.common_weight(cell.setup.tool.point_count())
         }
         _ => 0.0,

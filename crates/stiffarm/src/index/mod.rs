@@ -1,8 +1,8 @@
 //! Indices of a group of postures: the paper's, the literature's and ours.
 
+pub(crate) mod criterion;
 pub mod dexterity;
 mod error_bound;
-pub(crate) mod criterion;
 mod evaluate;
 pub(crate) mod function;
 pub(crate) mod kernel;

@@ -102,7 +102,7 @@ pub(crate) fn minimise_smooth(
         upper,
     };
     let solver = Lbfgsb::new()
-        .with_m_capacity(10)
+        .with_m_capacity(6)
         .with_absolute_projected_gradient_tolerance(options.optimality)
         .with_relative_cost_reduction_tolerance(options.reduction);
     let state = FirstOrderState::new(start.to_vec());

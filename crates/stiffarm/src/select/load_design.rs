@@ -64,9 +64,13 @@ impl LoadDesign {
     /// reversed box, or a number that is not finite.
     pub fn prepare(&self, cell: &Cell) -> Result<Cell> {
         let mut cell = cell.clone();
-        for (what, corners) in [("anchor", &self.anchor), ("loading point", &self.loading_point)] {
+        for (what, corners) in [
+            ("anchor", &self.anchor),
+            ("loading point", &self.loading_point),
+        ] {
             let Some([low, high]) = corners else { continue };
-            let sound = (0..3).all(|i| low[i].is_finite() && high[i].is_finite() && low[i] <= high[i]);
+            let sound =
+                (0..3).all(|i| low[i].is_finite() && high[i].is_finite() && low[i] <= high[i]);
             if !sound {
                 return Err(Error::new(
                     Code::InvalidValue,
@@ -90,7 +94,9 @@ impl LoadDesign {
                 ));
             }
             match &mut cell.setup.load {
-                Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => *magnitude = wanted,
+                Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
+                    *magnitude = wanted
+                }
                 Load::Constant { .. } | Load::Measured => {
                     return Err(Error::new(
                         Code::InvalidValue,
@@ -119,7 +125,9 @@ impl LoadDesign {
             _ => Vector3::zeros(),
         };
         let inside = |p: Vector3<f64>, [low, high]: &[Vector3<f64>; 2]| {
-            (0..3).map(|i| p[i].clamp(low[i], high[i])).collect::<Vec<f64>>()
+            (0..3)
+                .map(|i| p[i].clamp(low[i], high[i]))
+                .collect::<Vec<f64>>()
         };
         let mut out = Vec::new();
         if let Some(corners) = &self.anchor {

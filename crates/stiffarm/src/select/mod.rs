@@ -120,7 +120,8 @@ pub fn select_from<Q: AsRef<[f64]>>(
     }
     let start_group: Vec<&[f64]> = start.chunks_exact(n).collect();
     let start_evaluation = evaluate(cell, "start", &start_group)?;
-    let solution = Search::new::<Vec<f64>>(cell, index, count, &[])?.run(start, options, control)?;
+    let solution =
+        Search::new::<Vec<f64>>(cell, index, count, &[])?.run(start, options, control)?;
     if !solution.merit.is_finite() {
         return Err(no_result(
             cell,

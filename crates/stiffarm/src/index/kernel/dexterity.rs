@@ -106,19 +106,20 @@ pub(super) fn adjoint(batch: &mut Batch, n: usize, inverse_length: f64, weight: 
         for k in r..6 {
             row = from_fn(|c| row[c] + t[r][k] * square[k][c]);
         }
-        row.map(|v| v * by_inverse)
+        from_fn(|c| row[c] * by_inverse)
     });
     let by_trace = weight / batch.trace;
     for i in 0..n {
         let (j, q) = (&batch.normalised[i], &batch.orthogonal[i]);
-        let entry = |r: usize| {
+        let mut out = ZERO6;
+        for r in 0..6 {
             let mut sum = y[r][0] * q[0];
             for s in 1..6 {
                 sum += y[r][s] * q[s];
             }
-            j[r] * by_trace - sum
-        };
-        batch.tcp_adjoint[i] = from_fn(|r| entry(r) * inverse_length);
-        batch.axis_adjoint[i] = from_fn(|r| entry(3 + r));
+            out[r] = j[r] * by_trace - sum;
+        }
+        batch.tcp_adjoint[i] = from_fn(|r| out[r] * inverse_length);
+        batch.axis_adjoint[i] = [out[3], out[4], out[5]];
     }
 }

@@ -124,10 +124,7 @@ pub(super) fn add_gradient(batch: &mut Batch, n: usize) {
         let origin = batch.origins[k];
         let mut turn: Vec3 = sub(batch.limit_moment, cross(&origin, &batch.limit_force));
         if k < wrist_joints {
-            turn = add(
-                turn,
-                cross(&sub(batch.wrist, origin), &batch.wrist_force),
-            );
+            turn = add(turn, cross(&sub(batch.wrist, origin), &batch.wrist_force));
         }
         batch.gradient[k] += dot(&batch.axes[k], &turn);
     }

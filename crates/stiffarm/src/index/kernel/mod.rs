@@ -145,7 +145,8 @@ impl Kernel {
                 for i in 0..3 {
                     anchor[i] += batch.anchor_gradient[i].0[lane];
                     for r in 0..3 {
-                        local[i] += batch.rotation[i][r].0[lane] * batch.loading_gradient[r].0[lane];
+                        local[i] +=
+                            batch.rotation[i][r].0[lane] * batch.loading_gradient[r].0[lane];
                     }
                 }
                 // From the axes of the last joint to those of the flange.
@@ -187,7 +188,8 @@ impl Kernel {
 
     /// Largest violation of a limit \[m\], 0 when all are met.
     pub fn violation(&self) -> f64 {
-        self.per_posture(|batch| batch.violation).fold(0.0, f64::max)
+        self.per_posture(|batch| batch.violation)
+            .fold(0.0, f64::max)
     }
 
     /// Violation of each posture's limits \[m\].

@@ -55,7 +55,7 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
             let factor = adjoint[s * n + t];
             x = from_fn(|r| x[r] + blocks[t][r] * factor);
         }
-        let x: Vec6 = x.map(|v| v + v);
+        let x: Vec6 = from_fn(|r| x[r] + x[r]);
         torque_adjoint[s] = dot6(&batch.columns[s], &x) * model.compliance[s];
         column_adjoint[s] = from_fn(|r| x[r] * batch.spring_loads[s]);
     }
@@ -82,7 +82,8 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
     for i in 0..n {
         let a: [Lanes; 6] = column_adjoint[i];
         batch.centre_adjoint[i] = from_fn(|r| a[r] * model.root_count);
-        batch.moment_adjoint[i] = from_fn(|r| root[0][r] * a[3] + root[1][r] * a[4] + root[2][r] * a[5]);
+        batch.moment_adjoint[i] =
+            from_fn(|r| root[0][r] * a[3] + root[1][r] * a[4] + root[2][r] * a[5]);
     }
     add_column_gradient(
         axes,
@@ -135,10 +136,7 @@ fn torques(model: &Model, batch: &mut Batch, n: usize) {
         KernelLoad::Base { .. } => moments(batch, n),
         KernelLoad::Tool { .. } => {
             moments(batch, n);
-            let turn = add(
-                cross(&force, &column_sum),
-                cross(&batch.moment, &axis_sum),
-            );
+            let turn = add(cross(&force, &column_sum), cross(&batch.moment, &axis_sum));
             for k in 0..n {
                 batch.gradient[k] += dot(&batch.axes[k], &turn);
             }
@@ -157,12 +155,7 @@ fn moments(batch: &mut Batch, n: usize) {
 
 /// Derivative of Σ a_i · c_i: for each k, z_k · Σ_{i≥k} c_i × a_i + c_k · Σ_{i<k} a_i × z_i.
 #[inline(always)]
-fn add_column_gradient(
-    axes: &[Vec3],
-    columns: &[Vec3],
-    adjoints: &[Vec3],
-    gradient: &mut [Lanes],
-) {
+fn add_column_gradient(axes: &[Vec3], columns: &[Vec3], adjoints: &[Vec3], gradient: &mut [Lanes]) {
     let n = axes.len();
     let mut behind = ZERO3;
     for k in 0..n {

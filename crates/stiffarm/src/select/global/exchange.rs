@@ -67,13 +67,7 @@ pub(super) fn exchange(
 }
 
 /// Sums the information of all postures but `without`; returns their largest ln k(J_N).
-fn sum_without(
-    base: &Base,
-    pool: &Pool,
-    chosen: &[usize],
-    without: usize,
-    sum: &mut [f64],
-) -> f64 {
+fn sum_without(base: &Base, pool: &Pool, chosen: &[usize], without: usize, sum: &mut [f64]) -> f64 {
     sum.copy_from_slice(&base.information);
     let mut dexterity = base.log_dexterity;
     for (p, at) in chosen.iter().enumerate() {

@@ -55,22 +55,21 @@ impl Island {
         self.idle = 0;
     }
 
-    /// `tries` local searches with the random numbers of this round.
+    /// `tries` local searches with the random numbers of this round; false
+    /// when it was stopped before the last.
     pub fn work(
         &mut self,
         rng: &mut ChaCha8Rng,
         pool: &Pool,
-        first: Option<&[f64]>,
         tries: usize,
         control: Control<'_>,
-    ) {
+    ) -> bool {
         for attempt in 0..tries {
             if control.stopped() {
-                return;
+                return false;
             }
-            let start = match (&self.current, first) {
-                (None, Some(first)) if attempt == 0 => first.to_vec(),
-                (Some(_), _) if self.idle < PATIENCE => self.changed(rng, pool),
+            let start = match &self.current {
+                Some(_) if self.idle < PATIENCE => self.changed(rng, pool),
                 _ => {
                     self.current = None;
                     self.fresh(rng, pool, attempt % 2 == 0)
@@ -78,10 +77,8 @@ impl Island {
             };
             let mut plan = self.local.improve(start, Effort::Rough);
             // Compare the end of the valley, not where a rough search stops.
-            let near = |old: &Option<Plan>| {
-                old.as_ref()
-                    .is_none_or(|old| plan.value < old.value + NEAR)
-            };
+            let near =
+                |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR);
             if plan.value.is_finite() && near(&self.current) {
                 plan = self.local.refine(plan, Effort::Fine);
             }
@@ -89,10 +86,8 @@ impl Island {
                 self.idle += 1;
                 continue;
             }
-            let better = |old: &Option<Plan>| {
-                old.as_ref()
-                    .is_none_or(|old| plan.value < old.value - 1e-9)
-            };
+            let better =
+                |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value - 1e-9);
             if better(&self.best) {
                 self.best = Some(plan.clone());
             }
@@ -103,6 +98,7 @@ impl Island {
                 self.idle += 1;
             }
         }
+        true
     }
 
     /// A new group: random, or the best exchange among random candidates.

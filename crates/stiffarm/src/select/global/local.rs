@@ -85,11 +85,12 @@ impl Local {
     ) -> Result<Self> {
         let function = IndexFunction::with_limits(cell, index, count, given)?;
         let n = cell.setup.robot.joint_count();
-        let has_kinks =
-            function.has_extreme_singular_values() || function.component_count() > 0;
+        let has_kinks = function.has_extreme_singular_values() || function.component_count() > 0;
         let bounds = |side: usize| -> Vec<f64> {
             let angles = cell.bounds.iter().map(|b| b[side]).cycle().take(n * count);
-            angles.chain(design.bounds().iter().map(|b| b[side])).collect()
+            angles
+                .chain(design.bounds().iter().map(|b| b[side]))
+                .collect()
         };
         Ok(Local {
             stages: if has_kinks { &SHARPNESS } else { &SMOOTH },

@@ -48,8 +48,8 @@ struct Plan {
 pub struct GlobalOptions {
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Rounds of the search; `None` goes on until [`patience`](Self::patience)
-    /// rounds brought nothing, or the default largest number is reached.
+    /// Rounds of the search; `None` goes on until several rounds brought
+    /// nothing, or a largest number of them that depends on index and postures.
     pub rounds: Option<u64>,
     /// Ends after the round in which this time is over. Results then depend on
     /// the machine; the rounds completed reproduce them.
@@ -239,9 +239,9 @@ impl<'a> Global<'a> {
                 progress: None,
             };
             let mut islands = std::mem::take(&mut self.islands);
-            self.round(&mut islands, inner);
+            let complete = self.round(&mut islands, inner);
             self.islands = islands;
-            if stop() {
+            if !complete {
                 if self.completed > 0 {
                     // Half a round cannot be reproduced.
                     self.islands = saved;
@@ -273,6 +273,9 @@ impl<'a> Global<'a> {
                 (_, now) => now.is_some(),
             };
             idle = if improved { 0 } else { idle + 1 };
+            if over() {
+                return Ok(Termination::TimeLimit);
+            }
             if fixed.is_none() && limit.is_none() && idle >= self.schedule.patience {
                 return Ok(Termination::Converged);
             }
@@ -280,11 +283,11 @@ impl<'a> Global<'a> {
         Ok(Termination::IterationLimit)
     }
 
-    /// One round on every chain, on all cores.
-    fn round(&self, islands: &mut [Island], control: Control<'_>) {
+    /// One round on every chain, on all cores; false when it was stopped.
+    fn round(&self, islands: &mut [Island], control: Control<'_>) -> bool {
         let work = |(i, island): (usize, &mut Island)| {
             let mut rng = chain_rng(self.options.seed, self.completed, i);
-            island.work(&mut rng, &self.pool, None, self.schedule.tries, control);
+            island.work(&mut rng, &self.pool, self.schedule.tries, control)
         };
         #[cfg(feature = "parallel")]
         {
@@ -293,10 +296,16 @@ impl<'a> Global<'a> {
                 .par_iter_mut()
                 .with_max_len(1)
                 .enumerate()
-                .for_each(work);
+                .map(work)
+                // Every chain works: no short cut after the first that was stopped.
+                .reduce(|| true, |a, b| a && b)
         }
         #[cfg(not(feature = "parallel"))]
-        islands.iter_mut().enumerate().for_each(work);
+        islands
+            .iter_mut()
+            .enumerate()
+            .map(work)
+            .fold(true, |a, b| a && b)
     }
 
     /// Takes the best of all chains, and from time to time puts the worst
