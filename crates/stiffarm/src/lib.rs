@@ -11,6 +11,7 @@
 #[cfg(feature = "files")]
 pub mod builtin;
 pub mod cell;
+pub mod certificate;
 pub mod check;
 pub mod error;
 pub mod findings;

@@ -108,44 +108,4 @@ impl Load {
             _ => None,
         }
     }
-
-    /// Adds to `gradient` the derivative with respect to θ of
-    /// `force_adjoint · F + moment_adjoint · M`, where `columns` are the linear
-    /// Jacobian columns at the loading point.
-    pub(crate) fn add_wrench_gradient(
-        &self,
-        frames: &Frames,
-        loading_point: &Vector3<f64>,
-        columns: &[Vector3<f64>],
-        wrench: &Wrench,
-        force_adjoint: &Vector3<f64>,
-        moment_adjoint: &Vector3<f64>,
-        gradient: &mut [f64],
-    ) {
-        match self {
-            Load::Rope { anchor, magnitude } => {
-                // dF = −(G/ℓ)(I − u uᵀ) dP1.
-                let rope = anchor - loading_point;
-                let length = rope.norm();
-                if length <= f64::MIN_POSITIVE {
-                    return;
-                }
-                let unit = rope / length;
-                let across = force_adjoint - unit * unit.dot(force_adjoint);
-                let factor = -magnitude / length;
-                for (g, column) in gradient.iter_mut().zip(columns) {
-                    *g += factor * across.dot(column);
-                }
-            }
-            Load::Constant {
-                axes: Axes::Tool, ..
-            } => {
-                let turn = wrench.force.cross(force_adjoint) + wrench.moment.cross(moment_adjoint);
-                for (g, axis) in gradient.iter_mut().zip(frames.axes()) {
-                    *g += axis.dot(&turn);
-                }
-            }
-            Load::Weight { .. } | Load::Constant { .. } | Load::Measured => {}
-        }
-    }
 }

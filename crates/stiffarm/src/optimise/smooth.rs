@@ -3,10 +3,7 @@
 //! doi 10.1137/0916069). Needs no matrix of the size of the problem, so its
 //! cost grows linearly with the number of postures.
 
-use basin::{
-    BoxBounds, ConstraintSet, CostFunction, Executor, FirstOrderState, Gradient, Lbfgsb,
-    TerminationCode,
-};
+use basin::{BoxBounds, ConstraintSet, CostFunction, Executor, FirstOrderState, Gradient, Lbfgsb};
 use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
 
@@ -26,12 +23,8 @@ pub(crate) struct SmoothOptions {
 pub(crate) struct SmoothSolution {
     /// The last iterate, which has the lowest value.
     pub x: Vec<f64>,
-    /// Value there; infinite where the start already was.
-    pub value: f64,
     /// Evaluations of the function with its gradient.
     pub evaluations: u64,
-    /// True when a tolerance was met within the budget.
-    pub converged: bool,
 }
 
 struct Adapter<'a, F> {
@@ -111,16 +104,12 @@ pub(crate) fn minimise_smooth(
         .run();
     match run {
         Ok(result) => SmoothSolution {
-            value: basin::State::best_cost(&result.state),
             x: basin::State::best_param(&result.state).clone(),
             evaluations: evaluations.get(),
-            converged: result.report.code() == TerminationCode::SolverConverged,
         },
         Err(_) => SmoothSolution {
             x: start.to_vec(),
-            value: f64::INFINITY,
             evaluations: evaluations.get(),
-            converged: false,
         },
     }
 }

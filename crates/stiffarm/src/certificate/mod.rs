@@ -1,0 +1,375 @@
+//! How good a plan can be at all: a bound that no group of N postures of a
+//! cell goes below, and with it the efficiency of a plan.
+//!
+//! The best *continuous* design, with weights instead of whole postures,
+//! bounds every exact design (Kiefer & Wolfowitz 1960,
+//! doi:10.4153/CJM-1960-030-4). With φ(M) = tr(Q M⁻¹) or det(M)^(−1/n), M₀ the
+//! information per posture of any design, A the derivative of φ at it and
+//! s = max tr(A G(q)) over the feasible postures, N postures have
+//!
+//! ```text
+//! tr(Q M⁻¹)   ≥ t²/(s N),              A = M₀⁻¹ Q M₀⁻¹,  t = tr(Q M₀⁻¹)
+//! det(M)^(1/n) ≤ N det(M₀)^(1/n) s/n,  A = M₀⁻¹
+//! ```
+//!
+//! by the Cauchy–Schwarz inequality and that of the means. At the optimum
+//! s = t (s = n for the determinant), and the bound is φ(M₀)/N itself; the
+//! *residual* s/t − 1 says how far the design found is from it. Information
+//! M_g of postures that are measured already adds tr(A M_g)/N to s.
+//!
+//! What is certain and what is not: *given s*, the bound is a theorem, whatever
+//! M₀ is. That s is the maximum over all feasible postures rests on a
+//! multi-start search ([`PostureSpace`]) and is not proved: a maximum that every
+//! search misses makes the bound too high. A result therefore says how many
+//! searches looked, how many of them ended at the largest value, and how often
+//! the rarest posture of the design itself was met ([`Verification`]). The
+//! postures of the plan are among the points looked at, so that no plan is
+//! ever reported as better than its bound.
+
+mod continuous;
+mod criterion;
+mod generation;
+mod space;
+mod weights;
+
+pub use continuous::{
+    ContinuousDesign, DesignOptions, DesignSpace, Effort, Verification, optimal_design,
+};
+pub use criterion::Criterion;
+pub use space::PostureSpace;
+
+use crate::cell::{Cell, task_matrix};
+use crate::error::{Code, Error, Result};
+use crate::index::{Index, evaluate};
+use crate::observation::check_angles;
+use crate::optimise::{Control, Termination};
+use crate::units::rad_to_shortest_deg;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// Sampled postures a continuous design starts from.
+const STARTS: usize = 64;
+
+/// Budget and tolerance of a certificate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct CertificateOptions {
+    /// Residual of the equivalence condition to reach (fraction). The bound of
+    /// an index, a square root, is loose by half of it at most.
+    pub tolerance: f64,
+    /// Rounds of weights and searches.
+    pub max_rounds: usize,
+    /// Local searches, each from its own posture, that the bound rests on.
+    pub samples: usize,
+    /// Local searches in a round on the way, besides one from each posture of
+    /// the design.
+    pub searches: usize,
+}
+
+impl Default for CertificateOptions {
+    fn default() -> Self {
+        CertificateOptions {
+            tolerance: 1e-4,
+            max_rounds: 40,
+            samples: 1024,
+            searches: 16,
+        }
+    }
+}
+
+/// A posture of the continuous design.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SupportPosture {
+    /// Controller angles \[deg\].
+    pub angles_deg: Vec<f64>,
+    /// Its share of the measurements; the shares sum to 1.
+    pub weight: f64,
+}
+
+/// How good a plan is against the best any group of as many postures can be.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Certificate {
+    /// The index.
+    pub index: Index,
+    /// Number of postures of the plan, N.
+    pub posture_count: usize,
+    /// Number of postures measured before, counted in `bound` and `value`.
+    pub measured_count: usize,
+    /// No N postures within the cell's bounds and limits have an index below
+    /// this: a theorem, provided the searches found the largest tr(A·G(q)).
+    pub bound: f64,
+    /// The index of the plan; `None` where the plan leaves a joint undetermined.
+    pub value: Option<f64>,
+    /// `bound`/`value`, 1 for a plan that nothing can beat; `None` where the
+    /// plan has no value or uses postures outside the bounds or limits.
+    pub efficiency: Option<f64>,
+    /// Postures of the plan outside the cell's bounds or limits, counted from
+    /// 1: the bound says nothing about such a plan.
+    pub outside: Vec<usize>,
+    /// Residual of the equivalence condition: the bound could be larger by
+    /// half this share at most.
+    pub residual: f64,
+    /// The continuous design, largest weight first.
+    pub support: Vec<SupportPosture>,
+    /// Local searches for the largest tr(A·G(q)) in all rounds.
+    pub searches: usize,
+    /// What the searches found that the bound rests on.
+    pub verification: Verification,
+    /// Rounds of weights and searches.
+    pub rounds: usize,
+    /// [`Termination::Converged`] where the residual met the tolerance; else
+    /// the bound holds as well but is looser.
+    pub termination: Termination,
+}
+
+/// One joint: its relative standard error against the smallest that any group
+/// of as many postures can give this joint, whatever it does for the others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointEfficiency {
+    /// Name of the joint.
+    pub joint: String,
+    /// No N postures give a smaller relative standard error (fraction).
+    pub bound: f64,
+    /// Relative standard error of the plan (fraction).
+    pub value: Option<f64>,
+    /// `bound`/`value`, as in [`Certificate`].
+    pub efficiency: Option<f64>,
+    /// Residual of the equivalence condition.
+    pub residual: f64,
+    /// Why the search for the bound ended.
+    pub termination: Termination,
+}
+
+/// Bounds `index` from below over all groups of as many postures as `postures`
+/// (controller angles, rad) within the cell's bounds and limits, and compares
+/// the plan with the bound. For [`Index::ExpectedError`],
+/// [`Index::D`] and [`Index::Task`].
+///
+/// # Errors
+/// Another index; a cell without a prior stiffness or with a load that only a
+/// measurement gives; no postures, angles of the wrong length or not finite;
+/// limits that no sampled posture meets; joints that no posture determines
+/// (they are named); options that make no sense; a stop before the first bound.
+pub fn certify<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    postures: &[Q],
+    options: &CertificateOptions,
+    control: Control<'_>,
+) -> Result<Certificate> {
+    certify_further::<Q>(cell, index, &[], postures, options, control)
+}
+
+/// As [`certify`], for postures that come on top of `measured` ones: both the
+/// bound and the value count the information of all. Measured postures may lie
+/// outside the bounds and limits.
+///
+/// # Errors
+/// As [`certify`].
+pub fn certify_further<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    measured: &[Q],
+    postures: &[Q],
+    options: &CertificateOptions,
+    control: Control<'_>,
+) -> Result<Certificate> {
+    let n = cell.setup.robot.spring_count();
+    if index.needs_prior() {
+        cell.require_prior()?;
+    }
+    let criterion = match index {
+        // RMS over joints: tr(M⁻¹)/n under the root.
+        Index::ExpectedError => Criterion::Trace(DMatrix::identity(n, n) / n as f64),
+        Index::D => Criterion::Determinant,
+        Index::Task => Criterion::Trace(relative_task_matrix(cell)?),
+        _ => {
+            return Err(Error::new(
+                Code::Unsupported,
+                format!("There is no bound for the index \"{}\".", index.as_str()),
+            )
+            .hint("expected_error, d and task have one"));
+        }
+    };
+    let plan = Plan::new(cell, measured, postures, options)?;
+    let design = plan.design(&criterion, &[], control)?;
+    let all: Vec<&[f64]> = measured.iter().chain(postures).map(AsRef::as_ref).collect();
+    let value = evaluate(cell, index.as_str(), &all)?.indices.get(index);
+    let bound = plan.bound(&design);
+    Ok(Certificate {
+        index,
+        posture_count: postures.len(),
+        measured_count: measured.len(),
+        bound,
+        value,
+        efficiency: plan.efficiency(bound, value),
+        outside: plan.outside,
+        residual: design.residual,
+        support: design
+            .points
+            .iter()
+            .zip(&design.weights)
+            .map(|(q, weight)| SupportPosture {
+                angles_deg: q.iter().map(|a| rad_to_shortest_deg(*a)).collect(),
+                weight: *weight,
+            })
+            .collect(),
+        searches: design.searches,
+        verification: design.verification,
+        rounds: design.rounds,
+        termination: design.termination,
+    })
+}
+
+/// For each joint, the smallest relative standard error that any group of as
+/// many postures as `postures` (controller angles, rad) can give it, and what
+/// the plan gives. One group cannot reach the bounds of all joints at once.
+///
+/// The best design for a single joint may leave others undetermined; the bound
+/// then comes from a design with a small share of others and is loose by an
+/// eighth of the tolerance at most.
+///
+/// # Errors
+/// As [`certify`].
+pub fn joint_efficiencies<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    postures: &[Q],
+    options: &CertificateOptions,
+    control: Control<'_>,
+) -> Result<Vec<JointEfficiency>> {
+    cell.require_prior()?;
+    let plan = Plan::new(cell, &[], postures, options)?;
+    let values = evaluate(cell, "", postures)?.relative_standard_error;
+    let names = cell.setup.robot.spring_names();
+    let n = names.len();
+    // What helped one joint is a good start for the next.
+    let mut helpful: Vec<Vec<f64>> = Vec::new();
+    let mut out = Vec::with_capacity(n);
+    for (j, joint) in names.into_iter().enumerate() {
+        let mut q = DMatrix::zeros(n, n);
+        q[(j, j)] = 1.0;
+        let design = plan.design(&Criterion::Trace(q), &helpful, control)?;
+        let bound = plan.bound(&design);
+        out.push(JointEfficiency {
+            joint,
+            bound,
+            value: values[j],
+            efficiency: plan.efficiency(bound, values[j]),
+            residual: design.residual,
+            termination: design.termination,
+        });
+        helpful.extend(design.points);
+    }
+    Ok(out)
+}
+
+/// The task matrix T for relative parameters, K⁻¹TK⁻¹, or T itself without a prior.
+fn relative_task_matrix(cell: &Cell) -> Result<DMatrix<f64>> {
+    let mut matrix = task_matrix(cell)?;
+    if let Some(prior) = &cell.prior {
+        for (j, k) in prior.iter().enumerate() {
+            matrix.row_mut(j).scale_mut(1.0 / k);
+            matrix.column_mut(j).scale_mut(1.0 / k);
+        }
+    }
+    Ok(matrix)
+}
+
+/// A plan with all that its bounds share.
+struct Plan<'a> {
+    space: PostureSpace<'a>,
+    options: DesignOptions,
+    postures: usize,
+    /// Postures outside bounds or limits, counted from 1.
+    outside: Vec<usize>,
+    /// Points that every design starts from: the plan's own and some samples.
+    starts: Vec<Vec<f64>>,
+    /// Information of the measured postures per posture of the plan, n × n.
+    given: DMatrix<f64>,
+}
+
+impl<'a> Plan<'a> {
+    fn new<Q: AsRef<[f64]>>(
+        cell: &'a Cell,
+        measured: &[Q],
+        postures: &[Q],
+        options: &CertificateOptions,
+    ) -> Result<Self> {
+        if postures.is_empty() {
+            return Err(Error::new(
+                Code::TooFewData,
+                "A bound is for a number of postures, and the plan has none.",
+            ));
+        }
+        for q in measured {
+            check_angles(&cell.setup.robot, q.as_ref())?;
+        }
+        let space = PostureSpace::new(cell, options.samples, options.searches)?;
+        let mut outside = Vec::new();
+        let mut starts = Vec::new();
+        for (i, q) in postures.iter().enumerate() {
+            match space.contains(q.as_ref())? {
+                true => starts.push(q.as_ref().to_vec()),
+                false => outside.push(i + 1),
+            }
+        }
+        starts.extend(space.samples(STARTS));
+        if starts.is_empty() {
+            return Err(Error::new(
+                Code::InvalidValue,
+                "No sampled posture within the bounds meets the cell's limits, so there is no bound.",
+            )
+            .key("limits")
+            .hint("check the limits' frame (robot base) and unit (mm)"));
+        }
+        let n = space.unknowns();
+        let mut given = DMatrix::zeros(n, n);
+        for q in measured {
+            given += space.information(q.as_ref());
+        }
+        Ok(Plan {
+            given: given / postures.len() as f64,
+            postures: postures.len(),
+            options: DesignOptions {
+                tolerance: options.tolerance,
+                max_rounds: options.max_rounds,
+            },
+            space,
+            outside,
+            starts,
+        })
+    }
+
+    fn design(
+        &self,
+        criterion: &Criterion,
+        more: &[Vec<f64>],
+        control: Control<'_>,
+    ) -> Result<ContinuousDesign> {
+        let starts = [self.starts.as_slice(), more].concat();
+        optimal_design(
+            &self.space,
+            criterion,
+            Some(&self.given),
+            &starts,
+            self.options,
+            control,
+        )
+    }
+
+    /// Smallest index of N postures: σ·sqrt(φ), with φ(M) = φ(M/N)/N.
+    fn bound(&self, design: &ContinuousDesign) -> f64 {
+        let sigma = self.space.cell().noise.displacement_std();
+        sigma * (design.bound / self.postures as f64).sqrt()
+    }
+
+    fn efficiency(&self, bound: f64, value: Option<f64>) -> Option<f64> {
+        value
+            .filter(|v| *v > 0.0 && self.outside.is_empty())
+            .map(|v| bound / v)
+    }
+}

@@ -1,0 +1,547 @@
+//! One posture of a cell as a point of a design: its information, and where
+//! within the bounds and limits tr(A·G(q)) is largest.
+
+use super::continuous::{DesignSpace, Effort};
+use super::criterion::trace_of_product;
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::index::kernel::{Kernel, Wanted};
+use crate::information::posture_information;
+use crate::observation::{PostureTerms, check_angles};
+use crate::optimise::{Control, Evaluation, Options, Problem, minimise};
+use crate::simulate::in_order;
+use nalgebra::DMatrix;
+
+/// Violation of bounds \[rad\] or limits \[m\] that counts as met.
+pub(super) const FEASIBILITY: f64 = 1e-9;
+/// Margin kept from limits during a search, so that rounding never crosses them \[m\].
+const LIMIT_GUARD: f64 = 5e-10;
+/// Longest sequence of `sobol_burley`.
+const MAX_DRAWS: u32 = 1 << 16;
+/// Draws that one parallel job makes.
+const DRAWS_PER_JOB: u32 = 512;
+/// Draws per wanted sample before postures outside the limits fill up.
+const DRAWS_PER_SAMPLE: usize = 32;
+/// Searches start at least this far apart, as a share of the bounds' diagonal.
+const APART: f64 = 0.12;
+/// Limits nearer than this are constraints of a search; those a search
+/// crosses join it afterwards \[m\].
+const WATCH_DISTANCE: f64 = 0.3;
+/// Rounds of adding crossed limits.
+const WATCH_ROUNDS: usize = 6;
+
+struct Sample {
+    q: Vec<f64>,
+    information: DMatrix<f64>,
+}
+
+/// The feasible postures of a cell as a [`DesignSpace`]: controller angles
+/// \[rad\] within `cell.bounds` and `cell.limits`; n unknowns are the relative
+/// joint stiffnesses, G = K⁻¹ΨᵀPΨK⁻¹ with the cell's prior K (1 without) and P the
+/// precision of a posture with its common shift, in units of 1/σ².
+///
+/// [`maximise`](DesignSpace::maximise) climbs to local maxima from a fixed
+/// low-discrepancy set of postures: from the best few that lie apart for
+/// [`Effort::Improve`], from all of them for [`Effort::Verify`]. It is a
+/// multi-start search: nothing proves that the largest of the local maxima is
+/// the global one. Searches keep 5e-10 m off the limits.
+pub struct PostureSpace<'a> {
+    cell: &'a Cell,
+    prior_compliance: Vec<f64>,
+    common_weight: f64,
+    kernel: Kernel,
+    searches: usize,
+    samples: Vec<Sample>,
+    /// Postures outside the limits to search from where too few lie inside.
+    fill: Vec<Vec<f64>>,
+}
+
+impl<'a> PostureSpace<'a> {
+    /// Samples the postures of `cell`: `samples` of them for the widest search,
+    /// feasible ones as far as there are any; a narrow one starts from
+    /// `searches` of them.
+    ///
+    /// # Errors
+    /// The prior does not fit the cell, its load is only known by measurement, or its
+    /// bounds are reversed or not finite; no samples.
+    pub fn new(cell: &'a Cell, samples: usize, searches: usize) -> Result<Self> {
+        let robot = &cell.setup.robot;
+        // Without a prior the unknowns are the compliances themselves.
+        let plain = vec![1.0; robot.spring_count()];
+        let prior = cell.prior.as_deref().unwrap_or(&plain);
+        if samples == 0 || searches == 0 {
+            return Err(Error::new(
+                Code::InvalidValue,
+                "A bound needs at least one sample and one search.",
+            ));
+        }
+        if prior.len() != robot.spring_count() || cell.bounds.len() != robot.joint_count() {
+            return Err(Error::new(
+                Code::Dimension,
+                "The prior stiffness and the bounds must have one entry per joint.",
+            ));
+        }
+        if prior.iter().any(|k| !(k.is_finite() && *k > 0.0)) {
+            return Err(Error::new(
+                Code::InvalidValue,
+                "A prior stiffness must be above zero.",
+            ));
+        }
+        let bad = |b: &[f64; 2]| !(b[0].is_finite() && b[1].is_finite() && b[0] <= b[1]);
+        if let Some(j) = cell.bounds.iter().position(bad) {
+            return Err(Error::new(
+                Code::InvalidValue,
+                format!(
+                    "The bounds of {} are reversed or not finite.",
+                    robot.joints()[j].name
+                ),
+            ));
+        }
+        let prior_compliance: Vec<f64> = prior.iter().map(|k| 1.0 / k).collect();
+        let common_weight = cell.noise.common_weight(cell.setup.tool.point_count());
+        let wanted = Wanted {
+            dexterity: None,
+            information: Some((&prior_compliance, common_weight)),
+            limits: false,
+        };
+        let mut space = PostureSpace {
+            cell,
+            kernel: Kernel::new(cell, wanted, 1)?,
+            prior_compliance,
+            common_weight,
+            searches,
+            samples: Vec::new(),
+            fill: Vec::new(),
+        };
+        (space.samples, space.fill) = space.draw(samples)?;
+        Ok(space)
+    }
+
+    /// The cell.
+    pub fn cell(&self) -> &'a Cell {
+        self.cell
+    }
+
+    /// The first `count` sampled feasible postures, controller angles \[rad\].
+    pub fn samples(&self, count: usize) -> Vec<Vec<f64>> {
+        let first = self.samples.iter().take(count);
+        first.map(|s| s.q.clone()).collect()
+    }
+
+    /// True when a posture lies within the bounds and the limits, to 1e-9 rad and m.
+    ///
+    /// # Errors
+    /// Angles of the wrong length or not finite.
+    pub fn contains(&self, q: &[f64]) -> Result<bool> {
+        check_angles(&self.cell.setup.robot, q)?;
+        let inside = q
+            .iter()
+            .zip(&self.cell.bounds)
+            .all(|(q, b)| (b[0] - FEASIBILITY..=b[1] + FEASIBILITY).contains(q));
+        let mut climb = Climb::new(self, None)?;
+        Ok(inside && climb.violation_at(q) <= FEASIBILITY)
+    }
+
+    /// A low-discrepancy set of feasible postures and, where they are fewer
+    /// than wanted, postures outside the limits; drawn job by job so that the
+    /// number of threads changes nothing.
+    fn draw(&self, wanted: usize) -> Result<(Vec<Sample>, Vec<Vec<f64>>)> {
+        let draws = wanted
+            .saturating_mul(DRAWS_PER_SAMPLE)
+            .min(MAX_DRAWS as usize) as u32;
+        let jobs: Vec<u32> = (0..draws.div_ceil(DRAWS_PER_JOB)).collect();
+        let (mut inside, mut outside) = (Vec::new(), Vec::new());
+        // A few jobs at a time: without limits the first ones are enough.
+        for some in jobs.chunks(wanted.div_ceil(DRAWS_PER_JOB as usize)) {
+            let drawn = in_order(some, |(_, job): (usize, &u32)| {
+                let mut climb = Climb::new(self, None)?;
+                let range = job * DRAWS_PER_JOB..((job + 1) * DRAWS_PER_JOB).min(draws);
+                Ok(range
+                    .map(|i| self.sample(i, &mut climb))
+                    .collect::<Vec<_>>())
+            })?;
+            for (q, information) in drawn.into_iter().flatten() {
+                match information {
+                    Some(information) if inside.len() < wanted => {
+                        inside.push(Sample { q, information });
+                    }
+                    None if outside.len() < wanted => outside.push(q),
+                    _ => {}
+                }
+            }
+            if inside.len() == wanted {
+                break;
+            }
+        }
+        outside.truncate(wanted - inside.len());
+        Ok((inside, outside))
+    }
+
+    /// Posture `index` of the sequence, with its information if it is feasible.
+    fn sample(&self, index: u32, climb: &mut Climb<'_, '_>) -> (Vec<f64>, Option<DMatrix<f64>>) {
+        let q: Vec<f64> = self
+            .cell
+            .bounds
+            .iter()
+            .enumerate()
+            .map(|(j, b)| {
+                let j = j as u32;
+                let share = f64::from(sobol_burley::sample(index, j % 256, j / 256));
+                b[0] + (b[1] - b[0]) * share
+            })
+            .collect();
+        if climb.violation_at(&q) > 0.0 {
+            return (q, None);
+        }
+        let information = posture_information(&self.block(&climb.terms), self.common_weight);
+        let finite = information.iter().all(|v| v.is_finite());
+        (q, finite.then_some(information))
+    }
+
+    /// Ψ K⁻¹ of one posture, 3m × n.
+    fn block(&self, terms: &PostureTerms) -> DMatrix<f64> {
+        let mut block = terms.block(&self.cell.setup.robot);
+        for (j, compliance) in self.prior_compliance.iter().enumerate() {
+            block.column_mut(j).scale_mut(*compliance);
+        }
+        block
+    }
+
+    /// The best samples that lie apart, best first.
+    fn best_samples(&self, adjoint: &DMatrix<f64>) -> Vec<Vec<f64>> {
+        let values: Vec<f64> = self
+            .samples
+            .iter()
+            .map(|s| trace_of_product(adjoint, &s.information))
+            .collect();
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+        let diagonal = (self.cell.bounds.len() as f64).sqrt();
+        let apart = |a: &[f64], b: &[f64]| {
+            let square: f64 = a
+                .iter()
+                .zip(b)
+                .zip(&self.cell.bounds)
+                .map(|((a, b), w)| ((a - b) / (w[1] - w[0]).max(f64::MIN_POSITIVE)).powi(2))
+                .sum();
+            square.sqrt() > APART * diagonal
+        };
+        let mut chosen: Vec<Vec<f64>> = Vec::new();
+        for i in order {
+            if chosen.len() == self.searches {
+                break;
+            }
+            let q = &self.samples[i].q;
+            if chosen.iter().all(|c| apart(c, q)) {
+                chosen.push(q.clone());
+            }
+        }
+        chosen
+    }
+}
+
+impl DesignSpace for PostureSpace<'_> {
+    fn unknowns(&self) -> usize {
+        self.prior_compliance.len()
+    }
+
+    fn information(&self, point: &[f64]) -> DMatrix<f64> {
+        match PostureTerms::new(&self.cell.setup, point, None) {
+            Ok(terms) => posture_information(&self.block(&terms), self.common_weight),
+            // Stopped at the door by whoever takes postures from outside.
+            Err(_) => DMatrix::from_element(self.unknowns(), self.unknowns(), f64::NAN),
+        }
+    }
+
+    fn maximise(
+        &self,
+        adjoint: &DMatrix<f64>,
+        starts: &[Vec<f64>],
+        effort: Effort,
+    ) -> Vec<(Vec<f64>, f64)> {
+        let mut from = match effort {
+            Effort::Improve => self.best_samples(adjoint),
+            // A high value at the start says little about the value at the end.
+            Effort::Verify => [self.samples(self.samples.len()), self.fill.clone()].concat(),
+        };
+        from.extend(starts.iter().cloned());
+        let scale = self
+            .samples
+            .iter()
+            .map(|s| trace_of_product(adjoint, &s.information))
+            .fold(0.0, f64::max);
+        let found = in_order(&from, |(_, start): (usize, &Vec<f64>)| {
+            let mut climb = Climb::new(self, Some(adjoint))?;
+            if scale > 0.0 {
+                climb.scale = scale;
+            }
+            climb.run(start)
+        });
+        // The load was checked when the space was made.
+        let mut found = found.unwrap_or_default();
+        found.retain(|(_, value)| value.is_finite());
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        found
+    }
+
+    fn unknown_name(&self, unknown: usize) -> String {
+        let mut names = self.cell.setup.robot.spring_names();
+        names.swap_remove(unknown)
+    }
+}
+
+/// One climb to a local maximum of tr(A·G(q)) within bounds and limits.
+struct Climb<'s, 'a> {
+    space: &'s PostureSpace<'a>,
+    adjoint: Option<&'s DMatrix<f64>>,
+    /// What makes the objective of order one.
+    scale: f64,
+    kernel: Kernel,
+    terms: PostureTerms,
+    /// Limits that are constraints now.
+    watched: Vec<usize>,
+    limit_values: Vec<f64>,
+    limit_gradients: Vec<f64>,
+}
+
+impl<'s, 'a> Climb<'s, 'a> {
+    fn new(space: &'s PostureSpace<'a>, adjoint: Option<&'s DMatrix<f64>>) -> Result<Self> {
+        let cell = space.cell;
+        let limits = cell.limits.count(&cell.setup);
+        let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
+        Ok(Climb {
+            space,
+            adjoint,
+            scale: 1.0,
+            kernel: space.kernel.clone(),
+            terms: PostureTerms::new(&cell.setup, &middle, None)?,
+            watched: Vec::new(),
+            limit_values: vec![0.0; limits],
+            limit_gradients: vec![0.0; limits * middle.len()],
+        })
+    }
+
+    /// Largest violation of a limit at `q` \[m\], infinite where there is no wrench.
+    fn violation_at(&mut self, q: &[f64]) -> f64 {
+        let cell = self.space.cell;
+        if self.terms.update(&cell.setup, q).is_err() {
+            return f64::INFINITY;
+        }
+        cell.limits
+            .evaluate(&cell.setup, &self.terms, &mut self.limit_values, None);
+        self.limit_values.iter().fold(0.0, |v, m| v.max(-m))
+    }
+
+    /// Watches the limits that `q` comes near to or crosses.
+    fn watch(&mut self, q: &[f64]) {
+        self.violation_at(q);
+        let near = self.limit_values.iter().enumerate();
+        self.watched
+            .extend(near.filter(|(_, m)| **m < WATCH_DISTANCE).map(|(l, _)| l));
+        self.watched.sort_unstable();
+        self.watched.dedup();
+    }
+
+    /// The local maximum reached from `start`, with its value; the start itself
+    /// where nothing better was found.
+    fn run(mut self, start: &[f64]) -> Result<(Vec<f64>, f64)> {
+        let start: Vec<f64> = start
+            .iter()
+            .zip(&self.space.cell.bounds)
+            .map(|(x, b)| x.clamp(b[0], b[1]))
+            .collect();
+        let options = Options {
+            max_iterations: 200,
+            tolerance: 1e-9,
+            feasibility: FEASIBILITY,
+            ..Options::default()
+        };
+        let mut best = (start.clone(), f64::NEG_INFINITY);
+        let (mut from, mut last) = (start.clone(), start);
+        for _ in 0..WATCH_ROUNDS {
+            self.watch(&from.clone());
+            self.watch(&last.clone());
+            let solution = minimise(&mut self, &from, options, Control::default());
+            let value = -solution.merit * self.scale;
+            if value > best.1 {
+                best = (solution.x.clone(), value);
+            }
+            let outside = solution.last_violation > FEASIBILITY;
+            if !outside || solution.iterations == 0 {
+                break;
+            }
+            from = if solution.merit.is_finite() {
+                solution.x
+            } else {
+                solution.last.clone()
+            };
+            last = solution.last;
+        }
+        Ok(best)
+    }
+}
+
+impl Problem for Climb<'_, '_> {
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.space.cell.bounds
+    }
+
+    fn margin_count(&self) -> usize {
+        self.watched.len()
+    }
+
+    fn evaluate(&mut self, q: &[f64]) -> Evaluation {
+        let space = self.space;
+        let cell = space.cell;
+        let n = q.len();
+        let mut out = Evaluation {
+            objective: f64::INFINITY,
+            gradient: vec![0.0; n],
+            margins: vec![0.0; self.watched.len()],
+            margin_gradients: vec![0.0; self.watched.len() * n],
+            merit: f64::INFINITY,
+            violation: f64::INFINITY,
+        };
+        let Some(adjoint) = self.adjoint else {
+            return out;
+        };
+        self.kernel.forward(q);
+        // tr(A G), off-diagonal entries twice.
+        let mut value = 0.0;
+        let mut information = self.kernel.information(0);
+        for i in 0..adjoint.nrows() {
+            for j in 0..=i {
+                let times = if i == j { 1.0 } else { 2.0 };
+                value += times * adjoint[(i, j)] * information.next().unwrap_or(f64::NAN);
+            }
+        }
+        drop(information);
+        if value.is_finite() {
+            out.objective = -value / self.scale;
+            out.merit = out.objective;
+        }
+        self.kernel.set_adjoint(None, adjoint.as_slice());
+        self.kernel.reverse(&mut out.gradient);
+        for g in &mut out.gradient {
+            *g /= -self.scale;
+        }
+        out.violation = 0.0;
+        if self.limit_values.is_empty() {
+            return out;
+        }
+        if self.terms.update(&cell.setup, q).is_err() {
+            out.violation = f64::INFINITY;
+            return out;
+        }
+        let robot = &cell.setup.robot;
+        cell.limits.evaluate(
+            &cell.setup,
+            &self.terms,
+            &mut self.limit_values,
+            Some(&mut self.limit_gradients),
+        );
+        out.violation = self.limit_values.iter().fold(0.0, |v, m| v.max(-m));
+        for (w, &l) in self.watched.iter().enumerate() {
+            out.margins[w] = self.limit_values[l] - LIMIT_GUARD;
+            robot.gradient_to_controller(
+                &self.limit_gradients[l * n..(l + 1) * n],
+                &mut out.margin_gradients[w * n..(w + 1) * n],
+            );
+        }
+        out
+    }
+}
+
+#[cfg(all(test, feature = "files"))]
+mod tests {
+    use super::*;
+    use crate::builtin;
+    use crate::cell::Limits;
+
+    /// The default cell with a shift common to a posture's points, and springs
+    /// that do not sit on the joint axes.
+    fn cell() -> Cell {
+        let mut cell = builtin::cell("comau").unwrap();
+        cell.noise.posture_common_std = cell.noise.displacement_std();
+        let mut elastic = DMatrix::identity(6, 6);
+        elastic[(2, 1)] = 1.0;
+        elastic[(5, 4)] = -0.3;
+        cell.setup.robot = cell.setup.robot.with_elastic_coordinates(elastic).unwrap();
+        cell
+    }
+
+    fn adjoint() -> DMatrix<f64> {
+        let root = DMatrix::from_fn(6, 6, |i, j| ((3 * i + 5 * j) as f64).cos());
+        root.tr_mul(&root)
+    }
+
+    #[test]
+    fn value_and_gradient_are_those_of_the_information() {
+        let cell = cell();
+        let space = PostureSpace::new(&cell, 8, 2).unwrap();
+        let adjoint = adjoint();
+        let value = |q: &[f64]| trace_of_product(&adjoint, &space.information(q));
+        for q in space.samples(8) {
+            let mut climb = Climb::new(&space, Some(&adjoint)).unwrap();
+            climb.scale = 7.0;
+            climb.watch(&q);
+            let at = climb.evaluate(&q);
+            assert!((at.objective * -7.0 / value(&q) - 1.0).abs() < 1e-12);
+            assert_eq!(at.violation, 0.0);
+            let largest = at.gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+            for j in 0..6 {
+                let h = 1e-6;
+                let mut moved = q.clone();
+                moved[j] += h;
+                let up = value(&moved);
+                moved[j] -= 2.0 * h;
+                let numeric = (up - value(&moved)) / (2.0 * h) / -7.0;
+                assert!((numeric - at.gradient[j]).abs() < 1e-6 * largest);
+            }
+        }
+    }
+
+    #[test]
+    fn searches_end_at_feasible_local_maxima() {
+        let cell = cell();
+        let space = PostureSpace::new(&cell, 64, 4).unwrap();
+        let adjoint = adjoint();
+        let found = space.maximise(&adjoint, &[], Effort::Verify);
+        assert_eq!(found.len(), 64);
+        assert!(found.is_sorted_by(|a, b| a.1 >= b.1));
+        for (q, value) in &found {
+            assert!(space.contains(q).unwrap());
+            let own = trace_of_product(&adjoint, &space.information(q));
+            assert!((own / value - 1.0).abs() < 1e-12);
+        }
+        let starts = space.samples(64);
+        let best_start = starts
+            .iter()
+            .map(|q| trace_of_product(&adjoint, &space.information(q)))
+            .fold(0.0, f64::max);
+        assert!(found[0].1 > best_start);
+        let few = space.maximise(&adjoint, &starts[..2], Effort::Improve);
+        assert_eq!(few.len(), 6);
+    }
+
+    #[test]
+    fn narrow_limits_are_searched_from_outside() {
+        let mut cell = cell();
+        let q = vec![0.1, 0.2, -1.7, 0.3, 0.4, -0.2];
+        let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+        let (low, high) = (terms.loading_point, terms.loading_point);
+        // A box of a decimetre about one loading point leaves next to nothing.
+        cell.limits = Limits {
+            tool_box: Some([low.add_scalar(-0.5), high.add_scalar(0.5)]),
+            ..Limits::default()
+        };
+        let space = PostureSpace::new(&cell, 512, 4).unwrap();
+        assert_eq!(space.samples(512).len() + space.fill.len(), 512);
+        assert!(!space.fill.is_empty());
+        let found = space.maximise(&adjoint(), &[], Effort::Verify);
+        assert!(found.len() > space.samples(512).len());
+        for (q, _) in found {
+            assert!(space.contains(&q).unwrap());
+        }
+    }
+}
