@@ -330,6 +330,67 @@ fn seven_joints() {
     compare(7);
 }
 
+/// [`IndexFunction::smoothed`] is the log-sum-exp of what `evaluate` gives,
+/// whose parts the tests above hold against dual numbers.
+#[test]
+fn the_smoothed_index_is_the_log_sum_exp_of_its_parts() {
+    let mut dice = Dice::new(91);
+    for n in [5, 6, 7] {
+        for (case, index) in Index::ALL.into_iter().enumerate() {
+            if index.uses_dexterity() && n < 6 {
+                continue;
+            }
+            let (model, postures) =
+                random_case(&mut dice, n, case % 4, case % 3 == 1, case % 2 == 1);
+            let cell = model.cell();
+            // The first posture is given, the others are free.
+            let (given, free) = postures.split_at(1);
+            let flat = free.concat();
+            let p = 25.0;
+            let mut function =
+                IndexFunction::with_given(&cell, index, POSTURES - 1, given).unwrap();
+            let mut gradient = vec![0.0; flat.len()];
+            let smoothed = function.smoothed(&flat, p, &mut gradient);
+            function.set_sharpness(Some(p));
+            let parts = function.evaluate(&flat);
+            let weights: Vec<f64> = parts.components.iter().map(|c| (p * c).exp()).collect();
+            let sum: f64 = weights.iter().sum();
+            let mut expected = parts.smooth_gradient.clone();
+            let mut value = parts.smooth;
+            if !weights.is_empty() {
+                value += sum.ln() / p;
+                let rows = parts.component_gradients.chunks_exact(flat.len());
+                for (row, weight) in rows.zip(&weights) {
+                    for (e, g) in expected.iter_mut().zip(row) {
+                        *e += weight / sum * g;
+                    }
+                }
+            }
+            assert!((smoothed.objective - value).abs() < 1e-10 * value.abs().max(1.0));
+            let scale = expected.iter().fold(1e-3_f64, |m, g| m.max(g.abs()));
+            for (ours, expected) in gradient.iter().zip(&expected) {
+                assert!(
+                    (ours - expected).abs() < TOLERANCE * scale,
+                    "{index:?}, n {n}"
+                );
+            }
+            // The value counts given and free postures alike.
+            let shown = evaluate(&cell, "", &postures)
+                .unwrap()
+                .indices
+                .get(index)
+                .unwrap();
+            let exact = if index.larger_is_better() {
+                -shown.ln()
+            } else {
+                shown.ln()
+            };
+            assert!((smoothed.exact - exact).abs() < 1e-8 * exact.abs().max(1.0));
+            assert!((function.value(&flat) - exact).abs() < 1e-8 * exact.abs().max(1.0));
+        }
+    }
+}
+
 #[test]
 fn smoothing_is_off_by_at_most_ln_n_over_p_and_does_not_touch_the_exact_value() {
     let mut dice = Dice::new(9);

@@ -8,13 +8,10 @@ mod common;
 use common::groups::{limits_around, ln_index, violation};
 use common::random::Dice;
 use common::{cases, default_cell, group1, random_group as reference_group, reference_cell};
-use nalgebra::Vector3;
 use proptest::prelude::*;
-use stiffarm::cell::{Cell, Limits};
+use stiffarm::cell::Cell;
 use stiffarm::index::{Index, IndexFunction, dexterity, evaluate};
 use stiffarm::kinematics::Frames;
-use stiffarm::load::Load;
-use stiffarm::observation::PostureTerms;
 use stiffarm::optimise::{Control, Options, Termination, characteristic_length};
 use stiffarm::select::{Selection, StartKind, random_group, select_from, smallest_margin};
 

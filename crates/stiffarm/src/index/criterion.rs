@@ -235,8 +235,24 @@ impl Criterion {
             }
         } else {
             slopes.fill(0.0);
-            let high = add_extreme(values, most, 1.0, self.sharpness, shares.0, slopes);
-            let low = add_extreme(values, least, -1.0, self.sharpness, shares.1, slopes);
+            let high = add_extreme(
+                values,
+                most,
+                1.0,
+                self.sharpness,
+                shares.0,
+                slopes,
+                &mut self.off,
+            );
+            let low = add_extreme(
+                values,
+                least,
+                -1.0,
+                self.sharpness,
+                shares.1,
+                slopes,
+                &mut self.off,
+            );
             Value {
                 smooth: high.smooth + low.smooth,
                 exact: high.exact + low.exact,
@@ -298,6 +314,7 @@ fn add_extreme(
     sharpness: Option<f64>,
     share: f64,
     slopes: &mut [f64],
+    weights: &mut [f64],
 ) -> Value {
     if share == 0.0 {
         return Value {
@@ -315,20 +332,19 @@ fn add_extreme(
             exact,
         };
     };
-    // Terms below e⁻⁴⁰ change nothing.
-    let weight = |v: f64| {
+    // Weights of the eigenvalues; what lies below e⁻⁴⁰ changes nothing.
+    let mut sum = 0.0;
+    for (weight, v) in weights.iter_mut().zip(values) {
         let exponent = sign * p * (v / extreme).ln();
-        if v == extreme {
-            1.0
-        } else if exponent < -40.0 {
+        *weight = if exponent < -40.0 {
             0.0
         } else {
             exponent.exp()
-        }
-    };
-    let sum: f64 = values.iter().map(|v| weight(*v)).sum();
-    for (slope, v) in slopes.iter_mut().zip(values) {
-        *slope += share * weight(*v) / (sum * v);
+        };
+        sum += *weight;
+    }
+    for ((slope, weight), v) in slopes.iter_mut().zip(&*weights).zip(values) {
+        *slope += share * weight / (sum * v);
     }
     Value {
         smooth: exact + share * sign * sum.ln() / p,

@@ -2,8 +2,7 @@
 //! which does not square the condition number: tr(A⁻¹) = ‖R⁻¹‖² for A = J_N J_Nᵀ.
 
 use super::batch::Batch;
-use super::lanes::{Lanes, Vec3, Vec6, ZERO, ZERO6, cross, sub};
-use std::array::from_fn;
+use super::lanes::{Lanes, Vec3, Vec6, ZERO, ZERO6, cross, six, sub, three};
 
 /// Relative size of a pivot below which J_N counts as singular.
 const SINGULAR: f64 = 1e-15;
@@ -101,12 +100,12 @@ pub(super) fn adjoint(batch: &mut Batch, n: usize, inverse_length: f64, weight: 
         }
     }
     let by_inverse = weight / batch.inverse_trace;
-    let y: [Vec6; 6] = from_fn(|r| {
+    let y: [Vec6; 6] = six!(|r| {
         let mut row = ZERO6;
         for k in r..6 {
-            row = from_fn(|c| row[c] + t[r][k] * square[k][c]);
+            row = six!(|c| row[c] + t[r][k] * square[k][c]);
         }
-        from_fn(|c| row[c] * by_inverse)
+        six!(|c| row[c] * by_inverse)
     });
     let by_trace = weight / batch.trace;
     for i in 0..n {
@@ -119,7 +118,7 @@ pub(super) fn adjoint(batch: &mut Batch, n: usize, inverse_length: f64, weight: 
             }
             out[r] = j[r] * by_trace - sum;
         }
-        batch.tcp_adjoint[i] = from_fn(|r| out[r] * inverse_length);
+        batch.tcp_adjoint[i] = three!(|r| out[r] * inverse_length);
         batch.axis_adjoint[i] = [out[3], out[4], out[5]];
     }
 }

@@ -3,10 +3,10 @@
 
 use super::batch::Batch;
 use super::lanes::{
-    Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, rotate, scale, sin_cos, sub,
+    Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, rotate, scale, sin_cos, six, sub,
+    three,
 };
 use super::model::{KernelLoad, Model};
-use std::array::from_fn;
 
 /// Everything that is wanted of a batch, `n` joints.
 #[inline(always)]
@@ -28,7 +28,7 @@ pub(super) fn forward(model: &Model, batch: &mut Batch, n: usize) {
 #[inline(always)]
 fn frames(model: &Model, batch: &mut Batch, n: usize) {
     let one = Lanes::splat(1.0);
-    let mut rotation: [Vec3; 3] = from_fn(|c| from_fn(|r| if r == c { one } else { ZERO }));
+    let mut rotation: [Vec3; 3] = three!(|c| three!(|r| if r == c { one } else { ZERO }));
     let mut origin = ZERO3;
     let (axes, origins) = (&mut batch.axes[..n], &mut batch.origins[..n]);
     let (placements, q) = (&model.placements[..n], &batch.q[..n]);
@@ -45,14 +45,14 @@ fn frames(model: &Model, batch: &mut Batch, n: usize) {
             for k in 0..3 {
                 let factor = placement.rotation[k][c];
                 if factor != 0.0 {
-                    *column = from_fn(|r| column[r] + rotation[k][r] * factor);
+                    *column = three!(|r| column[r] + rotation[k][r] * factor);
                 }
             }
         }
         let (sin, cos) = sin_cos(theta);
         rotation = [
-            from_fn(|r| placed[0][r] * cos + placed[1][r] * sin),
-            from_fn(|r| placed[1][r] * cos - placed[0][r] * sin),
+            three!(|r| placed[0][r] * cos + placed[1][r] * sin),
+            three!(|r| placed[1][r] * cos - placed[0][r] * sin),
             placed[2],
         ];
         axes[i] = placed[2];
@@ -73,7 +73,7 @@ fn points_and_load(model: &Model, batch: &mut Batch, n: usize) {
     match &model.load {
         KernelLoad::Rope { anchor, magnitude } => {
             // F = G (P2 − P1)/‖P2 − P1‖, Section IV.A.
-            let rope: Vec3 = from_fn(|i| Lanes::splat(anchor[i]) - batch.loading_point[i]);
+            let rope: Vec3 = three!(|i| Lanes::splat(anchor[i]) - batch.loading_point[i]);
             let length = dot(&rope, &rope).sqrt();
             batch.rope_length = length;
             // A rope of no length pulls nowhere, as in the load itself.
@@ -110,8 +110,8 @@ fn points_and_load(model: &Model, batch: &mut Batch, n: usize) {
 #[inline(always)]
 fn information(model: &Model, batch: &mut Batch, n: usize) {
     // Columns of (R·S^½)ᵀ: rows of the moments' root in base axes.
-    let root: [Vec3; 3] = from_fn(|i| {
-        from_fn(|r| {
+    let root: [Vec3; 3] = three!(|i| {
+        three!(|r| {
             batch.rotation[0][r] * model.root_moments[0][i]
                 + batch.rotation[1][r] * model.root_moments[1][i]
                 + batch.rotation[2][r] * model.root_moments[2][i]
@@ -143,7 +143,7 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
             let (mut column, mut load) = (ZERO6, ZERO);
             for i in 0..n {
                 let factor = mixing[(i, s)];
-                column = from_fn(|r| column[r] + joints[i][r] * factor);
+                column = six!(|r| column[r] + joints[i][r] * factor);
                 load += batch.torque[i] * factor;
             }
             columns[s] = column;
@@ -154,7 +154,7 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
     for s in 0..n {
         // Ψ_ij = J^m_ij Γ_j, Eq. (11).
         loads[s] = loads[s] * model.compliance[s];
-        blocks[s] = from_fn(|r| columns[s][r] * loads[s]);
+        blocks[s] = six!(|r| columns[s][r] * loads[s]);
     }
     let packed = &mut batch.information[..n * (n + 1) / 2];
     let mut at = 0;

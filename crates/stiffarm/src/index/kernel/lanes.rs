@@ -2,11 +2,63 @@
 //! compiler turns into vector instructions; every lane does the same sums in
 //! the same order on every machine, so results do not depend on them.
 
-use std::array::from_fn;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Lanes per batch.
 pub(crate) const WIDTH: usize = 4;
+
+/// Three or six entries by their index, written out: closures of
+/// `std::array::from_fn` are not always inlined, and then they lose the
+/// instructions of the function they are called from.
+macro_rules! three {
+    (|$i:ident| $entry:expr) => {
+        [
+            {
+                let $i = 0;
+                $entry
+            },
+            {
+                let $i = 1;
+                $entry
+            },
+            {
+                let $i = 2;
+                $entry
+            },
+        ]
+    };
+}
+macro_rules! six {
+    (|$i:ident| $entry:expr) => {
+        [
+            {
+                let $i = 0;
+                $entry
+            },
+            {
+                let $i = 1;
+                $entry
+            },
+            {
+                let $i = 2;
+                $entry
+            },
+            {
+                let $i = 3;
+                $entry
+            },
+            {
+                let $i = 4;
+                $entry
+            },
+            {
+                let $i = 5;
+                $entry
+            },
+        ]
+    };
+}
+pub(crate) use {six, three};
 
 /// One number per lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,17 +168,17 @@ impl SubAssign for Lanes {
 
 #[inline(always)]
 pub(crate) fn add(a: Vec3, b: Vec3) -> Vec3 {
-    from_fn(|i| a[i] + b[i])
+    three!(|i| a[i] + b[i])
 }
 
 #[inline(always)]
 pub(crate) fn sub(a: Vec3, b: Vec3) -> Vec3 {
-    from_fn(|i| a[i] - b[i])
+    three!(|i| a[i] - b[i])
 }
 
 #[inline(always)]
 pub(crate) fn scale(a: Vec3, factor: Lanes) -> Vec3 {
-    from_fn(|i| a[i] * factor)
+    three!(|i| a[i] * factor)
 }
 
 #[inline(always)]
@@ -151,7 +203,7 @@ pub(crate) fn dot6(a: &Vec6, b: &Vec6) -> Lanes {
 /// Matrix (columns) times constant vector.
 #[inline(always)]
 pub(crate) fn rotate(columns: &[Vec3; 3], v: &[f64; 3]) -> Vec3 {
-    from_fn(|i| columns[0][i] * v[0] + columns[1][i] * v[1] + columns[2][i] * v[2])
+    three!(|i| columns[0][i] * v[0] + columns[1][i] * v[1] + columns[2][i] * v[2])
 }
 
 /// Largest angle \[rad\] that the reduction below is exact for.
@@ -204,12 +256,12 @@ pub(crate) fn sin_cos(x: Lanes) -> (Lanes, Lanes) {
     let quarters = rounded - Lanes::splat(ROUND);
     let r = ((x - quarters * HALF_PI[0]) - quarters * HALF_PI[1]) - quarters * HALF_PI[2];
     let z = r * r;
-    // Even and odd coefficients apart: two short chains instead of a long one.
-    let zz = z * z;
     let polynomial = |c: &[f64; 8]| {
-        let even = ((zz * c[6] + Lanes::splat(c[4])) * zz + Lanes::splat(c[2])) * zz;
-        let odd = ((zz * c[7] + Lanes::splat(c[5])) * zz + Lanes::splat(c[3])) * zz;
-        (even + Lanes::splat(c[0])) + (odd + Lanes::splat(c[1])) * z
+        let mut sum = Lanes::splat(c[7]);
+        for c in c[..7].iter().rev() {
+            sum = sum * z + Lanes::splat(*c);
+        }
+        sum
     };
     let sin = r + r * z * polynomial(&SIN);
     let half = z * 0.5;
@@ -238,7 +290,7 @@ mod tests {
     fn sine_and_cosine_are_those_of_the_standard_library() {
         let mut x = -40.0;
         while x < 40.0 {
-            let lanes = Lanes(from_fn(|i| x + 0.1 * i as f64));
+            let lanes = Lanes(std::array::from_fn(|i| x + 0.1 * i as f64));
             let (sin, cos) = sin_cos(lanes);
             for i in 0..WIDTH {
                 let (s, c) = lanes.0[i].sin_cos();

@@ -145,3 +145,82 @@ pub(super) fn update_multipliers(batch: &mut Batch, lanes: usize) -> f64 {
     }
     worst
 }
+
+#[cfg(all(test, feature = "files"))]
+mod tests {
+    use crate::builtin;
+    use crate::index::kernel::{Kernel, Wanted};
+    use crate::observation::PostureTerms;
+
+    const WANTED: Wanted<'_> = Wanted {
+        dexterity: None,
+        information: None,
+        limits: true,
+    };
+
+    fn angles(p: usize) -> Vec<f64> {
+        (0..6)
+            .map(|j| (1.3 * p as f64 + 0.7 * j as f64).sin() * 2.0)
+            .collect()
+    }
+
+    #[test]
+    fn violations_are_those_of_the_cells_limits() {
+        let cell = builtin::cell("comau").unwrap();
+        let mut kernel = Kernel::new(&cell, WANTED, 7).unwrap();
+        let flat: Vec<f64> = (0..7).flat_map(angles).collect();
+        kernel.forward(&flat);
+        let ours: Vec<f64> = kernel.violations().collect();
+        for (p, violation) in ours.iter().enumerate() {
+            let terms = PostureTerms::new(&cell.setup, &angles(p), None).unwrap();
+            let smallest = cell.limits.smallest(&cell.setup, &terms).unwrap().margin;
+            assert!((violation - (-smallest).max(0.0)).abs() < 1e-12);
+        }
+        assert!(ours.iter().any(|v| *v > 0.1));
+        assert_eq!(kernel.violation(), ours.iter().copied().fold(0.0, f64::max));
+    }
+
+    #[test]
+    fn derivatives_of_the_penalty_are_those_of_differences() {
+        let cell = builtin::cell("comau").unwrap();
+        let mut kernel = Kernel::new(&cell, WANTED, 5).unwrap();
+        let flat: Vec<f64> = (0..5).flat_map(angles).collect();
+        kernel.reset_penalty(40.0, 1e-3);
+        kernel.forward(&flat);
+        // With multipliers limits push before they are crossed.
+        kernel.update_multipliers();
+        kernel.set_penalty_weight(25.0);
+        let mut gradient = vec![0.0; flat.len()];
+        kernel.forward(&flat);
+        kernel.reverse(&mut gradient);
+        let largest = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+        assert!(largest > 1.0);
+        for k in 0..flat.len() {
+            let mut at = |step: f64| {
+                let mut moved = flat.clone();
+                moved[k] += step;
+                kernel.forward(&moved);
+                kernel.penalty()
+            };
+            // Richardson: the error of order h² cancels.
+            let (coarse, fine) = (at(2e-4) - at(-2e-4), at(1e-4) - at(-1e-4));
+            let expected = (8.0 * fine - coarse) / 12e-4;
+            assert!(
+                (gradient[k] - expected).abs() < 1e-7 * largest,
+                "{k}: {} {expected}",
+                gradient[k]
+            );
+        }
+    }
+
+    #[test]
+    fn multipliers_settle_where_the_margin_is_zero_or_the_multiplier() {
+        let cell = builtin::cell("comau").unwrap();
+        let mut kernel = Kernel::new(&cell, WANTED, 1).unwrap();
+        kernel.reset_penalty(10.0, 0.0);
+        kernel.forward(&angles(0));
+        let crossed = kernel.violation();
+        assert!(crossed > 0.0);
+        assert!((kernel.update_multipliers() - crossed).abs() < 1e-12);
+    }
+}

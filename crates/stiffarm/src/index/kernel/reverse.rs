@@ -2,9 +2,10 @@
 //! to the angles of four postures, by one sweep backwards.
 
 use super::batch::Batch;
-use super::lanes::{Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, scale, sub};
+use super::lanes::{
+    Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, scale, six, sub, three,
+};
 use super::model::{KernelLoad, Model};
-use std::array::from_fn;
 
 /// Fills `batch.gradient` (with respect to θ) from `batch.adjoint`,
 /// `batch.dexterity_weight` and the penalty of the limits.
@@ -53,11 +54,11 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
         let mut x = ZERO6;
         for t in 0..n {
             let factor = adjoint[s * n + t];
-            x = from_fn(|r| x[r] + blocks[t][r] * factor);
+            x = six!(|r| x[r] + blocks[t][r] * factor);
         }
-        let x: Vec6 = from_fn(|r| x[r] + x[r]);
+        let x: Vec6 = six!(|r| x[r] + x[r]);
         torque_adjoint[s] = dot6(&batch.columns[s], &x) * model.compliance[s];
-        column_adjoint[s] = from_fn(|r| x[r] * batch.spring_loads[s]);
+        column_adjoint[s] = six!(|r| x[r] * batch.spring_loads[s]);
     }
     if let Some(mixing) = &model.mixing {
         let springs = &mut batch.spring_adjoint[..n];
@@ -68,7 +69,7 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
             let (mut column, mut load) = (ZERO6, ZERO);
             for s in 0..n {
                 let factor = mixing[(i, s)];
-                column = from_fn(|r| column[r] + springs[s][r] * factor);
+                column = six!(|r| column[r] + springs[s][r] * factor);
                 load += loads[s] * factor;
             }
             column_adjoint[i] = column;
@@ -81,9 +82,9 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
     let axes = &batch.axes[..n];
     for i in 0..n {
         let a: [Lanes; 6] = column_adjoint[i];
-        batch.centre_adjoint[i] = from_fn(|r| a[r] * model.root_count);
+        batch.centre_adjoint[i] = three!(|r| a[r] * model.root_count);
         batch.moment_adjoint[i] =
-            from_fn(|r| root[0][r] * a[3] + root[1][r] * a[4] + root[2][r] * a[5]);
+            three!(|r| root[0][r] * a[3] + root[1][r] * a[4] + root[2][r] * a[5]);
     }
     add_column_gradient(
         axes,

@@ -320,12 +320,12 @@ impl<'a> Global<'a> {
         // A stable sort: equal values stay in the order of the chains.
         order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
         let leader = order[0];
-        if let Some(plan) = self.islands[leader].best.clone() {
-            if self.best.as_ref().is_none_or(|b| plan.value < b.value) {
-                self.best = Some(plan);
-            }
+        if let Some(plan) = self.islands[leader].best.clone()
+            && self.best.as_ref().is_none_or(|b| plan.value < b.value)
+        {
+            self.best = Some(plan);
         }
-        if (self.completed + 1) % MIGRATION == 0
+        if (self.completed + 1).is_multiple_of(MIGRATION)
             && let Some(best) = self.best.clone()
         {
             for island in order.iter().rev().take(CHAINS / 4) {

@@ -1,0 +1,84 @@
+//! The inner loops of selection and identification.
+//!
+//! `cargo bench -p stiffarm --bench kernels`
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+use stiffarm::builtin;
+use stiffarm::cell::Cell;
+use stiffarm::index::{Index, IndexFunction, Minimax, evaluate};
+use stiffarm::information::Factor;
+use stiffarm::observation::{Rows, observation_matrix};
+use stiffarm::optimise::{Control, Options, with_characteristic_length};
+use stiffarm::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
+
+fn cell(name: &str) -> Cell {
+    with_characteristic_length(builtin::cell(name).expect("a built-in cell")).expect("a length")
+}
+
+fn group(cell: &Cell, count: usize) -> Vec<Vec<f64>> {
+    random_group(cell, StartKind::Uniform, count, 1, 0).expect("postures inside the limits")
+}
+
+/// Value, and value with gradient, of a group's index.
+fn indices(c: &mut Criterion) {
+    let cell = cell("comau-reference");
+    for index in [Index::Novel, Index::ExpectedError, Index::DropOne] {
+        let mut benches = c.benchmark_group(format!("index/{}", index.as_str()));
+        for count in [6, 10, 20, 50] {
+            let q = group(&cell, count).concat();
+            let mut function = IndexFunction::new(&cell, index, count).expect("an index");
+            let mut gradient = vec![0.0; q.len()];
+            benches.throughput(Throughput::Elements(count as u64));
+            benches.bench_function(BenchmarkId::new("value", count), |b| {
+                b.iter(|| function.value(black_box(&q)));
+            });
+            benches.bench_function(BenchmarkId::new("gradient", count), |b| {
+                b.iter(|| function.smoothed(black_box(&q), 100.0, &mut gradient));
+            });
+        }
+        let q = group(&cell, 6).concat();
+        let mut function = IndexFunction::new(&cell, index, 6).expect("an index");
+        let mut parts = Minimax::default();
+        benches.bench_function("every component's gradient/6", |b| {
+            b.iter(|| function.evaluate_into(black_box(&q), &mut parts));
+        });
+    }
+}
+
+/// What every shown number goes through.
+fn shown(c: &mut Criterion) {
+    let cell = cell("comau");
+    let group = group(&cell, 6);
+    c.bench_function("evaluate/6 postures", |b| {
+        b.iter(|| evaluate(&cell, "", black_box(&group)));
+    });
+    let psi = observation_matrix(&cell.setup, &group, Rows::Translations).expect("a matrix");
+    c.bench_function("factor/72 x 6", |b| b.iter(|| Factor::new(black_box(&psi))));
+}
+
+/// Whole selections.
+fn selections(c: &mut Criterion) {
+    let mut benches = c.benchmark_group("select");
+    benches.sample_size(10);
+    let control = Control::default();
+    for name in ["comau-reference", "comau"] {
+        let cell = cell(name);
+        let start = group(&cell, 6);
+        for index in [Index::Novel, Index::ExpectedError] {
+            benches.bench_function(format!("local/{name}/{}", index.as_str()), |b| {
+                b.iter(|| select_from(&cell, index, &start, Options::default(), control));
+            });
+            let options = GlobalOptions {
+                rounds: Some(1),
+                ..GlobalOptions::default()
+            };
+            benches.bench_function(format!("one global round/{name}/{}", index.as_str()), |b| {
+                b.iter(|| select_global::<Vec<f64>>(&cell, index, 6, &[], &options, control));
+            });
+        }
+    }
+}
+
+criterion_group!(benches, indices, shown, selections);
+criterion_main!(benches);
