@@ -107,6 +107,31 @@ impl Solution {
     }
 }
 
+impl Solution {
+    /// This solution with the optimality of `previous`, where the search
+    /// stalled at a point that is hardly better than a converged one: the
+    /// sharpest smoothing gains millionths of the index and loses the digits
+    /// that optimality is judged by.
+    #[must_use]
+    pub(crate) fn or_as_optimal_as(self, previous: Option<Solution>, optimality: f64) -> Solution {
+        match previous {
+            Some(before)
+                if self.termination == Termination::Stalled
+                    && before.termination == Termination::Converged
+                    && before.merit - self.merit <= optimality =>
+            {
+                Solution {
+                    termination: Termination::Converged,
+                    stationarity: before.stationarity,
+                    complementarity: before.complementarity,
+                    ..self
+                }
+            }
+            _ => self,
+        }
+    }
+}
+
 struct Stopped;
 
 struct Cache<'a, P> {

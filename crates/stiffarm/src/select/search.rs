@@ -131,7 +131,9 @@ impl<'a> Search<'a> {
         let mut solution: Option<Solution> = None;
         for sharpness in stages {
             self.function.set_sharpness(*sharpness);
-            solution = Some(self.stage(&start, solution, options, control)?);
+            let before = solution.clone();
+            let after = self.stage(&start, solution, options, control)?;
+            solution = Some(after.or_as_optimal_as(before, options.optimality));
         }
         solution.ok_or_else(|| Error::new(Code::Internal, "A selection without a stage."))
     }
