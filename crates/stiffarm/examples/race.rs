@@ -2,7 +2,7 @@
 //! per second, the best index against time, and cost against the number of
 //! postures, on the reference cell. Prints one JSON object.
 //!
-//! `cargo run --release -p stiffarm --example race -- --seconds 10 --seed 1 --threads 2 [--costs]`
+//! `cargo run --release -p stiffarm --example race -- --seconds 10 --seed 1 --threads 2 [--no-costs]`
 
 use std::time::{Duration, Instant};
 use stiffarm::builtin;
@@ -25,12 +25,12 @@ fn arguments() -> Result<Arguments, String> {
         seconds: 10.0,
         seed: 1,
         threads: std::thread::available_parallelism().map_or(1, usize::from),
-        costs: false,
+        costs: true,
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        if word == "--costs" {
-            parsed.costs = true;
+        if word == "--no-costs" {
+            parsed.costs = false;
             continue;
         }
         let value = words
@@ -190,12 +190,19 @@ fn run() -> Result<String, String> {
             ));
         }
     }
+    let best: Vec<String> = selection
+        .postures_deg
+        .iter()
+        .map(|q| format!("{q:?}"))
+        .collect();
     Ok(format!(
-        "{{\"version\": \"{}\", \"threads\": {}, \"rates\": [{}], \"trace\": [{}], \"cost_against_n\": [{}]}}",
+        "{{\"version\": \"{}\", \"threads\": {}, \"rates\": [{}], \"trace\": [{}], \"best_group_deg\": [{}], \
+         \"cost_against_n\": [{}]}}",
         env!("CARGO_PKG_VERSION"),
         asked.threads,
         rates.join(", "),
         trace.join(", "),
+        best.join(", "),
         costs.join(", ")
     ))
 }
