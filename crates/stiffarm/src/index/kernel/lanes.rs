@@ -256,12 +256,12 @@ pub(crate) fn sin_cos(x: Lanes) -> (Lanes, Lanes) {
     let quarters = rounded - Lanes::splat(ROUND);
     let r = ((x - quarters * HALF_PI[0]) - quarters * HALF_PI[1]) - quarters * HALF_PI[2];
     let z = r * r;
+    // Even and odd coefficients apart: two short chains instead of a long one.
+    let zz = z * z;
     let polynomial = |c: &[f64; 8]| {
-        let mut sum = Lanes::splat(c[7]);
-        for c in c[..7].iter().rev() {
-            sum = sum * z + Lanes::splat(*c);
-        }
-        sum
+        let even = ((zz * c[6] + Lanes::splat(c[4])) * zz + Lanes::splat(c[2])) * zz;
+        let odd = ((zz * c[7] + Lanes::splat(c[5])) * zz + Lanes::splat(c[3])) * zz;
+        (even + Lanes::splat(c[0])) + (odd + Lanes::splat(c[1])) * z
     };
     let sin = r + r * z * polynomial(&SIN);
     let half = z * 0.5;
