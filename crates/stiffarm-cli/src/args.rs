@@ -76,6 +76,9 @@ pub enum Command {
     /// Compare calculated with measured displacements at postures kept out of the identification
     #[command(after_help = examples::VALIDATE)]
     Validate(ValidateArgs),
+    /// Maps of dexterity and of K_C's influence over joints 2 and 3, to choose zones for postures
+    #[command(after_help = examples::ZONES)]
+    Zones(ZonesArgs),
     /// The catalogue of robots, with sources and doubts
     #[command(after_help = examples::ROBOTS)]
     Robots(RobotsArgs),
@@ -288,6 +291,31 @@ pub struct ValidateArgs {
 }
 
 #[derive(Debug, Args)]
+pub struct ZonesArgs {
+    /// Cell file
+    #[arg(default_value = "builtin:comau")]
+    pub cell: String,
+    /// Folder for the maps as picture (zones.svg) and table (zones.csv)
+    #[arg(long, value_name = "DIR")]
+    pub output_dir: Option<PathBuf>,
+    /// Angles per axis of the map, from bound to bound
+    #[arg(long, value_name = "N", default_value_t = 41)]
+    pub steps: usize,
+    /// Angles at which the joints are held, one per joint; those of joints 2 and 3 are replaced by
+    /// the map's [default: 0,0,0,45,45,45 for six joints]
+    #[arg(
+        long,
+        value_name = "Q1,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub q_deg: Vec<f64>,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
 pub struct RobotsArgs {
     /// One robot, in full
     pub name: Option<String>,
@@ -374,6 +402,8 @@ pub enum SchemaChoice {
     ResultIdentify,
     /// Output of `validate --json`
     ResultValidate,
+    /// Output of `zones --json`
+    ResultZones,
     /// Output of `study --json`, and study.json
     ResultStudy,
 }

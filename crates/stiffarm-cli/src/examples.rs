@@ -28,6 +28,9 @@ pub const IDENTIFY: &str = "Examples:
 pub const VALIDATE: &str = "Examples:
   $ stiffarm validate builtin:comau k.json simulated.csv --only 6
   $ stiffarm validate builtin:comau k.json simulated.csv --tolerance-mm 0.1";
+pub const ZONES: &str = "Examples:
+  $ stiffarm zones
+  $ stiffarm zones builtin:comau-reference --steps 61 --output-dir zones";
 pub const ROBOTS: &str = "Examples:
   $ stiffarm robots
   $ stiffarm robots comau-nj165-3.0";

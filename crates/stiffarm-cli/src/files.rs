@@ -150,6 +150,34 @@ pub fn write_all(session: &Session, files: &[(Target, String)]) -> Result<()> {
     placed
 }
 
+/// Checks, before any work, that the files `names` can be written to `folder`.
+///
+/// # Errors
+/// The folder is a file, or holds one of the files and `force` is not given.
+pub fn check_folder<'n>(
+    folder: &Path,
+    names: impl IntoIterator<Item = &'n str>,
+    force: bool,
+) -> Result<()> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(
+            Error::new(Code::FileWrite, "This is a file; the output is a folder.")
+                .file(folder.display().to_string())
+                .hint("give another --output-dir"),
+        );
+    }
+    let existing = names.into_iter().map(|name| folder.join(name));
+    match existing.into_iter().find(|path| path.exists() && !force) {
+        None => Ok(()),
+        Some(path) => Err(Error::new(
+            Code::FileExists,
+            "The file exists, and it is not overwritten unasked.",
+        )
+        .file(path.display().to_string())
+        .hint("add --force to overwrite it, or give another --output-dir")),
+    }
+}
+
 /// Makes a folder with those above it.
 ///
 /// # Errors

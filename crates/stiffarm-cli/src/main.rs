@@ -51,6 +51,7 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Simulate(args) => commands::simulate::run(session, args),
         Command::Identify(args) => commands::identify::run(session, args),
         Command::Validate(args) => commands::validate::run(session, args),
+        Command::Zones(args) => commands::zones::run(session, args),
         Command::Robots(args) => commands::robots::run(session, args),
         Command::Schema(args) => commands::schema::run(session, args),
         Command::Completions(args) => commands::completions::run(session, args),

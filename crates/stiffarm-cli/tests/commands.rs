@@ -313,6 +313,7 @@ fn schemas_describe_what_the_commands_print() {
             "result-validate",
             "validate builtin:comau stiffness.json simulated.csv",
         ),
+        ("result-zones", "zones --steps 5"),
         (
             "result-study",
             "study --runs 2 --starts 2 --output-dir study",

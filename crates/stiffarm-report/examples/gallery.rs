@@ -23,7 +23,15 @@ fn main() -> io::Result<()> {
         .nth(1)
         .map_or_else(|| PathBuf::from("target/gallery"), PathBuf::from);
     fs::create_dir_all(&folder)?;
-    for figure in [noise(), joints(), postures(), points(), spread(), awkward()] {
+    for figure in [
+        noise(),
+        joints(),
+        postures(),
+        points(),
+        spread(),
+        maps(),
+        awkward(),
+    ] {
         fs::write(
             folder.join(format!("{}.svg", figure.id)),
             render_svg(&figure),
@@ -55,6 +63,40 @@ fn figure(id: &str, title: &str, caption: &str, columns: usize, panels: Vec<Pane
         columns,
         panels,
     }
+}
+
+/// Heat maps with a linear and a logarithmic colour bar, some cells without a value.
+fn maps() -> Figure {
+    let places = || (0..30).flat_map(|r| (0..40).map(move |c| (f64::from(c), f64::from(r))));
+    let map = |title: &str, axis: Axis, value: fn(f64, f64) -> f64| {
+        let values = places().map(|(x, y)| value(x, y)).collect();
+        let (x, y) = places().unzip();
+        let series = Series::new("no value", Style::Map, x, y).with_colour(axis, values);
+        panel(
+            title,
+            Axis::linear("joint 2", "deg").with_range(-0.5, 39.5),
+            Axis::linear("joint 3", "deg").with_range(-0.5, 29.5),
+            vec![series],
+        )
+    };
+    let hill = |x: f64, y: f64| match x + y < 12.0 {
+        true => f64::NAN,
+        false => (-((x - 25.0).powi(2) + (y - 12.0).powi(2)) / 150.0).exp(),
+    };
+    let rates = |x: f64, y: f64| match x - y > 32.0 {
+        true => f64::NAN,
+        false => 10f64.powf((x / 9.0).sin() + y / 10.0),
+    };
+    figure(
+        "maps",
+        "Maps",
+        "Dark is low, bright is high.",
+        2,
+        vec![
+            map("linear", Axis::linear("dexterity", ""), hill),
+            map("logarithmic", Axis::log("deviation", "%"), rates),
+        ],
+    )
 }
 
 /// Lines with error bars and theory on logarithmic axes, one panel per joint.

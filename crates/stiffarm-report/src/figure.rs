@@ -92,6 +92,19 @@ pub struct Series {
     /// none), or empty.
     #[serde(default, deserialize_with = "null_as_nan")]
     pub error: Vec<f64>,
+    /// Values of a [`Style::Map`], and the axis of its colour bar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<Colour>,
+}
+
+/// Values shown as colour.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Colour {
+    /// Axis of the colour bar. A panel has one bar: its first map's.
+    pub axis: Axis,
+    /// One value per point; one that the axis cannot show is a missing one.
+    #[serde(deserialize_with = "null_as_nan")]
+    pub values: Vec<f64>,
 }
 
 /// Kind of mark a series is drawn with.
@@ -115,6 +128,10 @@ pub enum Style {
     Path,
     /// Hollow markers without a line, e.g. values beyond a validity limit.
     Hollow,
+    /// Heat map: every point is the centre of a cell that reaches half-way to
+    /// its neighbours and has the colour of its value. Cells without a value
+    /// are hatched; the series' label is their legend entry.
+    Map,
 }
 
 impl Axis {
@@ -171,12 +188,19 @@ impl Series {
             x,
             y,
             error: Vec::new(),
+            colour: None,
         }
     }
 
     /// The same series with symmetric error bars.
     pub fn with_error(mut self, error: Vec<f64>) -> Self {
         self.error = error;
+        self
+    }
+
+    /// The same series with values shown as colour.
+    pub fn with_colour(mut self, axis: Axis, values: Vec<f64>) -> Self {
+        self.colour = Some(Colour { axis, values });
         self
     }
 }

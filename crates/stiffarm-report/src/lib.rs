@@ -9,6 +9,8 @@
 pub mod figure;
 pub mod study;
 pub mod svg;
+mod zones;
 
-pub use figure::{Axis, Figure, Panel, Scale, Series, Style};
+pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use svg::{render_svg, series_colour};
+pub use zones::{zones_figure, zones_table};

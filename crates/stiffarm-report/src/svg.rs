@@ -11,6 +11,7 @@ mod canvas;
 mod data;
 mod legend;
 mod look;
+mod map;
 mod marks;
 mod panel;
 mod plan;

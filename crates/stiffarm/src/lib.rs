@@ -35,5 +35,6 @@ pub mod table;
 pub mod tool;
 pub mod units;
 pub mod validate;
+pub mod zones;
 
 pub use error::{Code, Error, Result};

@@ -13,6 +13,7 @@ pub mod select;
 pub mod simulate;
 pub mod study;
 pub mod validate;
+pub mod zones;
 
 use crate::numbers;
 use crate::table::Table;

@@ -1,6 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{check, evaluate, identify, select, simulate, study, validate};
+use super::{check, evaluate, identify, select, simulate, study, validate, zones};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
 use crate::session::Session;
@@ -14,6 +14,7 @@ use stiffarm::identify::Identification;
 use stiffarm::simulate::Simulation;
 use stiffarm::study::Study;
 use stiffarm::validate::Validation;
+use stiffarm::zones::Zones;
 
 /// Prints one schema.
 pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
@@ -25,6 +26,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
         SchemaChoice::ResultIdentify => of::<identify::Options, Identification>("identify"),
         SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),
+        SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultStudy => of::<study::Options, Study>("study"),
     };
     session.print(&to_json(&schema)?)?;

@@ -1,7 +1,7 @@
 //! `stiffarm study`: the paper's Section IV on a cell, into a folder.
 
 use crate::args::StudyArgs;
-use crate::files::{Target, make_folder, write_all};
+use crate::files::{Target, check_folder, make_folder, write_all};
 use crate::numbers::optional_percent;
 use crate::output::{Exit, to_json};
 use crate::progress::Progress;
@@ -50,30 +50,11 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     if args.runs == 0 {
         return Err(Error::new(Code::Usage, "A study needs at least one run.").key("--runs"));
     }
-    if args.output_dir.exists() && !args.output_dir.is_dir() {
-        return Err(Error::new(
-            Code::FileWrite,
-            "This is a file; the study writes a folder.",
-        )
-        .file(args.output_dir.display().to_string())
-        .hint("give another --output-dir"));
-    }
     // The names of all files are known before any work: nobody waits half a
     // minute to be told that a file exists.
     let names = file_names(&named.cell, &options);
-    if !args.force {
-        for name in &names {
-            let path = args.output_dir.join(name);
-            if path.exists() {
-                return Err(Error::new(
-                    Code::FileExists,
-                    "The file exists, and it is not overwritten unasked.",
-                )
-                .file(path.display().to_string())
-                .hint("add --force to overwrite the study, or give another --output-dir"));
-            }
-        }
-    }
+    let names = names.iter().map(String::as_str);
+    check_folder(&args.output_dir, names, args.force)?;
     let progress = Progress::new(session, "selecting from Group 1");
     let result = progress.watch(|control| study(&named.cell, &initial, &options, control))?;
     drop(progress);

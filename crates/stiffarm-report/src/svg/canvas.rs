@@ -212,6 +212,21 @@ impl Canvas {
         ));
     }
 
+    /// Filled rectangles as one element, without seams between neighbours.
+    pub(super) fn cells(&mut self, rects: &[Rect], fill: &str) {
+        let mut data = String::new();
+        for r in rects.iter().filter(|r| r.w > 0.0 && r.h > 0.0) {
+            push(&mut data, 'M', (r.x, r.y));
+            let (right, bottom) = (num(r.x + r.w), num(r.y + r.h));
+            let _ = write!(data, "H{right}V{bottom}H{}Z", num(r.x));
+        }
+        if !data.is_empty() {
+            self.raw(&format!(
+                r#"<path d="{data}" fill="{fill}" shape-rendering="crispEdges"/>"#
+            ));
+        }
+    }
+
     /// Many small dots as one element; thousands of circles would dominate
     /// the size of the file.
     pub(super) fn dots(&mut self, places: &[Point], diameter: f64, colour: &str, opacity: f64) {

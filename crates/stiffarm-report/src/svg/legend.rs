@@ -2,6 +2,7 @@
 
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::look::Looks;
+use super::map;
 use super::marks::MARKER;
 use super::plan::SMALL;
 use super::text;
@@ -43,7 +44,7 @@ impl Legend {
             if styles.len() > 1 {
                 styles.retain(|s| *s != Style::Hollow);
             }
-            styles.sort_by_key(|s| !matches!(s, Style::Bars | Style::Box));
+            styles.sort_by_key(|s| !matches!(s, Style::Bars | Style::Box | Style::Map));
         }
         let (places, rows) = arrange(&entries, width);
         Self {
@@ -137,6 +138,15 @@ fn sample(canvas: &mut Canvas, looks: &Looks, label: &str, style: Style, left: P
                 h: 13.0,
             };
             look.area(canvas, swatch, style == Style::Box);
+        }
+        Style::Map => {
+            let swatch = Rect {
+                x: left.0 + 4.0,
+                y: left.1 - 6.5,
+                w: KEY - 8.0,
+                h: 13.0,
+            };
+            map::missing(canvas, swatch);
         }
     }
 }

@@ -81,6 +81,7 @@ enum Family {
     Dashes,
     Areas,
     Outlines,
+    Maps,
 }
 
 fn family(style: Style) -> Family {
@@ -90,6 +91,7 @@ fn family(style: Style) -> Family {
         Style::Dashed => Family::Dashes,
         Style::Bars | Style::Box => Family::Areas,
         Style::Outline => Family::Outlines,
+        Style::Map => Family::Maps,
     }
 }
 
@@ -262,7 +264,7 @@ impl Look {
 
 /// Adds parallel lines across a rectangle. They sit on a common raster of the
 /// picture, so that neighbouring bars have the same texture.
-fn hatch(rect: Rect, (dx, dy): (f64, f64), runs: &mut Vec<Vec<Point>>) {
+pub(super) fn hatch(rect: Rect, (dx, dy): (f64, f64), runs: &mut Vec<Vec<Point>>) {
     const GAP: f64 = 5.0;
     // Lines of direction (dx, dy) are the level sets of x·dy − y·dx.
     let level = |p: Point| p.0 * dy - p.1 * dx;

@@ -71,7 +71,7 @@ impl Trace {
     }
 }
 
-/// Draws a series of any style but bars and boxes.
+/// Draws a series of any style but bars, boxes and maps.
 pub(super) fn draw(
     canvas: &mut Canvas,
     frame: &Frame,
@@ -107,7 +107,7 @@ pub(super) fn draw(
             return;
         }
         Style::Line => line(canvas, 1.5),
-        Style::Points | Style::Hollow | Style::Bars | Style::Box => {}
+        Style::Points | Style::Hollow | Style::Bars | Style::Box | Style::Map => {}
     }
     for d in points.iter().flatten() {
         error_bar(canvas, frame, d, frame.px(d.x), stroke(1.1));

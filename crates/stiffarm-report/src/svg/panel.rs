@@ -3,6 +3,7 @@
 use super::areas;
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::look::Looks;
+use super::map;
 use super::marks::{self, Frame, Trace};
 use super::plan::{LEADING, NORMAL, Plan, SLANT, SMALL, TICK_GAP, TITLE_GAP, has_areas};
 use super::scale::Kind;
@@ -33,7 +34,8 @@ pub(super) fn draw(
     grid(canvas, &frame, panel, plan);
     let mut trace = Trace::default();
     // From the background to the foreground, whatever the order of the data.
-    let layers: [&[Style]; 4] = [
+    let layers: [&[Style]; 5] = [
+        &[Style::Map],
         &[Style::Outline],
         &[Style::Bars, Style::Box],
         &[Style::Dashed],
@@ -47,12 +49,20 @@ pub(super) fn draw(
             continue;
         }
         for series in panel.series.iter().filter(|s| layer.contains(&s.style)) {
+            if series.style == Style::Map {
+                let extent = plan.colour.as_ref().map(|colour| &colour.extent);
+                map::draw(canvas, &frame, series, extent, &mut trace);
+                continue;
+            }
             let look = looks.look(&series.label, series.style);
             marks::draw(canvas, &frame, series, look, &mut trace);
         }
     }
     x_axis(canvas, &frame, panel, plan);
     y_axis(canvas, &frame, plan, left);
+    if let Some(colour) = &plan.colour {
+        map::bar(canvas, area, colour, FRAME);
+    }
     let font = Font::new(NORMAL, Anchor::Middle).bold();
     let middle = area.x + 0.5 * area.w;
     let first = area.y - TITLE_GAP - (plan.title.len() as f64 - 1.0) * NORMAL * LEADING;

@@ -1,6 +1,7 @@
 //! How much room the labels of a panel need at a given size of its plot area.
 
 use super::data::Coverage;
+use super::map::{BAR, BAR_GAP};
 use super::scale::{Extent, Kind};
 use super::text;
 use super::ticks::{self, Tick};
@@ -39,6 +40,7 @@ pub(super) struct Plan {
     pub y_ticks: Vec<Tick>,
     pub x_names: Names,
     pub y_names: Vec<String>,
+    pub colour: Option<ColourPlan>,
     pub title: Vec<String>,
     pub x_label: Vec<String>,
     pub y_label: Vec<String>,
@@ -49,6 +51,47 @@ pub(super) struct Plan {
     /// Values that cannot be drawn.
     pub lost: usize,
     pub empty: bool,
+}
+
+/// The colour bar of a panel with a map.
+pub(super) struct ColourPlan {
+    pub extent: Extent,
+    pub ticks: Vec<Tick>,
+    pub label: Vec<String>,
+    /// Room of the widest tick label.
+    tick_width: f64,
+}
+
+impl ColourPlan {
+    /// That of the panel's first map that has values.
+    fn of(panel: &Panel, height: f64) -> Option<Self> {
+        let mut maps = panel.series.iter().filter(|s| s.style == Style::Map);
+        let colour = maps.find_map(|s| s.colour.as_ref())?;
+        let kind = Kind::of(&colour.axis);
+        let shown = colour.values.iter().copied().filter(|v| kind.accepts(*v));
+        let extent = Extent::choose(&colour.axis, &shown.collect::<Vec<_>>(), false);
+        let ticks = ticks::ticks(&extent, (height / 30.0).max(2.0) as usize);
+        Some(Self {
+            extent,
+            label: text::wrap(&colour.axis.heading(), NORMAL, height + 16.0, 3),
+            tick_width: ticks.iter().map(|t| t.width(SMALL)).fold(0.0, f64::max),
+            ticks,
+        })
+    }
+
+    /// Distance of the baseline of label line `i` from the plot area.
+    pub(super) fn baseline(&self, i: usize) -> f64 {
+        let ticks = BAR_GAP + BAR + TICK_GAP + self.tick_width;
+        ticks + LABEL_GAP + (i as f64 + 0.8) * NORMAL * LEADING
+    }
+
+    /// Room to the right of the plot area.
+    fn room(&self) -> f64 {
+        match self.label.len() {
+            0 => BAR_GAP + BAR + TICK_GAP + self.tick_width,
+            lines => self.baseline(lines - 1) + 0.2 * NORMAL * LEADING,
+        }
+    }
 }
 
 /// Which axis labels of a panel are drawn; a label that the neighbour repeats
@@ -114,11 +157,13 @@ impl Plan {
             .chain(y_names.iter().map(|n| text::width(n, SMALL)))
             .fold(0.0, f64::max);
         let (x_tick_height, overhang_left, overhang_right) = x_room(&x, &x_ticks, &x_names, width);
+        let colour = ColourPlan::of(panel, height);
+        let bar = colour.as_ref().map_or(0.0, ColourPlan::room);
         let left = TICK_GAP + y_width + gap(&y_label) + block(&y_label);
         let half_line = 0.5 * SMALL;
         Self {
             left: left.max(overhang_left),
-            right: overhang_right.max(2.0),
+            right: overhang_right.max(bar).max(2.0),
             top: if title.is_empty() {
                 half_line
             } else {
@@ -133,6 +178,7 @@ impl Plan {
             y_ticks,
             x_names,
             y_names,
+            colour,
             title,
             x_label,
             y_label,

@@ -6,6 +6,7 @@ mod load_design;
 mod random;
 mod search;
 mod sensitivity;
+mod space_filling;
 mod worth;
 
 pub use curve::{CurvePoint, curve};
@@ -17,6 +18,7 @@ pub use sensitivity::{
 pub use worth::{Dropped, PostureWorth, drop_postures};
 
 pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
+pub use space_filling::{joint_distance, smallest_distance, space_filling};
 
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};

@@ -1,0 +1,164 @@
+//! `stiffarm zones`: maps of dexterity and of the influence of K_C.
+
+use super::with_length;
+use crate::args::ZonesArgs;
+use crate::files::{Target, check_folder, make_folder, write_all};
+use crate::numbers::{optional_percent, percent, significant};
+use crate::output::Exit;
+use crate::session::Session;
+use crate::table::{Table, title, yellow};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::Result;
+use stiffarm::units::{deg_to_rad, m_to_mm};
+use stiffarm::zones::{MapRange, ZoneOptions, Zones, zones};
+use stiffarm_report::{render_svg, zones_figure, zones_table};
+
+/// Files of the folder.
+const FILES: [&str; 2] = ["zones.svg", "zones.csv"];
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// Angles per axis of the map.
+    pub steps: usize,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// Maps the zones.
+pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
+    let mut named = session.read_cell(&args.cell)?;
+    if let Some(folder) = &args.output_dir {
+        check_folder(folder, FILES, args.force)?;
+    }
+    let (cell, length_line) = with_length(named.cell);
+    named.cell = cell;
+    let q = (!args.q_deg.is_empty()).then(|| args.q_deg.iter().copied().map(deg_to_rad).collect());
+    let options = ZoneOptions {
+        steps: args.steps,
+        q,
+    };
+    let result = zones(&named.cell, &options)?;
+    let envelope = session.envelope(
+        "zones",
+        None,
+        Options {
+            steps: args.steps,
+            characteristic_length_m: named.cell.characteristic_length,
+        },
+        &result,
+    );
+    let mut written = String::new();
+    if let Some(folder) = &args.output_dir {
+        let texts = [
+            render_svg(&zones_figure(&result)),
+            zones_table(&result).csv(),
+        ];
+        make_folder(folder)?;
+        let targets: Result<Vec<(Target, String)>> = FILES
+            .iter()
+            .zip(texts)
+            .map(|(name, text)| Ok((Target::file(&folder.join(name), args.force)?, text)))
+            .collect();
+        write_all(session, &targets?)?;
+        written = format!("\nwrote {} to {}\n", FILES.join(" and "), folder.display());
+    }
+    session.show(&envelope, || {
+        let length = named.cell.characteristic_length.unwrap_or_default();
+        let length = match length_line.is_empty() {
+            true => format!("characteristic length: {:.1} mm\n", m_to_mm(length)),
+            false => length_line.clone(),
+        };
+        named.line() + &length + &table(&result) + &written
+    })?;
+    Ok(Exit::Done)
+}
+
+/// Angles in degrees, without digits nobody set.
+fn degrees(angle: f64) -> String {
+    format!("{}°", (angle * 100.0).round() / 100.0 + 0.0)
+}
+
+fn table(zones: &Zones) -> String {
+    let held: Vec<String> = zones
+        .held_deg
+        .iter()
+        .enumerate()
+        .filter_map(|(j, q)| q.map(|q| format!("q{} = {}", j + 1, degrees(q))))
+        .collect();
+    let ends = |angles: &[f64]| match angles {
+        [low, .., high] => format!("{} to {}", degrees(*low), degrees(*high)),
+        _ => String::new(),
+    };
+    let mut out = format!(
+        "map: {} from {}, {} from {}, {} × {} postures with {}\n",
+        zones.joints[0],
+        ends(&zones.q2_deg),
+        zones.joints[1],
+        ends(&zones.q3_deg),
+        zones.q2_deg.len(),
+        zones.q3_deg.len(),
+        held.join(", ")
+    );
+    out += &format!(
+        "{} of {} postures meet the limits of the cell.\n",
+        zones.within_limits, zones.postures
+    );
+    out += &title("Ranges over the map, and the best posture");
+    let mut table = Table::new(["quantity", "smallest", "median", "largest", "best posture"]);
+    let best = zones.best.as_ref();
+    let range = |range: Option<MapRange>, show: &dyn Fn(Option<f64>) -> String| {
+        let value = |pick: fn(MapRange) -> f64| show(range.map(pick));
+        [
+            value(|r| r.smallest),
+            value(|r| r.median),
+            value(|r| r.largest),
+        ]
+    };
+    let plain = |v: Option<f64>| v.map_or_else(|| "-".to_string(), |v| significant(v, 3));
+    let mut row = |name: &str, ends: [String; 3], best: String| {
+        table.row([vec![name.to_string()], ends.to_vec(), vec![best]].concat());
+    };
+    row(
+        "dexterity 1/k(J_N)",
+        range(zones.inverse_condition_range, &plain),
+        plain(best.map(|b| b.inverse_condition)),
+    );
+    row(
+        "translation with against without K_C [%]",
+        range(zones.translation_range, &optional_percent),
+        best.map_or_else(|| "-".to_string(), |b| percent(b.translation_deviation)),
+    );
+    row(
+        "rotation with against without K_C [%]",
+        range(zones.rotation_range, &optional_percent),
+        best.map_or_else(|| "-".to_string(), |b| percent(b.rotation_deviation)),
+    );
+    out += &table.to_string();
+    out += &match best {
+        Some(best) => {
+            let q: Vec<String> = best.best_q_deg.iter().map(|q| degrees(*q)).collect();
+            let range = |range: [f64; 2]| ends(&range);
+            let share = |zone: usize| match zone {
+                1 => "1 posture".to_string(),
+                count => format!("{count} postures"),
+            };
+            format!(
+                "\nbest zone: {} {}, {} {} ({}): 1/k(J_N) in the map's upper quarter, both deviations in its \
+                 lower half\nits most dexterous posture: {}\n",
+                zones.joints[0],
+                range(best.q2_deg),
+                zones.joints[1],
+                range(best.q3_deg),
+                share(best.posture_count),
+                q.join(", ")
+            )
+        }
+        None => format!(
+            "\n{}\n",
+            yellow("no zone: no posture of the map is both dexterous and little touched by K_C")
+        ),
+    };
+    out
+}

@@ -1,0 +1,138 @@
+//! Dumas' zones as a figure and a table.
+
+use crate::study::{Cell, Table};
+use crate::{Axis, Figure, Panel, Series, Style};
+use stiffarm::zones::{MapRange, ZoneMap, Zones};
+
+/// Ratio of the largest to the smallest value from which on a colour bar is
+/// logarithmic.
+const WIDE: f64 = 10.0;
+
+/// Three maps over joints 2 and 3, side by side: dexterity 1/k(J_N), and the
+/// relative deviation of translation and rotation with and without K_C \[%\].
+pub fn zones_figure(zones: &Zones) -> Figure {
+    let deviation = |range: Option<MapRange>| match range {
+        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => {
+            Axis::log("relative deviation", "%")
+        }
+        _ => Axis::linear("relative deviation", "%"),
+    };
+    let held: Vec<String> = zones
+        .held_deg
+        .iter()
+        .enumerate()
+        .filter_map(|(j, q)| q.map(|q| format!("q{} = {}°", j + 1, (q * 1e6).round() / 1e6)))
+        .collect();
+    Figure {
+        id: "zones".into(),
+        title: "Zones for stiffness identification (Dumas et al.)".into(),
+        caption: format!(
+            "Dexterity 1/k(J_N), larger is better, and relative deviation of translation and rotation of the TCP \
+             computed with and without K_C, smaller is better, over {} and {} with {}. Marked: the most \
+             dexterous posture of the zone where both are good.",
+            zones.joints[0],
+            zones.joints[1],
+            held.join(", ")
+        ),
+        columns: 3,
+        panels: vec![
+            panel(
+                zones,
+                "dexterity",
+                &zones.inverse_condition,
+                1.0,
+                Axis::linear("1/k(J_N)", ""),
+            ),
+            panel(
+                zones,
+                "influence of K_C on the translation",
+                &zones.translation_deviation,
+                100.0,
+                deviation(zones.translation_range),
+            ),
+            panel(
+                zones,
+                "influence of K_C on the rotation",
+                &zones.rotation_deviation,
+                100.0,
+                deviation(zones.rotation_range),
+            ),
+        ],
+    }
+}
+
+/// One map; `factor` brings its values to the unit of `axis`.
+fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> Panel {
+    let (columns, rows) = (&zones.q2_deg, &zones.q3_deg);
+    let values: Vec<f64> = map
+        .iter()
+        .flatten()
+        .map(|v| v.map_or(f64::NAN, |v| factor * v))
+        .collect();
+    let missing = match values.iter().any(|v| v.is_nan()) {
+        true => "outside the limits of the cell, or singular",
+        false => "",
+    };
+    let x = rows.iter().flat_map(|_| columns.iter().copied()).collect();
+    let y = rows
+        .iter()
+        .flat_map(|row| columns.iter().map(move |_| *row))
+        .collect();
+    let mut series = vec![Series::new(missing, Style::Map, x, y).with_colour(axis, values)];
+    if let Some(best) = &zones.best {
+        series.push(Series::new(
+            "best posture",
+            Style::Hollow,
+            vec![best.best_q_deg[1]],
+            vec![best.best_q_deg[2]],
+        ));
+    }
+    Panel {
+        title: title.into(),
+        x: fitted(&zones.joints[0], columns),
+        y: fitted(&zones.joints[1], rows),
+        series,
+        equal_aspect: false,
+    }
+}
+
+/// An axis that ends where the outermost cells end.
+fn fitted(joint: &str, angles: &[f64]) -> Axis {
+    let axis = Axis::linear(joint, "deg");
+    let half = |a: usize, b: usize| 0.5 * (angles[b] - angles[a]);
+    match angles.len() {
+        0 | 1 => axis,
+        n => axis.with_range(angles[0] - half(0, 1), angles[n - 1] + half(n - 2, n - 1)),
+    }
+}
+
+/// One row per posture of the map; no value where it violates a limit or is
+/// singular.
+pub fn zones_table(zones: &Zones) -> Table {
+    let headings = [
+        "q2_deg",
+        "q3_deg",
+        "inverse_k_jn",
+        "translation_deviation_percent",
+        "rotation_deviation_percent",
+    ];
+    let mut rows = Vec::new();
+    for (r, q3) in zones.q3_deg.iter().enumerate() {
+        for (c, q2) in zones.q2_deg.iter().enumerate() {
+            let percent = |map: &ZoneMap| Cell::Number(map[r][c].map(|v| 100.0 * v));
+            rows.push(vec![
+                (*q2).into(),
+                (*q3).into(),
+                zones.inverse_condition[r][c].into(),
+                percent(&zones.translation_deviation),
+                percent(&zones.rotation_deviation),
+            ]);
+        }
+    }
+    Table {
+        id: "zones".into(),
+        caption: "Dexterity and influence of K_C over joints 2 and 3.".into(),
+        headings: headings.map(String::from).to_vec(),
+        rows,
+    }
+}
