@@ -1,5 +1,9 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
+mod select;
+
+pub use select::{LoadArgs, OutputArgs, SelectArgs};
+
 use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use std::ffi::{OsStr, OsString};
@@ -61,9 +65,9 @@ pub enum Command {
     /// Check a cell: joints the load cannot excite, suspicious units, limits no posture meets
     #[command(after_help = examples::CHECK)]
     Check(CheckArgs),
-    /// Choose the postures to measure, under any index
+    /// Choose the postures to measure, the next ones, or those to leave out, under any index
     #[command(after_help = examples::SELECT)]
-    Select(SelectArgs),
+    Select(Box<SelectArgs>),
     /// All indices and expected errors of given postures, side by side for several files
     #[command(after_help = examples::EVALUATE)]
     Evaluate(EvaluateArgs),
@@ -148,42 +152,6 @@ pub struct EvaluateArgs {
     /// Posture files, one group each
     #[arg(required = true, value_name = "POSTURES.csv")]
     pub postures: Vec<String>,
-}
-
-#[derive(Debug, Args)]
-pub struct SelectArgs {
-    /// Cell file
-    pub cell: String,
-    /// Index to improve; `stiffarm evaluate` shows all of them
-    #[arg(long, value_name = "NAME", default_value = "expected-error")]
-    pub index: String,
-    /// Initial group to improve locally, as in the paper; without it, random starts
-    #[arg(long, value_name = "POSTURES.csv", conflicts_with_all = ["postures", "seed", "starts"])]
-    pub from: Option<String>,
-    /// Number of postures of a random start
-    #[arg(long, short = 'n', value_name = "N", default_value_t = 6, value_parser = count())]
-    pub postures: u64,
-    /// Seed of the random starts
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Random starts; the best result counts
-    #[arg(long, value_name = "K", default_value_t = 8, value_parser = count())]
-    pub starts: u64,
-    /// Iterations of the optimiser for each start
-    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u64).range(1..))]
-    pub max_iterations: u64,
-    /// Write the selected postures to this file
-    #[arg(long, value_name = "plan.csv")]
-    pub output: Option<String>,
-    /// Write a sheet for the readings, pre-filled per posture and measuring point
-    #[arg(long, value_name = "measurements.csv")]
-    pub sheet: Option<String>,
-    /// Load states of the sheet
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "sheet")]
-    pub states: Vec<String>,
-    /// Overwrite existing files
-    #[arg(long)]
-    pub force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -394,8 +362,14 @@ pub enum SchemaChoice {
     ResultCheck,
     /// Output of `evaluate --json`
     ResultEvaluate,
-    /// Output of `select --json`
+    /// Output of `select --json`: a plan
     ResultSelect,
+    /// Output of `select --drop --json`
+    ResultSelectDrop,
+    /// Output of `select --curve --json`
+    ResultSelectCurve,
+    /// Output of `select --space-filling --json`
+    ResultSelectSpaceFilling,
     /// Output of `simulate --json`
     ResultSimulate,
     /// Output of `identify --json`

@@ -11,8 +11,22 @@ pub const CHECK: &str = "Examples:
   $ stiffarm check
   $ stiffarm check cell.toml";
 pub const SELECT: &str = "Examples:
-  Six postures, the best of eight random starts:
-  $ stiffarm select cell.toml --output plan.csv --sheet readings.csv
+  Six postures and a sheet for the readings; a plan to keep takes no --rounds:
+  $ stiffarm select cell.toml --rounds 4 --output plan.csv --sheet readings.csv
+
+  The next best posture beside those of a plan, and the one least worth its time:
+  $ stiffarm select cell.toml --given plan.csv --add 1 --output next.csv
+  $ stiffarm select cell.toml --given plan.csv --drop
+
+  How many postures, and whether wrong assumptions would change the plan:
+  $ stiffarm select cell.toml --curve -n 4 --rounds 2 --output curve.csv
+  $ stiffarm select cell.toml -n 3 --rounds 1 --sensitivity --no-certificate
+
+  The anchor within 400 x 400 mm on the floor, together with the postures:
+  $ stiffarm select cell.toml --rounds 1 --anchor-box-mm 1600,-200,0,2000,200,0
+
+  Postures that cover the joint space evenly, as a baseline:
+  $ stiffarm select cell.toml --space-filling -n 15
 
   As in the paper, from an initial group under the novel index:
   $ stiffarm select builtin:comau --index novel --from builtin:comau-group1";

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use stiffarm::{Code, Error, Result};
 
 /// A place to write to that was checked beforehand.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub enum Target {
     /// Standard output.
     Stdout,

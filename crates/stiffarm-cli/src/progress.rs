@@ -13,6 +13,10 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// How often a shown bar moves.
 const TICK: Duration = Duration::from_millis(120);
 
+/// Work whose end is not known, and work that is counted.
+const SPINNER: &str = "{spinner} {msg} ({elapsed}, Ctrl-C stops with the best so far)";
+const COUNTED: &str = "{spinner} {msg} {bar:30} {pos}/{len} ({elapsed})";
+
 /// A progress bar that shows itself when the work takes long.
 pub struct Progress {
     bar: ProgressBar,
@@ -31,12 +35,7 @@ impl Progress {
                 _finished: None,
             };
         }
-        let spinner = ProgressStyle::with_template(
-            "{spinner} {msg} ({elapsed}, Ctrl-C stops with the best so far)",
-        );
-        if let Ok(style) = spinner {
-            bar.set_style(style);
-        }
+        set_style(&bar, SPINNER);
         let (sender, receiver) = channel::<()>();
         let shown = bar.clone();
         std::thread::spawn(move || {
@@ -55,19 +54,25 @@ impl Progress {
     pub fn report(&self, what: &str, done: usize, of: usize) {
         if self.bar.length() != Some(of as u64) {
             self.bar.set_length(of as u64);
-            if let Ok(style) =
-                ProgressStyle::with_template("{spinner} {msg} {bar:30} {pos}/{len} ({elapsed})")
-            {
-                self.bar.set_style(style);
-            }
+            set_style(&self.bar, COUNTED);
         }
-        if self.bar.message() != what {
+        if self.bar.message() == what {
+            // Finished out of order on several threads: never step back.
+            self.bar.set_position(self.bar.position().max(done as u64));
+        } else {
             // Another kind of work counts from the start.
-            self.bar.set_position(0);
             self.bar.set_message(what.to_string());
+            self.bar.set_position(done as u64);
         }
-        // Finished out of order on several threads: never step back.
-        self.bar.set_position(self.bar.position().max(done as u64));
+    }
+
+    /// Tells how work stands whose end is not known.
+    pub fn tell(&self, what: &str) {
+        if self.bar.length().is_some() {
+            self.bar.unset_length();
+            set_style(&self.bar, SPINNER);
+        }
+        self.bar.set_message(what.to_string());
     }
 
     /// Runs `work` with this bar and Ctrl-C.
@@ -79,6 +84,12 @@ impl Progress {
             stop: Some(&stop),
             progress: Some(&progress),
         })
+    }
+}
+
+fn set_style(bar: &ProgressBar, template: &str) {
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
     }
 }
 

@@ -43,6 +43,19 @@ impl Table {
         self.rows.push(fields.into_iter().map(Into::into).collect());
     }
 
+    /// Adds a column on the right of the rows there are.
+    pub fn column<'a>(
+        &mut self,
+        heading: &str,
+        align: Align,
+        fields: impl IntoIterator<Item = &'a str>,
+    ) {
+        self.headings.push((heading.to_string(), align));
+        for (row, field) in self.rows.iter_mut().zip(fields) {
+            row.push(field.to_string());
+        }
+    }
+
     fn width(&self, column: usize) -> usize {
         let fields = self
             .rows

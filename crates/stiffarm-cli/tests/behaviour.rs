@@ -10,19 +10,26 @@ use support::{Folder, command};
 fn equal_runs_are_equal_bytes_on_any_number_of_threads() {
     let folder = Folder::new();
     let lines = [
-        "select builtin:comau --starts 4 -n 5 --seed 3 --index d",
+        "select builtin:comau-reference -n 3 --rounds 2 --seed 3 --index d",
+        "select builtin:comau-reference -n 4 --rounds 1 --index novel",
+        "select builtin:comau-reference --given builtin:comau-group1 --add 2 --rounds 2",
+        "select builtin:comau-reference --curve -n 3 --rounds 1",
+        "select builtin:comau-reference -n 2 --rounds 1 --sensitivity --no-certificate",
+        "select builtin:comau -n 3 --rounds 1 --no-certificate --anchor-box-mm 1600,-200,0,2000,200,0",
         "simulate builtin:comau builtin:comau-group1 --runs 20 --levels 1,2 --seed 9",
     ];
     for line in lines {
         let one = folder.run(&format!("{line} --json --threads 1"));
-        let two = folder.run(&format!("{line} --json --threads 2"));
         assert_eq!(one.code, Some(0), "{}", one.out);
-        assert_eq!(one.out, two.out, "{line}");
-        assert_eq!((one.err.as_str(), two.err.as_str()), ("", ""));
+        for threads in [2, 4] {
+            let more = folder.run(&format!("{line} --json --threads {threads}"));
+            assert_eq!(one.out, more.out, "{line} --threads {threads}");
+            assert_eq!((one.err.as_str(), more.err.as_str()), ("", ""));
+        }
     }
     let seed = |seed: u32| {
         folder.ok(&format!(
-            "select builtin:comau --starts 1 -n 5 --seed {seed} --json"
+            "select builtin:comau --rounds 1 -n 5 --seed {seed} --no-certificate --json"
         ))
     };
     assert_ne!(seed(1), seed(2));
@@ -74,7 +81,7 @@ fn init_writes_all_or_nothing() {
 #[test]
 fn a_file_in_a_folder_that_does_not_exist_is_refused_before_the_work() {
     let folder = Folder::new();
-    let ran = folder.run("select builtin:comau --starts 100000 --output nowhere/plan.csv");
+    let ran = folder.run("select builtin:comau --rounds 100000 --output nowhere/plan.csv");
     assert_eq!(ran.code, Some(2));
     assert!(
         ran.err.contains("There is no folder nowhere"),
@@ -194,13 +201,14 @@ fn a_reader_that_has_gone_is_no_error() {
 #[test]
 fn ctrl_c_keeps_the_best_so_far() {
     let folder = Folder::new();
+    let line = "select builtin:comau --rounds 1000000 -n 3 --sensitivity --output plan.csv --json";
     let child = command(&folder.path(""))
-        .args("select builtin:comau --starts 1000000 -n 3 --max-iterations 20 --output plan.csv --json".split(' '))
+        .args(line.split(' '))
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // Some starts are over within this time; how many does not matter.
+    // Some rounds are over within this time; how many does not matter.
     std::thread::sleep(std::time::Duration::from_secs(2));
     let id = child.id().to_string();
     std::process::Command::new("kill")
@@ -215,8 +223,49 @@ fn ctrl_c_keeps_the_best_so_far() {
         String::from_utf8_lossy(&output.stderr)
     );
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(value["result"]["termination"], "interrupted");
+    let result = &value["result"];
+    assert_eq!(result["termination"], "interrupted");
     assert_eq!(folder.read("plan.csv").lines().count(), 4);
+    // What comes after the search is left out, and it says so.
+    assert!(result["certificate"].is_null() && result["sensitivity"].is_null());
+    assert_eq!(
+        result["certificate_missing"],
+        "stopped before the bound was found"
+    );
+    // The rounds that were completed repeat it, searched to the end.
+    let rounds = result["rounds"].as_u64().unwrap();
+    if rounds > 0 {
+        let again = folder.json(&format!(
+            "select builtin:comau --rounds {rounds} -n 3 --no-certificate"
+        ));
+        let (interrupted, repeated) = (
+            result["value"].as_f64().unwrap(),
+            again["result"]["value"].as_f64().unwrap(),
+        );
+        assert!(
+            repeated <= interrupted && repeated > 0.999 * interrupted,
+            "{repeated} {interrupted}"
+        );
+    }
+}
+
+#[test]
+fn a_time_limit_ends_the_search_and_its_rounds_repeat_it() {
+    let folder = Folder::new();
+    let line = "select builtin:comau-reference -n 4 --no-certificate";
+    let limited = folder.json(&format!("{line} --time-limit 0.5"));
+    assert_eq!(limited["result"]["termination"], "time_limit");
+    assert_eq!(limited["options"]["time_limit_s"], 0.5);
+    let rounds = limited["result"]["rounds"].as_u64().unwrap();
+    let repeated = folder.json(&format!("{line} --rounds {rounds}"));
+    for key in ["value", "postures_deg", "indices", "rounds"] {
+        assert_eq!(repeated["result"][key], limited["result"][key], "{key}");
+    }
+    let table = folder.ok(&format!("{line} --time-limit 0.01"));
+    assert!(
+        table.contains("the time was over; --rounds 1 repeats it"),
+        "{table}"
+    );
 }
 
 #[test]

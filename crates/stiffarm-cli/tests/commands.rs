@@ -108,48 +108,6 @@ fn evaluate_notes_postures_outside_bounds_and_limits() {
 }
 
 #[test]
-fn select_from_group_1() {
-    let folder = Folder::new();
-    let line = "select builtin:comau --index expected-error --from builtin:comau-group1 --output plan.csv --sheet sheet.csv";
-    assert_snapshot!(transcript(&folder, line));
-    assert_eq!(folder.names(), ["plan.csv", "sheet.csv"]);
-    // The plan is read back, and the sheet has a row per posture and point.
-    folder.ok("evaluate builtin:comau plan.csv");
-    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 6 * 4);
-}
-
-#[test]
-fn select_json() {
-    let folder = Folder::new();
-    let value = folder.json("select builtin:comau -n 4 --starts 3 --seed 7");
-    let result = &value["result"];
-    assert_eq!(result["index"], "expected_error");
-    assert_eq!(result["postures_deg"].as_array().unwrap().len(), 4);
-    assert_eq!(result["starts"], 3);
-    let starts = result["start_results"].as_array().unwrap();
-    let values: Vec<f64> = starts
-        .iter()
-        .map(|s| s["value"].as_f64().unwrap())
-        .collect();
-    let best = values.iter().copied().fold(f64::INFINITY, f64::min);
-    assert_eq!(result["value"].as_f64().unwrap(), best);
-    assert_eq!(value["seed"], 7);
-    assert_eq!(value["options"]["postures"], 4);
-}
-
-#[test]
-fn select_maximises_where_larger_is_better() {
-    let folder = Folder::new();
-    let value = folder.json("select builtin:comau --index o3 --starts 3 -n 3");
-    let starts = value["result"]["start_results"].as_array().unwrap();
-    let best = starts
-        .iter()
-        .filter_map(|s| s["value"].as_f64())
-        .fold(0.0, f64::max);
-    assert_eq!(value["result"]["value"].as_f64().unwrap(), best);
-}
-
-#[test]
 fn simulate() {
     let line = "simulate builtin:comau builtin:comau-group1 --levels 0.5,2 --runs 100 --seed 3";
     assert_snapshot!(transcript(&Folder::new(), line));
@@ -305,6 +263,26 @@ fn schemas_describe_what_the_commands_print() {
             "select builtin:comau --from builtin:comau-group1",
         ),
         (
+            "result-select",
+            "select builtin:comau -n 2 --rounds 1 --sensitivity --anchor-box-mm 1700,0,0,1800,0,0",
+        ),
+        (
+            "result-select",
+            "select builtin:comau --given builtin:comau-group1 --rounds 1",
+        ),
+        (
+            "result-select-drop",
+            "select builtin:comau --given builtin:comau-group1 --drop",
+        ),
+        (
+            "result-select-curve",
+            "select builtin:comau --curve -n 2 --rounds 1",
+        ),
+        (
+            "result-select-space-filling",
+            "select builtin:comau --space-filling",
+        ),
+        (
             "result-simulate",
             "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1",
         ),
@@ -327,7 +305,7 @@ fn schemas_describe_what_the_commands_print() {
     }
 }
 
-/// Every key that is printed is described, and every described key is printed.
+/// Every key that is printed is described, and every required key is printed.
 fn same_keys(
     root: &serde_json::Value,
     schema: &serde_json::Value,
@@ -357,7 +335,8 @@ fn same_keys(
                     .unwrap_or_else(|| panic!("{at}.{key} is not described"));
                 same_keys(root, described, value, &format!("{at}.{key}"));
             }
-            for key in properties.keys() {
+            let required = schema["required"].as_array().into_iter().flatten();
+            for key in required.filter_map(|key| key.as_str()) {
                 assert!(object.contains_key(key), "{at}.{key} is not printed");
             }
         }

@@ -22,7 +22,17 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::Cell => cell_schema(),
         SchemaChoice::ResultCheck => of::<check::Options, CellCheck>("check"),
         SchemaChoice::ResultEvaluate => of::<evaluate::Options, evaluate::Evaluated>("evaluate"),
-        SchemaChoice::ResultSelect => of::<select::Options, select::Selected>("select"),
+        SchemaChoice::ResultSelect => of::<select::plan::Options, select::plan::Plan>("select"),
+        SchemaChoice::ResultSelectDrop => {
+            of::<select::drop::Options, select::drop::DropResult>("select --drop")
+        }
+        SchemaChoice::ResultSelectCurve => {
+            of::<select::curve::Options, select::curve::Curve>("select --curve")
+        }
+        SchemaChoice::ResultSelectSpaceFilling => of::<
+            select::space_filling::Options,
+            select::space_filling::SpaceFilling,
+        >("select --space-filling"),
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
         SchemaChoice::ResultIdentify => of::<identify::Options, Identification>("identify"),
         SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),

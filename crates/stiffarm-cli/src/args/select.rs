@@ -1,0 +1,152 @@
+//! The command line of `stiffarm select`.
+
+use super::count;
+use clap::Args;
+use std::time::Duration;
+
+/// Most postures of one plan: more is a slip.
+const MOST_POSTURES: u64 = 1000;
+
+#[derive(Debug, Args)]
+pub struct SelectArgs {
+    /// Cell file
+    pub cell: String,
+    /// Index to improve; `stiffarm evaluate` shows all of them
+    #[arg(long, value_name = "NAME", default_value = "expected-error")]
+    pub index: String,
+    /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]
+    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_POSTURES),
+          conflicts_with_all = ["from", "given"])]
+    pub postures: Option<u64>,
+    /// The best value for every number of postures up to --postures, and what one more gains
+    #[arg(long, conflicts_with_all = ["from", "given", "sensitivity"])]
+    pub curve: bool,
+    /// Also say whether another prior stiffness, or errors of postures and tool points, would change the plan
+    #[arg(long)]
+    pub sensitivity: bool,
+    /// Do not compute how good any plan could be (for expected-error, d and task)
+    #[arg(long)]
+    pub no_certificate: bool,
+    /// Postures that cover the joint space evenly, without any index: a baseline to compare with
+    #[arg(long, conflicts_with_all = ["index", "curve", "sensitivity", "no_certificate", "from", "given", "rounds",
+          "time_limit", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
+    pub space_filling: bool,
+    /// Postures that are there already.
+    #[command(flatten)]
+    pub existing: ExistingArgs,
+    /// How long to search.
+    #[command(flatten)]
+    pub budget: BudgetArgs,
+    /// Load parameters to choose.
+    #[command(flatten)]
+    pub load: LoadArgs,
+    /// Files to write.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Postures that are there already.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Postures that are there already")]
+pub struct ExistingArgs {
+    /// Initial group to improve locally, as in the paper, instead of a global search
+    #[arg(long, value_name = "POSTURES.csv",
+          conflicts_with_all = ["given", "seed", "rounds", "time_limit", "no_certificate", "anchor_box_mm",
+                                "loading_point_box_mm", "largest_load_n"])]
+    pub from: Option<String>,
+    /// Iterations of the optimiser from the initial group [default: 2000]
+    #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_iterations: Option<u64>,
+    /// Postures measured or planned already: they stay as they are, and --add or --drop says what to do
+    #[arg(long, value_name = "POSTURES.csv", conflicts_with_all = ["sensitivity", "anchor_box_mm",
+          "loading_point_box_mm", "largest_load_n"])]
+    pub given: Option<String>,
+    /// Add the M postures that help most; --output and --sheet hold these alone, under new names [default: 1]
+    #[arg(long, value_name = "M", requires = "given", conflicts_with = "drop",
+          value_parser = clap::value_parser!(u64).range(1..=MOST_POSTURES))]
+    pub add: Option<u64>,
+    /// Leave out the K postures least worth their time; --output and --sheet hold those that stay [default: 1]
+    #[arg(long, value_name = "K", requires = "given", num_args = 0..=1, default_missing_value = "1",
+          conflicts_with_all = ["seed", "rounds", "time_limit", "no_certificate"], value_parser = count())]
+    pub drop: Option<u64>,
+}
+
+/// How long to search.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "How long to search (without these, until nothing improves)")]
+pub struct BudgetArgs {
+    /// Exactly N rounds; they give the same result on any number of threads
+    #[arg(long, value_name = "N", value_parser = count())]
+    pub rounds: Option<u64>,
+    /// End after the round in which this time is over (with --curve, for each number of postures)
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub time_limit: Option<Duration>,
+    /// Seed of the random numbers [default: 1]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+}
+
+/// Load parameters to choose together with the postures.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Choosing the load together with the postures")]
+pub struct LoadArgs {
+    /// Box for the rope's anchor: lowest, then highest corner, base axes [mm]
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true,
+          conflicts_with = "curve")]
+    pub anchor_box_mm: Option<[f64; 6]>,
+    /// Box for the loading point: lowest, then highest corner, flange axes [mm]
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true,
+          conflicts_with = "curve")]
+    pub loading_point_box_mm: Option<[f64; 6]>,
+    /// Largest force the rope or weight may have, instead of the cell's [N]
+    #[arg(long, value_name = "X", value_parser = force, allow_negative_numbers = true, conflicts_with = "curve")]
+    pub largest_load_n: Option<f64>,
+}
+
+/// Files to write.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OutputArgs {
+    /// Write the postures to this file; with --curve the curve as CSV
+    #[arg(long, value_name = "plan.csv")]
+    pub output: Option<String>,
+    /// Write a sheet for the readings, pre-filled per posture and measuring point
+    #[arg(long, value_name = "measurements.csv", conflicts_with = "curve")]
+    pub sheet: Option<String>,
+    /// Load states of the sheet
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "sheet")]
+    pub states: Vec<String>,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// A time above zero.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = above_zero(text)?;
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|_| "this is longer than anybody waits".to_string())
+}
+
+/// A force above zero.
+fn force(text: &str) -> Result<f64, String> {
+    above_zero(text)
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a number above zero is needed, with a point for decimals".to_string()),
+    }
+}
+
+/// Two corners of a box; whether they are in order is for the library to say.
+fn corners(text: &str) -> Result<[f64; 6], String> {
+    let wanted = "six numbers are needed: x,y,z of the lowest corner, then x,y,z of the highest";
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let numbers = numbers.map_err(|_| wanted.to_string())?;
+    if numbers.iter().any(|x: &f64| !x.is_finite()) {
+        return Err(wanted.to_string());
+    }
+    <[f64; 6]>::try_from(numbers).map_err(|_| wanted.to_string())
+}

@@ -1,0 +1,124 @@
+//! How good any plan of as many postures could be, in words and numbers.
+
+use super::{Job, postures_text, shown};
+use crate::numbers::significant;
+use crate::progress::Progress;
+use stiffarm::cell::Cell;
+use stiffarm::certificate::{
+    Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
+};
+use stiffarm::optimise::{Control, Termination};
+use stiffarm::posture::Posture;
+use stiffarm::{Code, Result};
+
+/// Searches behind the bound of each joint: fewer than behind the one of the
+/// index, or the six would take longer than the selection.
+const JOINT_SEARCHES: usize = 256;
+
+/// Bounds for a plan, as far as there are any.
+#[derive(Default)]
+pub struct Bounds {
+    /// The bound of the index.
+    pub certificate: Option<Certificate>,
+    /// Bounds joint by joint.
+    pub joints: Option<Vec<JointEfficiency>>,
+    /// Why there is no certificate, where the index has one.
+    pub missing: Option<String>,
+}
+
+/// Bounds for `postures` beside `given` ones. A bound that cannot be had is no
+/// fault of the plan: the reason is kept instead.
+pub fn bounds(
+    job: &Job<'_>,
+    cell: &Cell,
+    given: &[Posture],
+    postures: &[Posture],
+    progress: &Progress,
+    control: Control<'_>,
+) -> Bounds {
+    let mut found = Bounds::default();
+    if job.args.no_certificate {
+        return found;
+    }
+    progress.tell(&format!(
+        "bounding what {} can give",
+        postures_text(postures.len())
+    ));
+    let control = Control {
+        progress: None,
+        ..control
+    };
+    let options = CertificateOptions::default();
+    let certificate = certify_further(cell, job.index, given, postures, &options, control);
+    found.certificate = kept(certificate, control, &mut found.missing);
+    // The joints' bounds do not count what is measured already.
+    if found.certificate.is_some() && given.is_empty() && cell.prior.is_some() {
+        progress.tell("bounding what each joint can have");
+        let options = CertificateOptions {
+            samples: JOINT_SEARCHES,
+            ..options
+        };
+        let joints = joint_efficiencies(cell, postures, &options, control);
+        found.joints = kept(joints, control, &mut found.missing);
+    }
+    found
+}
+
+/// The result, unless it failed or was stopped on the way.
+fn kept<T>(result: Result<T>, control: Control<'_>, missing: &mut Option<String>) -> Option<T> {
+    if control.stopped() {
+        *missing = Some("stopped before the bound was found".to_string());
+        return None;
+    }
+    match result {
+        Ok(value) => Some(value),
+        // This index has no bound: nothing is missing.
+        Err(error) if error.code() == Code::Unsupported => None,
+        Err(error) => {
+            *missing = Some(error.message().trim_end_matches('.').to_string());
+            None
+        }
+    }
+}
+
+/// The certificate as one plain sentence.
+pub fn sentence(found: &Certificate, chosen_load: bool) -> String {
+    let count = found.posture_count;
+    let bound = shown(found.index, found.bound);
+    let noun = if count == 1 { "posture" } else { "postures" };
+    let load = if chosen_load { " with this load" } else { "" };
+    let index = found.index.as_str();
+    let mut out = match found.measured_count {
+        0 => format!("certificate: no {count} {noun}{load} can have {index} below {bound}; "),
+        _ => format!("certificate: no {count} further {noun} can bring {index} below {bound}; "),
+    };
+    out += &match found.efficiency {
+        Some(efficiency) => format!("this plan is {} efficient", efficient(efficiency)),
+        None if found.outside.is_empty() => "this plan has no value".to_string(),
+        None => {
+            let outside: Vec<String> = found.outside.iter().map(ToString::to_string).collect();
+            format!(
+                "nothing is said of this plan, for its posture {} lies outside bounds or limits",
+                outside.join(", ")
+            )
+        }
+    };
+    out += &format!(
+        " (equivalence residual {}{}; the bound rests on {} searches for a posture that helps more, {} of which \
+         ended at the same best)\n",
+        significant(found.residual, 2),
+        match found.termination {
+            Termination::Converged => "",
+            _ => ", not converged",
+        },
+        found.verification.searches,
+        found.verification.agreeing
+    );
+    out
+}
+
+/// An efficiency in percent; never rounded up to all there is.
+pub fn efficient(efficiency: f64) -> String {
+    let tenths = (efficiency * 1e3).floor() / 10.0;
+    format!("{tenths:.1} %")
+}

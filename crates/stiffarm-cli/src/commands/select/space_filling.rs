@@ -1,0 +1,94 @@
+//! `--space-filling`: postures that cover the joint space evenly, as a baseline.
+
+use super::plan::POSTURES;
+use super::{Job, Mode, to_usize};
+use crate::commands::{evaluate, posture_table};
+use crate::numbers::{coarse_mm, significant};
+use crate::table::title;
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::Result;
+use stiffarm::index::{GroupEvaluation, evaluate as evaluate_group};
+use stiffarm::posture::PostureGroup;
+use stiffarm::select::{smallest_distance, smallest_margin, space_filling};
+use stiffarm::units::rad_to_shortest_deg;
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// `space_filling`.
+    pub mode: Mode,
+    /// Number of postures.
+    pub postures: usize,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// Evenly spread postures with what they are worth.
+#[derive(Serialize, JsonSchema)]
+pub struct SpaceFilling {
+    /// Selected postures, controller angles \[deg\].
+    pub postures_deg: Vec<Vec<f64>>,
+    /// Names of the selected postures, in the order of `postures_deg`.
+    pub posture_names: Vec<String>,
+    /// Smallest distance of two postures, relative to the joints' ranges: 0 to
+    /// the root of their number; `null` for one posture.
+    pub smallest_distance: Option<f64>,
+    /// Smallest margin to a limit of the cell \[m\], `null` without limits.
+    pub smallest_margin_m: Option<f64>,
+    /// Every index and expected deviation of the postures.
+    pub evaluation: GroupEvaluation,
+}
+
+/// Spreads the postures and writes plan and sheet.
+pub(super) fn run(job: &Job<'_>) -> Result<()> {
+    let cell = job.cell();
+    let count = to_usize(job.args.postures.unwrap_or(POSTURES));
+    let angles = space_filling(cell, count, job.seed())?;
+    let group = PostureGroup::from_angles("space-filling", angles);
+    let result = SpaceFilling {
+        postures_deg: group
+            .postures
+            .iter()
+            .map(|p| p.q.iter().map(|q| rad_to_shortest_deg(*q)).collect())
+            .collect(),
+        posture_names: group.postures.iter().map(|p| p.name.clone()).collect(),
+        smallest_distance: smallest_distance(&cell.bounds, &group.postures),
+        smallest_margin_m: smallest_margin(cell, &group.postures)?,
+        evaluation: evaluate_group(cell, &group.name, &group.postures)?,
+    };
+    job.outputs
+        .write_postures(job.session, cell, &group.postures)?;
+    let options = Options {
+        mode: Mode::SpaceFilling,
+        postures: count,
+        characteristic_length_m: cell.characteristic_length,
+    };
+    let envelope = job
+        .session
+        .envelope("select", Some(job.seed()), options, &result);
+    job.show(&envelope, || table(job, &group, &result))
+}
+
+fn table(job: &Job<'_>, group: &PostureGroup, result: &SpaceFilling) -> String {
+    let cell = job.cell();
+    let evaluations = std::slice::from_ref(&result.evaluation);
+    let mut out = job.heading();
+    out += &evaluate::undetermined(evaluations);
+    if let Some(distance) = result.smallest_distance {
+        out += &format!(
+            "smallest distance of two postures: {} of the joints' ranges (root of the sum of squares)\n",
+            significant(distance, 3)
+        );
+    }
+    if let Some(margin) = result.smallest_margin_m {
+        out += &format!(
+            "smallest margin to the cell's limits: {} mm\n",
+            coarse_mm(margin.max(0.0))
+        );
+    }
+    out += &title("Postures");
+    out += &posture_table(cell, &group.postures).to_string();
+    let names = vec![group.postures.iter().map(|p| p.name.as_str()).collect()];
+    out + &evaluate::tables(cell, evaluations, &names)
+}

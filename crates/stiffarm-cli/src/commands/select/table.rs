@@ -1,0 +1,208 @@
+//! A plan as people read it.
+
+use super::certificate::{efficient, sentence};
+use super::plan::Planned;
+use super::{Job, load, postures_text, sensitivity, shown};
+use crate::commands::evaluate::undetermined;
+use crate::commands::{posture_remarks, posture_table};
+use crate::numbers::{coarse_mm, optional_percent, percent, significant};
+use crate::table::{Align, Table, title, yellow};
+use stiffarm::index::{GroupEvaluation, expected_deviation};
+use stiffarm::optimise::Termination;
+use stiffarm::posture::Posture;
+use stiffarm::select::Selection;
+
+/// k(J_N) above which a posture counts as near a singularity.
+const NEAR_SINGULAR: f64 = 50.0;
+
+/// The whole table.
+pub fn plan(job: &Job<'_>, planned: &Planned<'_>) -> String {
+    let plan = planned.plan;
+    let selection = &plan.selection;
+    let mut out = job.heading();
+    out += &undetermined(std::slice::from_ref(planned.after));
+    out += &index_line(job, planned);
+    out += &rounds_line(job, selection);
+    if let Some(certificate) = &plan.certificate {
+        out += &sentence(certificate, selection.load.is_some());
+    }
+    if let Some(why) = &plan.certificate_missing {
+        let what = if plan.certificate.is_some() {
+            "bounds of the joints"
+        } else {
+            "certificate"
+        };
+        out += &format!("{what}: none; {why}\n");
+    }
+    out += &remarks(planned);
+    if let Some(chosen) = &selection.load {
+        out += &title("Load chosen with the postures");
+        out +=
+            "the plan holds for this load: put these lines into cell.toml before anything else\n";
+        out += &load::lines(planned.design, chosen);
+    }
+    out += &title("Postures");
+    out += &postures(job, planned);
+    if planned.cell.prior.is_some() {
+        out += &deviations(planned);
+    }
+    match &plan.sensitivity {
+        Some(found) => out += &sensitivity::table(found),
+        None if job.args.sensitivity => out += "\nsensitivity: stopped before it was known\n",
+        None => {}
+    }
+    out
+}
+
+/// The index, what it was before, and why a local search ended.
+fn index_line(job: &Job<'_>, planned: &Planned<'_>) -> String {
+    let selection = &planned.plan.selection;
+    let index = selection.index;
+    let mut out = format!(
+        "index: {} = {}",
+        index.as_str(),
+        shown(index, selection.value)
+    );
+    if !planned.given.is_empty() {
+        let given = postures_text(planned.given.len());
+        out += &match planned.plan.given_value {
+            Some(value) => format!(
+                " with the new ones, {} with the {given} given",
+                shown(index, value)
+            ),
+            None => format!(" with the new ones; the {given} given cannot determine every joint"),
+        };
+    } else if job.args.existing.from.is_some() {
+        if let Some(value) = selection.start_value {
+            out += &format!(", from {} at the initial group", shown(index, value));
+        }
+        out += &format!(" ({})", selection.termination.describe());
+    }
+    out + "\n"
+}
+
+/// How a global search went, and how to have the same result again.
+fn rounds_line(job: &Job<'_>, selection: &Selection) -> String {
+    let Some(rounds) = selection.rounds else {
+        return String::new();
+    };
+    let searched = match rounds {
+        1 => "1 round".to_string(),
+        _ => format!("{rounds} rounds"),
+    };
+    let again = match rounds {
+        0 => "stopped in the first round, which cannot be repeated".to_string(),
+        _ => format!("--rounds {rounds} repeats it"),
+    };
+    let ended = match selection.termination {
+        Termination::Converged => "nothing improved any more".to_string(),
+        Termination::TimeLimit => format!("the time was over; {again}"),
+        Termination::Interrupted => format!("interrupted; {again}"),
+        _ if job.args.budget.rounds.is_some() => "as asked for".to_string(),
+        _ => "the most without --rounds; more may find a better plan".to_string(),
+    };
+    format!(
+        "search: {searched}, {} local searches; {ended}\n",
+        selection.starts
+    )
+}
+
+/// What to know before driving to the postures.
+fn remarks(planned: &Planned<'_>) -> String {
+    let cell = planned.cell;
+    let mut out = String::new();
+    if let Some(margin) = planned.plan.selection.smallest_margin_m {
+        out += &format!(
+            "smallest margin to the cell's limits: {} mm\n",
+            coarse_mm(margin.max(0.0))
+        );
+    }
+    if cell.setup.robot.limits_are_unknown() {
+        out += "the machine's limits are not known (±360° stand in): compare the postures with the machine before driving them\n";
+    }
+    for remark in posture_remarks(cell, planned.given) {
+        out += &format!("{}: given {remark}\n", yellow("note"));
+    }
+    let selected_k = planned.after.k_jn.iter().skip(planned.given.len());
+    for (posture, k) in planned.selected.iter().zip(selected_k) {
+        if cell.characteristic_length.is_some() && k.is_none_or(|k| k > NEAR_SINGULAR) {
+            let k = k.map_or_else(
+                || "is infinite".to_string(),
+                |k| format!("is {}", significant(k, 3)),
+            );
+            out += &format!(
+                "{}: posture {} is close to a singularity, k(J_N) {k}: harmless to the identification, but move \
+                 there joint by joint\n",
+                yellow("note"),
+                posture.name
+            );
+        }
+    }
+    out
+}
+
+/// The postures; beside given ones, which are which.
+fn postures(job: &Job<'_>, planned: &Planned<'_>) -> String {
+    if planned.given.is_empty() {
+        return posture_table(planned.cell, planned.selected).to_string();
+    }
+    let all: Vec<Posture> = planned
+        .given
+        .iter()
+        .chain(planned.selected)
+        .cloned()
+        .collect();
+    let marks = std::iter::repeat_n("given", planned.given.len())
+        .chain(std::iter::repeat_n("new", planned.selected.len()));
+    let mut table = posture_table(planned.cell, &all);
+    table.column("", Align::Left, marks);
+    let mut out = table.to_string();
+    if job.args.output.output.is_some() || job.args.output.sheet.is_some() {
+        out += "the files hold the new postures only\n";
+    }
+    out
+}
+
+/// Expected deviation of each joint, beside the least that is possible.
+fn deviations(planned: &Planned<'_>) -> String {
+    let mut out = title("Expected deviation |k̂ − k|/k of the identified stiffness [%]");
+    let columns: Vec<&GroupEvaluation> =
+        planned.before.into_iter().chain([planned.after]).collect();
+    let bounds = planned.plan.joint_efficiencies.as_deref();
+    let mut headings = vec!["joint".to_string()];
+    headings.extend(columns.iter().map(|e| e.name.clone()));
+    if bounds.is_some() {
+        headings.push(format!("best any {} could do", planned.selected.len()));
+        headings.push("efficiency".to_string());
+    }
+    let mut table = Table::new(headings);
+    for (j, name) in planned
+        .cell
+        .setup
+        .robot
+        .spring_names()
+        .into_iter()
+        .enumerate()
+    {
+        let mut row = vec![name];
+        row.extend(
+            columns
+                .iter()
+                .map(|e| optional_percent(e.expected_deviation[j])),
+        );
+        if let Some(bound) = bounds.and_then(|bounds| bounds.get(j)) {
+            row.push(percent(expected_deviation(bound.bound)));
+            row.push(bound.efficiency.map_or_else(|| "-".to_string(), efficient));
+        }
+        table.row(row);
+    }
+    let means = columns
+        .iter()
+        .map(|e| optional_percent(e.mean_expected_deviation()));
+    table.row(std::iter::once("mean".to_string()).chain(means));
+    out += &table.to_string();
+    if bounds.is_some() {
+        out += "each joint's best is for a plan that serves this joint alone\n";
+    }
+    out
+}
