@@ -177,6 +177,8 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
     assert_eq!(cut.termination, Termination::Interrupted);
     let completed = cut.rounds.unwrap();
     assert!((1..1_000).contains(&completed));
+    let again = select(&cell, Index::ExpectedError, 6, &rounds(1, completed));
+    assert_eq!(cut.group, again.group);
     let stop = || true;
     let control = Control {
         stop: Some(&stop),

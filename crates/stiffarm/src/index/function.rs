@@ -13,55 +13,13 @@
 
 use super::Index;
 use super::criterion::{Criterion, Value};
+use super::inputs::{Given, common_weight, criterion, relative_compliance};
 use super::kernel::{Kernel, Wanted};
-use crate::cell::{Cell, task_matrix};
+use super::minimax::{Minimax, Smoothed};
+use crate::cell::Cell;
 use crate::error::Result;
 use crate::information::small::packed;
 use crate::observation::check_angles;
-
-/// ln of an index at one group, split into a smooth part and components.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Minimax {
-    /// Smooth part; infinite where the index does not exist.
-    pub smooth: f64,
-    /// The same without the smoothing of coalescing singular values
-    /// ([`IndexFunction::set_sharpness`]); equal to `smooth` without smoothing.
-    pub exact: f64,
-    /// Its gradient with respect to all q, posture by posture \[1/rad\].
-    pub smooth_gradient: Vec<f64>,
-    /// Components; the index is `exp(smooth + max(components))`, and
-    /// `exp(smooth)` without components.
-    pub components: Vec<f64>,
-    /// Gradients of the components, row by row \[1/rad\].
-    pub component_gradients: Vec<f64>,
-}
-
-impl Minimax {
-    /// ln of the index (of its reciprocal for O1 to O5).
-    pub fn value(&self) -> f64 {
-        let largest = self.components.iter().copied().reduce(f64::max);
-        self.exact + largest.unwrap_or(0.0)
-    }
-}
-
-/// ln of an index at one group, as one smooth function and exactly.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Smoothed {
-    /// Smoothed value, plus the penalty of the limits where they are watched.
-    pub objective: f64,
-    /// The index itself: no smoothing, no penalty.
-    pub exact: f64,
-}
-
-/// Postures that are measured whatever the search does.
-#[derive(Debug, Clone)]
-struct Given {
-    count: usize,
-    /// Their information, packed, one after the other.
-    each: Vec<f64>,
-    /// Largest ln k(J_N) of them.
-    log_dexterity: f64,
-}
 
 /// An index of groups of a fixed number of postures, ready to be evaluated
 /// many times at the flat vector of all controller angles \[rad\].
@@ -150,7 +108,7 @@ impl IndexFunction {
         for q in given {
             check_angles(&setup.robot, q.as_ref())?;
         }
-        let given = fixed_postures(cell, wanted, given)?;
+        let given = Given::new(cell, wanted, given)?;
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + given.count;
         let log_factor = match index {
@@ -500,67 +458,4 @@ impl IndexFunction {
     pub(crate) fn kernel_mut(&mut self) -> &mut Kernel {
         &mut self.kernel
     }
-}
-
-/// Compliances that the information is measured in: 1/k per spring, ones where
-/// the index has no prior.
-pub(crate) fn relative_compliance(cell: &Cell, index: Index) -> Result<Vec<f64>> {
-    if index.needs_prior() {
-        Ok(cell.require_prior()?.iter().map(|k| 1.0 / k).collect())
-    } else {
-        Ok(vec![1.0; cell.setup.robot.spring_count()])
-    }
-}
-
-/// The index of an information matrix, with the cell's tasks where it needs them.
-///
-/// # Errors
-/// The index needs tasks and the cell has none.
-pub(crate) fn criterion(cell: &Cell, index: Index) -> Result<Criterion> {
-    let task = match index.needs_tasks() {
-        // Symmetric, so the order of rows and columns does not matter.
-        true => Some(task_matrix(cell)?.as_slice().to_vec()),
-        false => None,
-    };
-    Ok(Criterion::new(index, cell.setup.robot.spring_count(), task))
-}
-
-/// Weight of the posture-common shift in the information of an index.
-pub(crate) fn common_weight(cell: &Cell, index: Index) -> f64 {
-    match index {
-        Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task => {
-            cell.noise.common_weight(cell.setup.tool.point_count())
-        }
-        _ => 0.0,
-    }
-}
-
-fn fixed_postures<Q: AsRef<[f64]>>(cell: &Cell, wanted: Wanted<'_>, given: &[Q]) -> Result<Given> {
-    let mut fixed = Given {
-        count: given.len(),
-        each: Vec::new(),
-        log_dexterity: f64::NEG_INFINITY,
-    };
-    if given.is_empty() {
-        return Ok(fixed);
-    }
-    let mut kernel = Kernel::new(
-        cell,
-        Wanted {
-            limits: false,
-            ..wanted
-        },
-        given.len(),
-    )?;
-    let q: Vec<f64> = given.iter().flat_map(|q| q.as_ref().to_vec()).collect();
-    kernel.forward(&q);
-    for p in 0..given.len() {
-        if wanted.information.is_some() {
-            fixed.each.extend(kernel.information(p));
-        }
-        if wanted.dexterity.is_some() {
-            fixed.log_dexterity = fixed.log_dexterity.max(kernel.log_dexterity(p));
-        }
-    }
-    Ok(fixed)
 }

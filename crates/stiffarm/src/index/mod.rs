@@ -4,13 +4,16 @@ pub(crate) mod criterion;
 pub mod dexterity;
 mod error_bound;
 mod evaluate;
-pub(crate) mod function;
+mod function;
+pub(crate) mod inputs;
 pub(crate) mod kernel;
+mod minimax;
 
 pub use error_bound::{ErrorBound, error_bound};
 pub use evaluate::expected_deviation;
 pub use evaluate::{GroupEvaluation, Indices, evaluate};
-pub use function::{IndexFunction, Minimax, Smoothed};
+pub use function::IndexFunction;
+pub use minimax::{Minimax, Smoothed};
 
 use crate::error::{Code, Error, Result, did_you_mean};
 use serde::{Deserialize, Serialize};

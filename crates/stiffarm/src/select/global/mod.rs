@@ -8,15 +8,15 @@
 mod exchange;
 mod island;
 mod local;
+mod options;
 mod polish;
 mod pool;
 
-use super::load_design::LoadDesign;
 use super::{Selection, StartKind, no_result, smallest_margin};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::index::function::{common_weight, criterion, relative_compliance};
-use crate::index::kernel::{Kernel, Wanted};
+use crate::index::inputs::{Given, common_weight, criterion, relative_compliance};
+use crate::index::kernel::Wanted;
 use crate::index::{Index, evaluate};
 use crate::observation::check_angles;
 use crate::optimise::{Control, Termination};
@@ -25,8 +25,10 @@ use crate::units::rad_to_shortest_deg;
 use exchange::Base;
 use island::Island;
 use local::{Effort, Local};
+use options::Schedule;
+pub use options::{GlobalOptions, RoundReport};
 use pool::Pool;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Chains; a number that divides well among the cores of a workshop computer.
 const CHAINS: usize = 16;
@@ -41,74 +43,6 @@ const LEAST: f64 = 1e-6;
 struct Plan {
     x: Vec<f64>,
     value: f64,
-}
-
-/// What a global selection may use and how long it may go on.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GlobalOptions {
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Rounds of the search; `None` goes on until several rounds brought
-    /// nothing, or a largest number of them that depends on index and postures.
-    pub rounds: Option<u64>,
-    /// Ends after the round in which this time is over. Results then depend on
-    /// the machine; the rounds completed reproduce them.
-    pub time_limit: Option<Duration>,
-    /// Load parameters to choose together with the postures.
-    pub load: LoadDesign,
-}
-
-impl Default for GlobalOptions {
-    fn default() -> Self {
-        GlobalOptions {
-            seed: 1,
-            rounds: None,
-            time_limit: None,
-            load: LoadDesign::default(),
-        }
-    }
-}
-
-/// How a search stands after a round.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoundReport {
-    /// Rounds completed.
-    pub rounds: u64,
-    /// Evaluations of the index with its gradient so far.
-    pub evaluations: u64,
-    /// Best value of the index so far, before the final polish.
-    pub value: Option<f64>,
-}
-
-/// Local searches of each chain and round, and how many rounds to go on.
-struct Schedule {
-    tries: usize,
-    rounds: u64,
-    patience: u64,
-}
-
-impl Schedule {
-    fn new(index: Index, count: usize) -> Self {
-        // Indices with kinks have many local minima, the others few.
-        let rugged = !matches!(
-            index,
-            Index::ExpectedError | Index::D | Index::O1 | Index::Task | Index::O5
-        );
-        let (rounds, patience) = match rugged {
-            true => (48, 16),
-            false => (40, 8),
-        };
-        let large = count > 12;
-        Schedule {
-            tries: match (rugged, large) {
-                (true, false) => 6,
-                (false, false) => 3,
-                (_, true) => 1,
-            },
-            rounds: if large { rounds / 2 } else { rounds },
-            patience: if large { patience.min(8) } else { patience },
-        }
-    }
 }
 
 /// Selects `count` postures beside the `given` ones (controller angles, rad;
@@ -162,7 +96,7 @@ pub fn select_watched<Q: AsRef<[f64]> + Sync>(
     let prepared = options.load.prepare(cell)?;
     let mut search = Global::new(&prepared, index, count, given, options)?;
     let termination = search.rounds(control, watch)?;
-    search.finish(given, termination, control)
+    search.finish(given, termination)
 }
 
 struct Global<'a> {
@@ -339,7 +273,6 @@ impl<'a> Global<'a> {
         mut self,
         given: &[Q],
         termination: Termination,
-        control: Control<'_>,
     ) -> Result<Selection> {
         let n = self.cell.setup.robot.joint_count();
         let Some(best) = self.best.take() else {
@@ -353,9 +286,10 @@ impl<'a> Global<'a> {
         let mut iterations = 0;
         let mut stationarity = None;
         let mut evaluations = self.evaluations();
-        if self.options.load.is_empty() {
-            let (polished, solution) =
-                polish::polish(self.cell, self.index, plan, n, given, control)?;
+        // The polish takes a second at most and belongs to the result of the
+        // completed rounds; without any there is nothing to reproduce.
+        if self.options.load.is_empty() && self.completed > 0 {
+            let (polished, solution) = polish::polish(self.cell, self.index, plan, n, given)?;
             plan = polished;
             if let Some(solution) = solution {
                 evaluations += solution.evaluations;
@@ -435,7 +369,7 @@ impl<'a> Global<'a> {
     }
 }
 
-/// Information and k(J_N) of the given postures.
+/// Information and k(J_N) of the given postures together.
 fn base<Q: AsRef<[f64]>>(
     cell: &Cell,
     index: Index,
@@ -447,21 +381,16 @@ fn base<Q: AsRef<[f64]>>(
         Some(_) => springs * (springs + 1) / 2,
         None => 0,
     };
-    let mut base = Base {
-        information: vec![0.0; size],
-        log_dexterity: f64::NEG_INFINITY,
-        uses_dexterity: index.uses_dexterity(),
-    };
-    if !given.is_empty() {
-        let mut kernel = Kernel::new(cell, wanted, given.len())?;
-        let q: Vec<f64> = given.iter().flat_map(|q| q.as_ref().to_vec()).collect();
-        kernel.forward(&q);
-        kernel.add_information(&mut base.information);
-        if base.uses_dexterity {
-            base.log_dexterity = (0..given.len())
-                .map(|p| kernel.log_dexterity(p))
-                .fold(f64::NEG_INFINITY, f64::max);
+    let given = Given::new(cell, wanted, given)?;
+    let mut information = vec![0.0; size];
+    for each in given.each.chunks_exact(size.max(1)) {
+        for (sum, v) in information.iter_mut().zip(each) {
+            *sum += v;
         }
     }
-    Ok(base)
+    Ok(Base {
+        information,
+        log_dexterity: given.log_dexterity,
+        uses_dexterity: index.uses_dexterity(),
+    })
 }

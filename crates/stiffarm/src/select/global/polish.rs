@@ -22,9 +22,8 @@ pub(super) fn polish<Q: AsRef<[f64]>>(
     plan: Plan,
     joints: usize,
     given: &[Q],
-    control: Control<'_>,
 ) -> Result<(Plan, Option<Solution>)> {
-    if plan.x.len() > MOST_VARIABLES || control.stopped() {
+    if plan.x.len() > MOST_VARIABLES {
         return Ok((plan, None));
     }
     let search = Search::new(cell, index, plan.x.len() / joints, given)?;
@@ -32,7 +31,7 @@ pub(super) fn polish<Q: AsRef<[f64]>>(
         max_iterations: MAX_ITERATIONS,
         ..Options::default()
     };
-    let solution = search.run_sharp(plan.x.clone(), options, control)?;
+    let solution = search.run_sharp(plan.x.clone(), options, Control::default())?;
     let better = solution.merit < plan.value;
     let polished = Plan {
         x: solution.x.clone(),

@@ -1,0 +1,35 @@
+//! Values of an index with its gradients.
+
+/// ln of an index at one group, split into a smooth part and components.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Minimax {
+    /// Smooth part; infinite where the index does not exist.
+    pub smooth: f64,
+    /// The same without the smoothing of coalescing singular values
+    /// ([`IndexFunction::set_sharpness`]); equal to `smooth` without smoothing.
+    pub exact: f64,
+    /// Its gradient with respect to all q, posture by posture \[1/rad\].
+    pub smooth_gradient: Vec<f64>,
+    /// Components; the index is `exp(smooth + max(components))`, and
+    /// `exp(smooth)` without components.
+    pub components: Vec<f64>,
+    /// Gradients of the components, row by row \[1/rad\].
+    pub component_gradients: Vec<f64>,
+}
+
+impl Minimax {
+    /// ln of the index (of its reciprocal for O1 to O5).
+    pub fn value(&self) -> f64 {
+        let largest = self.components.iter().copied().reduce(f64::max);
+        self.exact + largest.unwrap_or(0.0)
+    }
+}
+
+/// ln of an index at one group, as one smooth function and exactly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothed {
+    /// Smoothed value, plus the penalty of the limits where they are watched.
+    pub objective: f64,
+    /// The index itself: no smoothing, no penalty.
+    pub exact: f64,
+}
