@@ -6,7 +6,7 @@ pub struct Minimax {
     /// Smooth part; infinite where the index does not exist.
     pub smooth: f64,
     /// The same without the smoothing of coalescing singular values
-    /// ([`IndexFunction::set_sharpness`]); equal to `smooth` without smoothing.
+    /// ([`set_sharpness`](super::IndexFunction::set_sharpness)); equal to `smooth` without smoothing.
     pub exact: f64,
     /// Its gradient with respect to all q, posture by posture \[1/rad\].
     pub smooth_gradient: Vec<f64>,
