@@ -235,11 +235,13 @@ impl<'a> Global<'a> {
                 .reduce(|| true, |a, b| a && b)
         }
         #[cfg(not(feature = "parallel"))]
-        islands
-            .iter_mut()
-            .enumerate()
-            .map(work)
-            .fold(true, |a, b| a && b)
+        {
+            let mut complete = true;
+            for each in islands.iter_mut().enumerate() {
+                complete &= work(each);
+            }
+            complete
+        }
     }
 
     /// Takes the best of all chains, and from time to time puts the worst
