@@ -37,7 +37,7 @@ pub fn posture_information(block: &DMatrix<f64>, common_weight: f64) -> DMatrix<
 }
 
 /// Sum of the rows x, y, z over the measuring points, 3 × n.
-pub(crate) fn point_sums(block: &DMatrix<f64>) -> DMatrix<f64> {
+fn point_sums(block: &DMatrix<f64>) -> DMatrix<f64> {
     let mut sums = DMatrix::zeros(3, block.ncols());
     for a in 0..block.nrows() / 3 {
         sums += block.rows(3 * a, 3);

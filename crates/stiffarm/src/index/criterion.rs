@@ -65,6 +65,11 @@ impl Criterion {
         }
     }
 
+    /// Number of entries of a packed M.
+    pub fn triangle(&self) -> usize {
+        self.lower.len()
+    }
+
     /// Value at M (packed), without the derivative.
     pub fn value(&mut self, m: &[f64]) -> f64 {
         match self.index {

@@ -13,8 +13,8 @@
 
 use super::Index;
 use super::criterion::{Criterion, Value};
-use super::inputs::{Given, common_weight, criterion, relative_compliance};
-use super::kernel::{Kernel, Wanted};
+use super::inputs::{Given, Inputs, criterion};
+use super::kernel::Kernel;
 use super::minimax::{Minimax, Smoothed};
 use crate::cell::Cell;
 use crate::error::Result;
@@ -85,26 +85,9 @@ impl IndexFunction {
         limits: bool,
     ) -> Result<Self> {
         let setup = &cell.setup;
-        let dexterity = match index.uses_dexterity() {
-            true => {
-                super::dexterity::require_six_joints(&setup.robot).map_err(|error| {
-                    error.hint(
-                        "choose an index without dexterity: expected_error, scaled_condition, d",
-                    )
-                })?;
-                Some(cell.require_characteristic_length()?)
-            }
-            false => None,
-        };
         let n = setup.robot.spring_count();
-        let compliance = relative_compliance(cell, index)?;
-        let wanted = Wanted {
-            dexterity,
-            information: index
-                .uses_observation()
-                .then(|| (compliance.as_slice(), common_weight(cell, index))),
-            limits,
-        };
+        let inputs = Inputs::new(cell, index)?;
+        let wanted = inputs.wanted(limits);
         for q in given {
             check_angles(&setup.robot, q.as_ref())?;
         }
@@ -112,7 +95,7 @@ impl IndexFunction {
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + given.count;
         let log_factor = match index {
-            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task => {
+            index if index.is_error() => {
                 let std = cell.noise.displacement_std();
                 std.max(f64::MIN_POSITIVE).ln()
             }
@@ -182,7 +165,7 @@ impl IndexFunction {
                 free + usize::from(self.given.count > 0)
             }
             Index::DropOne => free + self.given.count,
-            Index::WorstJoint => self.criterion_size(),
+            Index::WorstJoint => self.kernel.joint_count(),
             _ => 0,
         }
     }
@@ -379,11 +362,7 @@ impl IndexFunction {
         }
         let size = self.total.len();
         self.total.fill(0.0);
-        for each in self.given.each.chunks_exact(size) {
-            for (sum, v) in self.total.iter_mut().zip(each) {
-                *sum += v;
-            }
-        }
+        self.given.add_information(&mut self.total);
         self.kernel.add_information(&mut self.total);
         let constant = Value {
             smooth: self.log_factor,
@@ -445,8 +424,9 @@ impl IndexFunction {
         largest.unwrap_or(0.0)
     }
 
-    fn criterion_size(&self) -> usize {
-        self.kernel.joint_count()
+    /// The given postures.
+    pub(crate) fn given(&self) -> &Given {
+        &self.given
     }
 
     /// The kernel, for its limits and load.

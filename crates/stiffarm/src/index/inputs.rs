@@ -3,9 +3,65 @@
 
 use super::Index;
 use super::criterion::Criterion;
+use super::dexterity::require_six_joints;
 use super::kernel::{Kernel, Wanted};
 use crate::cell::{Cell, task_matrix};
 use crate::error::Result;
+
+/// What an index asks of a posture: units, weights, characteristic length.
+#[derive(Debug, Clone)]
+pub(crate) struct Inputs {
+    dexterity: Option<f64>,
+    /// 1/k per spring, ones where the index has no prior, and the weight of
+    /// the posture-common shift.
+    information: Option<(Vec<f64>, f64)>,
+}
+
+impl Inputs {
+    /// Collects what `index` needs.
+    ///
+    /// # Errors
+    /// The cell lacks it: a prior stiffness, six joints, or the characteristic
+    /// length.
+    pub fn new(cell: &Cell, index: Index) -> Result<Self> {
+        let robot = &cell.setup.robot;
+        let dexterity = match index.uses_dexterity() {
+            true => {
+                require_six_joints(robot).map_err(|error| {
+                    error.hint(
+                        "choose an index without dexterity: expected_error, scaled_condition, d",
+                    )
+                })?;
+                Some(cell.require_characteristic_length()?)
+            }
+            false => None,
+        };
+        let compliance: Vec<f64> = match index.needs_prior() {
+            true => cell.require_prior()?.iter().map(|k| 1.0 / k).collect(),
+            false => vec![1.0; robot.spring_count()],
+        };
+        let common_weight = match index.is_error() {
+            true => cell.noise.common_weight(cell.setup.tool.point_count()),
+            false => 0.0,
+        };
+        Ok(Inputs {
+            dexterity,
+            information: index
+                .uses_observation()
+                .then_some((compliance, common_weight)),
+        })
+    }
+
+    /// The same as the kernel wants it.
+    pub fn wanted(&self, limits: bool) -> Wanted<'_> {
+        let information = self.information.as_ref();
+        Wanted {
+            dexterity: self.dexterity,
+            information: information.map(|(compliance, weight)| (compliance.as_slice(), *weight)),
+            limits,
+        }
+    }
+}
 
 /// Postures that are measured whatever the search does.
 #[derive(Debug, Clone)]
@@ -51,15 +107,17 @@ impl Given {
         }
         Ok(fixed)
     }
-}
 
-/// Compliances that the information is measured in: 1/k per spring, ones where
-/// the index has no prior.
-pub(crate) fn relative_compliance(cell: &Cell, index: Index) -> Result<Vec<f64>> {
-    if index.needs_prior() {
-        Ok(cell.require_prior()?.iter().map(|k| 1.0 / k).collect())
-    } else {
-        Ok(vec![1.0; cell.setup.robot.spring_count()])
+    /// Adds the information of all given postures to `total`, packed.
+    pub fn add_information(&self, total: &mut [f64]) {
+        if self.each.is_empty() {
+            return;
+        }
+        for each in self.each.chunks_exact(total.len()) {
+            for (sum, v) in total.iter_mut().zip(each) {
+                *sum += v;
+            }
+        }
     }
 }
 
@@ -74,14 +132,4 @@ pub(crate) fn criterion(cell: &Cell, index: Index) -> Result<Criterion> {
         false => None,
     };
     Ok(Criterion::new(index, cell.setup.robot.spring_count(), task))
-}
-
-/// Weight of the posture-common shift in the information of an index.
-pub(crate) fn common_weight(cell: &Cell, index: Index) -> f64 {
-    match index {
-        Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task => {
-            cell.noise.common_weight(cell.setup.tool.point_count())
-        }
-        _ => 0.0,
-    }
 }

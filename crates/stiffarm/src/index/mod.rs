@@ -143,6 +143,24 @@ impl Index {
         )
     }
 
+    /// True when it is a multiple of the noise, whose posture-common part it
+    /// weighs.
+    pub(crate) fn is_error(self) -> bool {
+        matches!(
+            self,
+            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task
+        )
+    }
+
+    /// The index from the logarithm that searches minimise (of its reciprocal
+    /// for O1 to O5).
+    pub(crate) fn of_log(self, log: f64) -> f64 {
+        match self.larger_is_better() {
+            true => (-log).exp(),
+            false => log.exp(),
+        }
+    }
+
     /// True when it needs the cell's tasks.
     pub fn needs_tasks(self) -> bool {
         self == Index::Task

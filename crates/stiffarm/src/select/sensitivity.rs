@@ -106,10 +106,6 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
     control: Control<'_>,
 ) -> Result<Sensitivity> {
     let flat: Vec<f64> = plan.iter().flat_map(|q| q.as_ref().to_vec()).collect();
-    let shown = |log: f64| match index.larger_is_better() {
-        true => (-log).exp(),
-        false => log.exp(),
-    };
     let value_in = |cell: &Cell, q: &[f64]| -> Result<f64> {
         Ok(IndexFunction::new(cell, index, plan.len())?.value(q))
     };
@@ -141,7 +137,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     select_global::<Vec<f64>>(&changed, index, plan.len(), &[], &search, quiet)
                         .ok()
                         .map(|s| s.value);
-                let own = own.is_finite().then(|| shown(own));
+                let own = own.is_finite().then(|| index.of_log(own));
                 priors.push(PriorCase {
                     joint: joint.clone(),
                     factor: *factor,
@@ -189,7 +185,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
         .any(|case| case.loss.is_none_or(|loss| loss > WORTH_CHANGING));
     Ok(Sensitivity {
         index,
-        value: shown(value),
+        value: index.of_log(value),
         priors,
         postures,
         tool_points,

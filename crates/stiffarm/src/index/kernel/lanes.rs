@@ -10,55 +10,25 @@ pub(crate) const WIDTH: usize = 4;
 /// Three or six entries by their index, written out: closures of
 /// `std::array::from_fn` are not always inlined, and then they lose the
 /// instructions of the function they are called from.
+macro_rules! entries {
+    ([$($at:literal),*], $i:ident, $entry:expr) => {
+        [$({
+            let $i = $at;
+            $entry
+        }),*]
+    };
+}
 macro_rules! three {
     (|$i:ident| $entry:expr) => {
-        [
-            {
-                let $i = 0;
-                $entry
-            },
-            {
-                let $i = 1;
-                $entry
-            },
-            {
-                let $i = 2;
-                $entry
-            },
-        ]
+        $crate::index::kernel::lanes::entries!([0, 1, 2], $i, $entry)
     };
 }
 macro_rules! six {
     (|$i:ident| $entry:expr) => {
-        [
-            {
-                let $i = 0;
-                $entry
-            },
-            {
-                let $i = 1;
-                $entry
-            },
-            {
-                let $i = 2;
-                $entry
-            },
-            {
-                let $i = 3;
-                $entry
-            },
-            {
-                let $i = 4;
-                $entry
-            },
-            {
-                let $i = 5;
-                $entry
-            },
-        ]
+        $crate::index::kernel::lanes::entries!([0, 1, 2, 3, 4, 5], $i, $entry)
     };
 }
-pub(crate) use {six, three};
+pub(crate) use {entries, six, three};
 
 /// One number per lane.
 #[derive(Debug, Clone, Copy, PartialEq)]

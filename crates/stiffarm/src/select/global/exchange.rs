@@ -3,7 +3,9 @@
 //! Mitchell's variants), by information matrices alone.
 
 use super::pool::Pool;
+use crate::index::Index;
 use crate::index::criterion::Criterion;
+use crate::index::inputs::Given;
 
 /// Passes over all postures of a group.
 const PASSES: usize = 4;
@@ -19,6 +21,24 @@ pub(super) struct Base {
     pub log_dexterity: f64,
     /// True when the index counts the largest k(J_N).
     pub uses_dexterity: bool,
+}
+
+impl Base {
+    /// What `given` brings to an index; `triangle` entries of information.
+    pub fn new(index: Index, given: &Given, triangle: usize) -> Self {
+        let size = if index.uses_observation() {
+            triangle
+        } else {
+            0
+        };
+        let mut information = vec![0.0; size];
+        given.add_information(&mut information);
+        Base {
+            information,
+            log_dexterity: given.log_dexterity,
+            uses_dexterity: index.uses_dexterity(),
+        }
+    }
 }
 
 /// Swaps postures of `chosen` (positions in the pool) for `candidates` as long
@@ -53,7 +73,7 @@ pub(super) fn exchange(
             let mut best = (judge(chosen[p]), chosen[p]);
             for candidate in candidates {
                 let value = judge(*candidate);
-                if value < best.0 - LEAST || (value < best.0 && !best.0.is_finite()) {
+                if value < best.0 - LEAST {
                     best = (value, *candidate);
                 }
             }

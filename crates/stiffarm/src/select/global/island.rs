@@ -5,6 +5,7 @@ use super::Plan;
 use super::exchange::{Base, exchange};
 use super::local::{Effort, Local};
 use super::pool::Pool;
+use crate::index::Index;
 use crate::index::criterion::Criterion;
 use crate::optimise::Control;
 use rand::RngExt;
@@ -35,7 +36,8 @@ pub(super) struct Island {
 }
 
 impl Island {
-    pub fn new(local: Local, criterion: Criterion, base: Base, joints: usize) -> Self {
+    pub fn new(local: Local, criterion: Criterion, index: Index, joints: usize) -> Self {
+        let base = Base::new(index, local.given(), criterion.triangle());
         let count = local.angle_count() / joints;
         Island {
             local,

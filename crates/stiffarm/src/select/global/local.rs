@@ -5,6 +5,7 @@
 use super::Plan;
 use crate::cell::Cell;
 use crate::error::Result;
+use crate::index::inputs::Given;
 use crate::index::{Index, IndexFunction};
 use crate::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::select::load_design::LoadDesign;
@@ -104,6 +105,11 @@ impl Local {
             evaluations: 0,
             searches: 0,
         })
+    }
+
+    /// The given postures.
+    pub fn given(&self) -> &Given {
+        self.function.given()
     }
 
     /// Lower and upper bounds of all variables.

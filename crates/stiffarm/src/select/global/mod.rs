@@ -15,14 +15,12 @@ mod pool;
 use super::{Selection, StartKind, no_result, smallest_margin};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::index::inputs::{Given, common_weight, criterion, relative_compliance};
-use crate::index::kernel::Wanted;
+use crate::index::inputs::{Inputs, criterion};
 use crate::index::{Index, evaluate};
 use crate::observation::check_angles;
 use crate::optimise::{Control, Termination};
 use crate::streams::chain_rng;
 use crate::units::rad_to_shortest_deg;
-use exchange::Base;
 use island::Island;
 use local::{Effort, Local};
 use options::Schedule;
@@ -120,20 +118,11 @@ impl<'a> Global<'a> {
         options: &'a GlobalOptions,
     ) -> Result<Self> {
         let local = Local::new(cell, index, count, given, &options.load)?;
-        let compliance = relative_compliance(cell, index)?;
-        let wanted = Wanted {
-            dexterity: match index.uses_dexterity() {
-                true => Some(cell.require_characteristic_length()?),
-                false => None,
-            },
-            information: index
-                .uses_observation()
-                .then(|| (compliance.as_slice(), common_weight(cell, index))),
-            limits: true,
-        };
-        let base = base(cell, index, wanted, given)?;
+        let inputs = Inputs::new(cell, index)?;
+        let wanted = inputs.wanted(true);
+        let criterion = criterion(cell, index)?;
         let n = cell.setup.robot.joint_count();
-        let island = Island::new(local, criterion(cell, index)?, base, n);
+        let island = Island::new(local, criterion, index, n);
         Ok(Global {
             cell,
             index,
@@ -193,11 +182,11 @@ impl<'a> Global<'a> {
             watch(&RoundReport {
                 rounds: self.completed,
                 evaluations: self.evaluations(),
-                value: now.map(|value| self.shown(value)),
+                value: now.map(|value| self.index.of_log(value)),
             });
             control.report(
                 &now.map_or("searching".to_string(), |v| {
-                    format!("best {} {:.6}", self.index.as_str(), self.shown(v))
+                    format!("best {} {:.6}", self.index.as_str(), self.index.of_log(v))
                 }),
                 self.completed as usize,
                 most.min(1 << 30) as usize,
@@ -361,38 +350,4 @@ impl<'a> Global<'a> {
     fn evaluations(&self) -> u64 {
         self.islands.iter().map(|i| i.local.evaluations).sum()
     }
-
-    /// A value of the index from its logarithm.
-    fn shown(&self, log: f64) -> f64 {
-        match self.index.larger_is_better() {
-            true => (-log).exp(),
-            false => log.exp(),
-        }
-    }
-}
-
-/// Information and k(J_N) of the given postures together.
-fn base<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    index: Index,
-    wanted: Wanted<'_>,
-    given: &[Q],
-) -> Result<Base> {
-    let springs = cell.setup.robot.spring_count();
-    let size = match wanted.information {
-        Some(_) => springs * (springs + 1) / 2,
-        None => 0,
-    };
-    let given = Given::new(cell, wanted, given)?;
-    let mut information = vec![0.0; size];
-    for each in given.each.chunks_exact(size.max(1)) {
-        for (sum, v) in information.iter_mut().zip(each) {
-            *sum += v;
-        }
-    }
-    Ok(Base {
-        information,
-        log_dexterity: given.log_dexterity,
-        uses_dexterity: index.uses_dexterity(),
-    })
 }
