@@ -48,11 +48,8 @@ pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
             },
             state: "loaded".to_string(),
             wrench: Some(Wrench::force(Vector3::from(forces[i]))),
-            displacements: vec![Displacement {
-                point: 0,
-                value: Vector3::from(shifts[i]),
-                time: None,
-            }],
+            servo_give: None,
+            displacements: vec![Displacement::new(0, Vector3::from(shifts[i]))],
         })
         .collect();
     let cell = builtin::cell("fanuc-r2000ic")?;

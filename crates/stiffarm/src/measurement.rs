@@ -1,18 +1,48 @@
-//! Measured displacements, grouped by posture and load state.
+//! What was measured: displacements, grouped by posture and load state, and
+//! the raw readings behind them.
+
+mod readings;
+
+pub use readings::{
+    PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
+};
 
 use crate::load::Wrench;
 use crate::posture::Posture;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// One displacement of one measuring point, base axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Displacement {
     /// Index of the measuring point in the cell's tool.
     pub point: usize,
-    /// Loaded minus unloaded position \[m\].
+    /// Loaded minus reference position \[m\]; the reference is the unloaded
+    /// reading, or that under a light preload.
     pub value: Vector3<f64>,
     /// Time of the loaded reading \[s\], where recorded.
     pub time: Option<f64>,
+    /// Readings that were averaged: loaded, reference.
+    pub readings: [u32; 2],
+    /// Number of the reference reading: displacements of one posture and point
+    /// with the same number share it, and with it their errors.
+    pub reference: u32,
+    /// Covariance of one reading of this point, base axes \[m²\], where a model
+    /// of the tracker gives it.
+    pub covariance: Option<Matrix3<f64>>,
+}
+
+impl Displacement {
+    /// A displacement from one loaded and one reference reading.
+    pub fn new(point: usize, value: Vector3<f64>) -> Self {
+        Displacement {
+            point,
+            value,
+            time: None,
+            readings: [1, 1],
+            reference: 0,
+            covariance: None,
+        }
+    }
 }
 
 /// All displacements of one posture in one load state.
@@ -22,9 +52,12 @@ pub struct MeasuredPosture {
     pub posture: Posture,
     /// Load state, for example `loaded`, `up-250`, `down-250`.
     pub state: String,
-    /// Measured wrench on the robot at the loading point, base axes; `None`
-    /// lets the cell's load give it.
+    /// Measured wrench on the robot at the loading point, base axes, loaded
+    /// minus reference; `None` lets the cell's load give it.
     pub wrench: Option<Wrench>,
+    /// What the controller gave way under the load: its angles loaded minus
+    /// reference, Δq_m \[rad\], where recorded.
+    pub servo_give: Option<Vec<f64>>,
     /// Displacements; repeats of a point are separate entries.
     pub displacements: Vec<Displacement>,
 }

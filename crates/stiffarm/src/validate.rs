@@ -216,16 +216,16 @@ pub fn simulate_measurements(
                 posture: posture.clone(),
                 state: "loaded".to_string(),
                 wrench: None,
+                servo_give: None,
                 displacements: Vec::new(),
             };
             let exact = calculated_displacements(cell, &measured, truth, model)?;
             measured.displacements = exact
                 .iter()
                 .enumerate()
-                .map(|(point, value)| Displacement {
-                    point,
-                    value: value + noise.fixed_rows::<3>(3 * (points * p + point)),
-                    time: None,
+                .map(|(point, value)| {
+                    let noise = noise.fixed_rows::<3>(3 * (points * p + point));
+                    Displacement::new(point, value + noise)
                 })
                 .collect();
             Ok(measured)

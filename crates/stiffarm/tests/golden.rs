@@ -236,14 +236,11 @@ fn identification_of_noisy_displacements() {
             },
             state: "loaded".to_string(),
             wrench: None,
+            servo_give: None,
             displacements: rows
                 .chunks_exact(3)
                 .enumerate()
-                .map(|(point, v)| Displacement {
-                    point,
-                    value: Vector3::from_column_slice(v),
-                    time: None,
-                })
+                .map(|(point, v)| Displacement::new(point, Vector3::from_column_slice(v)))
                 .collect(),
         })
         .collect();

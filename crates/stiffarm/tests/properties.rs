@@ -110,6 +110,7 @@ proptest! {
             posture: Posture { name: "1".to_string(), q },
             state: "loaded".to_string(),
             wrench: None,
+            servo_give: None,
             displacements: Vec::new(),
         };
         let direct = calculated_displacements(&cell, &measured, &model.prior, Deflection::Linear).unwrap();

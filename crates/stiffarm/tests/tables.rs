@@ -357,8 +357,13 @@ fn any_postures() -> impl Strategy<Value = Vec<Posture>> {
 fn any_measured() -> impl Strategy<Value = Vec<MeasuredPosture>> {
     let number = || -1e3..1e3f64;
     let vector = move || (number(), number(), number()).prop_map(|(x, y, z)| [x, y, z].into());
-    let displacement = (0..2usize, vector(), prop::option::of(number()))
-        .prop_map(|(point, value, time)| Displacement { point, value, time });
+    let displacement =
+        (0..2usize, vector(), prop::option::of(number())).prop_map(|(point, value, time)| {
+            Displacement {
+                time,
+                ..Displacement::new(point, value)
+            }
+        });
     let measured = (
         prop::collection::vec(displacement, 1..5),
         prop::option::of((vector(), vector())),
@@ -379,10 +384,21 @@ fn any_measured() -> impl Strategy<Value = Vec<MeasuredPosture>> {
                         let (force, moment) = wrench.unwrap_or_default();
                         Wrench { force, moment }
                     }),
-                    displacements,
+                    servo_give: None,
+                    displacements: numbered(displacements),
                 })
                 .collect()
         })
+}
+
+/// Repeats of a point count their reference readings, as a table's rows do.
+fn numbered(mut displacements: Vec<Displacement>) -> Vec<Displacement> {
+    for i in 0..displacements.len() {
+        let point = displacements[i].point;
+        let before = displacements[..i].iter().filter(|d| d.point == point);
+        displacements[i].reference = before.count() as u32;
+    }
+    displacements
 }
 
 /// The same up to what numbers of degrees and millimetres can tell apart.

@@ -11,8 +11,10 @@ pub use limits::{LimitKind, LimitMargin, Limits};
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
+use crate::instruments::{Sensor, Tracker, Uncertainty};
 use crate::observation::Setup;
 use crate::posture::Posture;
+use std::collections::BTreeMap;
 
 /// Measurement noise of a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,6 +75,15 @@ pub struct Cell {
     pub validation: Vec<Posture>,
     /// The user's own machining postures and loads; they may be none.
     pub tasks: Vec<Task>,
+    /// The force sensor, where the readings come from one.
+    pub sensor: Option<Sensor>,
+    /// The tracker: its frame and its accuracy, as far as known.
+    pub tracker: Tracker,
+    /// Standard uncertainty of what is common to the whole experiment.
+    pub uncertainty: Uncertainty,
+    /// Headings of reading tables that other software names otherwise: our
+    /// heading, with the unit the table has, to theirs.
+    pub columns: BTreeMap<String, String>,
 }
 
 impl Cell {

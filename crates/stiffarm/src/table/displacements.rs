@@ -66,6 +66,7 @@ pub fn read_displacements(
                 posture: Posture { name, q },
                 state: state.to_string(),
                 wrench,
+                servo_give: None,
                 displacements: vec![displacement],
             });
             continue;
@@ -74,7 +75,15 @@ pub fn read_displacements(
         if group.posture.q != q || group.wrench != wrench {
             return Err(columns.contradiction(&table, first, row));
         }
-        group.displacements.push(displacement);
+        // The r-th repeat of a point has the r-th reference reading, which it
+        // shares with the r-th repeats in other load states.
+        let point = displacement.point;
+        let before = group.displacements.iter().filter(|d| d.point == point);
+        let reference = before.count() as u32;
+        group.displacements.push(Displacement {
+            reference,
+            ..displacement
+        });
     }
     Ok(groups)
 }
@@ -155,7 +164,9 @@ impl Columns {
             .time
             .filter(|column| !row.fields[*column].text.is_empty());
         let time = time.map(|column| table.number(row, column)).transpose()?;
-        Ok(Displacement { point, value, time })
+        let mut displacement = Displacement::new(point, value);
+        displacement.time = time;
+        Ok(displacement)
     }
 
     fn point(&self, table: &Table<'_>, row: &Row, cell: &Cell) -> Result<usize> {

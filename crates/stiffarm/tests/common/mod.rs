@@ -126,6 +126,10 @@ pub fn reference_cell() -> Cell {
         characteristic_length: Some(number(&data["characteristic_length_m"])),
         validation: Vec::new(),
         tasks: tasks(),
+        sensor: None,
+        tracker: Default::default(),
+        uncertainty: Default::default(),
+        columns: Default::default(),
     }
 }
 

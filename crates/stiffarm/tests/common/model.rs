@@ -178,6 +178,10 @@ impl Model {
             characteristic_length: Some(self.length),
             validation: Vec::new(),
             tasks: self.tasks.clone(),
+            sensor: None,
+            tracker: Default::default(),
+            uncertainty: Default::default(),
+            columns: Default::default(),
         }
     }
 

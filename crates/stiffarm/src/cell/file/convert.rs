@@ -7,6 +7,7 @@ use super::source::Source;
 use super::task::tasks;
 use crate::cell::{Cell, Limits, Noise};
 use crate::error::{Code, Result};
+use crate::instruments::{Tracker, Uncertainty};
 use crate::load::Load;
 use crate::observation::Setup;
 use crate::posture::Posture;
@@ -14,6 +15,7 @@ use crate::robot::{CatalogueEntry, Robot};
 use crate::tool::{NamedPoint, SeriesCompliance, Tool};
 use crate::units::{mm_to_m, mm2_to_m2};
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 
 /// Variance of the tracker of Zhang et al. 2021, Section IV.A \[mm²\].
 pub(super) const PAPER_VARIANCE_MM2: f64 = 9.23e-5;
@@ -48,6 +50,10 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         characteristic_length,
         validation,
         tasks,
+        sensor: None,
+        tracker: Tracker::default(),
+        uncertainty: Uncertainty::default(),
+        columns: BTreeMap::new(),
     })
 }
 

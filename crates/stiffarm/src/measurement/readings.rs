@@ -1,0 +1,103 @@
+//! Raw readings: positions as the tracker gave them, state by state.
+
+use crate::load::Wrench;
+use crate::posture::Posture;
+use nalgebra::Vector3;
+
+/// What a reading was taken of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Target {
+    /// A measuring point, by its index in the cell's tool.
+    Point(usize),
+    /// A reflector on the robot's base, by its name (`base`, `base-2`, …).
+    Base(String),
+}
+
+/// One position of one reflector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// Which reflector.
+    pub target: Target,
+    /// Its position, tracker axes \[m\].
+    pub position: Vector3<f64>,
+    /// When \[s\], where recorded.
+    pub time: Option<f64>,
+    /// Line of the table it stood on, counted from 1; 0 where there is none.
+    pub line: usize,
+}
+
+/// What a load state is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// No load: the robot and its tool alone (`unloaded`, `unloaded-2`, …).
+    Unloaded,
+    /// A light load that takes up lost motion (`preload`, `preload-2`, …):
+    /// where there is one, differences are taken against it.
+    Preload,
+    /// A load (any other name).
+    Loaded,
+}
+
+impl Role {
+    /// The role that a state's name says.
+    pub fn of(state: &str) -> Self {
+        let is = |word: &str| {
+            state.strip_prefix(word).is_some_and(|rest| {
+                rest.is_empty() || rest.starts_with(['-', '_', ' ']) || rest.parse::<u32>().is_ok()
+            })
+        };
+        if is("unloaded") {
+            Role::Unloaded
+        } else if is("preload") || is("preloaded") {
+            Role::Preload
+        } else {
+            Role::Loaded
+        }
+    }
+}
+
+/// All readings of one posture in one load state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateReadings {
+    /// Name of the state.
+    pub state: String,
+    /// Controller angles in this state \[rad\], where recorded.
+    pub angles: Option<Vec<f64>>,
+    /// Force and moment as the table has them \[N, N·m\]: as the cell's sensor
+    /// reported them, or without a sensor the wrench on the robot at the
+    /// loading point in base axes.
+    pub wrench: Option<Wrench>,
+    /// Force of the cell's rope or weight in this state \[N\], where recorded.
+    pub load: Option<f64>,
+    /// The readings, repeats included, in the order taken.
+    pub readings: Vec<Reading>,
+}
+
+/// All readings of one posture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostureReadings {
+    /// Name and planned controller angles \[rad\].
+    pub posture: Posture,
+    /// Its load states, in the order taken.
+    pub states: Vec<StateReadings>,
+}
+
+/// Which columns of force the table had.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WrenchColumns {
+    /// None: the cell's load gives the wrench.
+    None,
+    /// Forces only.
+    Force,
+    /// Forces and moments.
+    ForceAndMoment,
+}
+
+/// A table of raw readings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadingTable {
+    /// The postures, in the order in which they first appear.
+    pub postures: Vec<PostureReadings>,
+    /// Which columns of force there were.
+    pub wrench_columns: WrenchColumns,
+}
