@@ -209,6 +209,26 @@ impl Factor {
         self.scaled_right_inverse() * projected.rows(0, self.rank)
     }
 
+    /// Orthonormal basis of the columns of Ψ, rows × rank.
+    pub fn basis(&self, rows: usize) -> DMatrix<f64> {
+        let full = &self.q * self.u.columns(0, self.rank);
+        full.rows(0, rows.min(full.nrows())).into_owned()
+    }
+
+    /// What Ψ sees of the unknowns, rank × n: each row c is a combination c·H
+    /// that a displacement pattern of unit size determines alone; the
+    /// information about it, in units of 1/σ², is the square of its length.
+    pub fn seen(&self) -> DMatrix<f64> {
+        let mut seen = self.v.columns(0, self.rank).transpose();
+        for i in 0..self.rank {
+            seen.row_mut(i).scale_mut(self.values[i]);
+        }
+        for j in 0..self.unknowns() {
+            seen.column_mut(j).scale_mut(self.scale[j]);
+        }
+        seen
+    }
+
     /// The matrix that takes Δ to H, n × rows: Ψ⁺ in factored form, Eq. (14)
     /// without the normal equations.
     pub fn pseudo_inverse(&self, rows: usize) -> DMatrix<f64> {

@@ -4,6 +4,10 @@
 //! per spring. Ψ_ij = J^m_ij · Γ_j with Γ = (J^f)ᵀ W, where J^f belongs to the
 //! loading point and J^m to the measuring point.
 
+mod extra;
+
+pub use extra::ExtraTerm;
+
 use crate::error::{Code, Error, Result};
 use crate::kinematics::Frames;
 use crate::load::{Load, Wrench};

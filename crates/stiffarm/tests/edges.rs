@@ -56,7 +56,7 @@ fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
     let result = identify(
         cell,
         &exact_measurements(cell, postures),
-        IdentifyOptions::default(),
+        &IdentifyOptions::default(),
     )
     .unwrap();
     assert_eq!(result.undetermined_joints, joints);
@@ -158,7 +158,7 @@ fn equal_postures_with_one_point_name_what_they_cannot_tell() {
         );
     }
     let measured = exact_measurements(&cell, &postures);
-    let result = identify(&cell, &measured, IdentifyOptions::default()).unwrap();
+    let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
     assert_eq!(result.undetermined_joints, found.undetermined_joints);
     assert_eq!(result.degrees_of_freedom, 18 - 3);
     // Rounding must not pose as information anywhere in what is shown.
@@ -187,7 +187,7 @@ fn one_posture_with_one_point_is_answered() {
     let result = identify(
         &cell,
         &exact_measurements(&cell, &one),
-        IdentifyOptions::default(),
+        &IdentifyOptions::default(),
     )
     .unwrap();
     assert_eq!(
@@ -277,15 +277,15 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         );
         let mut measured = exact_measurements(&cell, &group1());
         measured[2].posture.q[4] = bad;
-        refused(identify(&cell, &measured, IdentifyOptions::default()).unwrap_err());
+        refused(identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err());
 
         let mut measured = exact_measurements(&cell, &group1());
         measured[0].displacements[0].value.y = bad;
-        let error = identify(&cell, &measured, IdentifyOptions::default()).unwrap_err();
+        let error = identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err();
         assert_eq!(error.code(), Code::NotFinite);
         measured[0].displacements[0].value.y = 0.0;
         measured[0].wrench = Some(Wrench::force(Vector3::new(bad, 0.0, 0.0)));
-        let error = identify(&cell, &measured, IdentifyOptions::default()).unwrap_err();
+        let error = identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err();
         assert_eq!(error.code(), Code::NotFinite);
 
         let error =
@@ -302,7 +302,7 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         Code::TooFewData
     );
     assert_eq!(
-        identify(&cell, &[], IdentifyOptions::default())
+        identify(&cell, &[], &IdentifyOptions::default())
             .unwrap_err()
             .code(),
         Code::TooFewData
@@ -314,7 +314,7 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         };
         let measured = exact_measurements(&cell, &group1());
         assert_eq!(
-            identify(&cell, &measured, options).unwrap_err().code(),
+            identify(&cell, &measured, &options).unwrap_err().code(),
             Code::InvalidValue
         );
     }

@@ -10,7 +10,7 @@ use common::random::Dice;
 use common::{group1, random_group, reference_cell};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
 use stiffarm::cell::Cell;
-use stiffarm::identify::{IdentifyOptions, NoiseSource, identify};
+use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
 use stiffarm::index::{Index, evaluate};
 use stiffarm::optimise::{Control, Options};
 use stiffarm::posture::PostureGroup;
@@ -392,14 +392,15 @@ fn coverage(
     let postures = &group.postures;
     let truth = world.require_prior().unwrap();
     let options = IdentifyOptions {
+        estimator: Estimator::Weighted,
         noise,
-        confidence: 0.95,
+        ..IdentifyOptions::default()
     };
     let mut covered = vec![0; 6];
     for stream in 0..runs {
         let measured =
             simulate_measurements(world, postures, truth, Model::Linear, 17, stream).unwrap();
-        let result = identify(cell, &measured, options).unwrap();
+        let result = identify(cell, &measured, &options).unwrap();
         for (j, joint) in result.joints.iter().enumerate() {
             // An interval of k that is open above is one of H that holds zero.
             let [low, high] = joint.interval;

@@ -8,7 +8,7 @@ use common::{cases, relative_error};
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
-use stiffarm::identify::{IdentifyOptions, NoiseSource, identify, measured_system};
+use stiffarm::identify::{IdentifyOptions, NoiseSource, Weights, identify, measured_system};
 use stiffarm::index::{Index, dexterity, error_bound, evaluate};
 use stiffarm::information::{Factor, posture_information};
 use stiffarm::kinematics::Frames;
@@ -80,7 +80,7 @@ proptest! {
         }
         let postures = named(&dice.postures(model.joint_count(), count));
         let exact = simulate_measurements(&cell, &postures, &model.prior, Deflection::Linear, 1, 0).unwrap();
-        let result = identify(&cell, &exact, IdentifyOptions::default()).unwrap();
+        let result = identify(&cell, &exact, &IdentifyOptions::default()).unwrap();
         // A joint that the load passes by is a finding, not a property of the solver.
         prop_assume!(result.undetermined_joints.is_empty());
         let bound = (1000.0 * f64::EPSILON * result.scaled_condition.unwrap()).max(1e-12);
@@ -381,10 +381,10 @@ proptest! {
                 posture.displacements.push(again);
             }
         }
-        let system = measured_system(&cell, &measured).unwrap();
+        let system = measured_system(&cell, &measured, &[], Weights::Readings).unwrap();
         prop_assume!(condition(&system.psi) < 1e5);
         let rows = system.psi.nrows();
-        let posture_of = |row: usize| system.starts.iter().filter(|s| **s <= row).count();
+        let posture_of = |row: usize| system.blocks.iter().position(|b| b.rows.contains(&row));
         let covariance = DMatrix::from_fn(rows, rows, |i, j| {
             let own = if i == j { model.sigma.powi(2) } else { 0.0 };
             let common = i % 3 == j % 3 && posture_of(i) == posture_of(j);
@@ -396,8 +396,8 @@ proptest! {
         let qr = psi.clone().qr();
         let best = qr.r().solve_upper_triangular(&qr.q().tr_mul(&delta)).unwrap();
         let errors = inverse_gram_diagonal(&psi);
-        let options = IdentifyOptions { noise: NoiseSource::Known, confidence: 0.95 };
-        let ours = identify(&cell, &measured, options).unwrap();
+        let options = IdentifyOptions { noise: NoiseSource::Known, ..IdentifyOptions::default() };
+        let ours = identify(&cell, &measured, &options).unwrap();
         for (j, joint) in ours.joints.iter().enumerate() {
             let error = errors[j].sqrt();
             prop_assert!((joint.compliance.unwrap() - best[j]).abs() < 1e-6 * error + 1e-12 * best.amax());

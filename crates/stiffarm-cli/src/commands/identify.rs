@@ -62,8 +62,9 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let options = IdentifyOptions {
         noise: args.noise.into(),
         confidence: args.confidence,
+        ..IdentifyOptions::default()
     };
-    let result = identify(cell, &measured, options)?;
+    let result = identify(cell, &measured, &options)?;
 
     let implausible = implausible_scale(cell, &result);
     let exit = Exit::finding(!result.is_complete() || implausible.is_some());

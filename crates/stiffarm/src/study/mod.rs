@@ -10,7 +10,7 @@ pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
-use crate::identify::{Identification, IdentifyOptions, NoiseSource, identify};
+use crate::identify::{Estimator, Identification, IdentifyOptions, identify};
 use crate::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
 use crate::observation::{PostureTerms, Rows, observation_matrix};
 use crate::optimise::{Control, Options, with_characteristic_length};
@@ -307,10 +307,11 @@ fn study_group(
             2 * stream,
         )?;
         let options = IdentifyOptions {
-            noise: NoiseSource::Estimated,
+            // The simulated noise is what the cell says, as in the paper.
+            estimator: Estimator::Weighted,
             ..IdentifyOptions::default()
         };
-        let result = identify(cell, &measured, options)?;
+        let result = identify(cell, &measured, &options)?;
         if let (Some(stiffness), false) = (result.stiffness(), cell.validation.is_empty()) {
             // One set of validation readings judges every group.
             let held_out =

@@ -1,0 +1,128 @@
+//! What data that cannot separate the joints do determine: combinations of
+//! compliances.
+
+use super::solve::Solution;
+use super::system::MeasuredSystem;
+use crate::information::{Svd, svd};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// A direction whose relative standard error is above this is not determined.
+const WEAK: f64 = 0.5;
+/// Coefficients below this, in relative compliances, are rounding.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// A sum of compliances that the data determine although they cannot tell its
+/// parts from each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Combination {
+    /// Names of the unknowns.
+    pub unknowns: Vec<String>,
+    /// Their coefficients; the first is 1.
+    pub coefficients: Vec<f64>,
+    /// Value of the sum: Σ coefficient · compliance \[rad/(N·m)\].
+    pub compliance: f64,
+    /// Its standard error, where the size of the noise is known.
+    pub standard_error: Option<f64>,
+}
+
+/// The combinations that `solution` determines, if it cannot separate all
+/// unknowns; empty where each stands for itself. `reference` is the size of
+/// each unknown against which an error counts as large.
+pub(super) fn combinations(
+    system: &MeasuredSystem,
+    solution: &Solution,
+    reference: &[f64],
+) -> Vec<Combination> {
+    let n = system.unknowns.len();
+    let seen = solution.factor.seen();
+    let sigma = solution.sigma.unwrap_or(0.0);
+    let mut relative = seen.resize_vertically(n, 0.0);
+    for (j, size) in reference.iter().enumerate() {
+        relative.column_mut(j).scale_mut(*size);
+    }
+    let Some(Svd { values, v, .. }) = svd(relative) else {
+        return Vec::new();
+    };
+    let good = (0..solution.factor.rank())
+        .filter(|&i| values[i] > 0.0 && sigma <= WEAK * values[i])
+        .count();
+    if good == n || good == 0 {
+        return Vec::new();
+    }
+    let mut rows = v.columns(0, good).transpose();
+    let pivots = reduce(&mut rows);
+    let mut out = Vec::new();
+    for (i, pivot) in pivots.into_iter().enumerate() {
+        let others = (0..n).filter(|j| *j != pivot && rows[(i, *j)].abs() > NEGLIGIBLE);
+        let parts: Vec<usize> = std::iter::once(pivot).chain(others).collect();
+        if parts.len() == 1 {
+            continue;
+        }
+        let mut coefficients = DVector::zeros(n);
+        for &j in &parts {
+            coefficients[j] = rows[(i, j)] * reference[pivot] / reference[j];
+        }
+        let variance = solution
+            .covariance
+            .as_ref()
+            .map(|c| coefficients.dot(&(c * &coefficients)));
+        out.push(Combination {
+            unknowns: parts.iter().map(|j| system.unknowns[*j].clone()).collect(),
+            coefficients: parts.iter().map(|j| coefficients[*j]).collect(),
+            compliance: coefficients.dot(&solution.values),
+            standard_error: variance.map(|v| v.max(0.0).sqrt()),
+        });
+    }
+    out
+}
+
+/// Reduced row echelon form with the largest pivots first; the pivot columns.
+fn reduce(rows: &mut DMatrix<f64>) -> Vec<usize> {
+    let (count, n) = rows.shape();
+    let mut pivots = Vec::with_capacity(count);
+    for i in 0..count {
+        let mut best = (i, 0, 0.0);
+        for r in i..count {
+            for j in (0..n).filter(|j| !pivots.contains(j)) {
+                if rows[(r, j)].abs() > best.2 {
+                    best = (r, j, rows[(r, j)].abs());
+                }
+            }
+        }
+        let (r, j, _) = best;
+        rows.swap_rows(i, r);
+        let scale = 1.0 / rows[(i, j)];
+        rows.row_mut(i).scale_mut(scale);
+        for other in (0..count).filter(|o| *o != i) {
+            let factor = rows[(other, j)];
+            let pivot_row = rows.row(i) * factor;
+            let mut row = rows.row_mut(other);
+            row -= pivot_row;
+        }
+        pivots.push(j);
+    }
+    pivots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reduced_rows_span_the_same_and_are_simple() {
+        // Span of (1, 0, 0, 0) and (0, 1, 1, 2), mixed.
+        let mut rows = DMatrix::from_row_slice(2, 4, &[0.6, 0.3, 0.3, 0.6, -0.2, 0.5, 0.5, 1.0]);
+        let pivots = reduce(&mut rows);
+        let mut expected = vec![vec![1.0, 0.0, 0.0, 0.0], vec![0.0, 0.5, 0.5, 1.0]];
+        expected.sort_by_key(|r| r[0] as i32);
+        let mut found: Vec<Vec<f64>> = rows
+            .row_iter()
+            .map(|r| r.iter().map(|v| (v * 1e9).round() / 1e9 + 0.0).collect())
+            .collect();
+        found.sort_by_key(|r| r[0] as i32);
+        assert_eq!(found, expected);
+        assert_eq!(pivots.len(), 2);
+    }
+}

@@ -1,0 +1,140 @@
+//! Fits without some postures: how far the others predict them, and how much
+//! each posture moves the estimates.
+
+use super::solve::{Assumptions, Prepared, Solution};
+use super::system::MeasuredSystem;
+use super::{IdentifyOptions, assumptions, check, measured_system, rms};
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::measurement::MeasuredPosture;
+use crate::simulate::in_order;
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+
+/// A fit without the postures of one fold.
+#[derive(Debug, Clone)]
+pub struct Fold {
+    /// The postures left out (indices of blocks).
+    pub left_out: Vec<usize>,
+    /// The fit from the others.
+    pub solution: Solution,
+}
+
+/// How well the other postures predict each posture, and what it does to the fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Influence {
+    /// Posture.
+    pub posture: String,
+    /// RMS of its displacement components less their prediction from the other
+    /// postures \[m\].
+    pub prediction_rms_m: f64,
+    /// Change of each unknown when the posture is left out, in standard errors
+    /// of the full fit; `None` where there is no standard error or the others
+    /// do not determine it.
+    pub shifts: Vec<Option<f64>>,
+    /// Unknowns that the other postures do not determine.
+    pub lost: Vec<String>,
+}
+
+/// Leave-one-posture-out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeaveOneOut {
+    /// RMS of all displacement components less their prediction from the other
+    /// postures \[m\]; `None` where a posture's prediction lacks an unknown.
+    pub rms_m: Option<f64>,
+    /// Posture by posture.
+    pub postures: Vec<Influence>,
+}
+
+/// Fits without each fold of postures: posture i belongs to fold i modulo
+/// `folds`, so that neighbours in the file go to different folds.
+///
+/// # Errors
+/// Fewer than two folds, more folds than postures, or as [`Prepared::solve`].
+pub fn folds(system: &MeasuredSystem, assumed: &Assumptions, folds: usize) -> Result<Vec<Fold>> {
+    let count = system.blocks.len();
+    if folds < 2 || folds > count {
+        return Err(Error::new(
+            Code::InvalidValue,
+            format!("{count} postures cannot be left out in {folds} folds."),
+        )
+        .hint(format!(
+            "give a number of folds from 2 to the number of postures, {count}"
+        )));
+    }
+    let numbers: Vec<usize> = (0..folds).collect();
+    in_order(&numbers, |(_, fold)| {
+        let left_out: Vec<usize> = (*fold..count).step_by(folds).collect();
+        let others = system.without(&left_out)?;
+        let solution = Prepared::new(&others, assumed.estimator)?.solve(&others.delta, assumed)?;
+        Ok(Fold { left_out, solution })
+    })
+}
+
+/// Measured minus predicted displacements of one posture, or `None` where the
+/// fit lacks an unknown that the posture sees.
+pub fn prediction_error(
+    system: &MeasuredSystem,
+    block: usize,
+    solution: &Solution,
+) -> Option<DVector<f64>> {
+    let rows = &system.blocks[block].rows;
+    let psi = system.psi.rows(rows.start, rows.len());
+    let blind = |j: &usize| psi.column(*j).iter().all(|v| *v == 0.0);
+    solution
+        .undetermined
+        .iter()
+        .all(blind)
+        .then(|| system.delta.rows(rows.start, rows.len()) - psi * &solution.values)
+}
+
+/// Leaves each posture out in turn.
+///
+/// # Errors
+/// As [`measured_system`]; fewer than two postures.
+pub fn leave_one_out(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+) -> Result<LeaveOneOut> {
+    check(options)?;
+    let system = measured_system(cell, measured, &options.extra, options.weights)?;
+    let assumed = assumptions(cell, options)?;
+    let all = Prepared::new(&system, assumed.estimator)?.solve(&system.delta, &assumed)?;
+    let mut errors = Vec::new();
+    let mut complete = true;
+    let mut postures = Vec::with_capacity(system.blocks.len());
+    for (b, fold) in folds(&system, &assumed, system.blocks.len())?
+        .iter()
+        .enumerate()
+    {
+        let error = prediction_error(&system, b, &fold.solution);
+        complete &= error.is_some();
+        let error = error.unwrap_or_default();
+        errors.extend_from_slice(error.as_slice());
+        let lost: Vec<usize> = fold
+            .solution
+            .undetermined
+            .iter()
+            .copied()
+            .filter(|j| !all.undetermined.contains(j))
+            .collect();
+        let shift = |j: usize| {
+            let known = !all.undetermined.contains(&j) && !lost.contains(&j);
+            let variance = all.covariance.as_ref().filter(|_| known)?[(j, j)];
+            (variance > 0.0).then(|| (fold.solution.values[j] - all.values[j]) / variance.sqrt())
+        };
+        postures.push(Influence {
+            posture: system.blocks[b].posture.clone(),
+            prediction_rms_m: rms(error.as_slice()),
+            shifts: (0..system.unknowns.len()).map(shift).collect(),
+            lost: lost.iter().map(|j| system.unknowns[*j].clone()).collect(),
+        });
+    }
+    Ok(LeaveOneOut {
+        rms_m: complete.then(|| rms(&errors)),
+        postures,
+    })
+}

@@ -1,0 +1,377 @@
+//! The linear system Ψ x = Δ of an experiment, with what its rows share.
+//!
+//! Unknowns x: the compliance of each spring, then further terms. Rows: posture
+//! by posture (all load states of a posture together), displacement by
+//! displacement, x, y, z.
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::measurement::{Displacement, MeasuredPosture, row_count};
+use crate::observation::{ExtraTerm, PostureTerms};
+use nalgebra::{DMatrix, DVector, Matrix3};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// Load states whose joint torques point alike, up to sign, share what the
+/// model misses; below this |cosine| they are taken as different loads.
+const ALIKE: f64 = 0.9;
+
+/// Where the relative size of the errors of single displacements comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Weights {
+    /// All readings alike, each counted as often as it was taken.
+    #[default]
+    Readings,
+    /// From the tracker's range and angle model: `[tracker]` of the cell.
+    Tracker,
+}
+
+/// Which displacement three rows of a system belong to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RowLabel {
+    /// Index of the measured posture (posture and load state).
+    pub measured: usize,
+    /// Index of the displacement in it.
+    pub displacement: usize,
+}
+
+/// Rows of one posture.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// Name of the posture.
+    pub posture: String,
+    /// Its rows.
+    pub rows: Range<usize>,
+    /// Covariance of its rows in units of σ², rows × rows; `None` for the identity.
+    pub covariance: Option<DMatrix<f64>>,
+    /// What shifts common to the posture's points do to its rows, rows × 3c:
+    /// one shift x, y, z per direction of load, in proportion to the load.
+    pub shared: DMatrix<f64>,
+}
+
+/// Ψ x = Δ with the covariance structure of its rows.
+#[derive(Debug, Clone)]
+pub struct MeasuredSystem {
+    /// Ψ, rows × unknowns: springs, then further terms.
+    pub psi: DMatrix<f64>,
+    /// Δ less the displacement that is known: of a series compliance, and of
+    /// the controller giving way \[m\].
+    pub delta: DVector<f64>,
+    /// Names of the unknowns.
+    pub unknowns: Vec<String>,
+    /// Number of springs: the unknowns before the further terms.
+    pub springs: usize,
+    /// The further terms.
+    pub extra: Vec<ExtraTerm>,
+    /// Its postures.
+    pub blocks: Vec<Block>,
+    /// The displacement behind each three rows.
+    pub labels: Vec<RowLabel>,
+}
+
+impl MeasuredSystem {
+    /// Number of shifts that the postures' points share: three for each
+    /// posture and direction of load.
+    pub fn shifts(&self) -> usize {
+        self.blocks.iter().map(|b| b.shared.ncols()).sum()
+    }
+
+    /// The system without the postures of `left_out` (indices of blocks).
+    ///
+    /// # Errors
+    /// Nothing is left.
+    pub fn without(&self, left_out: &[usize]) -> Result<MeasuredSystem> {
+        let kept: Vec<usize> = (0..self.blocks.len())
+            .filter(|b| !left_out.contains(b))
+            .collect();
+        self.with(&kept)
+    }
+
+    /// The system of the postures `chosen` (indices of blocks, repeats allowed).
+    ///
+    /// # Errors
+    /// Nothing is chosen.
+    pub fn with(&self, chosen: &[usize]) -> Result<MeasuredSystem> {
+        let rows: usize = chosen.iter().map(|b| self.blocks[*b].rows.len()).sum();
+        if rows == 0 {
+            return Err(no_displacements());
+        }
+        let mut out = MeasuredSystem {
+            psi: DMatrix::zeros(rows, self.psi.ncols()),
+            delta: DVector::zeros(rows),
+            unknowns: self.unknowns.clone(),
+            springs: self.springs,
+            extra: self.extra.clone(),
+            blocks: Vec::with_capacity(chosen.len()),
+            labels: Vec::with_capacity(rows / 3),
+        };
+        let mut at = 0;
+        for &b in chosen {
+            let block = &self.blocks[b];
+            let (from, count) = (block.rows.start, block.rows.len());
+            out.psi
+                .rows_mut(at, count)
+                .copy_from(&self.psi.rows(from, count));
+            out.delta
+                .rows_mut(at, count)
+                .copy_from(&self.delta.rows(from, count));
+            out.labels
+                .extend_from_slice(&self.labels[from / 3..(from + count) / 3]);
+            out.blocks.push(Block {
+                rows: at..at + count,
+                ..block.clone()
+            });
+            at += count;
+        }
+        Ok(out)
+    }
+}
+
+/// Builds Ψ x = Δ from measurements, Eq. (10), with the general form
+/// Δ = J^m (Δq_m + K_θ⁻¹ Γ) where the controller's angles were read.
+///
+/// # Errors
+/// No measurements, a point the tool does not have, a number that is not
+/// finite, tracker weights without the tracker's model, or as [`PostureTerms::new`].
+pub fn measured_system(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    extra: &[ExtraTerm],
+    weights: Weights,
+) -> Result<MeasuredSystem> {
+    let robot = &cell.setup.robot;
+    let rows = row_count(measured);
+    if rows == 0 {
+        return Err(no_displacements());
+    }
+    if let Some(term) = (0..extra.len()).find(|i| extra[..*i].contains(&extra[*i])) {
+        let message = format!("The term \"{}\" stands twice.", extra[term].name(robot));
+        return Err(Error::new(Code::Duplicate, message));
+    }
+    let springs = robot.spring_count();
+    let mut unknowns = robot.spring_names();
+    unknowns.extend(extra.iter().map(|term| term.name(robot)));
+    let mut system = MeasuredSystem {
+        psi: DMatrix::zeros(rows, unknowns.len()),
+        delta: DVector::zeros(rows),
+        unknowns,
+        springs,
+        extra: extra.to_vec(),
+        blocks: Vec::new(),
+        labels: Vec::with_capacity(rows / 3),
+    };
+    let mut at = 0;
+    for states in by_posture(measured) {
+        let from = at;
+        let mut torques = Vec::with_capacity(states.len());
+        for &m in &states {
+            let posture = &measured[m];
+            let terms =
+                PostureTerms::new(&cell.setup, &posture.posture.q, posture.wrench.as_ref())?;
+            let columns = columns(cell, &terms, extra);
+            let known = known_displacement(cell, &terms, posture)?;
+            for (d, displacement) in posture.displacements.iter().enumerate() {
+                let row = 3 * displacement.point;
+                if row + 3 > columns.nrows() {
+                    return Err(Error::new(
+                        Code::UnknownName,
+                        "A displacement names a point the tool does not have.",
+                    ));
+                }
+                system.psi.rows_mut(at, 3).copy_from(&columns.rows(row, 3));
+                system
+                    .delta
+                    .rows_mut(at, 3)
+                    .copy_from(&(displacement.value - known.fixed_rows::<3>(row)));
+                system.labels.push(RowLabel {
+                    measured: m,
+                    displacement: d,
+                });
+                at += 3;
+            }
+            torques.push(DVector::from_column_slice(terms.torque()));
+        }
+        system.blocks.push(Block {
+            posture: measured[states[0]].posture.name.clone(),
+            rows: from..at,
+            covariance: covariance(cell, measured, &system.labels[from / 3..], weights)?,
+            shared: shared(measured, &states, &torques),
+        });
+    }
+    if system.delta.iter().any(|v| !v.is_finite()) {
+        return Err(Error::new(
+            Code::NotFinite,
+            "A displacement is not a finite number.",
+        ));
+    }
+    Ok(system)
+}
+
+/// Ψ of one posture and load with its further terms, 3m × unknowns.
+pub(crate) fn columns(cell: &Cell, terms: &PostureTerms, extra: &[ExtraTerm]) -> DMatrix<f64> {
+    let block = terms.block(&cell.setup.robot);
+    let n = block.ncols();
+    let mut columns = block.resize_horizontally(n + extra.len(), 0.0);
+    for (i, term) in extra.iter().enumerate() {
+        columns.column_mut(n + i).copy_from(&term.column(terms));
+    }
+    columns
+}
+
+/// Displacement of the measuring points that does not come from the unknowns,
+/// 3m \[m\]: of a series compliance, and J^m C Δq_m of the controller.
+pub(crate) fn known_displacement(
+    cell: &Cell,
+    terms: &PostureTerms,
+    measured: &MeasuredPosture,
+) -> Result<DVector<f64>> {
+    let robot = &cell.setup.robot;
+    let mut known = terms.known_displacement(&cell.setup.tool);
+    let Some(give) = &measured.servo_give else {
+        return Ok(known);
+    };
+    crate::observation::check_angles(robot, give)?;
+    let theta = robot.coupling() * DVector::from_column_slice(give);
+    for (a, point) in terms.measuring_points().iter().enumerate() {
+        for (j, angle) in theta.iter().enumerate() {
+            let mut rows = known.fixed_rows_mut::<3>(3 * a);
+            rows += terms.frames().column(j, point) * *angle;
+        }
+    }
+    Ok(known)
+}
+
+/// Indices of the measured postures by posture, in order of first appearance.
+fn by_posture(measured: &[MeasuredPosture]) -> Vec<Vec<usize>> {
+    let mut order: Vec<Vec<usize>> = Vec::new();
+    let mut seen: std::collections::HashMap<&str, usize> = std::collections::HashMap::new();
+    for (m, posture) in measured.iter().enumerate() {
+        let next = order.len();
+        let at = *seen.entry(posture.posture.name.as_str()).or_insert(next);
+        if at == next {
+            order.push(Vec::new());
+        }
+        order[at].push(m);
+    }
+    order.retain(|states| {
+        states
+            .iter()
+            .any(|m| !measured[*m].displacements.is_empty())
+    });
+    order
+}
+
+/// Covariance of the displacements of one posture in units of the variance of
+/// a displacement: fewer readings weigh less, and displacements against one
+/// reference reading share its error (two load states correlate by 0.5).
+fn covariance(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    labels: &[RowLabel],
+    weights: Weights,
+) -> Result<Option<DMatrix<f64>>> {
+    let of = |label: &RowLabel| -> &Displacement {
+        &measured[label.measured].displacements[label.displacement]
+    };
+    // Shares of the variance of a displacement: a reading of either state, or
+    // of the loaded one alone where the paper's count holds.
+    let two = cell.noise.readings_per_displacement == 2;
+    let (loaded, reference) = if two { (0.5, 0.5) } else { (1.0, 0.0) };
+    let unit = cell.noise.reading_variance;
+    let reading = |d: &Displacement| -> Result<Matrix3<f64>> {
+        match (weights, d.covariance) {
+            (Weights::Readings, _) => Ok(Matrix3::identity()),
+            (Weights::Tracker, Some(covariance)) if unit > 0.0 => Ok(covariance / unit),
+            (Weights::Tracker, _) => Err(Error::new(
+                Code::MissingKey,
+                "The weights need the tracker's accuracy, and these displacements come without it.",
+            )
+            .key("tracker")
+            .hint(
+                "give range_um and angle_urad in [tracker] of the cell, and raw readings or the tracker's pose",
+            )),
+        }
+    };
+    let count = labels.len();
+    let mut out = DMatrix::zeros(3 * count, 3 * count);
+    for i in 0..count {
+        let a = of(&labels[i]);
+        let of_a = reading(a)?;
+        let [n_loaded, n_reference] = a.readings.map(|n| f64::from(n.max(1)));
+        out.fixed_view_mut::<3, 3>(3 * i, 3 * i)
+            .copy_from(&(of_a * (loaded / n_loaded + reference / n_reference)));
+        for j in 0..i {
+            let b = of(&labels[j]);
+            if a.point != b.point || a.reference != b.reference || reference == 0.0 {
+                continue;
+            }
+            let common = (of_a + reading(b)?) * (0.5 * reference / n_reference);
+            out.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&common);
+            out.fixed_view_mut::<3, 3>(3 * j, 3 * i).copy_from(&common);
+        }
+    }
+    let plain = DMatrix::identity(3 * count, 3 * count);
+    Ok((out != plain).then_some(out))
+}
+
+/// What shifts common to a posture do to its rows, rows × 3c. What the model
+/// misses grows with the load, so a shift counts in proportion to the joint
+/// torques; loads in different directions have shifts of their own.
+fn shared(
+    measured: &[MeasuredPosture],
+    states: &[usize],
+    torques: &[DVector<f64>],
+) -> DMatrix<f64> {
+    let rows: usize = states
+        .iter()
+        .map(|m| 3 * measured[*m].displacements.len())
+        .sum();
+    // States by falling torque, so that the largest of a direction leads it.
+    let mut order: Vec<usize> = (0..states.len()).collect();
+    order.sort_by(|a, b| torques[*b].norm().total_cmp(&torques[*a].norm()));
+    let mut leaders: Vec<usize> = Vec::new();
+    let mut place = vec![(0, 1.0); states.len()];
+    for &s in &order {
+        let found = leaders.iter().position(|&l| {
+            let product = torques[l].norm() * torques[s].norm();
+            product <= 0.0 || (torques[l].dot(&torques[s])).abs() > ALIKE * product
+        });
+        place[s] = match found {
+            Some(class) => {
+                let leader = &torques[leaders[class]];
+                let size = leader.norm_squared();
+                let part = if size > 0.0 {
+                    torques[s].dot(leader) / size
+                } else {
+                    1.0
+                };
+                (class, part)
+            }
+            None => {
+                leaders.push(s);
+                (leaders.len() - 1, 1.0)
+            }
+        };
+    }
+    let mut out = DMatrix::zeros(rows, 3 * leaders.len());
+    let mut at = 0;
+    for (s, m) in states.iter().enumerate() {
+        let (class, part) = place[s];
+        for _ in &measured[*m].displacements {
+            for axis in 0..3 {
+                out[(at + axis, 3 * class + axis)] = part;
+            }
+            at += 3;
+        }
+    }
+    out
+}
+
+fn no_displacements() -> Error {
+    Error::new(
+        Code::TooFewData,
+        "There are no displacements to identify from.",
+    )
+}

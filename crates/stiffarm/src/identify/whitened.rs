@@ -1,0 +1,300 @@
+//! A system whose rows have been made independent and equally exact, with the
+//! directions in which a posture's rows share shifts.
+
+use super::system::MeasuredSystem;
+use crate::error::{Code, Error, Result};
+use crate::information::{Factor, svd};
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Whitened rows of one posture: the shifts act along orthonormal directions.
+#[derive(Debug, Clone)]
+struct Shared {
+    rows: Range<usize>,
+    /// rows × k, orthonormal columns.
+    directions: DMatrix<f64>,
+    /// Squared size s² of a unit shift along each direction.
+    sizes: DVector<f64>,
+    /// Lower Cholesky factor of the rows' covariance, where it is not the identity.
+    root: Option<DMatrix<f64>>,
+}
+
+/// A whitened system: without shifts its rows have covariance σ²I, with shifts
+/// of variance γσ² they have σ²(I + γ Σ s² u uᵀ).
+#[derive(Debug, Clone)]
+pub struct Whitened {
+    psi: DMatrix<f64>,
+    blocks: Vec<Shared>,
+    /// Factor of the whitened Ψ without shifts.
+    factor: Factor,
+    /// Orthonormal basis of its columns, rows × rank.
+    basis: DMatrix<f64>,
+    /// Uᵀ·basis of each posture, k × rank.
+    seen: Vec<DMatrix<f64>>,
+    shifts: usize,
+    separable: bool,
+}
+
+impl Whitened {
+    /// Whitens a system by the covariance of its rows.
+    ///
+    /// # Errors
+    /// A covariance that is not positive definite, or as [`Factor::new`].
+    pub fn new(system: &MeasuredSystem) -> Result<Self> {
+        let mut psi = system.psi.clone();
+        let mut blocks = Vec::with_capacity(system.blocks.len());
+        for block in &system.blocks {
+            let (from, count) = (block.rows.start, block.rows.len());
+            let mut shared = block.shared.clone();
+            let root = block
+                .covariance
+                .as_ref()
+                .map(|covariance| {
+                    let not_positive = || {
+                        let message =
+                            "The covariance of a posture's readings is not positive definite.";
+                        Error::new(Code::InvalidValue, message)
+                    };
+                    let root = covariance
+                        .clone()
+                        .cholesky()
+                        .ok_or_else(not_positive)?
+                        .unpack();
+                    let mut rows = psi.rows_mut(from, count);
+                    let solved = root.solve_lower_triangular_mut(&mut rows)
+                        && root.solve_lower_triangular_mut(&mut shared);
+                    solved.then_some(root).ok_or_else(not_positive)
+                })
+                .transpose()?;
+            let columns = shared.ncols();
+            if count < columns {
+                // Zero rows let the decomposition see all columns.
+                shared = shared.resize_vertically(columns, 0.0);
+            }
+            let parts = svd(shared).ok_or_else(|| {
+                Error::new(Code::NotFinite, "A covariance is not a finite number.")
+            })?;
+            let rank = parts.values.iter().filter(|v| **v > 0.0).count();
+            blocks.push(Shared {
+                rows: block.rows.clone(),
+                directions: parts.u.view((0, 0), (count, rank)).into_owned(),
+                sizes: parts.values.rows(0, rank).map(|v| v * v),
+                root,
+            });
+        }
+        let factor = Factor::new(&psi)?;
+        let basis = factor.basis(psi.nrows());
+        let seen = blocks
+            .iter()
+            .map(|b| b.directions.tr_mul(&basis.rows(b.rows.start, b.rows.len())))
+            .collect();
+        // Where every row is a shift of its own, shifts and noise are one thing.
+        let separable = blocks.iter().any(|b| b.directions.ncols() < b.rows.len());
+        Ok(Whitened {
+            shifts: blocks.iter().map(|b| b.directions.ncols()).sum(),
+            psi,
+            blocks,
+            factor,
+            basis,
+            seen,
+            separable,
+        })
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.psi.nrows()
+    }
+
+    /// Whitened Ψ.
+    pub fn psi(&self) -> &DMatrix<f64> {
+        &self.psi
+    }
+
+    /// Factor of the whitened Ψ without shifts.
+    pub fn factor(&self) -> &Factor {
+        &self.factor
+    }
+
+    /// Number of shifts, three for each posture and direction of load.
+    pub fn shifts(&self) -> usize {
+        self.shifts
+    }
+
+    /// True where the data can tell shifts from noise.
+    pub fn is_separable(&self) -> bool {
+        self.separable
+    }
+
+    /// Whitens displacements like the rows of Ψ.
+    pub fn whiten(&self, delta: &DVector<f64>) -> DVector<f64> {
+        let mut out = delta.clone();
+        for block in &self.blocks {
+            if let Some(root) = &block.root {
+                let mut rows = out.rows_mut(block.rows.start, block.rows.len());
+                root.solve_lower_triangular_mut(&mut rows);
+            }
+        }
+        out
+    }
+
+    /// What least squares without shifts leaves of whitened displacements.
+    pub fn residual(&self, whitened: &DVector<f64>) -> DVector<f64> {
+        whitened - &self.basis * self.basis.tr_mul(whitened)
+    }
+
+    /// Rows with shifts of variance `gamma`·σ² made independent as well.
+    pub fn with_shifts(&self, rows: &DMatrix<f64>, gamma: f64) -> DMatrix<f64> {
+        let mut out = rows.clone();
+        if gamma <= 0.0 {
+            return out;
+        }
+        for block in &self.blocks {
+            let (from, count) = (block.rows.start, block.rows.len());
+            let mut parts = block.directions.tr_mul(&rows.rows(from, count));
+            for (k, size) in block.sizes.iter().enumerate() {
+                parts
+                    .row_mut(k)
+                    .scale_mut(1.0 - 1.0 / (1.0 + gamma * size).sqrt());
+            }
+            let mut rows = out.rows_mut(from, count);
+            rows -= &block.directions * parts;
+        }
+        out
+    }
+
+    /// The ratio γ = τ²/σ² that maximises the restricted likelihood (REML:
+    /// Patterson & Thompson, Biometrika 58, 1971, 545–554,
+    /// doi:10.1093/biomet/58.3.545); zero where it cannot be told.
+    pub fn variance_ratio(&self, whitened: &DVector<f64>) -> f64 {
+        let rank = self.factor.rank();
+        if !self.separable || self.rows() <= rank {
+            return 0.0;
+        }
+        let criterion = self.restricted(whitened);
+        let Some(criterion) = criterion else {
+            return 0.0;
+        };
+        best_ratio(|gamma| criterion.value(gamma)).0
+    }
+
+    /// −2 ln of the profiled restricted likelihood as a function of γ; `None`
+    /// where the residuals are rounding.
+    pub fn restricted(&self, whitened: &DVector<f64>) -> Option<Restricted<'_>> {
+        let residual = self.residual(whitened);
+        let size = residual.norm_squared();
+        let rounding = (64.0 * f64::EPSILON).powi(2) * whitened.norm_squared();
+        if size <= rounding || !size.is_finite() {
+            return None;
+        }
+        let moved = self
+            .blocks
+            .iter()
+            .map(|b| {
+                b.directions
+                    .tr_mul(&residual.rows(b.rows.start, b.rows.len()))
+            })
+            .collect();
+        Some(Restricted {
+            system: self,
+            size,
+            moved,
+        })
+    }
+}
+
+/// The restricted likelihood of one set of displacements.
+#[derive(Debug)]
+pub struct Restricted<'a> {
+    system: &'a Whitened,
+    /// eᵀe of the residual e without shifts.
+    size: f64,
+    /// Uᵀe of each posture.
+    moved: Vec<DVector<f64>>,
+}
+
+impl Restricted<'_> {
+    /// −2 ln L at γ, up to a constant, σ² profiled out.
+    pub fn value(&self, gamma: f64) -> f64 {
+        let rank = self.system.factor.rank();
+        // XᵀV⁻¹X, XᵀV⁻¹e and eᵀV⁻¹e in the orthonormal basis, where Xᵀe = 0.
+        let mut information = DMatrix::<f64>::identity(rank, rank);
+        let mut moment = DVector::<f64>::zeros(rank);
+        let mut size = self.size;
+        let mut logarithms = 0.0;
+        for ((block, seen), moved) in self
+            .system
+            .blocks
+            .iter()
+            .zip(&self.system.seen)
+            .zip(&self.moved)
+        {
+            for (k, s) in block.sizes.iter().enumerate() {
+                let part = gamma * s / (1.0 + gamma * s);
+                size -= part * moved[k] * moved[k];
+                logarithms += (gamma * s).ln_1p();
+                let row = seen.row(k);
+                for i in 0..rank {
+                    moment[i] -= part * row[i] * moved[k];
+                    for j in 0..=i {
+                        information[(i, j)] -= part * row[i] * row[j];
+                    }
+                }
+            }
+        }
+        // Only the lower triangle is filled, and only it is read.
+        let Some(cholesky) = information.cholesky() else {
+            return f64::INFINITY;
+        };
+        let root = cholesky.l_dirty();
+        let determinant: f64 = (0..rank).map(|i| 2.0 * root[(i, i)].ln()).sum();
+        let rest = size - moment.dot(&cholesky.solve(&moment));
+        let free = (self.system.rows() - rank) as f64;
+        if rest <= 0.0 {
+            return f64::INFINITY;
+        }
+        free * rest.ln() + logarithms + determinant
+    }
+}
+
+/// The γ ≥ 0 with the smallest `criterion`, and that value: a grid over all
+/// sizes, then golden sections about its best point.
+pub(super) fn best_ratio(criterion: impl Fn(f64) -> f64) -> (f64, f64) {
+    const LOW: f64 = -12.0;
+    const STEP: f64 = 1.0;
+    const POINTS: usize = 36;
+    let at = |i: usize| LOW + STEP * i as f64;
+    let mut best = (0.0, criterion(0.0));
+    let mut place = None;
+    for i in 0..POINTS {
+        let gamma = at(i).exp();
+        let value = criterion(gamma);
+        if value < best.1 {
+            best = (gamma, value);
+            place = Some(i);
+        }
+    }
+    let Some(i) = place else { return best };
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high) = (at(i) - STEP, at(i) + STEP);
+    let mut left = high - golden * (high - low);
+    let mut right = low + golden * (high - low);
+    let (mut f_left, mut f_right) = (criterion(left.exp()), criterion(right.exp()));
+    while high - low > 1e-7 {
+        if f_left <= f_right {
+            (high, right, f_right) = (right, left, f_left);
+            left = high - golden * (high - low);
+            f_left = criterion(left.exp());
+        } else {
+            (low, left, f_left) = (left, right, f_right);
+            right = low + golden * (high - low);
+            f_right = criterion(right.exp());
+        }
+    }
+    let middle = 0.5 * (low + high);
+    let value = criterion(middle.exp());
+    if value < best.1 {
+        best = (middle.exp(), value);
+    }
+    best
+}
