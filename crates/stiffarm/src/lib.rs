@@ -8,6 +8,7 @@
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
+pub mod advise;
 #[cfg(feature = "files")]
 pub mod builtin;
 pub mod cell;
