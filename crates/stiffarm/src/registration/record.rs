@@ -1,0 +1,129 @@
+//! A registration as JSON holds it.
+
+use super::Registration;
+use crate::error::{Code, Error, Result};
+use crate::findings::Finding;
+use crate::units::{rad_to_deg, roll_pitch_yaw};
+use nalgebra::{
+    Isometry3, Matrix3, Matrix6, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
+};
+use serde::{Deserialize, Serialize};
+
+/// A rotation matrix may differ from an orthogonal one by this.
+const ORTHOGONAL: f64 = 1e-9;
+
+/// A [`Registration`] as JSON holds it: matrices by rows, SI units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RegistrationRecord {
+    /// Rotation of tracker into base axes, row by row.
+    pub rotation: [[f64; 3]; 3],
+    /// Origin of the tracker frame in the base frame \[m\].
+    pub translation_m: [f64; 3],
+    /// The rotation as roll, pitch, yaw: turns about the base's x, then y, then z axis \[deg\].
+    pub rpy_deg: [f64; 3],
+    /// Names of the pairs.
+    pub pairs: Vec<String>,
+    /// Base position minus transformed tracker position of each pair, base axes \[m\].
+    pub residuals_m: Vec<[f64; 3]>,
+    /// RMS of the residuals' norms \[m\].
+    pub rms_m: f64,
+    /// 3N − 6 for N pairs.
+    pub degrees_of_freedom: usize,
+    /// Standard deviation of a coordinate as the residuals have it \[m\].
+    pub residual_std_m: f64,
+    /// Standard deviation of a coordinate as given, which the covariance then uses \[m\].
+    pub known_std_m: Option<f64>,
+    /// Centroid of the pairs, base frame \[m\].
+    pub centroid_m: [f64; 3],
+    /// Covariance, row by row, of the shift of the centroid \[m\] and the turn about it \[rad\],
+    /// along x, y, z of the base.
+    pub covariance: [[f64; 6]; 6],
+    /// What to know about the pairs and the transform, the most serious first.
+    pub findings: Vec<Finding>,
+}
+
+impl From<&Registration> for RegistrationRecord {
+    fn from(registration: &Registration) -> Self {
+        let pose = &registration.base_from_tracker;
+        let rotation = pose.rotation.to_rotation_matrix();
+        let covariance = &registration.covariance;
+        RegistrationRecord {
+            rotation: std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)])),
+            translation_m: pose.translation.vector.into(),
+            rpy_deg: roll_pitch_yaw(&pose.rotation).map(rad_to_deg),
+            pairs: registration.names.clone(),
+            residuals_m: registration.residuals.iter().map(|r| (*r).into()).collect(),
+            rms_m: registration.rms,
+            degrees_of_freedom: registration.degrees_of_freedom,
+            residual_std_m: registration.residual_std,
+            known_std_m: registration.known_std,
+            centroid_m: registration.centroid.into(),
+            covariance: std::array::from_fn(|i| std::array::from_fn(|j| covariance[(i, j)])),
+            findings: registration.findings.clone(),
+        }
+    }
+}
+
+impl TryFrom<RegistrationRecord> for Registration {
+    type Error = Error;
+
+    /// # Errors
+    /// Numbers that are not finite, a matrix that is no rotation, or a
+    /// covariance that is none.
+    fn try_from(record: RegistrationRecord) -> Result<Self> {
+        let fault = |message: &str, key: &str| Error::new(Code::ResultFile, message).key(key);
+        let scalars = [record.rms_m, record.residual_std_m];
+        let finite = record.translation_m.iter().all(|v| v.is_finite())
+            && record.centroid_m.iter().all(|v| v.is_finite())
+            && record.residuals_m.iter().flatten().all(|v| v.is_finite())
+            && scalars
+                .iter()
+                .chain(&record.known_std_m)
+                .all(|v| v.is_finite() && *v >= 0.0);
+        if !finite {
+            return Err(fault(
+                "A number of the registration is not finite or below zero.",
+                "translation_m",
+            ));
+        }
+        let matrix = Matrix3::from_fn(|i, j| record.rotation[i][j]);
+        let square = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+        // NaN is no rotation either.
+        if !(square < ORTHOGONAL && matrix.determinant() > 0.0) {
+            return Err(fault(
+                "The matrix is not a rotation: its rows must be orthonormal and right-handed.",
+                "rotation",
+            ));
+        }
+        let covariance = Matrix6::from_fn(|i, j| record.covariance[i][j]);
+        let symmetric = (covariance - covariance.transpose()).amax() <= 1e-9 * covariance.amax();
+        let positive = covariance.diagonal().iter().all(|v| *v >= 0.0);
+        if !(symmetric && positive && covariance.iter().all(|v| v.is_finite())) {
+            return Err(fault(
+                "The covariance is not symmetric, or has a negative variance.",
+                "covariance",
+            ));
+        }
+        if record.pairs.len() != record.residuals_m.len() {
+            return Err(fault("There is not one residual per pair.", "residuals_m"));
+        }
+        let rotation =
+            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+        Ok(Registration {
+            base_from_tracker: Isometry3::from_parts(
+                Translation3::from(Vector3::from(record.translation_m)),
+                Unit::new_normalize(rotation.into_inner()),
+            ),
+            names: record.pairs,
+            residuals: record.residuals_m.into_iter().map(Vector3::from).collect(),
+            rms: record.rms_m,
+            degrees_of_freedom: record.degrees_of_freedom,
+            residual_std: record.residual_std_m,
+            known_std: record.known_std_m,
+            centroid: Vector3::from(record.centroid_m),
+            covariance,
+            findings: record.findings,
+        })
+    }
+}
