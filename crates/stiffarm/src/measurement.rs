@@ -58,6 +58,10 @@ pub struct MeasuredPosture {
     /// What the controller gave way under the load: its angles loaded minus
     /// reference, Δq_m \[rad\], where recorded.
     pub servo_give: Option<Vec<f64>>,
+    /// Variance of an error that all points of the posture have alike, over that
+    /// of one reading, per axis: what taking back the motion of the base adds in
+    /// this state, and with the reference, which all states share.
+    pub common_readings: [f64; 2],
     /// Displacements; repeats of a point are separate entries.
     pub displacements: Vec<Displacement>,
 }

@@ -5,11 +5,14 @@
 
 mod common;
 
+use nalgebra::Vector3;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
+use stiffarm::cell::Columns;
 use stiffarm::cell::file::{
-    displacements_template, parse_cell, parse_cell_bytes, postures_template, template,
+    measurements_template, parse_cell, parse_cell_bytes, postures_template, template,
 };
+use stiffarm::instruments::{Mount, Tracker, Uncertainty};
 use stiffarm::load::{Axes, Load};
 use stiffarm::observation::PostureTerms;
 use stiffarm::robot::catalogue;
@@ -188,6 +191,10 @@ fn copies_for_the_reader_are_the_built_in_files() -> Check {
         let copy = std::fs::read_to_string(folder.join(format!("{name}.csv")))?;
         assert_eq!(Some(copy.as_str()), builtin::postures_text(name), "{name}");
     }
+    for name in builtin::pairs_names() {
+        let copy = std::fs::read_to_string(folder.join(format!("{name}.csv")))?;
+        assert_eq!(Some(copy.as_str()), builtin::pairs_text(name), "{name}");
+    }
     let files = std::fs::read_dir(folder)?.count();
     assert_eq!(files, builtin::names().len(), "every copy is built in");
     Ok(())
@@ -232,6 +239,14 @@ fn templates_can_be_used_as_they_are() -> Check {
         let with_task = parse_cell(&format!("{above}[[task]]{task}"), "cell.toml")?;
         assert_eq!(with_task.tasks[0].name, "roughing");
         assert_eq!(with_task.tasks[0].tip, cell.setup.tool.tcp());
+        // So can what is commented out of the instruments and of the columns.
+        for table in ["sensor", "tracker", "uncertainty", "columns"] {
+            let (above, rest) = text.split_once(&format!("# [{table}]")).ok_or("no table")?;
+            let (own, _) = rest.split_once("\n\n").ok_or("no end")?;
+            let own = own.replace("\n# ", "\n");
+            let with_table = parse_cell(&format!("{above}[{table}]{own}"), "cell.toml")?;
+            assert_ne!(with_table, cell, "{table}");
+        }
         // The limits leave room for postures of this robot.
         let mut inside = 0;
         for q in some_postures(&cell) {
@@ -254,8 +269,8 @@ fn templates_can_be_used_as_they_are() -> Check {
             &cell.setup.robot,
         );
         assert!(error.unwrap_err().message().contains("no rows"));
-        let error = stiffarm::table::read_displacements(
-            displacements_template(&cell).as_bytes(),
+        let error = stiffarm::table::read_measurements(
+            measurements_template(&cell).as_bytes(),
             "measurements.csv",
             &cell,
             None,
@@ -286,9 +301,14 @@ fn examples_of_the_templates_are_valid_rows() -> Check {
     let postures = uncommented(postures_template(robot));
     let postures = stiffarm::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
     assert_eq!(postures.len(), 1);
-    let sheet = uncommented(displacements_template(&cell));
-    let read = stiffarm::table::read_displacements(sheet.as_bytes(), "m.csv", &cell, None)?;
-    assert_eq!(read[0].displacements.len(), 4);
+    let sheet = uncommented(measurements_template(&cell));
+    let read = stiffarm::table::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
+    let states: Vec<_> = read.postures[0]
+        .states
+        .iter()
+        .map(|state| (state.state.as_str(), state.readings.len()))
+        .collect();
+    assert_eq!(states, [("unloaded", 4), ("loaded", 4)]);
     Ok(())
 }
 
@@ -297,7 +317,7 @@ fn the_template_of_the_default_robot() -> Check {
     insta::assert_snapshot!("template_comau", template("comau-nj165-3.0")?);
     let cell = builtin::cell("comau")?;
     insta::assert_snapshot!("template_postures", postures_template(&cell.setup.robot));
-    insta::assert_snapshot!("template_displacements", displacements_template(&cell));
+    insta::assert_snapshot!("template_measurements", measurements_template(&cell));
     Ok(())
 }
 
@@ -345,6 +365,42 @@ fn every_key_arrives_in_si_units() -> Check {
     assert_eq!(milling.wrench.moment.as_slice(), [0.0, 0.0, 12.0]);
     assert_eq!(milling.axes, Axes::Tool);
     assert_eq!(milling.tip.as_slice(), [0.0, 0.01, 0.35]);
+    let sensor = cell.sensor.as_ref().ok_or("no sensor")?;
+    assert_eq!(sensor.mount, Mount::Base);
+    assert!(sensor.reports_by_robot);
+    assert_eq!(sensor.pose.translation.vector.as_slice(), [1.8, 0.0, -0.03]);
+    // Roll 180° about x, then yaw 90° about z: the sensor's x points along y, its y along x.
+    for (axis, expected) in [(Vector3::x(), Vector3::y()), (Vector3::y(), Vector3::x())] {
+        assert!((sensor.pose.rotation * axis - expected).norm() < 1e-15);
+    }
+    let tracker = &cell.tracker;
+    let base_from_tracker = tracker.base_from_tracker.ok_or("no pose")?;
+    assert_eq!(
+        base_from_tracker.translation.vector.as_slice(),
+        [3.5, -1.2, 0.9]
+    );
+    assert_close(base_from_tracker.rotation.angle(), 150f64.to_radians());
+    let accuracy = tracker.accuracy.ok_or("no accuracy")?;
+    assert_eq!(accuracy.station.as_slice(), [0.0, 0.0, 0.05]);
+    assert_close(accuracy.range, 10e-6);
+    assert_close(accuracy.range_per_metre, 0.4e-6);
+    assert_close(accuracy.angle, 3e-6);
+    let uncertainty = &cell.uncertainty;
+    let values = [
+        (uncertainty.force_scale, 0.005),
+        (uncertainty.anchor, 0.005),
+        (uncertainty.loading_point, 0.001),
+        (uncertainty.registration, 0.2e-3),
+        (uncertainty.base_tilt_compliance, 1e-8),
+        (uncertainty.sensor_compliance, 1.0 / 3.3e5),
+        (uncertainty.lost_motion, (0.2f64 / 60.0).to_radians()),
+    ];
+    for (found, expected) in values {
+        assert_close(found.ok_or("a key is missing")?, expected);
+    }
+    assert_eq!(cell.columns.names["x_mm"], "Center X");
+    assert_eq!(cell.columns.names["q2_rad"], "A2");
+    assert_eq!(cell.columns.ignore, ["Comment", "Target type"]);
     // What may be left out of a task.
     assert_eq!((plain.name.as_str(), plain.axes), ("task 2", Axes::Base));
     assert_eq!(plain.wrench.moment.norm(), 0.0);
@@ -366,6 +422,10 @@ fn what_may_be_left_out() -> Check {
         "the catalogue's first set"
     );
     assert_eq!(cell.characteristic_length, None);
+    assert_eq!(cell.sensor, None);
+    assert_eq!(cell.tracker, Tracker::default());
+    assert_eq!(cell.uncertainty, Uncertainty::default());
+    assert_eq!(cell.columns, Columns::default());
     assert_close(cell.noise.reading_variance, 9.23e-11);
     let Load::Weight {
         magnitude,
@@ -381,7 +441,9 @@ fn what_may_be_left_out() -> Check {
 #[test]
 fn loads_and_bases() -> Check {
     let rope = "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
-    let no_rope = FULL.replace("rope_length_mm = [800, 3400]\n", "");
+    let no_rope = FULL
+        .replace("rope_length_mm = [800, 3400]\n", "")
+        .replace("anchor_mm = 5\n", "");
     let wrench = "kind = \"wrench\"\nforce_n = [1, 2, 3]\nmoment_nm = [4, 5, 6]\naxes = \"tool\"";
     let cell = parse_cell(&no_rope.replace(rope, wrench), "cell.toml")?;
     let Load::Constant {
@@ -470,7 +532,8 @@ const SLIPS: &[(&str, &str)] = &[
         "magnitude_n = 500\nbox_min_mm = [0, 0, 0]",
     ),
     ("[noise]", "[nose]"),
-    ("[noise]", "[tracker]"),
+    ("[noise]", "[traker]"),
+    ("[noise]", "[sensor]"),
     ("position_mm = [0, 150, 200]", "position_m = [0, 0.15, 0.2]"),
     ("origin_mm", "\"origin mm\""),
     ("q_deg = [12.5, 90]", "q_rad = [0.2, 1.5]"),
@@ -618,6 +681,8 @@ const SLIPS: &[(&str, &str)] = &[
     ("down = [0, 0, -2]", "elastic_from_theta = [[0, 0], [0, 1]]"),
     ("name = \"b\"", "name = \"a\""),
     ("name = \"b\"", "name = \"Base\""),
+    ("name = \"b\"", "name = \"base-2\""),
+    ("name = \"b\"", "name = \"Base left\""),
     ("name = \"b\"", "name = \" b\""),
     ("name = \"b\"", "name = \"\""),
     ("name = \"b\"", "name = \"b\\nc\""),
@@ -641,7 +706,72 @@ const SLIPS: &[(&str, &str)] = &[
     ("name = \"milling\"", "name = \"\""),
     ("[[task]]\nname", "[task]\nname"),
     ("[[task]]\nname", "[[tasks]]\nname"),
+    // Sensor, tracker, uncertainty.
+    ("mount = \"base\"\n", ""),
+    ("mount = \"base\"", "mount = \"flanges\""),
+    ("mount = \"base\"", "mount = \"wall\""),
+    ("reports = \"by_robot\"\n", ""),
+    ("reports = \"by_robot\"", "reports = \"by_the_robot\""),
+    ("reports = \"by_robot\"", "reports = -1"),
+    ("xyz_mm = [1800, 0, -30]\n", ""),
+    ("rpy_deg = [180, 0, 90]\n", ""),
+    ("rpy_deg = [180, 0, 90]", "rpy_deg = [180, 90]"),
+    ("rpy_deg = [180, 0, 90]", "rpy_rad = [3.14, 0, 1.57]"),
+    ("xyz_mm = [3500, -1200, 900]\n", ""),
+    ("rpy_deg = [0, 0, 150]\n", ""),
+    ("range_um = 10\n", ""),
+    ("range_um = 10", "range_um = 0"),
+    ("range_um = 10", "range_mm = 0.01"),
+    ("range_um_per_m = 0.4", "range_um_per_m = -0.4"),
+    ("angle_urad = 3\n", ""),
+    ("angle_urad = 3", "angle_urad = nan"),
+    ("range_um = 10\nrange_um_per_m = 0.4\nangle_urad = 3\n", ""),
+    ("force_scale_percent = 0.5", "force_scale_percent = -0.5"),
+    ("force_scale_percent = 0.5", "force_scale = 0.005"),
+    (
+        "lost_motion_arcmin = 0.2",
+        "lost_motion_arcmin = [0.2, 0.3]",
+    ),
+    (
+        "base_tilt_stiffness_nm_per_rad = 1e8",
+        "base_tilt_stiffness_nm_per_rad = 0",
+    ),
+    // Headings of another software.
+    ("x_mm = \"Center X\"", "x_cm = \"Center X\""),
+    ("x_mm = \"Center X\"", "x = \"Center X\""),
+    ("x_mm = \"Center X\"", "postrue = \"Center X\""),
+    ("x_mm = \"Center X\"", "q3_deg = \"A3\""),
+    ("x_mm = \"Center X\"", "temperature = \"T\""),
+    ("x_mm = \"Center X\"", "x_mm = \"\""),
+    ("x_mm = \"Center X\"", "x_mm = \"name\""),
+    ("x_mm = \"Center X\"", "x_mm = \"Comment\""),
+    ("x_mm = \"Center X\"", "x_mm = 3"),
+    ("x_mm = \"Center X\"", "x_mm = [\"Center X\"]"),
+    ("x_mm = \"Center X\"", "x_mm = \"Center X\"\nX_mm = \"X\""),
+    (
+        "ignore = [\"Comment\", \"Target type\"]",
+        "ignore = \"Comment\"",
+    ),
+    (
+        "ignore = [\"Comment\", \"Target type\"]",
+        "ignore = [\"Comment\", 3]",
+    ),
+    (
+        "ignore = [\"Comment\", \"Target type\"]",
+        "ignore = [\"Comment\", \"comment\"]",
+    ),
+    (
+        "ignore = [\"Comment\", \"Target type\"]",
+        "ignored = [\"Comment\"]",
+    ),
+    (FULL, "format = 1\ncolumns = [\"x_mm\"]\n"),
     // Contradictions.
+    (
+        "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]\n[limits]\nbox_min_mm = [900, -1900, 300]\n\
+         box_max_mm = [3000, 1900, 3000]\nfloor_mm = 10\nkeep_out_radius_mm = 900\nwrist_height_mm = 300\n\
+         rope_length_mm = [800, 3400]",
+        "kind = \"weight\"\nmagnitude_n = 500",
+    ),
     ("[robot]", "[robot]\ncatalogue = \"comau-nj165-3.0\""),
     ("name = \"two joints\"", "dh_standard = [[0, 0, 830, 0]]"),
     (
@@ -752,7 +882,11 @@ mod schema {
                     assert!(table.contains_key(name), "{path}.{name}");
                 }
                 for (key, value) in table {
-                    let child = &schema["properties"][key];
+                    let mut child = &schema["properties"][key];
+                    if child.is_null() && key.starts_with('q') {
+                        // The angles of any number of joints.
+                        child = &schema["patternProperties"]["^q[1-9][0-9]*_(deg|rad)$"];
+                    }
                     assert!(child.is_object(), "{path}.{key} is not in the schema");
                     check(root, child, value, &format!("{path}.{key}"));
                 }

@@ -11,7 +11,7 @@ use stiffarm::load::Wrench;
 use stiffarm::measurement::{Displacement, MeasuredPosture};
 use stiffarm::posture::Posture;
 use stiffarm::table::{
-    read_displacements, read_postures, reading_sheet, write_displacements, write_postures,
+    displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
 };
 
 type Check = Result<(), Box<dyn std::error::Error>>;
@@ -143,6 +143,75 @@ fn what_a_measurement_table_may_leave_out() -> Check {
 }
 
 #[test]
+fn units_stand_at_the_end_of_a_heading() -> Check {
+    let cell = rope_cell();
+    let plain = "posture,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,time_s,q1_deg,q2_deg\n\
+                 P1,left,25.4,-50.8,0,100,0,-500,1,2,3,90,180,-90\n";
+    let limits = cell
+        .setup
+        .robot
+        .clone()
+        .with_limits(&[[-4.0, 4.0], [-4.0, 4.0]])?;
+    let mut cell = cell;
+    cell.setup.robot = limits;
+    let wanted = displacements(plain, &cell)?;
+    let changed = [
+        (
+            "dx_mm,dy_mm,dz_mm",
+            "dx_m,dy_m,dz_m",
+            "25.4,-50.8,0",
+            "0.0254,-0.0508,0",
+        ),
+        (
+            "dx_mm,dy_mm,dz_mm",
+            "dx_um,dy_um,dz_um",
+            "25.4,-50.8,0",
+            "25400,-50800,0",
+        ),
+        (
+            "dx_mm,dy_mm,dz_mm",
+            "dx_µm,dy_μm,dz_um",
+            "25.4,-50.8,0",
+            "25400,-50800,0",
+        ),
+        (
+            "dx_mm,dy_mm,dz_mm",
+            "DX_in,DY_IN,dz_in",
+            "25.4,-50.8,0",
+            "1,-2,0",
+        ),
+        (
+            "fx_n,fy_n,fz_n",
+            "fx_kN,fy_kN,fz_kN",
+            "100,0,-500",
+            "0.1,0,-0.5",
+        ),
+        (
+            "mx_nm,my_nm,mz_nm",
+            "mx_Nmm,my_Nmm,mz_Nmm",
+            "1,2,3",
+            "1000,2000,3000",
+        ),
+        ("time_s", "time_min", ",90,", ",1.5,"),
+        ("time_s", "time_ms", ",90,", ",90000,"),
+        (
+            "q1_deg,q2_deg",
+            "q1_rad,q2_rad",
+            "180,-90",
+            "3.141592653589793,-1.5707963267948966",
+        ),
+    ];
+    for (from, to, values, converted) in changed {
+        assert!(plain.contains(from) && plain.contains(values), "{to}");
+        let text = plain.replace(from, to).replace(values, converted);
+        assert_eq!(displacements(&text, &cell)?, wanted, "{to}");
+    }
+    let radians = "posture,q1_rad,q2_rad\nP1,0.25,-0.5\n";
+    assert_eq!(postures(radians)?[0].q, [0.25, -0.5]);
+    Ok(())
+}
+
+#[test]
 fn a_mixed_list_is_written_with_the_load_of_the_cell() -> Check {
     let cell = rope_cell();
     let mut read = displacements(DISPLACEMENTS, &cell)?;
@@ -158,11 +227,11 @@ fn a_mixed_list_is_written_with_the_load_of_the_cell() -> Check {
 }
 
 #[test]
-fn a_reading_sheet_is_a_table_to_fill_in() -> Check {
+fn a_displacement_sheet_is_a_table_to_fill_in() -> Check {
     let cell = measured_cell();
     let planned = postures(POSTURES)?;
-    let sheet = reading_sheet(&planned, &["up", "down"], &cell);
-    insta::assert_snapshot!("reading_sheet", sheet);
+    let sheet = displacement_sheet(&planned, &["up", "down"], &cell);
+    insta::assert_snapshot!("displacement_sheet", sheet);
     let error = displacements(&sheet, &cell).unwrap_err();
     assert!(error.message().contains("is empty"), "{error}");
     let filled = sheet.replace(",,,,,,,", ",1,2,3,4,5,6,");
@@ -188,7 +257,12 @@ const POSTURE_SLIPS: &[(&str, &str)] = &[
     ("heading only", "posture,q1_deg,q2_deg\n"),
     ("no heading", "P1,12.5,-30\nP2,-90,45\n"),
     ("no unit", "posture,q1,q2\nP1,12.5,-30\n"),
-    ("radians", "posture,q1_rad,q2_rad\nP1,0.1,-0.3\n"),
+    ("gradians", "posture,q1_gon,q2_gon\nP1,10,-30\n"),
+    ("two units", "posture,q1_deg,q2_rad\nP1,12.5,-0.3\n"),
+    (
+        "twice in two units",
+        "posture,q1_deg,q2_deg,q1_rad\nP1,12.5,-30,0.2\n",
+    ),
     (
         "another name of the joint",
         "posture,joint 1 [deg],q2_deg\nP1,0.1,-0.3\n",
@@ -267,8 +341,15 @@ fn slips_in_a_posture_table() {
 const DISPLACEMENT_SLIPS: &[(&str, &str)] = &[
     ("dx_mm,dy_mm,dz_mm", "x_mm,y_mm,z_mm"),
     ("dx_mm,dy_mm,dz_mm", "dx,dy,dz"),
-    ("dx_mm,dy_mm,dz_mm", "dx_m,dy_m,dz_m"),
-    ("fx_n,fy_n,fz_n", "fx_kn,fy_kn,fz_kn"),
+    ("dx_mm,dy_mm,dz_mm", "dx [mm],dy [mm],dz [mm]"),
+    ("dx_mm,dy_mm,dz_mm", "dx_cm,dy_cm,dz_cm"),
+    ("dx_mm,dy_mm,dz_mm", "dx_mm,dy_mm,dz_m"),
+    ("dx_mm,dy_mm,dz_mm", "dx_mm,dx_m,dz_mm"),
+    ("dx_mm,dy_mm,dz_mm", "dx_m,dy_m"),
+    ("dx_mm,dy_mm,dz_mm", "dx_mm,dy_mm,z_mm"),
+    ("dx_mm,dy_mm,dz_mm,", "load_n,remark,operator,"),
+    ("time_s", "load_n"),
+    ("fx_n,fy_n,fz_n", "fx_lbf,fy_lbf,fz_lbf"),
     ("mx_nm,my_nm,mz_nm", "mx,my,mz"),
     ("time_s", "time"),
     ("q1_deg,q2_deg", "q1,q2"),
@@ -384,6 +465,7 @@ fn any_measured() -> impl Strategy<Value = Vec<MeasuredPosture>> {
                         let (force, moment) = wrench.unwrap_or_default();
                         Wrench { force, moment }
                     }),
+                    common_readings: [0.0; 2],
                     servo_give: None,
                     displacements: numbered(displacements),
                 })

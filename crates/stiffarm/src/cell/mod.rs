@@ -2,11 +2,13 @@
 //!
 //! Values only; reading and writing `cell.toml` is in [`mod@file`].
 
+mod columns;
 #[cfg(feature = "files")]
 pub mod file;
 mod limits;
 mod task;
 
+pub use columns::Columns;
 pub use limits::{LimitKind, LimitMargin, Limits};
 pub use task::{Task, task_matrix, task_rows};
 
@@ -14,7 +16,6 @@ use crate::error::{Code, Error, Result};
 use crate::instruments::{Sensor, Tracker, Uncertainty};
 use crate::observation::Setup;
 use crate::posture::Posture;
-use std::collections::BTreeMap;
 
 /// Measurement noise of a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,9 +82,8 @@ pub struct Cell {
     pub tracker: Tracker,
     /// Standard uncertainty of what is common to the whole experiment.
     pub uncertainty: Uncertainty,
-    /// Headings of reading tables that other software names otherwise: our
-    /// heading, with the unit the table has, to theirs.
-    pub columns: BTreeMap<String, String>,
+    /// Headings of measurement tables that another software writes.
+    pub columns: Columns,
 }
 
 impl Cell {

@@ -13,6 +13,15 @@ pub enum Target {
     Base(String),
 }
 
+impl Target {
+    /// True for a name that is kept for reflectors on the robot's base: `base`,
+    /// `base-2`, `base 3`, `base_left`, in any case.
+    pub fn is_base_name(name: &str) -> bool {
+        let (word, rest) = name.split_at_checked(4).unwrap_or((name, ""));
+        word.eq_ignore_ascii_case("base") && (rest.is_empty() || rest.starts_with(['-', '_', ' ']))
+    }
+}
+
 /// One position of one reflector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
@@ -39,8 +48,9 @@ pub enum Role {
 }
 
 impl Role {
-    /// The role that a state's name says.
+    /// The role that a state's name says, in any case.
     pub fn of(state: &str) -> Self {
+        let state = state.to_lowercase();
         let is = |word: &str| {
             state.strip_prefix(word).is_some_and(|rest| {
                 rest.is_empty() || rest.starts_with(['-', '_', ' ']) || rest.parse::<u32>().is_ok()

@@ -1,113 +1,217 @@
-//! Checks of a table's heading: every column known, none twice, none missing.
+//! Checks of a table's heading: every column known, none twice, none missing,
+//! each with one of its units.
 
-use super::text::Table;
+use super::grid::{Column, Table, normal};
+use super::quantity::Quantity;
 use crate::error::{Code, Error, Result, did_you_mean};
+use std::collections::BTreeMap;
 
 /// A column that a table may have.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Known {
-    /// Name with unit suffix.
-    pub(super) name: String,
-    /// What the suffix says, for hints; empty where there is none.
-    unit: &'static str,
+    /// Its name without the unit.
+    stem: String,
+    quantity: Quantity,
+    /// Columns of one group are components in one unit.
+    group: &'static str,
 }
 
 impl Known {
-    pub(super) fn new(name: impl Into<String>, unit: &'static str) -> Self {
+    pub(super) fn name(stem: &'static str) -> Self {
+        Known::of(stem, Quantity::Name, stem)
+    }
+
+    pub(super) fn of(stem: impl Into<String>, quantity: Quantity, group: &'static str) -> Self {
         Known {
-            name: name.into(),
-            unit,
+            stem: stem.into(),
+            quantity,
+            group,
         }
     }
 
-    /// `q1_deg` to `qn_deg`.
+    /// `q1` to `qn`.
     pub(super) fn angles(joints: usize) -> impl Iterator<Item = Known> {
-        (1..=joints).map(|j| Known::new(format!("q{j}_deg"), "angles are in degrees"))
+        (1..=joints).map(|j| Known::of(format!("q{j}"), Quantity::Angle, "q"))
+    }
+
+    /// The heading in the usual unit.
+    pub(super) fn heading(&self) -> String {
+        self.headings().next().unwrap_or_default()
+    }
+
+    /// The headings in all units, the usual one first.
+    pub(super) fn headings(&self) -> impl Iterator<Item = String> {
+        let units = self.quantity.units().iter();
+        let bare = self.quantity.units().is_empty().then(|| self.stem.clone());
+        bare.into_iter()
+            .chain(units.map(|unit| format!("{}_{}", self.stem, unit.suffix)))
+    }
+
+    /// The column that a heading of this name is, at `at`.
+    fn column(&self, heading: &str, at: usize) -> Option<Column> {
+        let rest = heading.strip_prefix(self.stem.as_str())?;
+        if self.quantity == Quantity::Name {
+            return rest.is_empty().then_some(Column { at, unit: None });
+        }
+        let suffix = rest.strip_prefix('_')?;
+        let mut units = self.quantity.units().iter();
+        let unit = *units.find(|unit| unit.suffix == suffix)?;
+        Some(Column {
+            at,
+            unit: Some(unit),
+        })
     }
 }
 
-impl Table<'_> {
-    /// Checks that each column is known and stands once.
-    pub(super) fn check_heading(&self, known: &[Known], joints: usize) -> Result<()> {
-        let numeric = |text: &str| text.parse::<f64>().is_ok();
-        let (first, rest) = (self.columns.first(), self.columns.get(1..).unwrap_or(&[]));
-        if first.is_some() && !rest.is_empty() && rest.iter().all(|column| numeric(&column.text)) {
-            let names: Vec<&str> = known.iter().map(|k| k.name.as_str()).collect();
-            return Err(self
-                .heading_error(
-                    None,
-                    Code::TableHeading,
-                    "The first line holds numbers; it must name the columns.",
-                )
-                .hint(format!("columns: {}", names.join(","))));
-        }
-        for (c, column) in self.columns.iter().enumerate() {
-            if column.text.is_empty() {
-                let message = "A column has no name.";
-                return Err(self.heading_error(Some(c), Code::TableHeading, message));
-            }
-            if !known.iter().any(|k| k.name == column.text) {
-                return Err(self.unknown_column(c, known, joints));
-            }
-            if self.columns[..c]
-                .iter()
-                .any(|other| other.text == column.text)
-            {
-                let message = "The column stands twice.";
-                return Err(self.heading_error(Some(c), Code::TableHeading, message));
-            }
-        }
-        Ok(())
-    }
+/// The columns of a table, by their names without unit.
+#[derive(Debug)]
+pub(super) struct Found<'t, 'a> {
+    table: &'t Table<'a>,
+    columns: BTreeMap<String, Column>,
+}
 
-    /// Position of a column that must be there.
-    pub(super) fn require(&self, name: &str, hint: &str) -> Result<usize> {
-        self.find(name).ok_or_else(|| {
-            let message = format!("The column {name} is missing.");
-            self.heading_error(None, Code::TableHeading, message)
-                .hint(hint)
+impl<'a> Table<'a> {
+    /// Checks that each column is known, stands once, and has the unit of its group.
+    pub(super) fn check_heading(&self, known: &[Known], joints: usize) -> Result<Found<'_, 'a>> {
+        let numeric = |text: &str| text.parse::<f64>().is_ok();
+        let (first, rest) = (self.headings.first(), self.headings.get(1..).unwrap_or(&[]));
+        if first.is_some() && !rest.is_empty() && rest.iter().all(|h| numeric(&h.name)) {
+            let message = "The first line holds numbers; it must name the columns.";
+            return Err(self
+                .heading_error(None, Code::TableHeading, message)
+                .hint(format!("columns: {}", list(known, ","))));
+        }
+        let mut columns = BTreeMap::new();
+        let mut groups: BTreeMap<&str, Column> = BTreeMap::new();
+        for (at, heading) in self.headings.iter().enumerate() {
+            if heading.ignored {
+                continue;
+            }
+            if heading.name.is_empty() {
+                let message = "A column has no name.";
+                return Err(self.heading_error(Some(at), Code::TableHeading, message));
+            }
+            let found = known
+                .iter()
+                .find_map(|k| k.column(&heading.name, at).map(|column| (k, column)));
+            let Some((k, column)) = found else {
+                return Err(self.unknown_column(at, known, joints));
+            };
+            if let Some(first) = columns.insert(k.stem.clone(), column) {
+                return Err(self.twice(first, column));
+            }
+            let first = *groups.entry(k.group).or_insert(column);
+            let suffix = |column: Column| column.unit.map(|unit| unit.suffix);
+            if suffix(first) != suffix(column) {
+                let other = &self.headings[first.at].shown;
+                let message = format!("The unit is not that of {other}.");
+                let error = self.heading_error(Some(at), Code::Conflict, message);
+                return Err(error.hint(format!("give these {} in one unit", k.quantity.plural())));
+            }
+        }
+        Ok(Found {
+            table: self,
+            columns,
         })
     }
 
-    /// Positions of columns that are there together or not at all.
-    pub(super) fn all_or_none(&self, names: &[String], hint: &str) -> Result<Option<Vec<usize>>> {
-        if names.iter().all(|name| self.find(name).is_none()) {
-            return Ok(None);
+    fn twice(&self, first: Column, second: Column) -> Error {
+        let [a, b] = [first.at, second.at].map(|at| &self.headings[at]);
+        if a.name == b.name {
+            let message = "The column stands twice.";
+            let error = self.heading_error(Some(second.at), Code::TableHeading, message);
+            return if a.shown == b.shown {
+                error
+            } else {
+                error.hint(format!("{} is the same column", a.shown))
+            };
         }
-        let positions: Result<Vec<usize>> =
-            names.iter().map(|name| self.require(name, hint)).collect();
-        positions.map(Some)
+        let message = format!("The column stands twice; {} is there already.", a.shown);
+        self.heading_error(Some(second.at), Code::Conflict, message)
+            .hint("keep one of them")
     }
 
     fn unknown_column(&self, column: usize, known: &[Known], joints: usize) -> Error {
-        let name = self.columns[column].text.as_str();
+        let name = self.headings[column].name.as_str();
         let error = self.heading_error(
             Some(column),
             Code::TableHeading,
             "The table has no column of this name.",
         );
-        if self.columns.len() == 1 {
+        if self.headings.len() == 1 {
             return error.hint("separate the columns with commas, semicolons or tabs");
         }
         if let Some((joint, unit)) = joint_number(name) {
-            return error.hint(if (1..=joints).contains(&joint) {
-                let rename = rename(unit, &format!("q{joint}_deg"));
-                format!("angles are in degrees: {rename}")
-            } else {
-                format!("the robot has {joints} joints")
+            let own = known.iter().find(|k| k.stem == format!("q{joint}"));
+            return error.hint(match own {
+                Some(own) => rename(unit, own),
+                None => format!("the robot has {joints} joints"),
             });
         }
-        if let Some(same) = known.iter().find(|k| stem(&k.name) == stem(name)) {
-            let rename = rename(&name[stem(name).len()..], &same.name);
-            return error.hint(if same.unit.is_empty() {
-                rename
-            } else {
-                format!("{}: {rename}", same.unit)
-            });
+        if let Some(same) = known.iter().find(|k| k.stem == stem(name)) {
+            return error.hint(rename(&name[stem(name).len()..], same));
         }
-        let names: Vec<&str> = known.iter().map(|k| k.name.as_str()).collect();
-        let nearest = did_you_mean(name, names.iter().copied());
-        error.hint(nearest.unwrap_or_else(|| format!("known columns: {}", names.join(", "))))
+        let names: Vec<String> = known.iter().flat_map(Known::headings).collect();
+        let foreign = self.foreign.iter().map(String::as_str);
+        let nearest = did_you_mean(name, names.iter().map(String::as_str).chain(foreign));
+        error.hint(nearest.unwrap_or_else(|| {
+            let mut hint = format!("known columns: {}", list(known, ", "));
+            // Only measurements come from another software.
+            if known.iter().any(|k| k.stem == "point") {
+                hint +=
+                    "; [columns] in the cell file maps other headings to these, or ignores them";
+            }
+            hint
+        }))
     }
+}
+
+impl Found<'_, '_> {
+    /// The column of this name without unit.
+    pub(super) fn get(&self, stem: &str) -> Option<Column> {
+        self.columns.get(stem).copied()
+    }
+
+    /// A column that must be there.
+    pub(super) fn require(&self, known: &Known, hint: &str) -> Result<Column> {
+        self.get(&known.stem).ok_or_else(|| {
+            let message = format!("The column {} is missing.", known.heading());
+            self.table
+                .heading_error(None, Code::TableHeading, message)
+                .hint(hint)
+        })
+    }
+
+    /// Columns that are there together or not at all.
+    pub(super) fn all_or_none(&self, group: &[Known], hint: &str) -> Result<Option<Vec<Column>>> {
+        if group.iter().all(|known| self.get(&known.stem).is_none()) {
+            return Ok(None);
+        }
+        self.all(group, hint).map(Some)
+    }
+
+    /// Columns that must be there together.
+    pub(super) fn all(&self, group: &[Known], hint: &str) -> Result<Vec<Column>> {
+        let unit = group.iter().find_map(|known| self.get(&known.stem)?.unit);
+        let columns = group.iter().map(|known| {
+            self.require(known, hint).map_err(|error| match unit {
+                // The one that is missing has the unit of those that are there.
+                Some(unit) => {
+                    let message = format!("The column {}_{} is missing.", known.stem, unit.suffix);
+                    let error = self.table.heading_error(None, Code::TableHeading, message);
+                    error.hint(hint)
+                }
+                None => error,
+            })
+        });
+        columns.collect()
+    }
+}
+
+/// The known headings in their usual units.
+fn list(known: &[Known], separator: &str) -> String {
+    let names: Vec<String> = known.iter().map(Known::heading).collect();
+    names.join(separator)
 }
 
 /// The quantity of a column's name, without its unit.
@@ -117,19 +221,36 @@ pub(super) fn stem(name: &str) -> &str {
         .unwrap_or(name)
 }
 
-/// What to do with a column whose unit is written as `unit` and should be that
-/// at the end of `wanted`.
-fn rename(unit: &str, wanted: &str) -> String {
-    let letters = |text: &str| {
-        text.chars()
-            .filter(|c| c.is_alphanumeric())
-            .collect::<String>()
-    };
-    let unit = letters(unit);
-    if unit.is_empty() || unit == letters(&wanted[stem(wanted).len()..]) {
-        format!("name the column {wanted}")
+/// What to do with a column that is `known` but whose unit is written as `unit`.
+fn rename(unit: &str, known: &Known) -> String {
+    let letters: String = unit.chars().filter(|c| c.is_alphanumeric()).collect();
+    let headings: Vec<String> = known.headings().collect();
+    let suffixes: Vec<&str> = known.quantity.units().iter().map(|u| u.suffix).collect();
+    let plural = known.quantity.plural();
+    if let Some(at) = suffixes.iter().position(|suffix| *suffix == letters) {
+        format!("name the column {}", headings[at])
+    } else if known.quantity == Quantity::Name {
+        format!("name the column {}", known.heading())
+    } else if letters.is_empty() {
+        format!(
+            "{plural} carry their unit: name the column {}",
+            or(&headings)
+        )
     } else {
-        format!("convert the values, and name the column {wanted}")
+        format!(
+            "units of {plural} are {}: convert the values, and name the column {}",
+            or(&suffixes),
+            known.heading()
+        )
+    }
+}
+
+/// A choice in words: `a, b or c`.
+fn or<S: AsRef<str>>(names: &[S]) -> String {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => names.concat(),
     }
 }
 
@@ -144,4 +265,32 @@ fn joint_number(name: &str) -> Option<(usize, &str)> {
         .find(|c: char| !c.is_ascii_digit())
         .unwrap_or(rest.len());
     Some((rest[..end].parse().ok()?, &rest[end..]))
+}
+
+/// The known heading that `name` is, in one of its units, as it is written here.
+///
+/// # Errors
+/// A name that no known column has, with the nearest, among `also`, too, as a hint.
+pub(super) fn find_heading(
+    name: &str,
+    known: &[Known],
+    joints: usize,
+    also: &str,
+) -> Result<String> {
+    let heading = normal(name);
+    if known.iter().any(|k| k.column(&heading, 0).is_some()) {
+        return Ok(heading);
+    }
+    let names: Vec<String> = known.iter().flat_map(Known::headings).collect();
+    let same = known.iter().find(|k| k.stem == stem(&heading));
+    let hint = match (same, joint_number(&heading)) {
+        (Some(same), _) => format!("write {}", or(&same.headings().collect::<Vec<_>>())),
+        (None, Some((joint, _))) if !(1..=joints).contains(&joint) => {
+            format!("the robot has {joints} joints")
+        }
+        _ => did_you_mean(&heading, names.iter().map(String::as_str).chain([also]))
+            .unwrap_or_else(|| format!("columns: {}", list(known, ", "))),
+    };
+    let message = format!("A measurement table has no column \"{name}\".");
+    Err(Error::new(Code::UnknownKey, message).hint(hint))
 }

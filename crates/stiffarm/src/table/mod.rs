@@ -1,25 +1,48 @@
-//! Tables in CSV: postures and displacements.
+//! Tables: postures, displacements, raw readings and point pairs.
 //!
-//! Read: UTF-8 with or without byte order mark, LF or CRLF, columns separated
-//! by commas (decimal point), or by semicolons or tabs (decimal comma or point,
-//! as Excel writes in much of Europe). Blank lines and lines that begin with `#`
-//! are skipped. Columns are found by their names, in any order; an unknown
-//! column is an error, so that a slip in a heading is never ignored. Angles
-//! are degrees, lengths millimetres, forces newtons, moments newton metres.
+//! Read from text: UTF-8 with or without byte order mark, LF or CRLF, columns
+//! separated by commas (decimal point), or by semicolons or tabs (decimal comma
+//! or point, as Excel writes in much of Europe). Blank lines and lines that
+//! begin with `#` are skipped. Read from `.xlsx`: the first sheet, with the
+//! feature `xlsx`; which of both a file is, its content says.
+//!
+//! Columns are found by their names, in any order and any case; an unknown
+//! column is an error, so that a slip in a heading is never ignored. Each
+//! heading ends in its unit: lengths `_mm`, `_m`, `_um` or `_in`, forces `_n` or
+//! `_kn`, moments `_nm` or `_nmm`, angles `_deg` or `_rad`, times `_s`, `_ms` or
+//! `_min`, the components of one quantity in one unit. Headings of another
+//! software are named in the cell file ([`Columns`](crate::cell::Columns)).
 //!
 //! Written: UTF-8, LF, commas, and the shortest decimals that are read back as
 //! the same values: a written table, read and written again, is the same text.
 
+mod clamped;
+mod columns;
 mod displacements;
+mod grid;
 mod heading;
+mod measurements;
+mod pairs;
 mod postures;
+mod quantity;
+mod readings;
+mod sheet;
 mod text;
+mod workbook;
 mod write;
 
+pub use clamped::{read_clamped, write_clamped};
+pub(crate) use columns::measurement_heading;
+#[cfg(feature = "schema")]
+pub(crate) use columns::measurement_headings;
 pub use displacements::read_displacements;
+pub use measurements::{Measurements, read_measurements};
+pub use pairs::read_pairs;
 pub use postures::read_postures;
+pub use readings::read_readings;
+pub use sheet::{SheetOptions, displacement_sheet, reading_sheet};
 pub(crate) use text::decode;
-pub use write::{reading_sheet, write_displacements, write_postures};
+pub use write::{write_displacements, write_postures, write_readings};
 
 use sha2::{Digest, Sha256};
 

@@ -1,42 +1,44 @@
 //! `posture,q1_deg,…,qn_deg`.
 
+use super::grid::{Column, Row, Table};
 use super::heading::Known;
-use super::text::{Row, Table};
+use crate::cell::Columns;
 use crate::error::{Code, Result};
 use crate::posture::Posture;
 use crate::robot::Robot;
-use crate::units::{deg_to_rad, rad_to_shortest_deg};
+use crate::units::rad_to_shortest_deg;
 use std::collections::HashMap;
 
-/// Reads postures of `robot` from a table `posture,q1_deg,…,qn_deg`;
-/// `file_name` is for messages.
+/// Reads postures of `robot` from a table `posture,q1_deg,…,qn_deg` (or
+/// `q1_rad`, …); `file_name` is for messages.
 ///
 /// # Errors
 /// A heading or row that cannot be read, a name that stands twice, an angle
 /// outside the machine's limits: with line, column and the column's name.
 pub fn read_postures(bytes: &[u8], file_name: &str, robot: &Robot) -> Result<Vec<Posture>> {
-    let table = Table::read(bytes, file_name)?;
+    let table = Table::read(bytes, file_name, &Columns::default())?;
+    read(&table, robot).map_err(|error| table.with_aside(error))
+}
+
+fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
     let joints = robot.joint_count();
-    let known: Vec<Known> = std::iter::once(Known::new("posture", ""))
-        .chain(Known::angles(joints))
-        .collect();
-    table.check_heading(&known, joints)?;
+    let name = Known::name("posture");
+    let angle_columns: Vec<Known> = Known::angles(joints).collect();
+    let known = [std::slice::from_ref(&name), &angle_columns].concat();
+    let found = table.check_heading(&known, joints)?;
     let hint = format!("a posture table has the columns posture, q1_deg to q{joints}_deg");
-    let name_column = table.require("posture", &hint)?;
-    let columns = angle_names(joints)
-        .iter()
-        .map(|name| table.require(name, &hint))
-        .collect::<Result<Vec<usize>>>()?;
+    let name_column = found.require(&name, &hint)?;
+    let columns = found.all(&angle_columns, &hint)?;
     let rows = table.rows()?;
     let mut postures = Vec::with_capacity(rows.len());
     let mut lines: HashMap<&str, usize> = HashMap::new();
-    for row in &rows {
+    for row in rows {
         let name = table.name(row, name_column)?;
         if let Some(first) = lines.insert(name, row.line) {
             let message = format!("The posture \"{name}\" stands twice; first on line {first}.");
-            return Err(table.error(row, name_column, Code::Duplicate, message));
+            return Err(table.error(row, name_column.at, Code::Duplicate, message));
         }
-        let q = angles(&table, row, &columns, robot)?;
+        let q = angles(table, row, &columns, robot)?;
         postures.push(Posture {
             name: name.to_string(),
             q,
@@ -45,21 +47,21 @@ pub fn read_postures(bytes: &[u8], file_name: &str, robot: &Robot) -> Result<Vec
     Ok(postures)
 }
 
-/// Names of the angle columns.
+/// Names of the angle columns as they are written.
 pub(super) fn angle_names(joints: usize) -> Vec<String> {
-    Known::angles(joints).map(|known| known.name).collect()
+    Known::angles(joints).map(|known| known.heading()).collect()
 }
 
 /// Controller angles of a row \[rad\], inside the machine's limits.
 pub(super) fn angles(
     table: &Table<'_>,
     row: &Row,
-    columns: &[usize],
+    columns: &[Column],
     robot: &Robot,
 ) -> Result<Vec<f64>> {
     let q = columns
         .iter()
-        .map(|column| table.number(row, *column).map(deg_to_rad))
+        .map(|column| table.number(row, *column))
         .collect::<Result<Vec<f64>>>()?;
     if let Some((j, angle)) = robot.outside_limits(&q) {
         let joint = &robot.joints()[j];
@@ -69,7 +71,7 @@ pub(super) fn angles(
             "{} at {angle}° is outside the machine's limits, {low}° to {high}°.",
             joint.name
         );
-        return Err(table.error(row, columns[j], Code::OutsideLimits, message));
+        return Err(table.error(row, columns[j].at, Code::OutsideLimits, message));
     }
     Ok(q)
 }

@@ -1,10 +1,10 @@
 //! Writing of tables.
 
-use super::displacements::DEFAULT_STATE;
+use super::columns::Values;
 use super::postures::angle_names;
 use crate::cell::Cell;
-use crate::load::{Load, Wrench};
-use crate::measurement::MeasuredPosture;
+use crate::load::Wrench;
+use crate::measurement::{MeasuredPosture, Reading, ReadingTable, Target, WrenchColumns};
 use crate::observation::PostureTerms;
 use crate::posture::Posture;
 use crate::units::{m_to_shortest_mm, rad_to_shortest_deg};
@@ -41,8 +41,10 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
     let displacements = measured.iter().flat_map(|group| &group.displacements);
     let has_times = displacements.clone().any(|d| d.time.is_some());
     let layout = Layout {
+        values: Values::Displacements,
         forces: wrenches.is_some(),
         moments: has_moments,
+        loads: false,
         times: has_times,
     };
     let mut text = line(&layout.heading(cell));
@@ -61,19 +63,7 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
                     .map(|m| m_to_shortest_mm(*m).to_string()),
             );
             let wrench = wrenches.as_ref().and_then(|wrenches| wrenches[g]);
-            if layout.forces {
-                fields.extend(components(wrench.map(|wrench| wrench.force)));
-            }
-            if layout.moments {
-                fields.extend(components(wrench.map(|wrench| wrench.moment)));
-            }
-            if layout.times {
-                fields.push(
-                    displacement
-                        .time
-                        .map_or_else(String::new, |time| time.to_string()),
-                );
-            }
+            fields.extend(layout.optional(wrench, None, displacement.time));
             fields.extend(degrees(&group.posture.q));
             text += &line(&fields);
         }
@@ -81,29 +71,30 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
     text
 }
 
-/// A reading sheet: the rows of
-/// [`read_displacements`](super::read_displacements) for each posture, load
-/// state (`loaded` if none is named) and measuring point, with empty fields
-/// for what is to be read.
-pub fn reading_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> String {
-    let states = if states.is_empty() {
-        &[DEFAULT_STATE]
-    } else {
-        states
-    };
+/// Raw readings in the columns that [`read_readings`](super::read_readings)
+/// reads. Each state is written with its own angles or, where it has none, with
+/// the posture's; forces in the columns that the table had.
+pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
+    let states = || table.postures.iter().flat_map(|posture| &posture.states);
+    let mut readings = states().flat_map(|state| &state.readings);
     let layout = Layout {
-        forces: cell.setup.load == Load::Measured || cell.setup.tool.has_sensor,
-        moments: false,
-        times: false,
+        values: Values::Positions,
+        forces: table.wrench_columns != WrenchColumns::None,
+        moments: table.wrench_columns == WrenchColumns::ForceAndMoment,
+        loads: states().any(|state| state.load.is_some()),
+        times: readings.any(|reading| reading.time.is_some()),
     };
     let mut text = line(&layout.heading(cell));
-    for posture in postures {
-        for state in states {
-            for point in &cell.setup.tool.measuring_points {
-                let mut fields = vec![posture.name.clone(), state.to_string(), point.name.clone()];
-                let blank = if layout.forces { 6 } else { 3 };
-                fields.extend(vec![String::new(); blank]);
-                fields.extend(degrees(&posture.q));
+    for posture in &table.postures {
+        for state in &posture.states {
+            let q = state.angles.as_ref().unwrap_or(&posture.posture.q);
+            for reading in &state.readings {
+                let names = [&posture.posture.name, &state.state, target(reading, cell)];
+                let lengths = reading.position.map(m_to_shortest_mm);
+                let mut fields: Vec<String> = names.map(String::clone).into();
+                fields.extend(lengths.iter().map(f64::to_string));
+                fields.extend(layout.optional(state.wrench, state.load, reading.time));
+                fields.extend(degrees(q));
                 text += &line(&fields);
             }
         }
@@ -111,27 +102,69 @@ pub fn reading_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> Stri
     text
 }
 
-/// The optional columns of a measurement table.
-struct Layout {
-    forces: bool,
-    moments: bool,
-    times: bool,
+/// What a reading is called.
+fn target<'n>(reading: &'n Reading, cell: &'n Cell) -> &'n String {
+    static NONE: String = String::new();
+    match &reading.target {
+        Target::Base(name) => name,
+        Target::Point(point) => {
+            let point = cell.setup.tool.measuring_points.get(*point);
+            point.map_or(&NONE, |point| &point.name)
+        }
+    }
+}
+
+/// The columns of a measurement table.
+pub(super) struct Layout {
+    pub(super) values: Values,
+    pub(super) forces: bool,
+    pub(super) moments: bool,
+    pub(super) loads: bool,
+    pub(super) times: bool,
 }
 
 impl Layout {
-    fn heading(&self, cell: &Cell) -> Vec<String> {
-        let mut names = vec!["posture", "state", "point", "dx_mm", "dy_mm", "dz_mm"];
-        if self.forces {
-            names.extend(["fx_n", "fy_n", "fz_n"]);
-        }
-        if self.moments {
-            names.extend(["mx_nm", "my_nm", "mz_nm"]);
-        }
-        if self.times {
-            names.push("time_s");
+    pub(super) fn heading(&self, cell: &Cell) -> Vec<String> {
+        let mut names = vec!["posture", "state", "point"];
+        names.extend(match self.values {
+            Values::Positions => ["x_mm", "y_mm", "z_mm"],
+            Values::Displacements => ["dx_mm", "dy_mm", "dz_mm"],
+        });
+        let optional: [(bool, &[&str]); 4] = [
+            (self.forces, &["fx_n", "fy_n", "fz_n"]),
+            (self.moments, &["mx_nm", "my_nm", "mz_nm"]),
+            (self.loads, &["load_n"]),
+            (self.times, &["time_s"]),
+        ];
+        for (_, columns) in optional.into_iter().filter(|(wanted, _)| *wanted) {
+            names.extend(columns);
         }
         let angles = angle_names(cell.setup.robot.joint_count());
         names.into_iter().map(String::from).chain(angles).collect()
+    }
+
+    /// The fields between lengths and angles, empty where there is no value.
+    pub(super) fn optional(
+        &self,
+        wrench: Option<Wrench>,
+        load: Option<f64>,
+        time: Option<f64>,
+    ) -> Vec<String> {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let mut fields = Vec::new();
+        if self.forces {
+            fields.extend(components(wrench.map(|wrench| wrench.force)));
+        }
+        if self.moments {
+            fields.extend(components(wrench.map(|wrench| wrench.moment)));
+        }
+        if self.loads {
+            fields.push(number(load));
+        }
+        if self.times {
+            fields.push(number(time));
+        }
+        fields
     }
 }
 
@@ -148,7 +181,7 @@ fn components(vector: Option<Vector3<f64>>) -> [String; 3] {
     [text(0), text(1), text(2)]
 }
 
-fn degrees(q: &[f64]) -> impl Iterator<Item = String> {
+pub(super) fn degrees(q: &[f64]) -> impl Iterator<Item = String> {
     q.iter()
         .map(|angle| rad_to_shortest_deg(*angle).to_string())
 }

@@ -6,6 +6,7 @@
 pub mod groups;
 pub mod model;
 pub mod random;
+pub mod readings;
 
 use nalgebra::{DMatrix, Isometry3, Vector3};
 use proptest::test_runner::{Config, RngSeed};

@@ -4,6 +4,7 @@ use super::model::Model;
 use nalgebra::{DMatrix, Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::cell::Task;
 use stiffarm::load::{Axes, Load, Wrench};
@@ -27,6 +28,16 @@ impl Dice {
 
     pub fn chance(&mut self, share: f64) -> bool {
         self.0.random::<f64>() < share
+    }
+
+    /// Standard normal.
+    pub fn normal(&mut self) -> f64 {
+        self.0.sample(StandardNormal)
+    }
+
+    /// Three independent normal components of this standard deviation.
+    pub fn noise(&mut self, std: f64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| self.normal() * std)
     }
 
     /// Either sign, magnitude between `low` and `high`.

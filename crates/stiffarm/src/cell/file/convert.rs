@@ -1,5 +1,7 @@
 //! From the raw cell file to a checked [`Cell`] in SI units.
 
+use super::columns::columns;
+use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawValidation};
 use super::robot;
@@ -7,15 +9,15 @@ use super::source::Source;
 use super::task::tasks;
 use crate::cell::{Cell, Limits, Noise};
 use crate::error::{Code, Result};
-use crate::instruments::{Tracker, Uncertainty};
+use crate::instruments::{Mount, Sensor};
 use crate::load::Load;
+use crate::measurement::Target;
 use crate::observation::Setup;
 use crate::posture::Posture;
 use crate::robot::{CatalogueEntry, Robot};
 use crate::tool::{NamedPoint, SeriesCompliance, Tool};
 use crate::units::{mm_to_m, mm2_to_m2};
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
 
 /// Variance of the tracker of Zhang et al. 2021, Section IV.A \[mm²\].
 pub(super) const PAPER_VARIANCE_MM2: f64 = 9.23e-5;
@@ -27,7 +29,8 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let (robot, entry) = robot::robot(source, table)?;
     let bounds = robot::bounds(source, raw.bounds.as_ref(), &robot)?;
     let characteristic_length = robot::characteristic_length(source, table)?;
-    let tool = tool(source, &raw.tool)?;
+    let sensor = sensor(source, raw.sensor.as_ref())?;
+    let tool = tool(source, &raw.tool, sensor.as_ref())?;
     let load = load(source, &raw.load, &robot)?;
     let limits = limits(source, raw.limits.as_ref(), &load)?;
     let noise = noise(source, raw.noise.as_ref())?;
@@ -36,6 +39,9 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let prior = prior(source, raw.stiffness.as_ref(), &robot, published)?;
     let validation = validation(source, raw.validation.as_ref(), &robot)?;
     let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
+    let tracker = tracker(source, raw.tracker.as_ref())?;
+    let uncertainty = uncertainty(source, raw.uncertainty.as_ref(), &load)?;
+    let columns = columns(source, raw.columns.as_ref(), &robot)?;
     let name = match &raw.name {
         Some(name) => source.name(name, "name")?,
         None => robot.name().to_string(),
@@ -50,14 +56,14 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         characteristic_length,
         validation,
         tasks,
-        sensor: None,
-        tracker: Tracker::default(),
-        uncertainty: Uncertainty::default(),
-        columns: BTreeMap::new(),
+        sensor,
+        tracker,
+        uncertainty,
+        columns,
     })
 }
 
-fn tool(source: &Source<'_>, table: &Option<At<RawTool>>) -> Result<Tool> {
+fn tool(source: &Source<'_>, table: &Option<At<RawTool>>, sensor: Option<&Sensor>) -> Result<Tool> {
     let hint = "add a table [tool] with loading_point_mm and [[tool.measuring_point]]";
     let table = source.required(table, "tool", None, hint)?;
     let (raw, at) = (table.get(), Some(table.span()));
@@ -82,8 +88,9 @@ fn tool(source: &Source<'_>, table: &Option<At<RawTool>>) -> Result<Tool> {
         let name = source.required(&raw.name, &name_key, at.clone(), hint)?;
         let others = measuring_points.iter().map(|p| p.name.as_str());
         let unique = source.unique_name(name, &name_key, others)?;
-        if unique.eq_ignore_ascii_case("base") {
-            let message = "The name \"base\" is reserved for a reflector on the robot's base.";
+        if Target::is_base_name(&unique) {
+            let message =
+                format!("The name \"{unique}\" is reserved for a reflector on the robot's base.");
             let error = source.error(Code::InvalidValue, &name_key, name.span(), message);
             return Err(error.hint("choose another name for this measuring point"));
         }
@@ -98,10 +105,11 @@ fn tool(source: &Source<'_>, table: &Option<At<RawTool>>) -> Result<Tool> {
     }
     let series_compliance = series(source, raw)?;
     let has_sensor = raw.has_sensor.as_ref().map(|flag| *flag.get());
+    let on_flange = sensor.is_some_and(|sensor| sensor.mount == Mount::Flange);
     Ok(Tool {
         loading_point,
         measuring_points,
-        has_sensor: has_sensor.unwrap_or(series_compliance.is_some()),
+        has_sensor: has_sensor.unwrap_or(series_compliance.is_some() || on_flange),
         series_compliance,
     })
 }

@@ -1,8 +1,8 @@
 //! TOML syntax, unknown keys and values of the wrong kind, with their places.
 
 use super::raw::{
-    RawBounds, RawCell, RawLimits, RawLoad, RawNoise, RawPoint, RawPosture, RawRobot, RawSeries,
-    RawStiffness, RawTask, RawTool, RawValidation,
+    RawBounds, RawCell, RawLimits, RawLoad, RawNoise, RawPoint, RawPosture, RawRobot, RawSensor,
+    RawSeries, RawStiffness, RawTask, RawTool, RawTracker, RawUncertainty, RawValidation,
 };
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
@@ -16,7 +16,8 @@ use toml::de::{DeTable, DeValue};
 const FORMAT: i64 = 1;
 
 /// A table of the format: its path without indices, whether it is an array of
-/// tables, and the keys it knows.
+/// tables, and the keys it knows. `[columns]` is none of them: its keys are
+/// checked as headings.
 struct Section {
     path: &'static str,
     array: bool,
@@ -24,7 +25,7 @@ struct Section {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [Section; 13] = [
+const SECTIONS: [Section; 16] = [
     Section { path: "", array: false, keys: keys_of::<RawCell> },
     Section { path: "robot", array: false, keys: keys_of::<RawRobot> },
     Section { path: "bounds", array: false, keys: keys_of::<RawBounds> },
@@ -38,6 +39,9 @@ const SECTIONS: [Section; 13] = [
     Section { path: "validation", array: false, keys: keys_of::<RawValidation> },
     Section { path: "validation.posture", array: true, keys: keys_of::<RawPosture> },
     Section { path: "task", array: true, keys: keys_of::<RawTask> },
+    Section { path: "sensor", array: false, keys: keys_of::<RawSensor> },
+    Section { path: "tracker", array: false, keys: keys_of::<RawTracker> },
+    Section { path: "uncertainty", array: false, keys: keys_of::<RawUncertainty> },
 ];
 
 /// Parses the text into the raw cell: valid TOML, a known format, known keys
@@ -209,6 +213,7 @@ fn type_error(source: &Source<'_>, root: &DeTable<'_>, error: &toml::de::Error) 
         Some("a string") => Some("text in quotes"),
         Some("a sequence") => Some("a list in brackets"),
         Some("a boolean") => Some("true or false"),
+        Some("a table") => Some("a table"),
         _ => None,
     };
     let Some(expected) = expected else {

@@ -6,7 +6,9 @@
 //! list entries count from 1, so `tool.measuring_point[2]` is the second
 //! measuring point.
 
+mod columns;
 mod convert;
+mod instruments;
 mod keys;
 mod load;
 mod raw;
@@ -19,7 +21,7 @@ mod template;
 
 #[cfg(feature = "schema")]
 pub use schema::cell_schema;
-pub use template::{displacements_template, postures_template, template};
+pub use template::{measurements_template, postures_template, template};
 
 use crate::cell::Cell;
 use crate::error::Result;

@@ -4,6 +4,12 @@
 //! words by the conversion; the doc comments are the descriptions of the JSON
 //! Schema. Keys carry their unit as a suffix.
 
+mod columns;
+mod instruments;
+
+pub(super) use columns::{RawColumn, RawColumns};
+pub(super) use instruments::{RawSensor, RawTracker, RawUncertainty};
+
 use serde::Deserialize;
 #[cfg(feature = "schema")]
 use {
@@ -70,6 +76,15 @@ pub(super) struct RawCell {
     /// Your own machining postures and loads: the task index chooses postures for the
     /// deflection predicted there.
     pub task: Option<At<Vec<At<RawTask>>>>,
+    /// The force sensor whose readings stand in tables of raw readings.
+    pub sensor: Option<At<RawSensor>>,
+    /// The laser tracker: where its readings' axes are, and how exact it is.
+    pub tracker: Option<At<RawTracker>>,
+    /// Standard uncertainty of what is common to the whole experiment and shows in no residual.
+    pub uncertainty: Option<At<RawUncertainty>>,
+    /// Headings of measurement tables that another software writes: ours, with the unit that
+    /// the table has, = theirs.
+    pub columns: Option<At<RawColumns>>,
 }
 
 /// The robot: exactly one of `catalogue`, `dh_modified`, `dh_standard`.
@@ -143,7 +158,7 @@ pub(super) struct RawTool {
     #[cfg_attr(feature = "schema", schemars(required, length(min = 1)))]
     pub measuring_point: Option<At<Vec<At<RawPoint>>>>,
     /// True when a force sensor sits between flange and reflectors (default: true where
-    /// series_compliance is given).
+    /// series_compliance or a sensor on the flange is given).
     pub has_sensor: Option<At<bool>>,
     /// Known compliance of sensor and adapter between flange and reflectors.
     pub series_compliance: Option<At<RawSeries>>,
@@ -158,7 +173,8 @@ pub(super) struct RawTool {
 )]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPoint {
-    /// Name in the measurement table; "base" is reserved for a reflector on the robot's base.
+    /// Name in the measurement table; "base", "base-2", … are reserved for reflectors on the
+    /// robot's base.
     #[cfg_attr(feature = "schema", schemars(required))]
     pub name: Option<Text>,
     /// Position in flange axes, mm.

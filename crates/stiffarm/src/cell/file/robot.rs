@@ -135,10 +135,7 @@ fn base(source: &Source<'_>, raw: &RawRobot) -> Result<Option<Isometry3<f64>>> {
     }
     let mut rotation = UnitQuaternion::identity();
     if let Some(rpy) = &raw.base_rpy_deg {
-        let key = "robot.base_rpy_deg";
-        let values = source.numbers(rpy, key, 3, "roll, pitch, yaw")?;
-        let [roll, pitch, yaw] = [values[0], values[1], values[2]].map(deg_to_rad);
-        rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        rotation = source.rotation(rpy, "robot.base_rpy_deg")?;
     }
     let pose = Isometry3::from_parts(Translation3::from(origin), rotation);
     Ok((pose != Isometry3::identity()).then_some(pose))

@@ -5,7 +5,8 @@
 
 use super::raw::{At, Number, NumberRows, Numbers, Text};
 use crate::error::{Code, Error, Result};
-use nalgebra::{DMatrix, Vector3};
+use crate::units::deg_to_rad;
+use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use std::ops::Range;
 
 /// Numbers beyond this are slips of the pen; their squares and fourth powers
@@ -166,6 +167,14 @@ impl<'a> Source<'a> {
         Ok(Vector3::from_column_slice(&values))
     }
 
+    /// The rotation of roll, pitch, yaw in degrees: turns about x, then y, then z
+    /// of the frame that stays.
+    pub(super) fn rotation(&self, list: &Numbers, key: &str) -> Result<UnitQuaternion<f64>> {
+        let values = self.numbers(list, key, 3, "roll, pitch, yaw")?;
+        let [roll, pitch, yaw] = [values[0], values[1], values[2]].map(deg_to_rad);
+        Ok(UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+    }
+
     /// Two numbers, the first below the second.
     pub(super) fn range(&self, list: &Numbers, key: &str) -> Result<[f64; 2]> {
         let values = self.numbers(list, key, 2, "[low, high]")?;
@@ -201,7 +210,11 @@ impl<'a> Source<'a> {
 
     /// A name for tables: not empty, on one line, no spaces around it.
     pub(super) fn name(&self, text: &Text, key: &str) -> Result<String> {
-        let name = text.get();
+        self.checked_name(text.get(), text.span(), key)
+    }
+
+    /// [`Source::name`] of a text whose place is given.
+    pub(super) fn checked_name(&self, name: &str, span: Range<usize>, key: &str) -> Result<String> {
         let wrong = if name.trim().is_empty() {
             "A name must not be empty."
         } else if name.trim() != name {
@@ -209,9 +222,9 @@ impl<'a> Source<'a> {
         } else if name.chars().any(char::is_control) {
             "A name must not contain line breaks or other control characters."
         } else {
-            return Ok(name.clone());
+            return Ok(name.to_string());
         };
-        Err(self.error(Code::InvalidValue, key, text.span(), wrong))
+        Err(self.error(Code::InvalidValue, key, span, wrong))
     }
 
     /// A name that none of `others` has yet.

@@ -3,10 +3,9 @@
 use super::convert::PAPER_VARIANCE_MM2;
 use crate::cell::Cell;
 use crate::error::Result;
-use crate::load::Load;
 use crate::posture::Posture;
 use crate::robot::{CatalogueEntry, Robot, find_in_catalogue};
-use crate::table::{reading_sheet, write_postures};
+use crate::table::{SheetOptions, reading_sheet, write_postures};
 use crate::units::rad_to_shortest_deg;
 
 /// A commented `cell.toml` for a robot of the catalogue, ready to be read by
@@ -82,7 +81,8 @@ position_mm = [0, -150, 200]
 #   "weight":   hangs on the loading point, along gravity
 #               (on a floor-mounted robot it leaves joint 1 without torque)
 #   "wrench":   constant force_n, moment_nm (about the loading point) in axes = "base" or "tool"
-#   "measured": fx_n, fy_n, fz_n come with each measurement, base axes
+#   "measured": fx_n, fy_n, fz_n come with each measurement: as the [sensor] reports
+#               them, without one in base axes
 kind = "rope"
 magnitude_n = 500  # EDIT
 anchor_mm = [1800, 0, 0]  # EDIT: the rope's fixed end, base frame
@@ -112,6 +112,42 @@ readings_per_displacement = 2
 posture_common_mm = 0
 
 {stiffness}
+# The force sensor, if forces are read from one. Its axes and its sign are never guessed.
+# [sensor]
+# mount = "flange"        # "flange": between flange and tool; "base": fixed in the cell
+# xyz_mm = [0, 0, 60]     # its origin, in flange axes or the base frame
+# rpy_deg = [0, 0, 30]    # its axes: turns about x, then y, then z of these
+# reports = "on_robot"    # what acts on the robot; "by_robot": what the robot exerts
+
+# The laser tracker. Without xyz_mm and rpy_deg the readings say where it stands; zeros
+# if they are in base axes already. Its accuracy as standard deviations.
+# [tracker]
+# xyz_mm = [3500, -1200, 900]
+# rpy_deg = [0, 0, 150]
+# station_mm = [0, 0, 0]
+# range_um = 10
+# range_um_per_m = 0.4
+# angle_urad = 3
+
+# Standard uncertainty of what no residual shows, because it is the same all through.
+# [uncertainty]
+# force_scale_percent = 0.5
+# anchor_mm = 5
+# loading_point_mm = 1
+# registration_mrad = 0.2
+# base_tilt_stiffness_nm_per_rad = 1e8
+# sensor_stiffness_nm_per_rad = 3.3e5
+# lost_motion_arcmin = 0.2
+
+# Headings of the tracker's software, if it has its own: ours, with the unit of the
+# table, = theirs. Columns in ignore do not matter.
+# [columns]
+# point = "Name"
+# x_mm = "Center X"
+# y_mm = "Center Y"
+# z_mm = "Center Z"
+# ignore = ["Comment", "Target type"]
+
 # Postures kept out of the identification, to check its result. They are held
 # to the machine's limits, not to the bounds.
 # [[validation.posture]]
@@ -162,9 +198,9 @@ pub fn postures_template(robot: &Robot) -> String {
     )
 }
 
-/// A measurement table to fill in: the heading, what its columns mean, and one
-/// commented example row per measuring point.
-pub fn displacements_template(cell: &Cell) -> String {
+/// A table of raw readings to fill in: the heading, what its columns mean, and
+/// commented example rows of one posture.
+pub fn measurements_template(cell: &Cell) -> String {
     let example = Posture {
         name: "P1".to_string(),
         q: cell
@@ -173,18 +209,27 @@ pub fn displacements_template(cell: &Cell) -> String {
             .map(|b| ((b[0] + b[1]) / 2.0).to_degrees().round().to_radians())
             .collect(),
     };
-    let sheet = reading_sheet(std::slice::from_ref(&example), &[], cell);
+    let options = SheetOptions::default();
+    let sheet = reading_sheet(std::slice::from_ref(&example), &options, cell);
     let (heading, rows) = sheet.split_once('\n').unwrap_or((&sheet, ""));
-    let force = if cell.setup.load == Load::Measured || cell.setup.tool.has_sensor {
-        "# fx_n fy_n fz_n: force on the robot; loaded minus unloaded reading; base axes\n"
+    let forces = heading.contains("fx_n");
+    let force = if cell.sensor.is_some() {
+        "# fx_n … mz_nm: as the sensor reports them in this state; its pose and sign are in cell.toml\n"
+    } else if forces {
+        "# fx_n fy_n fz_n: force on the robot in this state, base axes\n"
     } else {
-        "# The force comes from the cell's load; add fx_n fy_n fz_n if it was measured (base axes)\n"
+        "# The force comes from the cell's load; for several loads add load_n, or fx_n fy_n fz_n\n"
     };
     let rows: String = rows.lines().map(|row| format!("# {row}\n")).collect();
     format!(
-        "# dx_mm dy_mm dz_mm: position of the reflector loaded minus unloaded; base axes\n\
+        "# One row per posture, load state, point and reading.\n\
+         # state: unloaded, then loaded (or up-250, up-500, down-250, …); preload: a light load to\n\
+         #   measure from; unloaded-2: unloaded once more, for the drift\n\
+         # point: a measuring point of the cell; base, base-2, …: a reflector on the robot's base\n\
+         # x_mm y_mm z_mm: position as the tracker gave it, in the tracker's axes\n\
          {force}\
-         # q1_deg …: controller angles; leave the columns out if the posture file is given\n\
+         # time_s: when it was read; may stay empty\n\
+         # q1_deg …: angles that the controller shows in this state\n\
          # Repeat a row to record a repeated reading. For example:\n\
          {rows}{heading}\n"
     )

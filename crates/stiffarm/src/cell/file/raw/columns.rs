@@ -1,0 +1,106 @@
+//! `[columns]`: keys that are headings, and the list `ignore`.
+
+use super::{At, Text};
+use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
+use std::fmt;
+#[cfg(feature = "schema")]
+use {
+    crate::table::measurement_headings,
+    schemars::{JsonSchema, Schema, SchemaGenerator, json_schema},
+    std::borrow::Cow,
+};
+
+/// The entries in the order of the file.
+#[derive(Debug)]
+pub(in crate::cell::file) struct RawColumns(pub(in crate::cell::file) Vec<(Text, At<RawColumn>)>);
+
+/// One heading of another software, or a list of them.
+#[derive(Debug)]
+pub(in crate::cell::file) enum RawColumn {
+    One(String),
+    Several(Vec<Text>),
+}
+
+impl<'de> Deserialize<'de> for RawColumns {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries;
+        impl<'de> Visitor<'de> for Entries {
+            type Value = RawColumns;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RawColumns, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(RawColumns(entries))
+            }
+        }
+        deserializer.deserialize_map(Entries)
+    }
+}
+
+impl<'de> Deserialize<'de> for RawColumn {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrSeveral;
+        impl<'de> Visitor<'de> for OneOrSeveral {
+            type Value = RawColumn;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a string")
+            }
+            fn visit_str<E>(self, text: &str) -> Result<RawColumn, E> {
+                Ok(RawColumn::One(text.to_string()))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<RawColumn, A::Error> {
+                let mut texts = Vec::new();
+                while let Some(text) = list.next_element()? {
+                    texts.push(text);
+                }
+                Ok(RawColumn::Several(texts))
+            }
+        }
+        deserializer.deserialize_any(OneOrSeveral)
+    }
+}
+
+#[cfg(feature = "schema")]
+impl JsonSchema for RawColumns {
+    fn schema_name() -> Cow<'static, str> {
+        "Columns".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let mut schema = json_schema!({
+            "type": "object",
+            "description": "Headings of measurement tables that another software writes: ours, with \
+                            the unit that the table has, = theirs.",
+            "properties": {
+                "ignore": {
+                    "type": "array",
+                    "items": { "type": "string" },
+                    "description": "Headings of columns that do not matter.",
+                },
+            },
+            "patternProperties": {
+                "^q[1-9][0-9]*_(deg|rad)$": {
+                    "type": "string",
+                    "description": "What the table calls the controller angle of this joint.",
+                },
+            },
+            "additionalProperties": false,
+        });
+        let properties = schema.get_mut("properties");
+        if let Some(properties) = properties.and_then(|p| p.as_object_mut()) {
+            for heading in measurement_headings(0) {
+                let theirs = json_schema!({
+                    "type": "string",
+                    "description": "What the table calls this column, in any case.",
+                });
+                properties.insert(heading, theirs.to_value());
+            }
+        }
+        schema
+    }
+}

@@ -1,0 +1,376 @@
+//! The columns that tables of displacements and of readings share.
+
+use super::grid::{Column, Row, Table};
+use super::heading::{Known, find_heading, stem};
+use super::postures::angles;
+use super::quantity::Quantity;
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result, did_you_mean};
+use crate::load::{Load, Wrench};
+use crate::measurement::WrenchColumns;
+use crate::posture::Posture;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// Postures of a posture file, by name.
+pub(super) type Plan<'p> = BTreeMap<&'p str, &'p Posture>;
+
+/// What the three lengths of a row are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Values {
+    /// `x`, `y`, `z`: positions as the tracker gave them.
+    Positions,
+    /// `dx`, `dy`, `dz`: loaded minus reference position.
+    Displacements,
+}
+
+impl Values {
+    fn stems(self) -> [&'static str; 3] {
+        match self {
+            Values::Positions => ["x", "y", "z"],
+            Values::Displacements => ["dx", "dy", "dz"],
+        }
+    }
+
+    fn components(self) -> [Known; 3] {
+        let group = match self {
+            Values::Positions => "position",
+            Values::Displacements => "displacement",
+        };
+        self.stems()
+            .map(|stem| Known::of(stem, Quantity::Length, group))
+    }
+
+    /// The columns that a table of these values may have.
+    pub(super) fn known(self, joints: usize) -> Vec<Known> {
+        let mut known = ["posture", "state", "point"].map(Known::name).to_vec();
+        known.extend(self.components());
+        known.extend(force());
+        known.extend(moment());
+        if self == Values::Positions {
+            known.push(load());
+        }
+        known.push(time());
+        known.extend(Known::angles(joints));
+        known
+    }
+
+    /// What the heading says that the table holds.
+    ///
+    /// # Errors
+    /// Both, or neither.
+    pub(super) fn of(table: &Table<'_>, joints: usize) -> Result<Self> {
+        let first = |values: Values| {
+            let own = |name: &str| values.stems().contains(&stem(name));
+            let mut headings = table.headings.iter();
+            headings.position(|heading| !heading.ignored && own(&heading.name))
+        };
+        match (first(Values::Positions), first(Values::Displacements)) {
+            (Some(_), None) => Ok(Values::Positions),
+            (None, Some(_)) => Ok(Values::Displacements),
+            (Some(position), Some(displacement)) => {
+                let second = position.max(displacement);
+                let message = "The table has both positions and displacements.";
+                let error = table.heading_error(Some(second), Code::Conflict, message);
+                Err(error.hint(
+                    "keep x, y, z or dx, dy, dz; `ignore` in [columns] of the cell file leaves columns out",
+                ))
+            }
+            (None, None) => {
+                // A heading that is no heading has an error of its own.
+                table.check_heading(&known_measurements(joints), joints)?;
+                let message = "The table has neither positions nor displacements.";
+                let error = table.heading_error(None, Code::TableHeading, message);
+                Err(error.hint(
+                    "give x_mm, y_mm, z_mm as the tracker read them, or dx_mm, dy_mm, dz_mm: loaded minus unloaded, base axes",
+                ))
+            }
+        }
+    }
+}
+
+/// Every column that a measurement table may have.
+fn known_measurements(joints: usize) -> Vec<Known> {
+    let mut known = Values::Positions.known(joints);
+    let displacements = Values::Displacements.components();
+    known.splice(3..3, displacements);
+    known
+}
+
+/// A heading of measurement tables as this program writes it, whatever its case.
+///
+/// # Errors
+/// A name that no measurement table has, with the nearest, among `also`, too, as
+/// a hint.
+pub(crate) fn measurement_heading(name: &str, joints: usize, also: &str) -> Result<String> {
+    find_heading(name, &known_measurements(joints), joints, also)
+}
+
+/// Every heading of a measurement table in every unit, for `joints` joints.
+#[cfg(feature = "schema")]
+pub(crate) fn measurement_headings(joints: usize) -> Vec<String> {
+    let known = known_measurements(joints);
+    known.iter().flat_map(Known::headings).collect()
+}
+
+pub(super) fn force() -> [Known; 3] {
+    ["fx", "fy", "fz"].map(|stem| Known::of(stem, Quantity::Force, "force"))
+}
+
+pub(super) fn moment() -> [Known; 3] {
+    ["mx", "my", "mz"].map(|stem| Known::of(stem, Quantity::Moment, "moment"))
+}
+
+fn load() -> Known {
+    Known::of("load", Quantity::Force, "load")
+}
+
+fn time() -> Known {
+    Known::of("time", Quantity::Time, "time")
+}
+
+/// Positions and units of the columns.
+pub(super) struct MeasurementColumns {
+    pub(super) posture: Column,
+    pub(super) state: Option<Column>,
+    pub(super) point: Column,
+    vector: Vec<Column>,
+    force: Option<Vec<Column>>,
+    moment: Option<Vec<Column>>,
+    pub(super) load: Option<Column>,
+    time: Option<Column>,
+    pub(super) angles: Option<Vec<Column>>,
+}
+
+impl MeasurementColumns {
+    pub(super) fn of(
+        table: &Table<'_>,
+        cell: &Cell,
+        values: Values,
+        has_postures: bool,
+    ) -> Result<Self> {
+        let joints = cell.setup.robot.joint_count();
+        let found = table.check_heading(&values.known(joints), joints)?;
+        let fault = |column: Option<Column>, code: Code, message: &str, hint: &str| {
+            let at = column.map(|column| column.at);
+            Err(table.heading_error(at, code, message).hint(hint))
+        };
+        let hint = match values {
+            Values::Positions => {
+                "a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm"
+            }
+            Values::Displacements => {
+                "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm"
+            }
+        };
+        let hint = hint.to_string() + &unmatched(table, cell);
+        let posture = found.require(&Known::name("posture"), &hint)?;
+        let state = match values {
+            Values::Positions => Some(found.require(&Known::name("state"), &hint)?),
+            Values::Displacements => found.get("state"),
+        };
+        let point = found.require(&Known::name("point"), &hint)?;
+        let vector = found.all(&values.components(), &hint)?;
+        let hint = "give all three components of the force, or none";
+        let force = found.all_or_none(&force(), hint)?;
+        let hint = "give all three components of the moment, or none";
+        let moment = found.all_or_none(&moment(), hint)?;
+        let load = found.get("load");
+        if force.is_none() && cell.setup.load == Load::Measured {
+            let message = "The cell's load is measured, but the table has no forces.";
+            let hint = match (values, &cell.sensor) {
+                (Values::Displacements, _) => {
+                    "add fx_n, fy_n, fz_n: the force on the robot in base axes, loaded minus unloaded"
+                }
+                (Values::Positions, Some(_)) => {
+                    "add fx_n, fy_n, fz_n, mx_nm, my_nm, mz_nm as the sensor reports them in each state"
+                }
+                (Values::Positions, None) => {
+                    "add fx_n, fy_n, fz_n: the force on the robot in base axes; or give readings of a sensor, and its pose in [sensor]"
+                }
+            };
+            return fault(None, Code::TableHeading, message, hint);
+        }
+        if let (None, Some(moment)) = (&force, &moment) {
+            let message = "The table has moments but no forces.";
+            let hint = "add fx_n, fy_n, fz_n (zeros where a pure moment acts)";
+            return fault(Some(moment[0]), Code::TableHeading, message, hint);
+        }
+        if let (Some(load), Load::Constant { .. } | Load::Measured) = (load, &cell.setup.load) {
+            let message =
+                "Only a rope or a weight has one force per state, and the cell's load is neither.";
+            let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\" or \"weight\"";
+            return fault(Some(load), Code::Conflict, message, hint);
+        }
+        let angle_columns: Vec<Known> = Known::angles(joints).collect();
+        let hint = format!("give the angles of all {joints} joints, or a posture file");
+        let angles = found.all_or_none(&angle_columns, &hint)?;
+        if angles.is_none() && !has_postures {
+            let message = "The table has no controller angles.";
+            let hint = format!(
+                "add q1_deg to q{joints}_deg, or give the posture file whose names the table uses"
+            );
+            return fault(None, Code::TableHeading, message, &hint);
+        }
+        Ok(MeasurementColumns {
+            posture,
+            state,
+            point,
+            vector,
+            force,
+            moment,
+            load,
+            time: found.get("time"),
+            angles,
+        })
+    }
+
+    /// Which columns of force there are.
+    pub(super) fn wrench_columns(&self) -> WrenchColumns {
+        match (&self.force, &self.moment) {
+            (None, _) => WrenchColumns::None,
+            (Some(_), None) => WrenchColumns::Force,
+            (Some(_), Some(_)) => WrenchColumns::ForceAndMoment,
+        }
+    }
+
+    /// Position or displacement \[m\].
+    pub(super) fn vector(&self, table: &Table<'_>, row: &Row) -> Result<Vector3<f64>> {
+        vector(table, row, &self.vector)
+    }
+
+    /// Time \[s\], where the row has one.
+    pub(super) fn time(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
+        let time = self.time.filter(|column| !table.is_blank(row, *column));
+        time.map(|column| table.number(row, column)).transpose()
+    }
+
+    /// Force and moment \[N, N·m\]; a moment without columns is zero.
+    pub(super) fn wrench(&self, table: &Table<'_>, row: &Row) -> Result<Option<Wrench>> {
+        let Some(force) = &self.force else {
+            return Ok(None);
+        };
+        let force = vector(table, row, force)?;
+        let moment = self.moment.as_deref();
+        let moment = moment
+            .map(|moment| vector(table, row, moment))
+            .transpose()?;
+        Ok(Some(Wrench {
+            force,
+            moment: moment.unwrap_or_default(),
+        }))
+    }
+
+    /// True where all fields of force and moment are empty.
+    pub(super) fn has_no_wrench(&self, table: &Table<'_>, row: &Row) -> bool {
+        let columns = [&self.force, &self.moment].into_iter().flatten().flatten();
+        columns
+            .into_iter()
+            .all(|column| table.is_blank(row, *column))
+    }
+
+    /// The row's own controller angles \[rad\], inside the machine's limits.
+    pub(super) fn own_angles(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        cell: &Cell,
+    ) -> Result<Option<Vec<f64>>> {
+        let columns = self.angles.as_ref();
+        columns
+            .map(|columns| angles(table, row, columns, &cell.setup.robot))
+            .transpose()
+    }
+
+    /// The posture of the posture file that the row names.
+    pub(super) fn planned<'p>(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        plan: Option<&Plan<'p>>,
+    ) -> Result<Option<&'p Posture>> {
+        let Some(plan) = plan else {
+            return Ok(None);
+        };
+        let name = row.fields[self.posture.at].text.as_str();
+        if let Some(posture) = plan.get(name) {
+            return Ok(Some(posture));
+        }
+        let message = format!("The posture file has no posture \"{name}\".");
+        let error = table.error(row, self.posture.at, Code::UnknownName, message);
+        Err(match did_you_mean(name, plan.keys().copied()) {
+            Some(hint) => error.hint(hint),
+            None => error,
+        })
+    }
+
+    /// Index of the measuring point that the row names; `also` are names that
+    /// the table knows beside.
+    pub(super) fn measuring_point(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        cell: &Cell,
+        also: &[&str],
+    ) -> Result<usize> {
+        let name = table.name(row, self.point)?;
+        let tool = &cell.setup.tool;
+        if let Some(point) = tool.point_index(name) {
+            return Ok(point);
+        }
+        let own = tool.measuring_points.iter().map(|p| p.name.as_str());
+        let names: Vec<&str> = own.chain(also.iter().copied()).collect();
+        let message = format!("The cell has no measuring point \"{name}\".");
+        let hint = did_you_mean(name, names.iter().copied())
+            .unwrap_or_else(|| format!("measuring points: {}", names.join(", ")));
+        let error = table.error(row, self.point.at, Code::UnknownName, message);
+        Err(error.hint(hint))
+    }
+
+    /// The first column in which two rows of one posture and state differ.
+    pub(super) fn contradiction(&self, table: &Table<'_>, first: &Row, row: &Row) -> Error {
+        let given = [&self.angles, &self.force, &self.moment];
+        let given = given.into_iter().flatten().flatten().copied();
+        let differs =
+            |column: &Column| table.number(first, *column).ok() != table.number(row, *column).ok();
+        let column = given.chain(self.load).find(differs).unwrap_or(self.posture);
+        let shown = |row: &Row| match row.fields[column.at].text.as_str() {
+            "" => "An empty field".to_string(),
+            text => text.to_string(),
+        };
+        let message = format!(
+            "{} differs from {} on line {}, but the posture and its state are the same.",
+            shown(row),
+            shown(first).replace("An empty", "an empty"),
+            first.line
+        );
+        table.error(row, column.at, Code::Conflict, message).hint(
+            "angles and wrench belong to the posture and state: average them, or name another state",
+        )
+    }
+}
+
+pub(super) fn vector(table: &Table<'_>, row: &Row, columns: &[Column]) -> Result<Vector3<f64>> {
+    let mut vector = Vector3::zeros();
+    for (component, column) in vector.iter_mut().zip(columns) {
+        *component = table.number(row, *column)?;
+    }
+    Ok(vector)
+}
+
+/// Says which of the cell's foreign headings the table has not, for hints.
+fn unmatched(table: &Table<'_>, cell: &Cell) -> String {
+    let missing = |ours: &String| table.headings.iter().all(|heading| heading.name != *ours);
+    let names = cell.columns.names.iter();
+    let names: Vec<String> = names
+        .filter(|(ours, _)| missing(ours))
+        .map(|(_, theirs)| format!("\"{theirs}\""))
+        .collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(
+        "; [columns] in the cell file looks for {}, which the table has not",
+        names.join(", ")
+    )
+}

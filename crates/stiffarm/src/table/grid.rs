@@ -1,0 +1,319 @@
+//! A table as headings and rows, whatever file it came from.
+
+use super::quantity::Unit;
+use crate::cell::Columns;
+use crate::error::{Code, Error, Result};
+
+/// Numbers beyond this are slips of the pen; see the cell file's limit.
+const LARGEST: f64 = 1e30;
+
+/// A field and where it begins, counted from 1: a character column of a text,
+/// a column of a spreadsheet.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Field {
+    pub(super) text: String,
+    pub(super) column: usize,
+    /// What a spreadsheet's cell holds that is neither text nor number: a date, ….
+    pub(super) other: Option<&'static str>,
+}
+
+/// A row and its line, counted from 1; it has one field per heading.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Row {
+    pub(super) line: usize,
+    pub(super) fields: Vec<Field>,
+    /// A quotation mark is not closed on this line.
+    pub(super) open_quote: bool,
+}
+
+/// A heading.
+#[derive(Debug, Clone)]
+pub(super) struct Heading {
+    /// Its name as this program knows it, lower case.
+    pub(super) name: String,
+    /// As it stands in the file.
+    pub(super) shown: String,
+    pub(super) column: usize,
+    /// The cell file says that the column does not matter.
+    pub(super) ignored: bool,
+}
+
+/// How numbers are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Style {
+    /// Commas separate the columns: decimal point.
+    Commas,
+    /// Semicolons or tabs do: decimal point or comma.
+    Others,
+    /// Cells of a spreadsheet, which knows its numbers.
+    Sheet,
+}
+
+/// A table: its headings, and the rows below.
+#[derive(Debug)]
+pub(super) struct Table<'a> {
+    pub(super) headings: Vec<Heading>,
+    file: &'a str,
+    heading_line: usize,
+    pub(super) style: Style,
+    rows: Vec<Row>,
+    /// What another software calls its columns, by the cell file.
+    pub(super) foreign: Vec<String>,
+    /// What a reader who misses a column should know, for example that only
+    /// the first sheet is read.
+    pub(super) aside: Option<String>,
+}
+
+/// Where a column stands, and its unit if it has one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Column {
+    pub(super) at: usize,
+    pub(super) unit: Option<Unit>,
+}
+
+/// A name of a column without case, outer spaces and the two signs for micro.
+pub(super) fn normal(name: &str) -> String {
+    name.trim().to_lowercase().replace(['µ', 'μ'], "u")
+}
+
+impl<'a> Table<'a> {
+    /// A table from its first row that holds something, and the rest.
+    pub(super) fn new(
+        file: &'a str,
+        style: Style,
+        mut heading: Row,
+        rows: Vec<Row>,
+        foreign: &Columns,
+    ) -> Self {
+        drop_empty_end(&mut heading.fields, 0);
+        let headings: Vec<Heading> = heading
+            .fields
+            .into_iter()
+            .map(|field| {
+                let given = normal(&field.text);
+                let same = |other: &String| normal(other) == given;
+                let ours = foreign.names.iter().find(|(_, theirs)| same(theirs));
+                Heading {
+                    ignored: foreign.ignore.iter().any(same),
+                    name: ours.map_or(given.clone(), |(ours, _)| ours.clone()),
+                    shown: field.text,
+                    column: field.column,
+                }
+            })
+            .collect();
+        let rows = rows.into_iter().map(|mut row| {
+            drop_empty_end(&mut row.fields, headings.len());
+            row
+        });
+        Table {
+            file,
+            heading_line: heading.line,
+            style,
+            rows: rows.collect(),
+            headings,
+            foreign: foreign
+                .names
+                .values()
+                .chain(&foreign.ignore)
+                .cloned()
+                .collect(),
+            aside: None,
+        }
+    }
+
+    /// The rows, each with one field per column. The heading is checked
+    /// before: a column that it lacks explains rows that are too long.
+    pub(super) fn rows(&self) -> Result<Vec<&Row>> {
+        let holds_something = |row: &&Row| row.fields.iter().any(|field| !field.text.is_empty());
+        let rows: Vec<&Row> = self.rows.iter().filter(holds_something).collect();
+        for row in &rows {
+            self.check_length(row)?;
+        }
+        if rows.is_empty() {
+            let message = "There are no rows below the heading.";
+            return Err(self.heading_error(None, Code::TableRow, message));
+        }
+        Ok(rows)
+    }
+
+    fn check_length(&self, row: &Row) -> Result<()> {
+        let (found, expected) = (row.fields.len(), self.headings.len());
+        if found == expected {
+            return Ok(());
+        }
+        if self.style == Style::Sheet {
+            // Gaps of a sheet are filled, so its rows can only be too long.
+            let stray = &row.fields[expected..];
+            let held = stray.iter().find(|field| !field.text.is_empty());
+            let text = held.map_or("", |field| field.text.as_str());
+            let message = format!("\"{text}\" stands outside the columns of the heading.");
+            return Err(Error::new(Code::TableRow, message)
+                .file(self.file)
+                .line(row.line, held.map(|field| field.column))
+                .hint("give its column a heading, or empty the cell"));
+        }
+        let comma = (self.style == Style::Commas && found > expected)
+            .then(|| decimal_comma(&row.fields))
+            .flatten();
+        if let Some(at) = comma {
+            let (whole, fraction) = (&row.fields[at].text, &row.fields[at + 1].text);
+            let message = format!(
+                "A comma seems to stand for the decimal point ({whole},{fraction}): \
+                 the row has {found} fields, the heading {expected}."
+            );
+            return Err(Error::new(Code::DecimalComma, message)
+                .file(self.file)
+                .line(row.line, Some(row.fields[at].column))
+                .hint(format!(
+                    "write {whole}.{fraction}, or separate the columns with semicolons"
+                )));
+        }
+        let message = format!("Fields in this row: {found}; columns in the heading: {expected}.");
+        let error = Error::new(Code::TableRow, message)
+            .file(self.file)
+            .line(row.line, None);
+        Err(if row.open_quote {
+            error.hint("a quotation mark is not closed on this line")
+        } else {
+            error
+        })
+    }
+
+    /// An error at a field.
+    pub(super) fn error(
+        &self,
+        row: &Row,
+        column: usize,
+        code: Code,
+        message: impl Into<String>,
+    ) -> Error {
+        Error::new(code, message)
+            .file(self.file)
+            .line(row.line, Some(row.fields[column].column))
+            .key(self.headings[column].shown.as_str())
+    }
+
+    /// An error at the heading.
+    pub(super) fn heading_error(
+        &self,
+        column: Option<usize>,
+        code: Code,
+        message: impl Into<String>,
+    ) -> Error {
+        let error = Error::new(code, message).file(self.file);
+        let Some(heading) = column.map(|column| &self.headings[column]) else {
+            return error.line(self.heading_line, None);
+        };
+        let error = error.line(self.heading_line, Some(heading.column));
+        if heading.shown.is_empty() {
+            error
+        } else {
+            error.key(heading.shown.as_str())
+        }
+    }
+
+    /// The error with what a reader should know whose heading is none of a table.
+    pub(super) fn with_aside(&self, error: Error) -> Error {
+        let usable = |heading: &Heading| ["posture", "point"].contains(&heading.name.as_str());
+        match (&self.aside, error.code()) {
+            (Some(aside), Code::TableHeading) if !self.headings.iter().any(usable) => {
+                let hint = error.hint_text().map(|hint| format!("{hint}; "));
+                let hint = hint.unwrap_or_default() + aside;
+                error.hint(hint)
+            }
+            _ => error,
+        }
+    }
+
+    /// The text of a field that must not be empty.
+    pub(super) fn name<'r>(&self, row: &'r Row, column: Column) -> Result<&'r str> {
+        let text = row.fields[column.at].text.as_str();
+        if text.is_empty() {
+            return Err(self.error(row, column.at, Code::TableRow, "The field is empty."));
+        }
+        self.refuse_other(row, column, "text", "format the column as text")?;
+        Ok(text)
+    }
+
+    /// True where a field is empty.
+    pub(super) fn is_blank(&self, row: &Row, column: Column) -> bool {
+        row.fields[column.at].text.is_empty()
+    }
+
+    /// A finite number in SI units.
+    pub(super) fn number(&self, row: &Row, column: Column) -> Result<f64> {
+        let at = column.at;
+        let text = row.fields[at].text.as_str();
+        if text.is_empty() {
+            let message = "The field is empty; it must be a number.";
+            return Err(self
+                .error(row, at, Code::TableRow, message)
+                .hint("fill it in, or remove the row if it was not measured"));
+        }
+        self.refuse_other(row, column, "a number", "format the column as a number")?;
+        let value = match self.style {
+            Style::Others if !text.contains('.') => text.replacen(',', ".", 1).parse::<f64>(),
+            _ => text.parse::<f64>(),
+        };
+        let Ok(value) = value else {
+            return Err(self.not_a_number(row, at, text));
+        };
+        if !value.is_finite() {
+            let message = format!("\"{text}\" is not a finite number.");
+            return Err(self.error(row, at, Code::NotFinite, message));
+        }
+        if value.abs() > LARGEST {
+            let message = format!("{text} is too large to be meant.");
+            return Err(self.error(row, at, Code::TableRow, message));
+        }
+        Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))
+    }
+
+    fn refuse_other(&self, row: &Row, column: Column, wanted: &str, hint: &str) -> Result<()> {
+        let Some(found) = row.fields[column.at].other else {
+            return Ok(());
+        };
+        let message = format!("The cell holds {found}; it must be {wanted}.");
+        Err(self
+            .error(row, column.at, Code::TableRow, message)
+            .hint(format!("{hint}, and enter the value again")))
+    }
+
+    fn not_a_number(&self, row: &Row, column: usize, text: &str) -> Error {
+        let with_point = text.replacen(',', ".", 1).parse::<f64>().is_ok();
+        if with_point && self.style == Style::Commas {
+            let message = format!("{text} has a decimal comma, but commas separate the columns.");
+            return self
+                .error(row, column, Code::DecimalComma, message)
+                .hint("write a decimal point, or separate the columns with semicolons");
+        }
+        let message = format!("\"{text}\" is not a number.");
+        let error = self.error(row, column, Code::TableRow, message);
+        let number_part = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+        if with_point {
+            error.hint("the cell holds text: format the column as a number, and enter it again")
+        } else if text.contains(',') && text.contains('.') {
+            error.hint("leave out separators between thousands")
+        } else if number_part.replacen(',', ".", 1).parse::<f64>().is_ok() {
+            error.hint("write the number alone; the unit stands in the heading")
+        } else {
+            error
+        }
+    }
+}
+
+/// Removes empty fields from the end, down to `keep` fields: spreadsheets pad rows.
+fn drop_empty_end(fields: &mut Vec<Field>, keep: usize) {
+    while fields.len() > keep && fields.last().is_some_and(|field| field.text.is_empty()) {
+        fields.pop();
+    }
+}
+
+/// First field that with the next one looks like the two halves of a decimal.
+fn decimal_comma(fields: &[Field]) -> Option<usize> {
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let whole = |text: &str| digits(text.trim_start_matches(['+', '-']));
+    // The first field is a name; a name that is a number proves nothing.
+    (1..fields.len().saturating_sub(1))
+        .find(|&i| whole(&fields[i].text) && digits(&fields[i + 1].text))
+}

@@ -1,0 +1,62 @@
+//! Displacements or raw readings, as the heading says.
+
+use super::columns::Values;
+use super::displacements::displacements;
+use super::grid::Table;
+use super::readings::readings;
+use crate::cell::Cell;
+use crate::error::{Code, Result};
+use crate::measurement::{MeasuredPosture, ReadingTable};
+use crate::posture::Posture;
+
+/// What a measurement table held.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Measurements {
+    /// Displacements, loaded minus unloaded, base axes.
+    Displacements(Vec<MeasuredPosture>),
+    /// Positions as the tracker gave them.
+    Readings(ReadingTable),
+}
+
+/// Reads a measurement table: displacements where its heading has `dx`, `dy`,
+/// `dz`, as [`read_displacements`](super::read_displacements), and raw readings
+/// where it has `x`, `y`, `z`, as [`read_readings`](super::read_readings).
+///
+/// # Errors
+/// A heading with both or neither, and everything of these two.
+pub fn read_measurements(
+    bytes: &[u8],
+    file_name: &str,
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+) -> Result<Measurements> {
+    let table = Table::read(bytes, file_name, &cell.columns)?;
+    let read = || match Values::of(&table, cell.setup.robot.joint_count())? {
+        Values::Positions => readings(&table, cell, postures).map(Measurements::Readings),
+        Values::Displacements => {
+            displacements(&table, cell, postures).map(Measurements::Displacements)
+        }
+    };
+    read().map_err(|error| table.with_aside(error))
+}
+
+impl Table<'_> {
+    /// Refuses a table of other values.
+    pub(super) fn expect(&self, wanted: Values, cell: &Cell) -> Result<()> {
+        let found = Values::of(self, cell.setup.robot.joint_count())?;
+        let (message, hint) = match wanted {
+            _ if found == wanted => return Ok(()),
+            Values::Displacements => (
+                "The table holds positions, not displacements.",
+                "give dx_mm, dy_mm, dz_mm: loaded minus unloaded, base axes",
+            ),
+            Values::Positions => (
+                "The table holds displacements, not positions.",
+                "give x_mm, y_mm, z_mm as the tracker read them",
+            ),
+        };
+        Err(self
+            .heading_error(None, Code::TableHeading, message)
+            .hint(hint))
+    }
+}

@@ -1,0 +1,313 @@
+//! `posture,state,point,x_mm,y_mm,z_mm[,fx_n,…][,mx_nm,…][,load_n][,time_s][,q1_deg,…]`.
+
+use super::columns::{MeasurementColumns, Plan, Values};
+use super::grid::{Row, Table};
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result, did_you_mean};
+use crate::load::{Load, Wrench};
+use crate::measurement::{
+    PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
+};
+use crate::posture::Posture;
+use crate::units::rad_to_shortest_deg;
+use std::collections::HashMap;
+
+/// Angles of one posture may differ by this between its load states, and from
+/// the posture file: what a servo gives way is far less, a slip of the pen more.
+const ANGLE_TOLERANCE_DEG: f64 = 2.0;
+
+/// Reads raw readings from a table with one row per posture, load state, point
+/// and repeat; `file_name` is for messages.
+///
+/// The state's name says what it is for ([`Role::of`]). A point is a measuring
+/// point of the cell or a reflector on the base (`base`, `base-2`, …). Positions
+/// are in tracker axes. Forces are as the cell's sensor reports them or, without
+/// `[sensor]`, the wrench on the robot in base axes at the loading point; they
+/// may be left empty in unloaded rows. `load_n` is the force of the cell's rope
+/// or weight in that state.
+///
+/// Each state keeps the angles that the table has for it. The posture's own
+/// angles are those of its first unloaded state (else of its first state) or,
+/// where the table has none, those of `postures`.
+///
+/// # Errors
+/// A heading or row that cannot be read, unknown names, angles or forces that
+/// differ within one posture and state, angles that differ by more than 2°
+/// between the states or from `postures`, angles outside the machine's limits, a
+/// posture without a loaded and an unloaded or preloaded reading of one point,
+/// loads that nothing tells apart: with line, column and the column's name.
+pub fn read_readings(
+    bytes: &[u8],
+    file_name: &str,
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+) -> Result<ReadingTable> {
+    let table = Table::read(bytes, file_name, &cell.columns)?;
+    table
+        .expect(Values::Positions, cell)
+        .and_then(|()| readings(&table, cell, postures))
+        .map_err(|error| table.with_aside(error))
+}
+
+/// The readings of a table that holds them.
+pub(super) fn readings(
+    table: &Table<'_>,
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+) -> Result<ReadingTable> {
+    let columns = MeasurementColumns::of(table, cell, Values::Positions, postures.is_some())?;
+    let plan: Option<Plan<'_>> =
+        postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
+    let door = Door {
+        table,
+        cell,
+        columns,
+    };
+    let mut numbers: HashMap<&str, usize> = HashMap::new();
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for row in table.rows()? {
+        let name = table.name(row, door.columns.posture)?;
+        let number = *numbers.entry(name).or_insert(groups.len());
+        if number == groups.len() {
+            groups.push(Group {
+                row,
+                planned: door.columns.planned(table, row, plan.as_ref())?,
+                states: Vec::new(),
+            });
+        }
+        door.add(&mut groups[number], row)?;
+    }
+    let postures = groups.into_iter().map(|group| door.close(group));
+    Ok(ReadingTable {
+        postures: postures.collect::<Result<_>>()?,
+        wrench_columns: door.columns.wrench_columns(),
+    })
+}
+
+/// The rows of one posture: the first one, and its states with theirs.
+struct Group<'t> {
+    row: &'t Row,
+    planned: Option<&'t Posture>,
+    states: Vec<(&'t Row, StateReadings)>,
+}
+
+impl Group<'_> {
+    /// The states of some roles, with their first rows.
+    fn of(&self, roles: &'static [Role]) -> impl Iterator<Item = &(&Row, StateReadings)> {
+        let states = self.states.iter();
+        states.filter(move |(_, state)| roles.contains(&Role::of(&state.state)))
+    }
+}
+
+/// A table with what its rows are read by.
+struct Door<'t, 'a> {
+    table: &'t Table<'a>,
+    cell: &'t Cell,
+    columns: MeasurementColumns,
+}
+
+impl Door<'_, '_> {
+    /// Adds one row to its posture.
+    fn add<'t>(&self, group: &mut Group<'t>, row: &'t Row) -> Result<()> {
+        let (table, columns) = (self.table, &self.columns);
+        let name = self.state_name(row)?;
+        let role = Role::of(name);
+        let state = StateReadings {
+            state: name.to_string(),
+            angles: columns.own_angles(table, row, self.cell)?,
+            wrench: self.wrench(row, role)?,
+            load: self.load(row, role)?,
+            readings: vec![Reading {
+                target: self.target(row)?,
+                position: columns.vector(table, row)?,
+                time: columns.time(table, row)?,
+                line: row.line,
+            }],
+        };
+        let same = group.states.iter_mut().find(|(_, s)| s.state == name);
+        if let Some((first, before)) = same {
+            if (&before.angles, before.wrench, before.load)
+                != (&state.angles, state.wrench, state.load)
+            {
+                return Err(columns.contradiction(table, first, row));
+            }
+            before.readings.extend(state.readings);
+            return Ok(());
+        }
+        self.compare_angles(group, row, &state)?;
+        group.states.push((row, state));
+        Ok(())
+    }
+
+    /// The name of the row's state; a slip in `unloaded` would make it a load.
+    fn state_name<'t>(&self, row: &'t Row) -> Result<&'t str> {
+        let Some(column) = self.columns.state else {
+            return Ok("");
+        };
+        let name = self.table.name(row, column)?;
+        let letters: String = name.chars().filter(|c| c.is_alphabetic()).collect();
+        let letters = letters.to_lowercase();
+        if Role::of(name) != Role::Loaded
+            || letters.starts_with("load")
+            || letters.starts_with("reload")
+        {
+            return Ok(name);
+        }
+        let nearest = if ["noload", "zeroload", "empty"].contains(&letters.as_str()) {
+            Some("name the state \"unloaded\"".to_string())
+        } else {
+            did_you_mean(&letters, ["unloaded", "preload"])
+        };
+        let Some(hint) = nearest else {
+            return Ok(name);
+        };
+        let message = format!("\"{name}\" would be taken for a load.");
+        let error = self.table.error(row, column.at, Code::UnknownName, message);
+        Err(error.hint(hint))
+    }
+
+    fn target(&self, row: &Row) -> Result<Target> {
+        let name = self.table.name(row, self.columns.point)?;
+        if Target::is_base_name(name) {
+            return Ok(Target::Base(name.to_lowercase()));
+        }
+        let columns = &self.columns;
+        let point = columns.measuring_point(self.table, row, self.cell, &["base"])?;
+        Ok(Target::Point(point))
+    }
+
+    /// Force and moment; an unloaded state may leave them empty.
+    fn wrench(&self, row: &Row, role: Role) -> Result<Option<Wrench>> {
+        if role == Role::Unloaded && self.columns.has_no_wrench(self.table, row) {
+            return Ok(None);
+        }
+        self.columns.wrench(self.table, row)
+    }
+
+    /// Force of rope or weight \[N\], where the row has one.
+    fn load(&self, row: &Row, role: Role) -> Result<Option<f64>> {
+        let column = self.columns.load;
+        let Some(column) = column.filter(|column| !self.table.is_blank(row, *column)) else {
+            return Ok(None);
+        };
+        let load = self.table.number(row, column)?;
+        let wrong = match role {
+            Role::Unloaded if load != 0.0 => "An unloaded state has no load.",
+            Role::Preload if load < 0.0 => "A load is not below zero.",
+            Role::Loaded if load <= 0.0 => "The load of a loaded state is above zero.",
+            _ => return Ok(Some(load)),
+        };
+        let error = self.table.error(row, column.at, Code::InvalidValue, wrong);
+        Err(error.hint("the direction is that of the cell's load; the state's name says its role"))
+    }
+
+    /// Refuses angles that are far from those of other states or of the plan.
+    fn compare_angles(&self, group: &Group<'_>, row: &Row, state: &StateReadings) -> Result<()> {
+        let first = group.states.first();
+        let before = first.and_then(|(row, state)| {
+            let place = format!("in the state \"{}\" on line {}", state.state, row.line);
+            Some((state.angles.as_ref()?, place))
+        });
+        let planned = group
+            .planned
+            .map(|p| (&p.q, "in the posture file".to_string()));
+        for (others, place) in before.into_iter().chain(planned) {
+            let angles = state.angles.iter().flatten().zip(others).enumerate();
+            for (j, (own, other)) in angles {
+                if (own - other).abs() <= ANGLE_TOLERANCE_DEG.to_radians() {
+                    continue;
+                }
+                let columns = self.columns.angles.iter().flatten();
+                let at = columns.map(|column| column.at).nth(j).unwrap_or_default();
+                let message = format!(
+                    "{} is at {}° here and at {}° {place}: more than the {ANGLE_TOLERANCE_DEG}° that a servo may give.",
+                    self.cell.setup.robot.joints()[j].name,
+                    rad_to_shortest_deg(*own),
+                    rad_to_shortest_deg(*other),
+                );
+                let error = self.table.error(row, at, Code::Conflict, message);
+                return Err(error.hint("correct the angle, or name the posture otherwise"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The posture, once all its rows are read.
+    fn close(&self, group: Group<'_>) -> Result<PostureReadings> {
+        let name = group.row.fields[self.columns.posture.at].text.clone();
+        self.check_states(&group, &name)?;
+        self.check_loads(&group, &name)?;
+        let reference = group.of(&[Role::Unloaded]).chain(&group.states).next();
+        let own = reference.and_then(|(_, state)| state.angles.clone());
+        let planned = || Some(group.planned?.q.clone());
+        let q = own.or_else(planned).unwrap_or_default();
+        Ok(PostureReadings {
+            posture: Posture { name, q },
+            states: group.states.into_iter().map(|(_, state)| state).collect(),
+        })
+    }
+
+    /// Some point must have been read both with and without the load.
+    fn check_states(&self, group: &Group<'_>, name: &str) -> Result<()> {
+        let points = |roles| -> Vec<&Target> {
+            let readings = group.of(roles).flat_map(|(_, state)| &state.readings);
+            let targets = readings.map(|reading| &reading.target);
+            targets.filter(|t| matches!(t, Target::Point(_))).collect()
+        };
+        let before = points(&[Role::Unloaded, Role::Preload]);
+        let loaded = points(&[Role::Loaded]);
+        let (message, hint) = if before.is_empty() {
+            (
+                format!("Posture \"{name}\" has no unloaded reading of a measuring point."),
+                "add rows with the state unloaded (or preload), or remove the posture",
+            )
+        } else if loaded.is_empty() {
+            (
+                format!("Posture \"{name}\" has no loaded reading of a measuring point."),
+                "add rows with the state loaded, or remove the posture",
+            )
+        } else if !loaded.iter().any(|target| before.contains(target)) {
+            (
+                format!(
+                    "Posture \"{name}\" has no measuring point that was read both unloaded and loaded."
+                ),
+                "a displacement is the difference of two readings of one point",
+            )
+        } else {
+            return Ok(());
+        };
+        Err(self.fault(group.row, message).hint(hint))
+    }
+
+    /// Without forces, several loads need to be told apart.
+    fn check_loads(&self, group: &Group<'_>, name: &str) -> Result<()> {
+        if self.columns.wrench_columns() != WrenchColumns::None {
+            return Ok(());
+        }
+        let mut states = group.of(&[Role::Preload, Role::Loaded]);
+        let count = group.of(&[Role::Preload, Role::Loaded]).count();
+        let Some((row, state)) = states.find(|(_, state)| state.load.is_none()) else {
+            return Ok(());
+        };
+        if count < 2 {
+            return Ok(());
+        }
+        let message = format!(
+            "Posture \"{name}\" has {count} load states, and nothing says the force of \"{}\".",
+            state.state
+        );
+        let hint = match &self.cell.setup.load {
+            Load::Rope { .. } | Load::Weight { .. } => {
+                "add the column load_n: the force of rope or weight in each state; or the measured forces fx_n, fy_n, fz_n"
+            }
+            _ => "add the columns fx_n, fy_n, fz_n: the force on the robot in each state",
+        };
+        Err(self.fault(row, message).hint(hint))
+    }
+
+    /// An error about a posture or state that begins in `row`.
+    fn fault(&self, row: &Row, message: String) -> Error {
+        let column = self.columns.posture.at;
+        self.table.error(row, column, Code::TooFewData, message)
+    }
+}

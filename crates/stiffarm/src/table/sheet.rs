@@ -1,0 +1,118 @@
+//! Sheets to fill in beside the robot.
+
+use super::columns::Values;
+use super::displacements::DEFAULT_STATE;
+use super::write::{Layout, degrees, line};
+use crate::cell::Cell;
+use crate::load::Load;
+use crate::measurement::Role;
+use crate::posture::Posture;
+
+/// What a sheet for raw readings asks for.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct SheetOptions {
+    /// Load states in the order in which they are taken; `loaded` if none is
+    /// named. An unloaded state comes first where none is among them.
+    pub states: Vec<String>,
+    /// Whether each posture ends with another unloaded state, which shows the drift.
+    pub drift: bool,
+    /// Whether a reflector on the base is read in each state.
+    pub base_reflector: bool,
+}
+
+impl SheetOptions {
+    /// All states of a posture, in the order in which they are taken.
+    fn all_states(&self) -> Vec<String> {
+        let mut states = self.states.clone();
+        if states.is_empty() {
+            states.push(DEFAULT_STATE.to_string());
+        }
+        let is_unloaded = |state: &String| Role::of(state) == Role::Unloaded;
+        if !states.iter().any(is_unloaded) {
+            states.insert(0, "unloaded".to_string());
+        }
+        if self.drift && !states.last().is_some_and(is_unloaded) {
+            let taken = states.iter().filter(|state| is_unloaded(state)).count();
+            states.push(format!("unloaded-{}", taken + 1));
+        }
+        states
+    }
+}
+
+/// A sheet for raw readings: the rows of [`read_readings`](super::read_readings)
+/// for each posture, load state and point, with empty fields for what is to be
+/// read. It has columns of force where the cell has a sensor or its load is
+/// measured, `load_n` where a rope or weight has several load states, and the
+/// angles of the posture, to be replaced by those that the controller shows.
+pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> String {
+    let states = options.all_states();
+    let forces = asks_for_forces(cell) || cell.sensor.is_some();
+    let loads = states
+        .iter()
+        .filter(|state| Role::of(state) != Role::Unloaded)
+        .count();
+    let has_magnitude = matches!(cell.setup.load, Load::Rope { .. } | Load::Weight { .. });
+    let layout = Layout {
+        values: Values::Positions,
+        forces,
+        moments: cell.sensor.is_some(),
+        loads: loads > 1 && has_magnitude && !forces,
+        times: true,
+    };
+    let points = cell.setup.tool.measuring_points.iter();
+    let mut points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
+    if options.base_reflector {
+        points.push("base");
+    }
+    let states: Vec<&str> = states.iter().map(String::as_str).collect();
+    rows(&layout, postures, &states, &points, cell)
+}
+
+/// A sheet for displacements that were calculated elsewhere: the rows of
+/// [`read_displacements`](super::read_displacements) for each posture, load
+/// state (`loaded` if none is named) and measuring point.
+pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> String {
+    let states = if states.is_empty() {
+        &[DEFAULT_STATE]
+    } else {
+        states
+    };
+    let layout = Layout {
+        values: Values::Displacements,
+        forces: asks_for_forces(cell),
+        moments: false,
+        loads: false,
+        times: false,
+    };
+    let points = cell.setup.tool.measuring_points.iter();
+    let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
+    rows(&layout, postures, states, &points, cell)
+}
+
+fn asks_for_forces(cell: &Cell) -> bool {
+    cell.setup.load == Load::Measured || cell.setup.tool.has_sensor
+}
+
+/// A heading, and a row to fill in for each posture, state and point.
+fn rows(
+    layout: &Layout,
+    postures: &[Posture],
+    states: &[&str],
+    points: &[&str],
+    cell: &Cell,
+) -> String {
+    let mut text = line(&layout.heading(cell));
+    for posture in postures {
+        for state in states {
+            for point in points {
+                let names = [posture.name.as_str(), state, point];
+                let mut fields: Vec<String> = names.map(String::from).into();
+                fields.extend([""; 3].map(String::from));
+                fields.extend(layout.optional(None, None, None));
+                fields.extend(degrees(&posture.q));
+                text += &line(&fields);
+            }
+        }
+    }
+    text
+}

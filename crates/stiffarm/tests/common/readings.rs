@@ -1,0 +1,214 @@
+//! Simulated experiments and what their reduction should give.
+
+use super::{group1, reference_cell};
+use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
+use stiffarm::cell::Cell;
+use stiffarm::findings::Finding;
+use stiffarm::instruments::{Mount, Sensor};
+use stiffarm::load::Wrench;
+use stiffarm::measurement::{MeasuredPosture, Reading, ReadingTable};
+use stiffarm::observation::PostureTerms;
+use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::reduction::{ReduceOptions, Reduction, reduce};
+use stiffarm::simulate::{
+    BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment,
+};
+use stiffarm::tool::NamedPoint;
+
+/// What the controllers give way per torque \[rad/(N·m)\].
+pub const GIVE: [f64; 6] = [2e-8, 1e-8, 3e-8, 5e-8, 4e-8, 6e-8];
+
+pub fn postures() -> Vec<Posture> {
+    PostureGroup::from_angles("group 1", group1()).postures
+}
+
+pub fn pose(x: f64, y: f64, z: f64, turn: [f64; 3]) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn));
+    Isometry3::from_parts(Translation3::new(x, y, z), turn)
+}
+
+pub fn tracker_pose() -> Isometry3<f64> {
+    pose(2.1, -3.4, 0.8, [0.4, -0.3, 2.2])
+}
+
+pub fn sensor() -> Sensor {
+    Sensor {
+        mount: Mount::Flange,
+        pose: pose(0.02, -0.01, 0.06, [0.3, 0.7, -1.1]),
+        reports_by_robot: true,
+    }
+}
+
+pub fn named(name: &str, position: [f64; 3]) -> NamedPoint {
+    NamedPoint {
+        name: name.to_string(),
+        position: position.into(),
+    }
+}
+
+pub fn states(list: &[(&str, f64, usize)]) -> Vec<ExperimentState> {
+    let state = |(name, load_factor, repeats): &(&str, f64, usize)| ExperimentState {
+        name: name.to_string(),
+        load_factor: *load_factor,
+        repeats: *repeats,
+    };
+    list.iter().map(state).collect()
+}
+
+/// Unloaded, loaded, unloaded again.
+pub fn there_and_back(repeats: usize) -> Vec<ExperimentState> {
+    states(&[
+        ("unloaded", 0.0, repeats),
+        ("loaded", 1.0, repeats),
+        ("unloaded-2", 0.0, repeats),
+    ])
+}
+
+/// Three reflectors around the base.
+pub fn base_reflectors() -> Vec<NamedPoint> {
+    vec![
+        named("base", [0.6, 0.1, 0.2]),
+        named("base-2", [-0.4, 0.7, 0.15]),
+        named("base-3", [-0.3, -0.6, 0.4]),
+    ]
+}
+
+pub fn take(cell: &Cell, options: &Experiment, seed: u64) -> ReadingTable {
+    let prior = cell.prior.clone().unwrap();
+    experiment(cell, &postures(), &prior, options, seed, 0).unwrap()
+}
+
+pub fn reduced(cell: &Cell, table: &ReadingTable) -> Reduction {
+    reduce(cell, table, &ReduceOptions::default()).unwrap()
+}
+
+pub fn given(transform: Isometry3<f64>) -> ReduceOptions {
+    ReduceOptions {
+        base_from_tracker: Some(transform),
+    }
+}
+
+/// Displacements of the measuring points and wrench under `factor` times the
+/// cell's load by the linear model, with the servo's share where it gives way.
+pub fn truth(
+    cell: &Cell,
+    q: &[f64],
+    factor: f64,
+    give: Option<[f64; 6]>,
+) -> (Vec<Vector3<f64>>, Wrench) {
+    let robot = &cell.setup.robot;
+    let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
+    let prior = cell.prior.as_ref().unwrap();
+    let compliance = DVector::from_iterator(6, prior.iter().map(|k| factor / k));
+    let mut moved = terms.block(robot) * compliance;
+    if let Some(give) = give {
+        let torque = robot
+            .coupling()
+            .tr_mul(&DVector::from_column_slice(terms.torque()));
+        let turn = DVector::from_fn(6, |j, _| factor * give[j] * torque[j]);
+        moved += terms.spring_columns(robot) * robot.coupling() * turn;
+    }
+    let points = moved.as_slice().chunks(3).map(Vector3::from_column_slice);
+    let wrench = Wrench {
+        force: terms.wrench().force * factor,
+        moment: terms.wrench().moment * factor,
+    };
+    (points.collect(), wrench)
+}
+
+/// Planned angles of a measured posture.
+pub fn planned(m: &MeasuredPosture) -> Vec<f64> {
+    let list = postures();
+    list.iter()
+        .find(|p| p.name == m.posture.name)
+        .unwrap()
+        .q
+        .clone()
+}
+
+/// Largest error of the displacements of `measured` over the largest displacement.
+pub fn displacement_error(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    factor: impl Fn(&str) -> f64,
+    give: Option<[f64; 6]>,
+) -> f64 {
+    let (mut error, mut scale) = (0.0_f64, 0.0_f64);
+    for m in measured {
+        let q = &planned(m);
+        let (points, _) = truth(cell, q, factor(&m.state), give);
+        assert_eq!(m.displacements.len(), points.len());
+        for d in &m.displacements {
+            assert!(d.value.iter().all(|v| v.is_finite()));
+            error = error.max((d.value - points[d.point]).amax());
+            scale = scale.max(points[d.point].amax());
+        }
+    }
+    error / scale
+}
+
+pub fn wrench_error(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    factor: impl Fn(&str) -> f64,
+) -> f64 {
+    let errors = measured.iter().map(|m| {
+        let q = &planned(m);
+        let (_, wrench) = truth(cell, q, factor(&m.state), None);
+        let ours = m.wrench.unwrap();
+        let scale = wrench.force.norm();
+        let force = (ours.force - wrench.force).amax();
+        force.max((ours.moment - wrench.moment).amax()) / scale
+    });
+    errors.fold(0.0, f64::max)
+}
+
+pub fn found<'a>(reduction: &'a Reduction, code: &str) -> Vec<&'a Finding> {
+    reduction
+        .findings
+        .iter()
+        .filter(|f| f.code == code)
+        .collect()
+}
+
+pub fn codes(reduction: &Reduction) -> Vec<&str> {
+    reduction.findings.iter().map(|f| f.code.as_str()).collect()
+}
+
+pub fn readings(table: &mut ReadingTable) -> impl Iterator<Item = &mut Reading> {
+    let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
+    states.flat_map(|s| &mut s.readings)
+}
+
+/// An experiment with everything in it, as a table with noise.
+pub fn full_table(cell: &Cell, seed: u64) -> ReadingTable {
+    let options = Experiment {
+        base_from_tracker: tracker_pose(),
+        states: states(&[
+            ("unloaded", 0.0, 2),
+            ("up", 0.5, 1),
+            ("full", 1.0, 2),
+            ("unloaded-2", 0.0, 1),
+        ]),
+        force: ForceRecord::ForceAndMoment,
+        base_reflectors: base_reflectors(),
+        base_compliance: Some(BaseCompliance {
+            tilt: 2e-8,
+            shift: 3e-8,
+        }),
+        seconds_per_reading: 8.0,
+        drift: Vector3::new(2e-8, -1e-8, 3e-8),
+        servo_give: Some(GIVE.to_vec()),
+        tracker_noise: TrackerNoise::Isotropic,
+        sensor_noise: [0.5, 0.1],
+        ..Experiment::default()
+    };
+    take(cell, &options, seed)
+}
+
+pub fn sensor_cell() -> Cell {
+    let mut cell = reference_cell();
+    cell.sensor = Some(sensor());
+    cell.noise.reading_variance = 1e-10;
+    cell
+}
