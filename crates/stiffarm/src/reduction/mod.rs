@@ -1,0 +1,378 @@
+//! From raw readings to displacements with all that an identification needs
+//! beside them: registration, base motion, drift, references, repeatability,
+//! servo give and wrenches.
+//!
+//! Positions are the tracker's until the last step, which turns differences into
+//! base axes. In this order, each step on what the one before left:
+//! 1. readings of one reflector in one state are averaged, and what they scatter
+//!    is pooled ([`Repeatability`]);
+//! 2. per reflector, the straight line through the readings without load removes
+//!    the drift ([`Drift`]), base reflectors included;
+//! 3. loaded minus reference of the base reflectors is the base's motion, taken
+//!    back from the loaded points ([`BaseMotion`]);
+//! 4. loaded minus reference, turned by the registration
+//!    ([`UnloadedRegistration`]), is the displacement.
+//!
+//! Sums do not depend on the order of rows within a state; the order of states
+//! matters only where readings have no times.
+
+mod base_motion;
+mod drift;
+mod repeatability;
+mod series;
+mod table;
+mod unloaded;
+mod words;
+mod wrench;
+mod wrench_check;
+
+pub use base_motion::BaseMotion;
+pub use drift::{Drift, PostureDrift};
+pub use repeatability::Repeatability;
+pub use series::Clock;
+pub use unloaded::{PointResidual, PostureResidual, UnloadedRegistration};
+pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::findings::{Finding, Severity};
+use crate::load::Load;
+use crate::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
+use crate::posture::Posture;
+use base_motion::Motion;
+use nalgebra::{Isometry3, Matrix3};
+use serde::{Deserialize, Serialize};
+use series::PostureSeries;
+use std::collections::BTreeSet;
+use words::postures_first;
+
+/// Options of a reduction.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReduceOptions {
+    /// Base frame from tracker frame \[m\], before the cell's own; where neither
+    /// gives it, the unloaded readings do.
+    pub base_from_tracker: Option<Isometry3<f64>>,
+}
+
+/// Displacements from raw readings, and what was found on the way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Reduction {
+    /// The displacements, posture by posture and state by state; not part of the
+    /// saved result.
+    #[serde(skip)]
+    pub measured: Vec<MeasuredPosture>,
+    /// Base frame from tracker frame \[m\], as used; saved as the rotation and
+    /// translation of `registration`.
+    #[serde(skip)]
+    pub base_from_tracker: Isometry3<f64>,
+    /// How the unloaded readings fit the model; `None` for a given transform and
+    /// no unloaded readings.
+    pub registration: Option<UnloadedRegistration>,
+    /// Scatter of the repeats; `None` without repeats.
+    pub repeatability: Option<Repeatability>,
+    /// Largest motion of the base, posture by posture, where reflectors show it.
+    pub base_motion: Vec<BaseMotion>,
+    /// Drift within the postures; `None` without readings before and after a load.
+    pub drift: Option<Drift>,
+    /// Consistency of the measured wrenches; `None` where none were measured.
+    pub wrench_check: Option<WrenchCheck>,
+    /// What is worth knowing, the most serious first.
+    pub findings: Vec<Finding>,
+}
+
+/// Reduces raw readings to displacements.
+///
+/// Differences are taken against the states named `preload…` where a posture has
+/// them, else against `unloaded…`. A posture without such a state, or a point not
+/// read in it, is left out and named in the findings.
+///
+/// # Errors
+/// A table that is empty, contradicts itself or the cell, or has a number that
+/// is not finite; no displacement at all; no transform given and too few unloaded
+/// points for one; forces that are missing where others are given.
+pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Result<Reduction> {
+    let given = options.base_from_tracker.or(cell.tracker.base_from_tracker);
+    table::check(cell, table, given.as_ref())?;
+    let series: Vec<PostureSeries<'_>> = table.postures.iter().map(PostureSeries::new).collect();
+    let mut findings = Vec::new();
+
+    let repeatability = repeatability::repeatability(&series);
+    if let Some(result) = &repeatability {
+        findings.extend(repeatability::findings(cell, result)?);
+    }
+    let reading_std = repeatability::reading_std(cell, repeatability.as_ref());
+    let (registration, base_from_tracker) =
+        unloaded::registration(cell, &series, given.as_ref(), reading_std, &mut findings)?;
+    let drift = drift::drift(&series, &base_from_tracker, reading_std)?;
+    findings.extend(drift::findings(&series, drift.as_ref()));
+
+    let mut measured = Vec::new();
+    let mut base_motion = Vec::new();
+    let mut expected_forces = Vec::new();
+    for posture in &series {
+        let first = measured.len();
+        let motion = displacements(
+            cell,
+            table,
+            posture,
+            &base_from_tracker,
+            reading_std,
+            &mut measured,
+        )?;
+        base_motion.extend(motion);
+        expected_forces.extend(expected_force(cell, posture, &measured[first..]));
+    }
+    incomplete(cell, &series, &mut findings);
+    if measured.is_empty() {
+        return Err(Error::new(
+            Code::TooFewData,
+            "The readings give no displacement: no point was read both loaded and unloaded in one posture.",
+        )
+        .hint("state names: unloaded, preload, and any other name for a load; -2 and so on for another time"));
+    }
+    findings.extend(base_motion::findings(&series, &base_motion, reading_std));
+    servo_give(cell, &mut measured, &mut findings);
+    findings.extend(wrench::findings(cell, table.wrench_columns, &series));
+    let wrench_check =
+        wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
+    if let Some(check) = &wrench_check {
+        findings.extend(wrench_check::findings(cell, check));
+    }
+    findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
+    Ok(Reduction {
+        measured,
+        base_from_tracker,
+        registration,
+        repeatability,
+        base_motion,
+        drift,
+        wrench_check,
+        findings,
+    })
+}
+
+/// Adds the displacements of all loaded states of one posture to `measured`;
+/// returns the largest motion of the base.
+fn displacements(
+    cell: &Cell,
+    table: &ReadingTable,
+    posture: &PostureSeries<'_>,
+    base_from_tracker: &Isometry3<f64>,
+    reading_std: f64,
+    measured: &mut Vec<MeasuredPosture>,
+) -> Result<Option<BaseMotion>> {
+    let rotation = base_from_tracker.rotation;
+    let usable = base_motion::usable(posture);
+    // Reference states behind each number.
+    let mut references: Vec<Vec<usize>> = Vec::new();
+    let mut largest: Option<BaseMotion> = None;
+    for number in posture.states(Role::Loaded) {
+        let state = &posture.readings.states[number];
+        let motion = Motion::new(posture, &usable, number)?;
+        let mut displacements = Vec::new();
+        let mut loaded = Vec::new();
+        for (index, series) in &posture.points {
+            let Some(pair) = series.pair(number, posture.reference) else {
+                continue;
+            };
+            loaded.push(pair.loaded);
+            let without_motion = match &motion {
+                Some(motion) => motion.removed(&pair.loaded),
+                None => pair.loaded,
+            };
+            let reference = references.iter().position(|r| *r == pair.states);
+            let reference = reference.unwrap_or_else(|| {
+                references.push(pair.states.clone());
+                references.len() - 1
+            });
+            displacements.push(Displacement {
+                point: *index,
+                value: rotation * (without_motion - pair.reference),
+                time: (posture.clock == Clock::Time).then_some(posture.start + pair.clock),
+                readings: pair.readings,
+                reference: reference as u32,
+                covariance: covariance(cell, base_from_tracker, &pair.loaded)?,
+            });
+        }
+        if displacements.is_empty() {
+            continue;
+        }
+        let common_readings = motion.as_ref().map_or([0.0; 2], |m| m.common(&loaded));
+        if let Some(motion) = motion {
+            let now = motion.describe(
+                posture.name(),
+                &state.state,
+                &loaded,
+                base_from_tracker,
+                reading_std,
+            );
+            let more = |l: &BaseMotion| now.largest_correction_m > l.largest_correction_m;
+            if largest.as_ref().is_none_or(more) {
+                largest = Some(now);
+            }
+        }
+        measured.push(MeasuredPosture {
+            posture: Posture {
+                name: posture.name().to_string(),
+                q: posture.q.clone(),
+            },
+            state: state.state.clone(),
+            wrench: wrench::wrench(cell, table.wrench_columns, posture, number)?,
+            common_readings,
+            servo_give: give(posture, number),
+            displacements,
+        });
+    }
+    Ok(largest)
+}
+
+/// Covariance of one reading at the tracker position `at`, base axes.
+fn covariance(
+    cell: &Cell,
+    base_from_tracker: &Isometry3<f64>,
+    at: &nalgebra::Vector3<f64>,
+) -> Result<Option<Matrix3<f64>>> {
+    let Some(accuracy) = &cell.tracker.accuracy else {
+        return Ok(None);
+    };
+    let rotation = base_from_tracker.rotation.to_rotation_matrix();
+    let rotation = rotation.matrix();
+    let turned = rotation * accuracy.covariance(at)? * rotation.transpose();
+    // Symmetric to the last bit.
+    Ok(Some((turned + turned.transpose()) * 0.5))
+}
+
+/// Angles of the loaded state `number` minus those of the reference, where both
+/// are recorded.
+fn give(posture: &PostureSeries<'_>, number: usize) -> Option<Vec<f64>> {
+    let reference = series::mean_angles(posture.readings, posture.reference)?;
+    let loaded = posture.readings.states[number].angles.as_ref()?;
+    Some(loaded.iter().zip(&reference).map(|(a, b)| a - b).collect())
+}
+
+/// Drops angles that are the same in all states: the table repeats the planned
+/// ones. Says how far the controller gave way otherwise.
+fn servo_give(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mut Vec<Finding>) {
+    let mut largest = (0.0_f64, 0, 0);
+    for (i, m) in measured.iter().enumerate() {
+        for (j, give) in m.servo_give.iter().flatten().enumerate() {
+            if give.abs() > largest.0 {
+                largest = (give.abs(), i, j);
+            }
+        }
+    }
+    let (give, i, j) = largest;
+    if give == 0.0 {
+        measured.iter_mut().for_each(|m| m.servo_give = None);
+        return;
+    }
+    let without = measured.iter().filter(|m| m.servo_give.is_none()).count();
+    let some = match without {
+        0 => String::new(),
+        n => format!(
+            " {n} loaded states have no angles: there the servo give stays in the displacements."
+        ),
+    };
+    findings.push(Finding::new(
+        "servo-give",
+        if without > 0 { Severity::Caution } else { Severity::Note },
+        "servo_give",
+        format!(
+            "The controller's own angles change under load by up to {:.4}° ({}, posture {}, state {}): this share of a \
+             displacement is not the joints' elasticity.{some}",
+            give.to_degrees(),
+            cell.setup.robot.joints()[j].name,
+            measured[i].posture.name,
+            measured[i].state
+        ),
+    ));
+}
+
+/// Force that the cell's rope or weight has in each loaded state of a posture,
+/// loaded minus reference, where known \[N\].
+fn expected_force(
+    cell: &Cell,
+    posture: &PostureSeries<'_>,
+    measured: &[MeasuredPosture],
+) -> Vec<Option<f64>> {
+    let (Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. }) = cell.setup.load else {
+        return vec![None; measured.len()];
+    };
+    let states = &posture.readings.states;
+    let unloaded = posture.reference == Role::Unloaded;
+    let reference = posture
+        .states(posture.reference)
+        .find_map(|i| states[i].load);
+    let reference = reference.or(unloaded.then_some(0.0));
+    let force = |m: &MeasuredPosture| m.wrench.map_or(0.0, |w| w.force.norm());
+    let strongest = measured.iter().map(force).fold(0.0, f64::max);
+    let expected = |m: &MeasuredPosture| {
+        let load = states
+            .iter()
+            .find(|s| s.state == m.state)
+            .and_then(|s| s.load);
+        match load.zip(reference) {
+            Some((load, reference)) => Some(load - reference),
+            // Without the table's word only the full load is known.
+            None => (load.is_none() && unloaded && force(m) == strongest).then_some(magnitude),
+        }
+    };
+    measured.iter().map(expected).collect()
+}
+
+/// Postures and points that gave nothing.
+fn incomplete(cell: &Cell, series: &[PostureSeries<'_>], findings: &mut Vec<Finding>) {
+    let (mut no_load, mut no_reference) = (Vec::new(), Vec::new());
+    for posture in series {
+        if posture.states(Role::Loaded).next().is_none() {
+            no_load.push(posture.name());
+            continue;
+        }
+        if posture.states(posture.reference).next().is_none() {
+            no_reference.push(posture.name());
+            continue;
+        }
+        let lost: BTreeSet<&str> = posture
+            .points
+            .iter()
+            .filter(|(_, s)| s.states.iter().all(|state| state.role != posture.reference))
+            .map(|(index, _)| cell.setup.tool.measuring_points[*index].name.as_str())
+            .collect();
+        if !lost.is_empty() {
+            let names: Vec<&str> = lost.into_iter().collect();
+            findings.push(Finding::new(
+                "point-without-reference",
+                Severity::Caution,
+                posture.name(),
+                format!(
+                    "Posture {}: point {} was read under load but not {}; it gives no displacement there.",
+                    posture.name(),
+                    crate::findings::list(&names),
+                    match posture.reference {
+                        Role::Preload => "under the preload",
+                        _ => "unloaded",
+                    }
+                ),
+            ));
+        }
+    }
+    let mut add = |code, severity, names: &[&str], sentence: &str| {
+        if !names.is_empty() {
+            let sentence = format!("{}: {sentence}", postures_first(names));
+            findings.push(Finding::new(code, severity, names.join(", "), sentence));
+        }
+    };
+    add(
+        "posture-without-reference",
+        Severity::Caution,
+        &no_reference,
+        "no unloaded and no preload reading, so no displacement. Left out.",
+    );
+    add(
+        "posture-without-load",
+        Severity::Note,
+        &no_load,
+        "no loaded reading; used for the registration only.",
+    );
+}

@@ -1,0 +1,336 @@
+//! The readings of one reflector in one posture: means of the load states, the
+//! drift between the states without load, and pairs of reference and load.
+
+use crate::measurement::{PostureReadings, Role, Target};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// What places the readings of a posture one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Clock {
+    /// The times of the readings \[s\].
+    Time,
+    /// The order of the load states: one step from a state to the next.
+    Order,
+}
+
+/// One reading on the posture's clock.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub clock: f64,
+    pub position: Vector3<f64>,
+}
+
+/// The readings of one reflector in one load state.
+#[derive(Debug, Clone)]
+pub(super) struct StateSamples {
+    /// Number of the state in its posture.
+    pub state: usize,
+    pub role: Role,
+    /// By clock and position, so that no sum depends on the order of rows.
+    pub samples: Vec<Sample>,
+    pub clock: f64,
+    pub position: Vector3<f64>,
+}
+
+impl StateSamples {
+    fn new(state: usize, role: Role, mut samples: Vec<Sample>) -> Self {
+        samples.sort_by(|a, b| {
+            let by = |i: usize| a.position[i].total_cmp(&b.position[i]);
+            let clock = a.clock.total_cmp(&b.clock);
+            clock.then(by(0)).then(by(1)).then(by(2))
+        });
+        let (clock, position) = mean(samples.iter());
+        StateSamples {
+            state,
+            role,
+            samples,
+            clock,
+            position,
+        }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.samples.len()
+    }
+}
+
+/// Mean clock and position.
+fn mean<'a>(samples: impl Iterator<Item = &'a Sample> + Clone) -> (f64, Vector3<f64>) {
+    let count = samples.clone().count() as f64;
+    let clock = samples.clone().map(|s| s.clock).sum::<f64>() / count;
+    (
+        clock,
+        samples.map(|s| s.position).sum::<Vector3<f64>>() / count,
+    )
+}
+
+/// A straight line on the clock through readings that should agree.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line {
+    /// Motion per unit of the clock, tracker axes.
+    pub rate: Vector3<f64>,
+    /// Sum of squared distances from the mean clock: a reading's variance over
+    /// it is the variance of each component of `rate`.
+    pub spread: f64,
+    /// First and last reading behind it.
+    pub span: [f64; 2],
+    /// Role of the states behind it.
+    pub role: Role,
+}
+
+impl Line {
+    fn through(states: &[StateSamples], role: Role) -> Option<Self> {
+        let of_role = states.iter().filter(|s| s.role == role);
+        let samples = of_role.flat_map(|s| &s.samples);
+        let (low, high) = samples
+            .clone()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
+                (low.min(s.clock), high.max(s.clock))
+            });
+        if low >= high {
+            return None;
+        }
+        let (clock, position) = mean(samples.clone());
+        let mut spread = 0.0;
+        let mut product = Vector3::zeros();
+        for sample in samples {
+            let from_mean = sample.clock - clock;
+            spread += from_mean * from_mean;
+            product += (sample.position - position) * from_mean;
+        }
+        (spread > 0.0).then(|| Line {
+            rate: product / spread,
+            spread,
+            span: [low, high],
+            role,
+        })
+    }
+
+    pub(super) fn covers(&self, clock: f64) -> bool {
+        self.span[0] <= clock && clock <= self.span[1]
+    }
+}
+
+/// Reference and loaded position of one reflector, the drift between removed.
+#[derive(Debug, Clone)]
+pub(super) struct Pair {
+    pub reference: Vector3<f64>,
+    pub loaded: Vector3<f64>,
+    /// Readings behind both; for a reference on a line, as many as would give a
+    /// mean of its variance.
+    pub readings: [u32; 2],
+    /// States behind the reference.
+    pub states: Vec<usize>,
+    /// Clock of the loaded readings.
+    pub clock: f64,
+}
+
+/// One reflector in one posture.
+#[derive(Debug, Clone)]
+pub(super) struct Series {
+    /// The states in which it was read.
+    pub states: Vec<StateSamples>,
+    /// Drift, where states without load lie before and after a loaded one.
+    pub line: Option<Line>,
+}
+
+impl Series {
+    /// Collects the readings of `target`; `clocks` has one entry per state and reading.
+    pub(super) fn new(
+        target: Target,
+        posture: &PostureReadings,
+        clocks: &[Vec<f64>],
+        reference: Role,
+    ) -> Self {
+        let mut states = Vec::new();
+        for (number, state) in posture.states.iter().enumerate() {
+            let samples: Vec<Sample> = state
+                .readings
+                .iter()
+                .zip(&clocks[number])
+                .filter(|(reading, _)| reading.target == target)
+                .map(|(reading, clock)| Sample {
+                    clock: *clock,
+                    position: reading.position,
+                })
+                .collect();
+            if !samples.is_empty() {
+                states.push(StateSamples::new(number, Role::of(&state.state), samples));
+            }
+        }
+        // Unloaded readings may differ by lost motion, which a preload takes up:
+        // they speak of drift only where the preload does not.
+        let line = [reference, Role::Unloaded]
+            .into_iter()
+            .filter_map(|role| Line::through(&states, role))
+            .find(|line| {
+                let mut loaded = states.iter().filter(|s| s.role == Role::Loaded);
+                loaded.any(|s| line.covers(s.clock))
+            });
+        Series { states, line }
+    }
+
+    /// The readings in one state.
+    pub(super) fn state(&self, number: usize) -> Option<&StateSamples> {
+        self.states.iter().find(|s| s.state == number)
+    }
+
+    /// The loaded state `number` against the states of the role `reference`:
+    /// against all of them along the drift's line where it covers the loaded
+    /// readings, else against the state nearest on the clock.
+    pub(super) fn pair(&self, number: usize, reference: Role) -> Option<Pair> {
+        let loaded = self.state(number)?;
+        let references: Vec<&StateSamples> = self
+            .states
+            .iter()
+            .filter(|s| s.role == reference && s.state != number)
+            .collect();
+        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let Some(line) = self.line.filter(|line| line.covers(loaded.clock)) else {
+            let distance = |s: &StateSamples| (s.clock - loaded.clock).abs();
+            let nearest = references
+                .into_iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            return Some(Pair {
+                reference: nearest.position,
+                loaded: loaded.position,
+                readings: [count(loaded.count()), count(nearest.count())],
+                states: vec![nearest.state],
+                clock: loaded.clock,
+            });
+        };
+        if references.is_empty() {
+            return None;
+        }
+        let samples = references.iter().flat_map(|s| &s.samples);
+        let (clock, position) = mean(samples.clone());
+        let away = loaded.clock - clock;
+        let variance = 1.0 / samples.count() as f64 + away * away / line.spread;
+        Some(Pair {
+            // Both at clock zero, so that reflectors read at different times
+            // keep their distances.
+            reference: position - line.rate * clock,
+            loaded: loaded.position - line.rate * loaded.clock,
+            // The tolerance keeps whole numbers whole.
+            readings: [
+                count(loaded.count()),
+                ((1.0 / variance + 1e-9) as u32).max(1),
+            ],
+            states: references.iter().map(|s| s.state).collect(),
+            clock: loaded.clock,
+        })
+    }
+}
+
+/// All reflectors of one posture.
+#[derive(Debug, Clone)]
+pub(super) struct PostureSeries<'a> {
+    pub readings: &'a PostureReadings,
+    pub clock: Clock,
+    /// Time of clock zero \[s\].
+    pub start: f64,
+    /// Role of the states against which differences are taken.
+    pub reference: Role,
+    /// Controller angles of the reference \[rad\].
+    pub q: Vec<f64>,
+    /// Mean clock of each state; `None` for a state without readings.
+    pub state_clocks: Vec<Option<f64>>,
+    /// The measuring points, by index.
+    pub points: Vec<(usize, Series)>,
+    /// The base reflectors, by name.
+    pub base: Vec<(String, Series)>,
+}
+
+impl<'a> PostureSeries<'a> {
+    /// Sorts the readings of a posture by reflector and state.
+    pub(super) fn new(posture: &'a PostureReadings) -> Self {
+        let (clock, start, clocks) = clocks(posture);
+        let has = |role| {
+            let mut states = posture.states.iter();
+            states.any(|s| Role::of(&s.state) == role && !s.readings.is_empty())
+        };
+        let reference = match has(Role::Preload) {
+            true => Role::Preload,
+            false => Role::Unloaded,
+        };
+        let mut points = std::collections::BTreeSet::new();
+        let mut base = std::collections::BTreeSet::new();
+        for reading in posture.states.iter().flat_map(|s| &s.readings) {
+            match &reading.target {
+                Target::Point(index) => points.insert(*index),
+                Target::Base(name) => base.insert(name.clone()),
+            };
+        }
+        let series = |target| Series::new(target, posture, &clocks, reference);
+        PostureSeries {
+            readings: posture,
+            clock,
+            start,
+            reference,
+            q: mean_angles(posture, reference).unwrap_or_else(|| posture.posture.q.clone()),
+            state_clocks: clocks
+                .iter()
+                .map(|c| (!c.is_empty()).then(|| c.iter().sum::<f64>() / c.len() as f64))
+                .collect(),
+            points: points
+                .into_iter()
+                .map(|index| (index, series(Target::Point(index))))
+                .collect(),
+            base: base
+                .into_iter()
+                .map(|name| (name.clone(), series(Target::Base(name))))
+                .collect(),
+        }
+    }
+
+    /// Name of the posture.
+    pub(super) fn name(&self) -> &'a str {
+        &self.readings.posture.name
+    }
+
+    /// Numbers of the states with the role, in the order taken.
+    pub(super) fn states(&self, role: Role) -> impl Iterator<Item = usize> + '_ {
+        let states = self.readings.states.iter().enumerate();
+        states
+            .filter(move |(i, s)| Role::of(&s.state) == role && self.state_clocks[*i].is_some())
+            .map(|(i, _)| i)
+    }
+}
+
+/// Mean of the angles recorded in the states of a role.
+pub(super) fn mean_angles(posture: &PostureReadings, role: Role) -> Option<Vec<f64>> {
+    let recorded: Vec<&Vec<f64>> = posture
+        .states
+        .iter()
+        .filter(|s| Role::of(&s.state) == role)
+        .filter_map(|s| s.angles.as_ref())
+        .collect();
+    let first = recorded.first()?;
+    // Equal angles stay what they are, to the bit.
+    let mean = |j: usize| {
+        let from_first = recorded.iter().map(|q| q[j] - first[j]);
+        first[j] + from_first.sum::<f64>() / recorded.len() as f64
+    };
+    Some((0..first.len()).map(mean).collect())
+}
+
+/// Clock of each reading, state by state, with its kind and the time of its zero.
+fn clocks(posture: &PostureReadings) -> (Clock, f64, Vec<Vec<f64>>) {
+    let readings = || posture.states.iter().flat_map(|s| &s.readings);
+    if readings().all(|r| r.time.is_some()) {
+        let times = readings().filter_map(|r| r.time);
+        let start = times.fold(f64::INFINITY, f64::min);
+        let of_state = |s: &crate::measurement::StateReadings| {
+            let times = s.readings.iter().filter_map(|r| r.time);
+            times.map(|t| t - start).collect()
+        };
+        let clocks = posture.states.iter().map(of_state).collect();
+        return (Clock::Time, start, clocks);
+    }
+    let states = posture.states.iter().enumerate();
+    let clocks = states.map(|(i, s)| vec![i as f64; s.readings.len()]);
+    (Clock::Order, 0.0, clocks.collect())
+}

@@ -1,0 +1,51 @@
+//! Numbers in sentences.
+
+/// A length in mm, or in µm below a hundredth of a millimetre.
+pub(super) fn length(m: f64) -> String {
+    match m.abs() {
+        size if size >= 9.995e-4 => format!("{:.2} mm", m * 1e3),
+        size if size >= 9.995e-6 => format!("{:.3} mm", m * 1e3),
+        _ => format!("{:.2} µm", m * 1e6),
+    }
+}
+
+/// `posture 3`, or `postures 1, 2 and 3`.
+pub(super) fn postures<S: AsRef<str>>(names: &[S]) -> String {
+    let word = if names.len() == 1 {
+        "posture"
+    } else {
+        "postures"
+    };
+    format!("{word} {}", crate::findings::list(names))
+}
+
+/// The same at the head of a sentence.
+pub(super) fn postures_first<S: AsRef<str>>(names: &[S]) -> String {
+    postures(names).replacen('p', "P", 1)
+}
+
+/// Median; the mean of the two middle values for an even count, zero for none.
+pub(super) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => 0.0,
+        n => (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_three_digits() {
+        let texts = [0.0123, 1.2e-3, 9.999e-4, 4.02e-5, 9.23e-6, 0.0].map(length);
+        let expected = [
+            "12.30 mm", "1.20 mm", "1.00 mm", "0.040 mm", "9.23 µm", "0.00 µm",
+        ];
+        assert_eq!(texts, expected);
+        assert_eq!(postures_first(&["a", "b"]), "Postures a and b");
+        assert_eq!((median(&[3.0, 1.0, 2.0]), median(&[])), (2.0, 0.0));
+    }
+}

@@ -1,0 +1,259 @@
+//! The wrench of each load state, loaded minus reference.
+
+use super::series::PostureSeries;
+use super::words::postures_first;
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::findings::{Finding, Severity};
+use crate::instruments::Mount;
+use crate::kinematics::Frames;
+use crate::load::{Load, Wrench};
+use crate::measurement::{Role, StateReadings, WrenchColumns};
+use nalgebra::SVector;
+
+/// Wrench on the robot at the loading point, base axes, in the loaded state
+/// `number` against the reference; `None` lets the cell's load give it.
+///
+/// - With the cell's sensor: its readings are subtracted in its own axes, where
+///   the tool's weight drops out, then turned and moved as
+///   [`Sensor::wrench_on_robot`](crate::instruments::Sensor::wrench_on_robot).
+/// - Without a sensor: the difference of the table's wrenches.
+/// - Forces without moments: a pure force through the loading point.
+/// - No forces: the force of the cell's rope or weight in that state less that
+///   in the reference, where the table has them.
+///
+/// Where states without load lie before and after, their straight line is
+/// subtracted, as for the positions. A reference without force counts as zero
+/// where it is unloaded.
+///
+/// # Errors
+/// A loaded state or a preload without the force the other states have; a
+/// measured load without any; a force of the rope or weight in a cell that has neither.
+pub(super) fn wrench(
+    cell: &Cell,
+    columns: WrenchColumns,
+    posture: &PostureSeries<'_>,
+    number: usize,
+) -> Result<Option<Wrench>> {
+    let state = &posture.readings.states[number];
+    if columns == WrenchColumns::None {
+        return by_load(cell, posture, state, number);
+    }
+    let Some(loaded) = &state.wrench else {
+        return Err(missing(
+            posture,
+            state,
+            "no force",
+            "give its fx_n, fy_n, fz_n",
+        ));
+    };
+    let reference = reference(posture, number, "no force", |s| {
+        s.wrench.as_ref().map(to_vector)
+    })?;
+    let difference = to_wrench(to_vector(loaded) - reference);
+    let frames = Frames::new(&cell.setup.robot, &posture.q);
+    let at = frames.point(&cell.setup.tool.loading_point);
+    let mut wrench = match &cell.sensor {
+        Some(sensor) => sensor.wrench_on_robot(&frames, &difference, &at),
+        None => difference,
+    };
+    if columns == WrenchColumns::Force {
+        wrench = Wrench::force(wrench.force);
+    }
+    Ok(Some(wrench))
+}
+
+/// By the cell's own load, scaled to the force the table gives.
+fn by_load(
+    cell: &Cell,
+    posture: &PostureSeries<'_>,
+    state: &StateReadings,
+    number: usize,
+) -> Result<Option<Wrench>> {
+    let given = posture.readings.states.iter().any(|s| s.load.is_some());
+    let mut unit = cell.setup.load.clone();
+    let full = match &mut unit {
+        Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
+            std::mem::replace(magnitude, 1.0)
+        }
+        Load::Constant { .. } if !given && posture.reference == Role::Unloaded => return Ok(None),
+        Load::Measured if !given => {
+            return Err(missing(
+                posture,
+                state,
+                "no force, and the cell's load is measured",
+                "give fx_n, fy_n, fz_n with each state",
+            ));
+        }
+        Load::Constant { .. } | Load::Measured if given => {
+            return Err(Error::new(
+                Code::Conflict,
+                "The table gives the force of a rope or weight, but the cell's load is neither.",
+            )
+            .key("load_n")
+            .hint("set load.kind to \"rope\" or \"weight\", or give fx_n, fy_n, fz_n"));
+        }
+        Load::Constant { .. } | Load::Measured => {
+            return Err(missing(
+                posture,
+                state,
+                "a preload as reference, whose wrench is not known",
+                "give fx_n, fy_n, fz_n with each state",
+            ));
+        }
+    };
+    if !given && posture.reference == Role::Unloaded {
+        return Ok(None);
+    }
+    let loaded = state.load.unwrap_or(full);
+    let of_state = |s: &StateReadings| s.load.map(SVector::<f64, 1>::new);
+    let reference = reference(posture, number, "no load_n", of_state)?[0];
+    let frames = Frames::new(&cell.setup.robot, &posture.q);
+    let at = frames.point(&cell.setup.tool.loading_point);
+    Ok(unit.wrench(&frames, &at).map(|one| Wrench {
+        force: one.force * (loaded - reference),
+        moment: one.moment * (loaded - reference),
+    }))
+}
+
+/// Value of the reference states at the clock of the loaded state `number`.
+fn reference<const N: usize>(
+    posture: &PostureSeries<'_>,
+    number: usize,
+    lacks: &str,
+    of: impl Fn(&StateReadings) -> Option<SVector<f64, N>>,
+) -> Result<SVector<f64, N>> {
+    let at = posture.state_clocks[number].unwrap_or_default();
+    let mut samples = Vec::new();
+    for i in posture.states(posture.reference) {
+        let state = &posture.readings.states[i];
+        match of(state) {
+            Some(value) => samples.push((posture.state_clocks[i].unwrap_or_default(), value)),
+            None if posture.reference == Role::Preload => {
+                return Err(missing(
+                    posture,
+                    state,
+                    &format!("{lacks}, and differences are taken against it"),
+                    "give its force too",
+                ));
+            }
+            None => {}
+        }
+    }
+    Ok(line_at(&samples, at))
+}
+
+/// Value at `at` of the straight line through `samples` (clock, value) where
+/// they lie on both sides, else the nearest one; zero without samples.
+fn line_at<const N: usize>(samples: &[(f64, SVector<f64, N>)], at: f64) -> SVector<f64, N> {
+    let nearest = samples
+        .iter()
+        .min_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
+    let Some(nearest) = nearest else {
+        return SVector::zeros();
+    };
+    if !(samples.iter().any(|s| s.0 <= at) && samples.iter().any(|s| s.0 > at)) {
+        return nearest.1;
+    }
+    let count = samples.len() as f64;
+    let clock = samples.iter().map(|s| s.0).sum::<f64>() / count;
+    let mean = samples.iter().map(|s| s.1).sum::<SVector<f64, N>>() / count;
+    let spread: f64 = samples.iter().map(|s| (s.0 - clock).powi(2)).sum();
+    let product: SVector<f64, N> = samples.iter().map(|s| (s.1 - mean) * (s.0 - clock)).sum();
+    mean + product * ((at - clock) / spread)
+}
+
+fn to_vector(wrench: &Wrench) -> SVector<f64, 6> {
+    let (f, m) = (wrench.force, wrench.moment);
+    SVector::<f64, 6>::new(f.x, f.y, f.z, m.x, m.y, m.z)
+}
+
+fn to_wrench(v: SVector<f64, 6>) -> Wrench {
+    Wrench {
+        force: v.fixed_rows::<3>(0).into_owned(),
+        moment: v.fixed_rows::<3>(3).into_owned(),
+    }
+}
+
+fn missing(posture: &PostureSeries<'_>, state: &StateReadings, lacks: &str, hint: &str) -> Error {
+    let message = format!(
+        "Posture {}, state {} has {lacks}.",
+        posture.name(),
+        state.state
+    );
+    let error = Error::new(Code::MissingKey, message).hint(hint);
+    match state.readings.first().map(|r| r.line) {
+        Some(line) if line > 0 => error.line(line, None),
+        _ => error,
+    }
+}
+
+/// What the forces leave open.
+pub(super) fn findings(
+    cell: &Cell,
+    columns: WrenchColumns,
+    series: &[PostureSeries<'_>],
+) -> Vec<Finding> {
+    let mut out = Vec::new();
+    if columns == WrenchColumns::None {
+        return out;
+    }
+    let on_flange = cell
+        .sensor
+        .as_ref()
+        .is_some_and(|s| s.mount == Mount::Flange);
+    let without: Vec<&str> = series
+        .iter()
+        .filter(|p| p.reference == Role::Unloaded)
+        .filter(|p| {
+            [Role::Unloaded, Role::Loaded]
+                .iter()
+                .all(|r| p.states(*r).next().is_some())
+        })
+        .filter(|p| {
+            p.states(Role::Unloaded)
+                .all(|i| p.readings.states[i].wrench.is_none())
+        })
+        .map(PostureSeries::name)
+        .collect();
+    if on_flange && !without.is_empty() {
+        out.push(Finding::new(
+            "no-unloaded-force",
+            Severity::Caution,
+            "sensor",
+            format!(
+                "{}: the sensor on the flange has no unloaded reading, so the weight of the tool stays in the wrench \
+                 unless the sensor was set to zero in that very posture.",
+                postures_first(&without)
+            ),
+        ));
+    }
+    let moment =
+        |load: &Load| matches!(load, Load::Constant { wrench, .. } if wrench.moment.norm() > 0.0);
+    if columns == WrenchColumns::Force && moment(&cell.setup.load) {
+        out.push(Finding::new(
+            "moment-not-read",
+            Severity::Caution,
+            "load",
+            "The cell's load has a moment, but the table has forces only: they are taken as pure forces through the \
+             loading point. Add mx_nm, my_nm, mz_nm.",
+        ));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_between_and_the_nearest_beside() {
+        let value = |x: f64| SVector::<f64, 1>::new(x);
+        let samples = [(0.0, value(1.0)), (2.0, value(5.0))];
+        assert_eq!(line_at(&samples, 1.5)[0], 4.0);
+        assert_eq!(line_at(&samples, 9.0)[0], 5.0);
+        assert_eq!(line_at(&samples, -1.0)[0], 1.0);
+        assert_eq!(line_at::<1>(&[], 1.0)[0], 0.0);
+        assert_eq!(line_at(&samples[..1], 0.0)[0], 1.0);
+    }
+}

@@ -1,0 +1,368 @@
+//! Whether the measured wrench can be that of the load: does its moment belong
+//! to a force through the loading point, and does its force point along the rope?
+
+use super::words::{length, median, postures};
+use crate::cell::Cell;
+use crate::findings::{Finding, Severity};
+use crate::information::{Svd, svd};
+use crate::kinematics::Frames;
+use crate::load::{Load, Wrench};
+use crate::measurement::{MeasuredPosture, WrenchColumns};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Offsets of the application point are named above so many standard errors …
+const STANDARD_ERRORS: f64 = 3.0;
+/// … and above this length \[m\].
+const OFFSET: f64 = 2e-3;
+/// Moments that no point explains are named above this arm \[m\].
+const UNEXPLAINED_ARM: f64 = 5e-3;
+/// Forces count as parallel below this ratio of singular values.
+const PARALLEL: f64 = 1e-3;
+/// Median angle between measured and expected force that is named \[rad\].
+const TURNED: f64 = 0.035;
+/// Angle of a single state that is named beside a good median \[rad\].
+const ODD_STATE: f64 = 0.09;
+/// Magnitudes further than this from the expected ones are named.
+const MAGNITUDE: f64 = 0.05;
+
+/// Where the measured force acts by its own moment: least squares for r in
+/// M = r × F over all postures and states, flange axes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ApplicationPoint {
+    /// That point minus the stated loading point, flange axes \[m\].
+    pub offset_m: [f64; 3],
+    /// Length of the offset \[m\].
+    pub distance_m: f64,
+    /// Standard error of that length by the moments that remain \[m\]; `None`
+    /// without degrees of freedom.
+    pub distance_standard_error_m: Option<f64>,
+    /// False where all forces are parallel in flange axes: the offset along them is
+    /// not determined and taken as zero.
+    pub determined: bool,
+    /// RMS of the moments about the stated loading point \[N·m\].
+    pub moment_rms_nm: f64,
+    /// RMS of the moments about the point found \[N·m\].
+    pub residual_moment_rms_nm: f64,
+    /// RMS of the forces \[N\].
+    pub force_rms_n: f64,
+}
+
+/// Measured against expected force of one state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ForceDirection {
+    /// Posture.
+    pub posture: String,
+    /// Load state.
+    pub state: String,
+    /// Angle between measured force and rope or gravity \[rad\].
+    pub angle_rad: f64,
+    /// Measured over expected magnitude, where the table or the cell gives it for
+    /// this state.
+    pub magnitude_ratio: Option<f64>,
+}
+
+/// Consistency of the measured wrenches.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WrenchCheck {
+    /// Where the force acts, where moments were read and the load is a rope, a
+    /// weight or measured.
+    pub application_point: Option<ApplicationPoint>,
+    /// Directions, where the cell has a rope or weight.
+    pub directions: Vec<ForceDirection>,
+}
+
+/// Checks the measured wrenches; `expected` has the force the rope or weight has
+/// in each state of `measured`, loaded minus reference, where known \[N\].
+/// `None` where nothing was measured.
+pub(super) fn wrench_check(
+    cell: &Cell,
+    columns: WrenchColumns,
+    measured: &[MeasuredPosture],
+    expected: &[Option<f64>],
+) -> Option<WrenchCheck> {
+    if columns == WrenchColumns::None {
+        return None;
+    }
+    let robot = &cell.setup.robot;
+    let loads: Vec<(Frames, Wrench)> = measured
+        .iter()
+        .filter_map(|m| Some((Frames::new(robot, &m.posture.q), m.wrench?)))
+        .collect();
+    let pure_force = !matches!(cell.setup.load, Load::Constant { .. });
+    Some(WrenchCheck {
+        application_point: match pure_force && columns == WrenchColumns::ForceAndMoment {
+            true => application_point(&loads),
+            false => None,
+        },
+        directions: directions(cell, measured, expected),
+    })
+}
+
+fn application_point(loads: &[(Frames, Wrench)]) -> Option<ApplicationPoint> {
+    let rows = 3 * loads.len();
+    let mut arms = DMatrix::zeros(rows, 3);
+    let mut moments = DVector::zeros(rows);
+    let mut squares = 0.0;
+    for (i, (frames, wrench)) in loads.iter().enumerate() {
+        let rotation = frames.flange().rotation;
+        let force = rotation.inverse_transform_vector(&wrench.force);
+        squares += force.norm_squared();
+        // M = r × F = −F × r.
+        arms.fixed_view_mut::<3, 3>(3 * i, 0)
+            .copy_from(&-force.cross_matrix());
+        let moment = rotation.inverse_transform_vector(&wrench.moment);
+        moments.fixed_rows_mut::<3>(3 * i).copy_from(&moment);
+    }
+    if squares <= 0.0 {
+        return None;
+    }
+    let Svd { u, values, v } = svd(arms.clone())?;
+    let rank = values.iter().filter(|s| **s > PARALLEL * values[0]).count();
+    let mut offset = DVector::zeros(3);
+    let mut inverse = DMatrix::zeros(3, 3);
+    for k in 0..rank {
+        let right = v.column(k);
+        offset += right * (u.column(k).dot(&moments) / values[k]);
+        inverse += right * right.transpose() / values[k].powi(2);
+    }
+    let remaining = &moments - arms * &offset;
+    let freedom = rows - rank;
+    let distance = offset.norm();
+    let along = match distance > 0.0 {
+        true => &offset / distance,
+        false => DVector::zeros(3),
+    };
+    let variance = remaining.norm_squared() / freedom.max(1) as f64;
+    let count = loads.len() as f64;
+    Some(ApplicationPoint {
+        offset_m: [offset[0], offset[1], offset[2]],
+        distance_m: distance,
+        distance_standard_error_m: (freedom > 0)
+            .then(|| (variance * along.dot(&(inverse * &along))).sqrt()),
+        determined: rank == 3,
+        moment_rms_nm: (moments.norm_squared() / count).sqrt(),
+        residual_moment_rms_nm: (remaining.norm_squared() / count).sqrt(),
+        force_rms_n: (squares / count).sqrt(),
+    })
+}
+
+fn directions(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    expected: &[Option<f64>],
+) -> Vec<ForceDirection> {
+    let load = &cell.setup.load;
+    if !matches!(load, Load::Rope { .. } | Load::Weight { .. }) {
+        return Vec::new();
+    }
+    let direction = |(m, expected): (&MeasuredPosture, &Option<f64>)| {
+        let force = m.wrench?.force;
+        let frames = Frames::new(&cell.setup.robot, &m.posture.q);
+        let at = frames.point(&cell.setup.tool.loading_point);
+        let along = load.wrench(&frames, &at)?.force;
+        // The angle between vectors, also where it is tiny.
+        let angle = force.cross(&along).norm().atan2(force.dot(&along));
+        Some(ForceDirection {
+            posture: m.posture.name.clone(),
+            state: m.state.clone(),
+            angle_rad: angle,
+            magnitude_ratio: expected.filter(|f| *f > 0.0).map(|f| force.norm() / f),
+        })
+    };
+    measured
+        .iter()
+        .zip(expected)
+        .filter_map(direction)
+        .collect()
+}
+
+/// What the check says in sentences.
+pub(super) fn findings(cell: &Cell, check: &WrenchCheck) -> Vec<Finding> {
+    let mut out = Vec::new();
+    direction_findings(cell, &check.directions, &mut out);
+    // A turned sensor moves the point too: the cause first.
+    let directed = out.iter().all(|f| f.code == "force-magnitude");
+    if let (Some(point), true) = (&check.application_point, directed) {
+        point_findings(cell, point, &mut out);
+    }
+    out
+}
+
+fn direction_findings(cell: &Cell, directions: &[ForceDirection], out: &mut Vec<Finding>) {
+    if directions.is_empty() {
+        return;
+    }
+    let what = match cell.setup.load {
+        Load::Weight { .. } => "gravity",
+        _ => "the rope",
+    };
+    let angles: Vec<f64> = directions.iter().map(|d| d.angle_rad).collect();
+    let typical = median(&angles);
+    let (subject, cure) = match cell.sensor {
+        Some(_) => (
+            "sensor.reports",
+            "The force is reported by the robot, not on it, or the sensor's sign is wrong: set sensor.reports.",
+        ),
+        None => (
+            "measurements",
+            "The table has the force by the robot, not on it: change the signs of forces and moments.",
+        ),
+    };
+    if typical > 0.8 * PI {
+        out.push(Finding::new(
+            "force-sign",
+            Severity::Serious,
+            subject,
+            format!(
+                "The measured forces point away from {what}, by {:.0}° in the median. {cure}",
+                typical.to_degrees()
+            ),
+        ));
+        return;
+    }
+    if typical > TURNED {
+        let severity = if typical > 0.3 {
+            Severity::Serious
+        } else {
+            Severity::Caution
+        };
+        out.push(Finding::new(
+            "force-direction",
+            severity,
+            if cell.sensor.is_some() { "sensor" } else { "measurements" },
+            format!(
+                "The measured forces differ from the direction of {what} by {:.1}° in the median. Check how the sensor \
+                 is turned, and the anchor or the direction of gravity.",
+                typical.to_degrees()
+            ),
+        ));
+    } else {
+        let odd: Vec<&ForceDirection> = directions
+            .iter()
+            .filter(|d| d.angle_rad > ODD_STATE)
+            .collect();
+        for state in odd {
+            let severity = if state.angle_rad > FRAC_PI_2 {
+                Severity::Serious
+            } else {
+                Severity::Caution
+            };
+            out.push(Finding::new(
+                "force-direction",
+                severity,
+                state.posture.as_str(),
+                format!(
+                    "In posture {}, state {}, the measured force differs from the direction of {what} by {:.1}°, in the \
+                     others by {:.1}° in the median.",
+                    state.posture,
+                    state.state,
+                    state.angle_rad.to_degrees(),
+                    typical.to_degrees()
+                ),
+            ));
+        }
+    }
+    magnitude_findings(directions, out);
+}
+
+fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
+    let known: Vec<&ForceDirection> = directions
+        .iter()
+        .filter(|d| d.magnitude_ratio.is_some())
+        .collect();
+    let ratios: Vec<f64> = known.iter().filter_map(|d| d.magnitude_ratio).collect();
+    if ratios.is_empty() {
+        return;
+    }
+    let typical = median(&ratios);
+    let off = |ratio: f64| (ratio - 1.0).abs() > MAGNITUDE;
+    if off(typical) {
+        let units = [
+            (1.0 / 9.80665, "in kilograms"),
+            (1.0 / 4.44822, "in pounds"),
+            (1e-3, "in kilonewtons"),
+            (1e3, "in millinewtons"),
+        ];
+        let unit = units.iter().find(|(factor, _)| !off(typical / factor));
+        let severity = if typical > 0.5 && typical < 2.0 {
+            Severity::Caution
+        } else {
+            Severity::Serious
+        };
+        out.push(Finding::new(
+            "force-magnitude",
+            severity,
+            "load",
+            format!(
+                "The measured forces are {typical:.3} times those the load should have{}",
+                unit.map_or(".".to_string(), |(_, unit)| format!(": are they {unit}?"))
+            ),
+        ));
+        return;
+    }
+    let mut odd: Vec<&str> = known
+        .iter()
+        .filter(|d| d.magnitude_ratio.is_some_and(|r| off(r / typical)))
+        .map(|d| d.posture.as_str())
+        .collect();
+    odd.dedup();
+    if !odd.is_empty() {
+        out.push(Finding::new(
+            "force-magnitude",
+            Severity::Caution,
+            odd.join(", "),
+            format!(
+                "In {} the measured force differs from that of the load by more than {:.0} %.",
+                postures(&odd),
+                MAGNITUDE * 100.0
+            ),
+        ));
+    }
+}
+
+fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>) {
+    let [x, y, z] = point.offset_m.map(|v| v * 1e3 + 0.0);
+    let error = point.distance_standard_error_m;
+    if point.distance_m > OFFSET && error.is_some_and(|e| point.distance_m > STANDARD_ERRORS * e) {
+        let open = match point.determined {
+            true => "",
+            false => " (along the forces, which are parallel in flange axes, nothing can be said)",
+        };
+        let also = if cell.sensor.is_some() {
+            ", or the sensor's origin"
+        } else {
+            ""
+        };
+        out.push(Finding::new(
+            "loading-point",
+            Severity::Caution,
+            "tool.loading_point_mm",
+            format!(
+                "By its moment the measured force acts {} ± {} (standard error) beside the stated loading point, \
+                 at [{x:.1}, {y:.1}, {z:.1}] mm from it in flange axes{open}. Check tool.loading_point_mm{also}.",
+                length(point.distance_m),
+                length(error.unwrap_or_default())
+            ),
+        ));
+    }
+    let arm = point.residual_moment_rms_nm / point.force_rms_n;
+    if arm > UNEXPLAINED_ARM {
+        out.push(Finding::new(
+            "unexplained-moment",
+            Severity::Caution,
+            "load",
+            format!(
+                "Moments of {:.1} N·m (RMS) remain that no loading point explains, {} of arm at {:.0} N: the load is not \
+                 a pure force, or the sensor's axes are not as stated.",
+                point.residual_moment_rms_nm,
+                length(arm),
+                point.force_rms_n
+            ),
+        ));
+    }
+}
