@@ -1,7 +1,12 @@
 //! Monte Carlo simulation of an identification with tracker noise, Section IV.A.
 
+mod experiment;
 mod model_errors;
 
+pub use experiment::{
+    BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
+    TrackerNoise, experiment,
+};
 pub use model_errors::ModelErrors;
 
 use crate::cell::{Cell, Noise};
@@ -9,9 +14,11 @@ use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::index::evaluate;
 use crate::information::{Factor, whiten_posture};
+use crate::jobs::in_order;
 use crate::observation::{Rows, observation_matrix};
 use crate::optimise::Control;
 use crate::posture::PostureGroup;
+use crate::sample::{mean, median, standard_error};
 use crate::streams::run_rng;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -188,22 +195,6 @@ pub fn simulate(
     })
 }
 
-/// Maps `jobs` on all cores, results in the order of the jobs.
-pub(crate) fn in_order<J: Sync, T: Send>(
-    jobs: &[J],
-    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
-) -> Result<Vec<T>> {
-    // The first error by order, whichever thread met one first.
-    #[cfg(feature = "parallel")]
-    let results: Vec<Result<T>> = {
-        use rayon::prelude::*;
-        jobs.par_iter().enumerate().map(run).collect()
-    };
-    #[cfg(not(feature = "parallel"))]
-    let results: Vec<Result<T>> = jobs.iter().enumerate().map(run).collect();
-    results.into_iter().collect()
-}
-
 /// Noise of the displacements of `postures` postures with `points` points each.
 pub(crate) fn draw_noise(
     rng: &mut ChaCha8Rng,
@@ -226,7 +217,8 @@ pub(crate) fn draw_noise(
     out
 }
 
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
+/// One standard normal number.
+pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
@@ -317,33 +309,4 @@ fn simulate_level(
         first_run_deviation: deviations.iter().map(|d| d[0]).collect(),
         mean_deviation,
     })
-}
-
-/// Arithmetic mean; NaN-free for non-empty finite input.
-pub(crate) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Standard error of the mean; zero for a single value.
-fn standard_error(values: &[f64]) -> f64 {
-    if values.len() < 2 {
-        return 0.0;
-    }
-    let m = mean(values);
-    let sum: f64 = values.iter().map(|v| (v - m).powi(2)).sum();
-    (sum / (values.len() - 1) as f64 / values.len() as f64).sqrt()
-}
-
-/// Median; the mean of the two middle values for an even count.
-pub(crate) fn median(values: &[f64]) -> f64 {
-    quantile_of(values, 0.5)
-}
-
-/// Quantile by linear interpolation between order statistics.
-pub(crate) fn quantile_of(values: &[f64], p: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = p * (sorted.len() - 1) as f64;
-    let (low, high) = (at.floor() as usize, at.ceil() as usize);
-    sorted[low] + (sorted[high] - sorted[low]) * (at - low as f64)
 }

@@ -39,7 +39,7 @@ impl ModelErrors {
     ///
     /// # Errors
     /// As [`PostureTerms::new`].
-    pub(super) fn draw(
+    pub(crate) fn draw(
         &self,
         cell: &Cell,
         postures: &[Posture],

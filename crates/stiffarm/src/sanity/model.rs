@@ -1,0 +1,315 @@
+//! The robot's description against all unloaded readings: what is wrong with
+//! every posture alike.
+
+use super::frame::{self, Frame, item_pairs, items, judge, register};
+use super::rigid::orders;
+use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work};
+use crate::units::{deg_to_rad, rad_to_deg};
+use nalgebra::Isometry3;
+
+/// Misfit of most postures above which causes are looked for \[m\].
+const SUSPICIOUS: f64 = 2e-3;
+/// Misfit above which a cause counts as undone \[m\]: an uncalibrated robot has a few mm.
+const PLAUSIBLE: f64 = 8e-3;
+/// Misfit that is reported where no cause is found \[m\].
+const UNEXPLAINED: f64 = 1e-2;
+/// Angles that all lie below this may be radians \[deg\].
+const LIKE_RADIANS: f64 = 7.0;
+/// Steps in which an offset of a joint is looked for \[deg\], and how often the
+/// step is then halved.
+const OFFSET_STEP: f64 = 15.0;
+const HALVINGS: usize = 14;
+/// Smallest offset of a joint that is named \[deg\]; a robot that nobody calibrated
+/// has smaller ones, which do not matter to Ψ.
+const SMALLEST_OFFSET: f64 = 0.3;
+/// Joints beyond which not all patterns of signs are tried.
+const ALL_SIGNS: usize = 6;
+
+/// What may be wrong with the whole description.
+#[derive(Debug, Clone)]
+enum Change {
+    /// The tracker's axes are mirrored.
+    Mirror,
+    /// Points labelled in another order throughout.
+    Order(Vec<usize>),
+    /// These joints turn the other way, and perhaps axis 3 follows axis 2 by another factor.
+    Chain(Vec<usize>, Option<f64>),
+    /// A joint's angle has an offset \[rad\].
+    Offset(usize, f64),
+    /// The angles are radians.
+    Radians,
+}
+
+impl Change {
+    /// How much at once this change supposes; simpler causes are believed first.
+    fn complexity(&self) -> usize {
+        match self {
+            Change::Mirror | Change::Radians => 1,
+            Change::Order(order) => (0..order.len()).filter(|a| order[*a] != *a).count() - 1,
+            Change::Chain(signs, coupling) => signs.len() + usize::from(coupling.is_some()),
+            Change::Offset(..) => 2,
+        }
+    }
+
+    /// Makes the change in `work`.
+    fn apply(&self, work: &mut Work) {
+        match self {
+            Change::Mirror => work.sheet.each_position(|p| p.x = -p.x),
+            Change::Order(order) => {
+                for at in work.sheet.states() {
+                    work.sheet.at_mut(at).relabel(order);
+                }
+            }
+            Change::Chain(signs, factor) => {
+                let mut coupling = work.setup().robot.coupling().clone();
+                if let Some(factor) = factor {
+                    coupling[(2, 1)] = *factor;
+                }
+                for j in signs {
+                    coupling.column_mut(*j).neg_mut();
+                }
+                // A chain that cannot be built stays as it was, and explains nothing.
+                if let Ok(robot) = work.setup().robot.clone().with_coupling(coupling) {
+                    work.cell.setup.robot = robot;
+                }
+            }
+            Change::Offset(j, offset) => {
+                each_angle(work, |i, q| if i == *j { q + offset } else { q })
+            }
+            Change::Radians => each_angle(work, |_, q| rad_to_deg(q)),
+        }
+    }
+
+    fn suspicion(&self, work: &Work) -> Suspicion {
+        match self {
+            Change::Mirror => Suspicion::new(Cause::MirroredFrame),
+            Change::Radians => Suspicion::new(Cause::Radians),
+            Change::Order(order) => exchanged(work, order),
+            Change::Chain(signs, None) => {
+                Suspicion::new(Cause::JointSign).joints(&work.cell, signs)
+            }
+            Change::Chain(signs, Some(factor)) => {
+                let mut out = Suspicion::new(Cause::Coupling).joints(&work.cell, signs);
+                out.factor = Some(*factor);
+                out
+            }
+            Change::Offset(j, offset) => {
+                let mut out = Suspicion::new(Cause::JointOffset).joints(&work.cell, &[*j]);
+                out.angles_deg = vec![rad_to_deg(*offset)];
+                out
+            }
+        }
+    }
+}
+
+/// Points exchanged: `order[a]` is where the reading labelled `a` was taken.
+pub(super) fn exchanged(work: &Work, order: &[usize]) -> Suspicion {
+    let moved = (0..order.len()).filter(|a| order[*a] != *a);
+    Suspicion::new(Cause::ExchangedPoints).points(moved.map(|a| work.point_name(a)))
+}
+
+fn each_angle(work: &mut Work, change: impl Fn(usize, f64) -> f64) {
+    for state in work.sheet.postures.iter_mut().flat_map(|p| &mut p.states) {
+        for (j, q) in state.q.iter_mut().enumerate() {
+            *q = change(j, *q);
+        }
+    }
+}
+
+/// Registration of the unloaded readings; where they disagree throughout, the
+/// cause that explains them, which is then undone in `work`.
+pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>) -> Option<Frame> {
+    let Some(before) = fitted(work, given) else {
+        work.found.push(Suspicion::new(Cause::NotChecked));
+        return None;
+    };
+    let noise = 10.0 * work.sheet.typical_std();
+    let throughout = before.trimmed > SUSPICIOUS.max(noise) || before.bad_count() > 1;
+    if throughout && let Some(after) = undo(work, given, &before) {
+        check_given(work, given, &after);
+        return Some(after);
+    }
+    let majority = 2 * before.bad_count() < before.bad.len();
+    if before.level > UNEXPLAINED || (throughout && !majority && before.trimmed > UNEXPLAINED) {
+        let off = before.level.max(before.trimmed);
+        work.found
+            .push(Suspicion::new(Cause::UnexplainedModel).off(off));
+        return None;
+    }
+    check_given(work, given, &before);
+    Some(before)
+}
+
+/// Registration by the readings themselves, or the given transform where they
+/// do not determine one.
+pub(super) fn fitted(work: &Work, given: Option<&Isometry3<f64>>) -> Option<Frame> {
+    let at = items(work);
+    let pairs = item_pairs(work, work.setup(), &at);
+    match register(&pairs) {
+        Some(frame) => Some(frame),
+        None => given
+            .filter(|_| !pairs.is_empty())
+            .map(|transform| judge(&pairs, transform)),
+    }
+}
+
+/// A given transform that is far from what the readings say.
+fn check_given(work: &mut Work, given: Option<&Isometry3<f64>>, frame: &Frame) {
+    let Some(given) = given else { return };
+    let at = items(work);
+    let pairs = item_pairs(work, work.setup(), &at);
+    let good: Vec<_> = pairs
+        .into_iter()
+        .zip(&frame.bad)
+        .filter(|(_, bad)| !**bad)
+        .flat_map(|(pairs, _)| pairs)
+        .collect();
+    let (stated, own) = (frame::rms(given, &good), frame.level);
+    if stated > (BELIEVED * own).max(SUSPICIOUS) {
+        let turn = given.rotation.angle_to(&frame.base_from_tracker.rotation);
+        let mut suspicion = Suspicion::new(Cause::GivenTransform).misfit(stated, own);
+        suspicion.angles_deg = vec![rad_to_deg(turn)];
+        work.found.push(suspicion);
+    }
+}
+
+/// One change with the registration it leads to.
+struct Trial {
+    change: Change,
+    frame: Frame,
+}
+
+/// Finds the simplest change that explains all postures and makes it.
+fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Option<Frame> {
+    let mut believed: Vec<Trial> = Vec::new();
+    let consider = |believed: &mut Vec<Trial>, change: Change| {
+        let Some(frame) = tried(work, &change, given) else {
+            return;
+        };
+        let explained = frame.trimmed * BELIEVED < before.trimmed.max(worst(before))
+            && frame.trimmed < PLAUSIBLE
+            && 4 * frame.bad_count() <= frame.bad.len()
+            && frame.bad_count() < before.bad_count().max(1);
+        if explained {
+            believed.push(Trial { change, frame });
+        }
+    };
+    for change in changes(work) {
+        consider(&mut believed, change);
+    }
+    // An offset is looked for at length, and supposes more than one simple slip.
+    if believed.iter().all(|t| t.change.complexity() > 1) {
+        for j in 0..work.setup().robot.joint_count() {
+            if let Some(change) = offset(work, j) {
+                consider(&mut believed, change);
+            }
+        }
+    }
+    let noise = work.sheet.typical_std();
+    let weighed = |t: &Trial| match t.change {
+        Change::Offset(..) => t.frame.trimmed * FITTED,
+        _ => t.frame.trimmed,
+    };
+    let best = believed.iter().map(weighed).reduce(f64::min)?;
+    believed.retain(|t| weighed(t) <= ALIKE * best + FITTED * noise);
+    let simplest = believed.iter().map(|t| t.change.complexity()).min()?;
+    believed.retain(|t| t.change.complexity() == simplest);
+    believed.sort_by(|a, b| a.frame.trimmed.total_cmp(&b.frame.trimmed));
+    let mut trials = believed.into_iter();
+    let first = trials.next()?;
+    let mut suspicion = first
+        .change
+        .suspicion(work)
+        .misfit(before.trimmed.max(before.level), first.frame.trimmed);
+    for other in trials {
+        let phrase = super::words::cause(&work.cell, &other.change.suspicion(work));
+        suspicion.alternatives.push(phrase);
+    }
+    suspicion.certain = suspicion.alternatives.is_empty();
+    first.change.apply(work);
+    work.found.push(suspicion);
+    Some(first.frame)
+}
+
+/// RMS misfit over the postures that disagree, where most agree.
+fn worst(frame: &Frame) -> f64 {
+    frame.rms.iter().copied().fold(0.0, f64::max)
+}
+
+fn tried(work: &Work, change: &Change, given: Option<&Isometry3<f64>>) -> Option<Frame> {
+    let mut copy = Work {
+        cell: work.cell.clone(),
+        sheet: work.sheet.clone(),
+        found: Vec::new(),
+    };
+    change.apply(&mut copy);
+    fitted(&copy, given)
+}
+
+/// Everything that is tried, but offsets.
+fn changes(work: &Work) -> Vec<Change> {
+    let n = work.setup().robot.joint_count();
+    let mut out = vec![Change::Mirror];
+    let largest = work
+        .sheet
+        .states()
+        .into_iter()
+        .flat_map(|at| work.sheet.at(at).q.clone())
+        .fold(0.0, |m, q| rad_to_deg(q.abs()).max(m));
+    if largest < LIKE_RADIANS {
+        out.push(Change::Radians);
+    }
+    let points = work.setup().tool.point_count();
+    out.extend(orders(points).into_iter().map(Change::Order));
+    let mut couplings = vec![None];
+    if n > 2 {
+        let stated = work.setup().robot.coupling()[(2, 1)];
+        couplings.extend(
+            [0.0, 1.0, -1.0]
+                .into_iter()
+                .filter(|f| *f != stated)
+                .map(Some),
+        );
+    }
+    let most = if n <= ALL_SIGNS { n } else { 2 };
+    for pattern in 0_u64..1 << n.min(20) {
+        let signs: Vec<usize> = (0..n).filter(|j| pattern >> j & 1 == 1).collect();
+        if signs.len() > most {
+            continue;
+        }
+        for factor in &couplings {
+            if !(signs.is_empty() && factor.is_none()) {
+                out.push(Change::Chain(signs.clone(), *factor));
+            }
+        }
+    }
+    out
+}
+
+/// The offset of joint `j` that suits the readings best.
+fn offset(work: &Work, j: usize) -> Option<Change> {
+    let score = |degrees: f64| {
+        tried(work, &Change::Offset(j, deg_to_rad(degrees)), None)
+            .map_or(f64::INFINITY, |f| f.trimmed)
+    };
+    let steps = (360.0 / OFFSET_STEP) as i32;
+    let mut best = (f64::INFINITY, 0.0);
+    for i in 0..steps {
+        let degrees = f64::from(i - steps / 2) * OFFSET_STEP;
+        let value = score(degrees);
+        if value < best.0 {
+            best = (value, degrees);
+        }
+    }
+    let mut step = OFFSET_STEP / 2.0;
+    for _ in 0..HALVINGS {
+        for degrees in [best.1 - step, best.1 + step] {
+            let value = score(degrees);
+            if value < best.0 {
+                best = (value, degrees);
+            }
+        }
+        step /= 2.0;
+    }
+    (best.1.abs() > SMALLEST_OFFSET).then(|| Change::Offset(j, deg_to_rad(best.1)))
+}

@@ -1,0 +1,370 @@
+//! Displacements under load: their size, and their sign. A passive arm yields
+//! along the load: the work F·δ + M·φ at the loading point is never negative.
+
+use super::rigid::is_spread;
+use super::shape::name_states;
+use super::{Cause, Suspicion, Work};
+use crate::information::Factor;
+use crate::kinematics::Frames;
+use crate::load::{Load, Wrench};
+use crate::measurement::Role;
+use crate::observation::PostureTerms;
+use crate::sample::median;
+use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
+
+/// Displacements below this many standard deviations say nothing of their sign.
+const CLEAR: f64 = 10.0;
+/// Cosine between force and yield, and between displacement and expectation,
+/// that count as a sign.
+const YIELDS: f64 = 0.3;
+const ALONG: f64 = 0.6;
+/// Ratio to the prior's displacement, for all alike, that a unit explains.
+const UNIT: f64 = 30.0;
+/// Ratio to the others that one state's load explains: with and without prior.
+const OTHER: [f64; 2] = [10.0, 30.0];
+/// Stands in for compliances where only the relative size matters \[rad/(N·m)\].
+const SOME_COMPLIANCE: f64 = 1e-6;
+
+/// The displacement of one state against the posture's unloaded state.
+pub(super) struct Move {
+    pub posture: usize,
+    pub state: usize,
+    pub reference: usize,
+    /// Measuring points, in the order of the rows.
+    pub points: Vec<usize>,
+    /// Loaded minus unloaded, base axes \[m\]: rows for point, x, y, z.
+    pub shift: DVector<f64>,
+    /// Ψ of these rows.
+    pub block: DMatrix<f64>,
+    /// Displacement by a known series compliance \[m\].
+    pub known: DVector<f64>,
+    /// Standard deviation of a component by the cell \[m\].
+    pub std: f64,
+    wrench: Wrench,
+    /// Points from the loading point, base axes \[m\].
+    arms: Vec<Vector3<f64>>,
+}
+
+impl Move {
+    pub fn is_of(&self, at: (usize, usize)) -> bool {
+        self.posture == at.0 && (self.state == at.1 || self.reference == at.1)
+    }
+
+    /// The state on the other side of the difference.
+    pub fn other_than(&self, at: (usize, usize)) -> (usize, usize) {
+        match self.state == at.1 {
+            true => (self.posture, self.reference),
+            false => (self.posture, self.state),
+        }
+    }
+
+    pub fn is_doubtful(&self, work: &Work) -> bool {
+        let doubtful = |s: usize| !work.sheet.at((self.posture, s)).doubtful.is_empty();
+        doubtful(self.state) || doubtful(self.reference)
+    }
+
+    /// RMS of the components \[m\].
+    fn size(&self) -> f64 {
+        rms(&self.shift)
+    }
+
+    /// Cosine between the load and how the loading point yields: the work over
+    /// the product of the sizes. `None` where the points do not tell.
+    fn yields(&self) -> Option<f64> {
+        let count = self.arms.len();
+        let (shift, turn) = if is_spread(&self.arms) {
+            // d = δ + φ × arm, by least squares.
+            let mut rows = DMatrix::zeros(3 * count, 6);
+            for (i, arm) in self.arms.iter().enumerate() {
+                rows.fixed_view_mut::<3, 3>(3 * i, 0).fill_with_identity();
+                rows.fixed_view_mut::<3, 3>(3 * i, 3)
+                    .copy_from(&-arm.cross_matrix());
+            }
+            let motion = Factor::new(&rows).ok()?.solve(&self.shift);
+            (
+                motion.fixed_rows::<3>(0).into_owned(),
+                motion.fixed_rows::<3>(3).into_owned(),
+            )
+        } else {
+            let mean = (0..count).map(|i| self.shift.fixed_rows::<3>(3 * i).into_owned());
+            (mean.sum::<Vector3<f64>>() / count as f64, Vector3::zeros())
+        };
+        let work = self.wrench.force.dot(&shift) + self.wrench.moment.dot(&turn);
+        let sizes =
+            self.wrench.force.norm() * shift.norm() + self.wrench.moment.norm() * turn.norm();
+        (sizes > 0.0).then(|| work / sizes)
+    }
+}
+
+fn rms(values: &DVector<f64>) -> f64 {
+    (values.norm_squared() / values.len().max(1) as f64).sqrt()
+}
+
+/// Displacements of all loaded states whose wrench is known.
+pub(super) fn moves(work: &Work, base_from_tracker: &Isometry3<f64>) -> Vec<Move> {
+    let mut out = Vec::new();
+    for (p, posture) in work.sheet.postures.iter().enumerate() {
+        let Some(&reference) = posture.references().first() else {
+            continue;
+        };
+        for (s, state) in posture.states.iter().enumerate() {
+            if s != reference && state.role != Role::Unloaded {
+                out.extend(displacement(work, base_from_tracker, p, s, reference));
+            }
+        }
+    }
+    out
+}
+
+fn displacement(
+    work: &Work,
+    base_from_tracker: &Isometry3<f64>,
+    p: usize,
+    s: usize,
+    reference: usize,
+) -> Option<Move> {
+    let setup = work.setup();
+    let (state, before) = (work.sheet.at((p, s)), work.sheet.at((p, reference)));
+    let wrench = wrench(work, state, before)?;
+    let terms = PostureTerms::new(setup, &before.q, wrench.as_ref()).ok()?;
+    let (block, known) = (
+        terms.block(&setup.robot),
+        terms.known_displacement(&setup.tool),
+    );
+    let points: Vec<usize> = (0..state.points.len())
+        .filter(|a| state.points[*a].is_some() && before.points[*a].is_some())
+        .collect();
+    let rows: Vec<usize> = points.iter().flat_map(|a| 3 * a..3 * a + 3).collect();
+    let (mut shift, mut variance, mut arms) = (Vec::new(), 0.0_f64, Vec::new());
+    for a in &points {
+        let (now, then) = (state.points[*a]?, before.points[*a]?);
+        let moved = base_from_tracker.rotation * (now.position - then.position);
+        shift.extend(moved.iter().copied());
+        variance = variance.max(now.std.powi(2) + then.std.powi(2));
+        arms.push(terms.measuring_points()[*a] - terms.loading_point());
+    }
+    (!points.is_empty()).then(|| Move {
+        posture: p,
+        state: s,
+        reference,
+        points,
+        shift: DVector::from_vec(shift),
+        block: block.select_rows(&rows),
+        known: known.select_rows(&rows),
+        std: variance.sqrt(),
+        wrench: *terms.wrench(),
+        arms,
+    })
+}
+
+/// The wrench that state `now` has more than `before`, at the loading point in
+/// base axes; `Some(None)` for the cell's own load, `None` where nothing tells.
+fn wrench(
+    work: &Work,
+    now: &super::sheet::State,
+    before: &super::sheet::State,
+) -> Option<Option<Wrench>> {
+    let setup = work.setup();
+    let frames = Frames::new(&setup.robot, &before.q);
+    let at = frames.point(&setup.tool.loading_point);
+    if let Some(loaded) = now.wrench {
+        let zero = Wrench::force(Vector3::zeros());
+        let unloaded = before.wrench.unwrap_or(zero);
+        let more = Wrench {
+            force: loaded.force - unloaded.force,
+            moment: loaded.moment - unloaded.moment,
+        };
+        let mut out = match &work.cell.sensor {
+            Some(sensor) => sensor.wrench_on_robot(&frames, &more, &at),
+            None => more,
+        };
+        if !work.sheet.has_moments {
+            // A force alone is taken to act at the loading point.
+            out.moment = Vector3::zeros();
+        }
+        return Some(Some(out));
+    }
+    let modelled = setup.load.wrench(&frames, &at)?;
+    let (Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. }) = &setup.load else {
+        return Some(None);
+    };
+    let Some(load) = now.load.filter(|_| *magnitude > 0.0) else {
+        return Some(None);
+    };
+    let factor = (load - before.load.unwrap_or(0.0)) / magnitude;
+    Some(Some(Wrench {
+        force: modelled.force * factor,
+        moment: modelled.moment * factor,
+    }))
+}
+
+/// One displacement as judged.
+struct Judged {
+    at: (usize, usize),
+    /// Along the load (1), against it (−1), or not clear (0).
+    sign: i32,
+    /// Size over expected size, where both are clear.
+    ratio: Option<f64>,
+    still: bool,
+}
+
+/// Checks size and sign of all displacements. Without a frame nothing can be said.
+pub(super) fn check(work: &mut Work, frame: Option<&super::frame::Frame>) {
+    let Some(frame) = frame else { return };
+    let motions = moves(work, &frame.base_from_tracker);
+    let n = work.setup().robot.spring_count();
+    let compliance = match &work.cell.prior {
+        Some(prior) => DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k)),
+        None => DVector::from_element(n, SOME_COMPLIANCE),
+    };
+    let judged: Vec<Judged> = motions
+        .iter()
+        .map(|m| judge(work, m, &compliance))
+        .collect();
+    still(work, &judged);
+    signs(work, &judged);
+    sizes(work, &judged);
+}
+
+fn judge(work: &Work, one: &Move, compliance: &DVector<f64>) -> Judged {
+    let expected = &one.block * compliance + &one.known;
+    let has_prior = work.cell.prior.is_some();
+    let clear = one.size() > CLEAR * one.std;
+    let expects = !has_prior || rms(&expected) > CLEAR * one.std;
+    let along = one.shift.dot(&expected) / (one.shift.norm() * expected.norm());
+    let yields = one.yields().filter(|_| clear).unwrap_or(0.0);
+    let along = if clear && expects && has_prior && along.is_finite() {
+        along
+    } else {
+        0.0
+    };
+    let sign = match () {
+        () if yields < -YIELDS || along < -ALONG => -1,
+        () if yields > YIELDS || along > ALONG => 1,
+        () => 0,
+    };
+    Judged {
+        at: (one.posture, one.state),
+        sign,
+        ratio: ((expects || clear) && rms(&expected) > 0.0).then(|| one.size() / rms(&expected)),
+        still: one.shift.norm() == 0.0 || (has_prior && expects && one.size() < 2.0 * one.std),
+    }
+}
+
+/// States in which nothing moved.
+fn still(work: &mut Work, judged: &[Judged]) {
+    let at: Vec<_> = judged.iter().filter(|j| j.still).map(|j| j.at).collect();
+    if at.is_empty() {
+        return;
+    }
+    let mut suspicion = Suspicion::new(Cause::NoDisplacement);
+    if at.len() < judged.len() {
+        suspicion = name_loaded(work, suspicion, &at);
+    }
+    work.found.push(suspicion);
+}
+
+/// Adds the names of postures and of the states themselves.
+fn name_loaded(work: &Work, mut to: Suspicion, at: &[(usize, usize)]) -> Suspicion {
+    to = name_states(work, to, at);
+    to.states.clear();
+    for at in at {
+        let name = &work.sheet.at(*at).name;
+        if !to.states.contains(name) {
+            to.states.push(name.clone());
+        }
+    }
+    to
+}
+
+/// Displacements against the load: of all states, or of single ones.
+fn signs(work: &mut Work, judged: &[Judged]) {
+    let with = |sign: i32| -> Vec<(usize, usize)> {
+        judged
+            .iter()
+            .filter(|j| j.sign == sign)
+            .map(|j| j.at)
+            .collect()
+    };
+    let (against, along) = (with(-1), with(1));
+    if against.is_empty() {
+        return;
+    }
+    if against.len() > along.len() {
+        let mut suspicion = Suspicion::new(Cause::ReversedForce);
+        // A few that go along are left to be found once the sign is right.
+        suspicion.factor = Some(-1.0);
+        work.found.push(suspicion);
+        return;
+    }
+    let suspicion = name_loaded(work, Suspicion::new(Cause::ExchangedStates), &against);
+    work.found.push(suspicion);
+}
+
+/// Displacements of another size than expected: of all states, or of single ones.
+fn sizes(work: &mut Work, judged: &[Judged]) {
+    let ratios: Vec<f64> = judged.iter().filter_map(|j| j.ratio).collect();
+    if ratios.is_empty() {
+        return;
+    }
+    let middle = median(&ratios);
+    let has_prior = work.cell.prior.is_some();
+    let is_off = |ratio: f64, limit: f64| ratio > limit || ratio < 1.0 / limit;
+    if has_prior && middle > 0.0 && is_off(middle, UNIT) && !judged.iter().all(|j| j.still) {
+        let mut suspicion = Suspicion::new(Cause::DisplacementSize);
+        suspicion.factor = Some(middle);
+        work.found.push(suspicion);
+    }
+    let limit = OTHER[usize::from(!has_prior)];
+    for one in judged.iter().filter(|j| !j.still) {
+        let Some(ratio) = one.ratio.filter(|_| middle > 0.0 && judged.len() > 2) else {
+            continue;
+        };
+        if is_off(ratio / middle, limit) {
+            let mut suspicion = name_loaded(work, Suspicion::new(Cause::OtherLoad), &[one.at]);
+            suspicion.factor = Some(ratio / middle);
+            work.found.push(suspicion);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rigid_motion_along_the_load_does_positive_work() {
+        let arms = vec![
+            Vector3::new(0.1, 0.0, -0.05),
+            Vector3::new(0.0, 0.1, -0.05),
+            Vector3::new(-0.1, 0.0, -0.05),
+        ];
+        let (shift, turn) = (
+            Vector3::new(1e-4, 2e-5, 0.0),
+            Vector3::new(0.0, 1e-4, -2e-4),
+        );
+        let one = |sign: f64| Move {
+            posture: 0,
+            state: 1,
+            reference: 0,
+            points: vec![0, 1, 2],
+            shift: DVector::from_iterator(
+                9,
+                arms.iter().flat_map(|a| {
+                    ((shift + turn.cross(a)) * sign)
+                        .iter()
+                        .copied()
+                        .collect::<Vec<_>>()
+                }),
+            ),
+            block: DMatrix::zeros(9, 6),
+            known: DVector::zeros(9),
+            std: 1e-6,
+            wrench: Wrench::force(Vector3::new(400.0, 0.0, 0.0)),
+            arms: arms.clone(),
+        };
+        let cosine = shift.x / shift.norm();
+        assert!((one(1.0).yields().unwrap() - cosine).abs() < 1e-10);
+        assert!((one(-1.0).yields().unwrap() + cosine).abs() < 1e-10);
+    }
+}

@@ -1,0 +1,432 @@
+//! Distances between the measuring points: the tool is rigid, so every state
+//! must show the same shape. States are held against their own mean shape,
+//! because drawings are rarely exact; the drawing is compared afterwards.
+
+use super::rigid::{Pair, best_rms, fit, is_spread, moved, orders};
+use super::sheet::State;
+use super::{Cause, Suspicion, Work};
+use crate::sample::median;
+use nalgebra::Vector3;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Ratios of units that are mixed up, true size over read size: m/mm, cm/mm, inch/mm.
+const UNIT_RATIOS: [f64; 8] = [1e3, 1e-3, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4];
+/// Relative distance from such a ratio that still counts.
+const UNIT_TOLERANCE: f64 = 0.1;
+/// Chance of a false alarm over all states together.
+const FALSE_ALARM: f64 = 1e-3;
+/// Standard deviations below which a distance is never worth a word.
+const WORTH: f64 = 5.0;
+/// States held against the others, to find one that has the common shape.
+const REFERENCES: usize = 32;
+/// Fewest states of which a mean shape resists one that is off.
+const STATES: usize = 3;
+/// A state belongs to the mean where it differs by at most this many times what
+/// the middle one does.
+const ALIKE_SHAPES: f64 = 5.0;
+/// Distance from the drawing that is worth a note, and that cannot be meant \[m\].
+const DRAWING: [f64; 2] = [3e-4, 5e-3];
+/// Share of the states that disagree beyond which the tool is to blame.
+const UNSTEADY: f64 = 0.25;
+
+/// Finds coordinates in another unit, and goes on with the right one.
+pub(super) fn units(work: &mut Work) {
+    let tool = &work.setup().tool.measuring_points;
+    let mut off = Vec::new();
+    let states = work.sheet.states();
+    for &at in &states {
+        let state = work.sheet.at(at);
+        let seen = state.seen();
+        let mut ratios = Vec::new();
+        for (i, a) in seen.iter().enumerate() {
+            for b in &seen[..i] {
+                let (Some(p), Some(q)) = (state.points[*a], state.points[*b]) else {
+                    continue;
+                };
+                let drawn = (tool[*a].position - tool[*b].position).norm();
+                if drawn > 0.0 {
+                    ratios.push((p.position - q.position).norm() / drawn);
+                }
+            }
+        }
+        if ratios.is_empty() {
+            continue;
+        }
+        let ratio = median(&ratios);
+        let unit = UNIT_RATIOS
+            .into_iter()
+            .find(|u| (ratio / u - 1.0).abs() < UNIT_TOLERANCE);
+        if let Some(unit) = unit {
+            off.push((at, unit));
+        }
+    }
+    let Some(&(_, first)) = off.first() else {
+        return;
+    };
+    let all = off.len() == states.len() && off.iter().all(|(_, u)| *u == first);
+    if all && spread_agrees(work) {
+        // The arm's reach has the right size: the tool in the cell has not.
+        for point in &mut work.cell.setup.tool.measuring_points {
+            point.position *= first;
+        }
+        let mut suspicion = Suspicion::new(Cause::ToolUnits);
+        suspicion.factor = Some(first);
+        work.found.push(suspicion);
+        return;
+    }
+    for unit in UNIT_RATIOS {
+        let of_unit: Vec<_> = off
+            .iter()
+            .filter(|(_, u)| *u == unit)
+            .map(|(a, _)| *a)
+            .collect();
+        if of_unit.is_empty() {
+            continue;
+        }
+        let mut suspicion = Suspicion::new(Cause::Units);
+        suspicion.factor = Some(unit);
+        if !all {
+            suspicion = name_states(work, suspicion, &of_unit);
+        }
+        work.found.push(suspicion);
+        for at in of_unit {
+            for mean in work.sheet.at_mut(at).points.iter_mut().flatten() {
+                mean.position /= unit;
+            }
+        }
+    }
+}
+
+/// True when the postures spread as far as the model has it.
+fn spread_agrees(work: &Work) -> bool {
+    let centre = |points: &[Vector3<f64>]| {
+        points.iter().sum::<Vector3<f64>>() / (points.len().max(1)) as f64
+    };
+    let (mut read, mut modelled) = (Vec::new(), Vec::new());
+    for at in work.sheet.states() {
+        let state = work.sheet.at(at);
+        let points: Vec<_> = state.points.iter().flatten().map(|m| m.position).collect();
+        read.push(centre(&points));
+        let frames = crate::kinematics::Frames::new(&work.setup().robot, &state.q);
+        modelled.push(frames.flange().translation.vector);
+    }
+    let spread = |of: &[Vector3<f64>]| {
+        let middle = centre(of);
+        of.iter()
+            .map(|p| (p - middle).norm_squared())
+            .sum::<f64>()
+            .sqrt()
+    };
+    let ratio = spread(&read) / spread(&modelled);
+    ratio > 0.5 && ratio < 2.0
+}
+
+/// Adds the names of postures, and of the state where it is always the same.
+pub(super) fn name_states(work: &Work, mut to: Suspicion, at: &[(usize, usize)]) -> Suspicion {
+    for &(p, s) in at {
+        let posture = &work.sheet.postures[p];
+        if !to.postures.contains(&posture.name) {
+            to.postures.push(posture.name.clone());
+        }
+        let state = &posture.states[s].name;
+        let whole = (0..posture.states.len()).all(|other| at.contains(&(p, other)));
+        if !whole && !to.states.contains(state) {
+            to.states.push(state.clone());
+        }
+    }
+    to
+}
+
+/// Pairs of the points of `state` with those of `shape`, `without` left out.
+pub(super) fn pairs(
+    state: &State,
+    shape: &[Option<Vector3<f64>>],
+    without: Option<usize>,
+) -> Vec<Pair> {
+    let mut out = Vec::new();
+    for (a, (mean, point)) in state.points.iter().zip(shape).enumerate() {
+        if let (Some(mean), Some(point)) = (mean, point)
+            && without != Some(a)
+        {
+            out.push((*point, mean.position));
+        }
+    }
+    out
+}
+
+/// Shape that most states share, by point; `None` with fewer than three states.
+pub(super) fn mean_shape(work: &Work) -> Option<Vec<Option<Vector3<f64>>>> {
+    let count = work.setup().tool.point_count();
+    let whole: Vec<&State> = work
+        .sheet
+        .states()
+        .into_iter()
+        .map(|at| work.sheet.at(at))
+        .filter(|s| s.seen().len() == count)
+        .collect();
+    if count < 3 || whole.len() < STATES {
+        return None;
+    }
+    let positions = |s: &State| -> Vec<Option<Vector3<f64>>> {
+        s.points.iter().map(|m| m.map(|m| m.position)).collect()
+    };
+    // The state that at least half of the others resemble most.
+    let half = whole.len() / 2;
+    let step = whole.len().div_ceil(REFERENCES);
+    let resemblance = |shape: &[Option<Vector3<f64>>]| {
+        let mut all: Vec<f64> = whole
+            .iter()
+            .map(|s| best_rms(&pairs(s, shape, None)))
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all[half]
+    };
+    let mut shape = whole
+        .iter()
+        .step_by(step)
+        .map(|s| positions(s))
+        .min_by(|a, b| resemblance(a).total_cmp(&resemblance(b)))?;
+    // States with mixed up names would shift even a median.
+    let typical = ALIKE_SHAPES * resemblance(&shape) + work.sheet.typical_std();
+    let resembles = |s: &&State| best_rms(&pairs(s, &shape, None)) <= typical;
+    let whole: Vec<&State> = whole.iter().copied().filter(resembles).collect();
+    for _ in 0..3 {
+        let mut seen: Vec<Vec<Vector3<f64>>> = vec![Vec::new(); count];
+        for state in &whole {
+            let Some(pose) = fit(&pairs(state, &shape, None)) else {
+                continue;
+            };
+            for (a, mean) in state.points.iter().enumerate() {
+                if let Some(mean) = mean {
+                    seen[a].push(moved(&pose.inverse(), &mean.position));
+                }
+            }
+        }
+        for (a, all) in seen.iter().enumerate() {
+            let middle = |i: usize| median(&all.iter().map(|p| p[i]).collect::<Vec<f64>>());
+            shape[a] = (!all.is_empty()).then(|| Vector3::from_fn(|i, _| middle(i)));
+        }
+    }
+    Some(shape)
+}
+
+/// Quantile of χ²: exceeded with this probability.
+pub(super) fn exceeded_by(probability: f64, degrees: usize) -> f64 {
+    match ChiSquared::new(degrees.max(1) as f64) {
+        Ok(distribution) => distribution.inverse_cdf(1.0 - probability),
+        Err(_) => f64::INFINITY,
+    }
+}
+
+/// Distances that `points` of a rigid body leave open: 3·points − 6.
+fn rigid_degrees(points: usize) -> usize {
+    match points {
+        0 | 1 => 0,
+        2 => 1,
+        _ => 3 * points - 6,
+    }
+}
+
+/// A state whose shape disagrees.
+struct Odd {
+    at: (usize, usize),
+    /// Points without which the rest fits.
+    candidates: Vec<usize>,
+    /// Largest distance from the mean shape \[m\].
+    off: f64,
+}
+
+/// Finds readings that stray from the mean shape. One that the shape itself
+/// names is left out from here on; where several could be it, the state keeps
+/// them as doubtful. `last` reports also shapes that no single reading explains.
+/// Returns the number of states checked.
+pub(super) fn strays(work: &mut Work, last: bool) -> usize {
+    let Some(shape) = mean_shape(work) else {
+        return 0;
+    };
+    let states: Vec<_> = work
+        .sheet
+        .states()
+        .into_iter()
+        .filter(|at| work.sheet.at(*at).seen().len() >= 3)
+        .collect();
+    // Sum of squares of each state in units of its noise.
+    let misfit = |state: &State, without: Option<usize>, scale: f64| -> (f64, f64) {
+        let pairs = pairs(state, &shape, without);
+        let std = state
+            .points
+            .iter()
+            .flatten()
+            .map(|m| m.std)
+            .fold(0.0, f64::max);
+        let Some(pose) = fit(&pairs) else {
+            return (0.0, 0.0);
+        };
+        let off = |p: &Pair| (moved(&pose, &p.0) - p.1).norm();
+        let largest = pairs.iter().map(off).fold(0.0, f64::max);
+        let squares: f64 = pairs.iter().map(|p| off(p).powi(2)).sum();
+        (squares / (std * scale).powi(2), largest)
+    };
+    // The tool may be less rigid than the tracker is exact.
+    let relative: Vec<f64> = states
+        .iter()
+        .map(|at| {
+            let state = work.sheet.at(*at);
+            let degrees = rigid_degrees(state.seen().len());
+            misfit(state, None, 1.0).0 / exceeded_by(0.5, degrees)
+        })
+        .collect();
+    if relative.is_empty() {
+        return 0;
+    }
+    let scale = median(&relative).sqrt().max(1.0);
+    // The mean shape has errors of its own.
+    let own = 1.0 + 2.0 / states.len() as f64;
+    let alarm = FALSE_ALARM / states.len() as f64;
+    let mut odd = Vec::new();
+    for &at in &states {
+        let state = work.sheet.at(at);
+        if !state.doubtful.is_empty() {
+            continue;
+        }
+        let seen = state.seen();
+        let (squares, off) = misfit(state, None, scale);
+        let std = state
+            .points
+            .iter()
+            .flatten()
+            .map(|m| m.std)
+            .fold(0.0, f64::max);
+        let limit = exceeded_by(alarm, rigid_degrees(seen.len())) * own;
+        if squares <= limit || off < WORTH * std * scale / 2.0 {
+            continue;
+        }
+        // Mixed up names are a matter for the checks against the model.
+        let relabelled = |order: &Vec<usize>| {
+            let mut other = state.clone();
+            other.relabel(order);
+            misfit(&other, None, scale).0 <= limit
+        };
+        if !last && orders(state.points.len()).iter().any(relabelled) {
+            continue;
+        }
+        let rest = exceeded_by(alarm, rigid_degrees(seen.len() - 1)) * own;
+        let fits = |a: &usize| misfit(state, Some(*a), scale).0 <= rest;
+        odd.push(Odd {
+            at,
+            candidates: seen.into_iter().filter(fits).collect(),
+            off,
+        });
+    }
+    report(work, &shape, &odd, last, states.len());
+    states.len()
+}
+
+fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[Odd], last: bool, states: usize) {
+    let unexplained: Vec<&Odd> = odd.iter().filter(|o| o.candidates.is_empty()).collect();
+    if last && !unexplained.is_empty() {
+        let off = unexplained.iter().map(|o| o.off).fold(0.0, f64::max);
+        let many = unexplained.len() >= 3 && unexplained.len() as f64 > UNSTEADY * states as f64;
+        let mut suspicion = Suspicion::new(Cause::UnsteadyShape).off(off);
+        if !many {
+            let at: Vec<_> = unexplained.iter().map(|o| o.at).collect();
+            suspicion = name_states(work, suspicion, &at);
+        }
+        work.found.push(suspicion);
+    }
+    for a in 0..work.setup().tool.point_count() {
+        let named: Vec<_> = odd
+            .iter()
+            .filter(|o| o.candidates == [a])
+            .map(|o| o.at)
+            .collect();
+        let mut off = 0.0;
+        let mut lines = Vec::new();
+        for &at in &named {
+            let state = work.sheet.at(at);
+            off = f64::max(off, stray_distance(state, shape, a));
+            lines.extend(state.lines[a].clone());
+            work.sheet.at_mut(at).points[a] = None;
+        }
+        if named.is_empty() {
+            continue;
+        }
+        let cause = match named.len() {
+            1 => Cause::StrayReading,
+            _ => Cause::MovedReflector,
+        };
+        let mut suspicion = Suspicion::new(cause).points([work.point_name(a)]).off(off);
+        suspicion.lines = lines;
+        let suspicion = name_states(work, suspicion, &named);
+        work.found.push(suspicion);
+    }
+    for one in odd.iter().filter(|o| o.candidates.len() > 1) {
+        work.sheet.at_mut(one.at).doubtful = one.candidates.clone();
+    }
+}
+
+/// Distance of point `a` from where the other points and the shape have it \[m\].
+pub(super) fn stray_distance(state: &State, shape: &[Option<Vector3<f64>>], a: usize) -> f64 {
+    let others = pairs(state, shape, Some(a));
+    // Two points leave a turn open: then all must share the pose.
+    let all = match others.len() {
+        0..3 => pairs(state, shape, None),
+        _ => others,
+    };
+    match (fit(&all), shape[a], state.points[a]) {
+        (Some(pose), Some(point), Some(mean)) => (moved(&pose, &point) - mean.position).norm(),
+        _ => 0.0,
+    }
+}
+
+/// Compares the mean shape with the tool in the cell. `gross` looks only for one
+/// point that is far off, and goes on with it where the readings have it: the
+/// model is held against the tool next.
+pub(super) fn drawing(work: &mut Work, gross: bool) {
+    let Some(shape) = mean_shape(work) else {
+        return;
+    };
+    let tool = &work.setup().tool.measuring_points;
+    let both = |without: Option<usize>| -> Vec<Pair> {
+        (0..tool.len())
+            .filter(|a| without != Some(*a))
+            .filter_map(|a| shape[a].map(|p| (tool[a].position, p)))
+            .collect()
+    };
+    let all = both(None);
+    let drawn: Vec<_> = all.iter().map(|p| p.0).collect();
+    let Some(pose) = fit(&all).filter(|_| is_spread(&drawn)) else {
+        return;
+    };
+    let worst = |pose: &nalgebra::Isometry3<f64>, pairs: &[Pair]| {
+        let off = pairs.iter().map(|(a, b)| (moved(pose, a) - b).norm());
+        off.fold(0.0, f64::max)
+    };
+    let off = worst(&pose, &all);
+    let noise = WORTH * work.sheet.typical_std();
+    let least = if gross { DRAWING[1] } else { DRAWING[0] };
+    if off <= least.max(noise) {
+        return;
+    }
+    // One point that lies elsewhere leaves the others in place.
+    let mut single = Vec::new();
+    for a in 0..tool.len() {
+        let others = both(Some(a));
+        if let (Some(pose), Some(point), true) = (fit(&others), shape[a], tool.len() > 3)
+            && worst(&pose, &others) < off / super::BELIEVED
+        {
+            let seen = moved(&pose.inverse(), &point);
+            single.push((a, (tool[a].position - seen).norm(), seen));
+        }
+    }
+    if gross && single.len() != 1 {
+        return;
+    }
+    let mut suspicion = Suspicion::new(Cause::Drawing).off(off);
+    if let [(a, distance, seen)] = single[..] {
+        suspicion = suspicion.points([work.point_name(a)]).off(distance);
+        work.cell.setup.tool.measuring_points[a].position = seen;
+    }
+    suspicion.certain = off < DRAWING[1];
+    work.found.push(suspicion);
+}

@@ -1,0 +1,300 @@
+//! The readings as the checks see them: one mean per point and state, repeats
+//! that stray set aside, and corrections as faults are found.
+
+use super::{Cause, Suspicion};
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::load::Wrench;
+use crate::measurement::{Reading, ReadingTable, Role, Target, WrenchColumns};
+use crate::observation::check_angles;
+use crate::sample::median;
+use nalgebra::Vector3;
+
+/// Standard deviations by which a repeat must lie off to be called stray.
+const STRAY: f64 = 8.0;
+/// Smallest distance of a repeat that is worth a word \[m\].
+const WORTH: f64 = 5e-5;
+/// Stands in for a noise of zero \[m\].
+const SMALLEST_STD: f64 = 1e-7;
+
+/// Mean of the repeats of one point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mean {
+    /// Tracker axes \[m\].
+    pub position: Vector3<f64>,
+    /// Its standard deviation along each axis, by the cell \[m\].
+    pub std: f64,
+}
+
+/// One load state of one posture.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub name: String,
+    pub role: Role,
+    /// Controller angles: of the state where recorded, else of the posture \[rad\].
+    pub q: Vec<f64>,
+    pub wrench: Option<Wrench>,
+    pub load: Option<f64>,
+    /// By measuring point.
+    pub points: Vec<Option<Mean>>,
+    /// Lines of the table, by measuring point.
+    pub lines: Vec<Vec<usize>>,
+    /// Points one of which strays, where nothing yet tells which.
+    pub doubtful: Vec<usize>,
+}
+
+/// One posture.
+#[derive(Debug, Clone)]
+pub(super) struct Posture {
+    pub name: String,
+    pub states: Vec<State>,
+}
+
+impl Posture {
+    /// States without load; without any, the first one stands in.
+    pub fn references(&self) -> Vec<usize> {
+        let unloaded = |role| move |s: &usize| self.states[*s].role == role;
+        let all = 0..self.states.len();
+        for role in [Role::Unloaded, Role::Preload] {
+            let found: Vec<usize> = all.clone().filter(unloaded(role)).collect();
+            if !found.is_empty() {
+                return found;
+            }
+        }
+        all.take(1).collect()
+    }
+}
+
+/// All readings.
+#[derive(Debug, Clone)]
+pub(super) struct Sheet {
+    pub postures: Vec<Posture>,
+    /// Forces come with moments.
+    pub has_moments: bool,
+}
+
+impl Sheet {
+    /// Means of the table's readings; repeats that stray are left out and noted.
+    pub fn new(cell: &Cell, table: &ReadingTable, found: &mut Vec<Suspicion>) -> Result<Self> {
+        let points = cell.setup.tool.point_count();
+        let spread = repeat_spread(table, points);
+        let mut postures = Vec::with_capacity(table.postures.len());
+        for posture in &table.postures {
+            check_angles(&cell.setup.robot, &posture.posture.q)?;
+            let mut states = Vec::with_capacity(posture.states.len());
+            for state in &posture.states {
+                let q = state.angles.as_ref().unwrap_or(&posture.posture.q);
+                check_angles(&cell.setup.robot, q)?;
+                let mut out = State {
+                    name: state.state.clone(),
+                    role: Role::of(&state.state),
+                    q: q.clone(),
+                    wrench: state.wrench,
+                    load: state.load,
+                    points: vec![None; points],
+                    lines: vec![Vec::new(); points],
+                    doubtful: Vec::new(),
+                };
+                for a in 0..points {
+                    let readings: Vec<&Reading> = state
+                        .readings
+                        .iter()
+                        .filter(|r| r.target == Target::Point(a))
+                        .collect();
+                    let Some(first) = readings.first() else {
+                        continue;
+                    };
+                    if readings
+                        .iter()
+                        .any(|r| r.position.iter().any(|v| !v.is_finite()))
+                    {
+                        return Err(Error::new(
+                            Code::NotFinite,
+                            format!(
+                                "A coordinate of point {} in posture {} is not a finite number.",
+                                cell.setup.tool.measuring_points[a].name, posture.posture.name
+                            ),
+                        ));
+                    }
+                    let std = reading_std(cell, &first.position)?;
+                    let (kept, strays) = sift(&readings, std.max(spread));
+                    if let Some(distance) = strays.distance {
+                        let mut suspicion = Suspicion::new(Cause::StrayRepeat)
+                            .posture(&posture.posture.name)
+                            .state(&state.state)
+                            .points([&cell.setup.tool.measuring_points[a].name])
+                            .off(distance);
+                        suspicion.lines = strays.lines;
+                        suspicion.repeat = strays.repeat;
+                        found.push(suspicion);
+                    }
+                    let count = kept.len() as f64;
+                    let sum: Vector3<f64> = kept.iter().map(|r| r.position).sum();
+                    out.points[a] = (!kept.is_empty()).then(|| Mean {
+                        position: sum / count,
+                        std: std / count.sqrt(),
+                    });
+                    out.lines[a] = kept.iter().map(|r| r.line).filter(|l| *l > 0).collect();
+                }
+                states.push(out);
+            }
+            postures.push(Posture {
+                name: posture.posture.name.clone(),
+                states,
+            });
+        }
+        Ok(Sheet {
+            postures,
+            has_moments: table.wrench_columns == WrenchColumns::ForceAndMoment,
+        })
+    }
+
+    /// Posture and state of every load state with a reading of a measuring point.
+    pub fn states(&self) -> Vec<(usize, usize)> {
+        let mut out = Vec::new();
+        for (p, posture) in self.postures.iter().enumerate() {
+            for (s, state) in posture.states.iter().enumerate() {
+                if state.points.iter().any(Option::is_some) {
+                    out.push((p, s));
+                }
+            }
+        }
+        out
+    }
+
+    /// One load state.
+    pub fn at(&self, (p, s): (usize, usize)) -> &State {
+        &self.postures[p].states[s]
+    }
+
+    /// One load state, to correct it.
+    pub fn at_mut(&mut self, (p, s): (usize, usize)) -> &mut State {
+        &mut self.postures[p].states[s]
+    }
+
+    /// Every position, to turn all readings.
+    pub fn each_position(&mut self, mut change: impl FnMut(&mut Vector3<f64>)) {
+        for state in self.postures.iter_mut().flat_map(|p| &mut p.states) {
+            for mean in state.points.iter_mut().flatten() {
+                change(&mut mean.position);
+            }
+        }
+    }
+
+    /// Typical standard deviation of a mean \[m\].
+    pub fn typical_std(&self) -> f64 {
+        let all: Vec<f64> = self
+            .states()
+            .into_iter()
+            .flat_map(|at| self.at(at).points.iter().flatten().map(|m| m.std))
+            .collect();
+        if all.is_empty() {
+            SMALLEST_STD
+        } else {
+            median(&all)
+        }
+    }
+}
+
+impl State {
+    /// Puts the readings at the points where they were really taken.
+    pub fn relabel(&mut self, order: &[usize]) {
+        let (points, lines) = (self.points.clone(), self.lines.clone());
+        for (a, to) in order.iter().enumerate() {
+            self.points[*to] = points[a];
+            self.lines[*to].clone_from(&lines[a]);
+        }
+    }
+
+    /// Indices of the points that were read.
+    pub fn seen(&self) -> Vec<usize> {
+        (0..self.points.len())
+            .filter(|a| self.points[*a].is_some())
+            .collect()
+    }
+}
+
+/// Standard deviation of one reading along each axis \[m\].
+fn reading_std(cell: &Cell, position: &Vector3<f64>) -> Result<f64> {
+    let std = match &cell.tracker.accuracy {
+        Some(accuracy) => (accuracy.covariance(position)?.trace() / 3.0).sqrt(),
+        None => cell.noise.reading_variance.sqrt(),
+    };
+    Ok(std.max(SMALLEST_STD))
+}
+
+/// What the repeats themselves scatter along each axis, resistant to a few
+/// that stray \[m\]; zero without repeats.
+fn repeat_spread(table: &ReadingTable, points: usize) -> f64 {
+    let mut deviations = Vec::new();
+    for state in table.postures.iter().flat_map(|p| &p.states) {
+        for a in 0..points {
+            let all: Vec<&Vector3<f64>> = state
+                .readings
+                .iter()
+                .filter(|r| r.target == Target::Point(a))
+                .map(|r| &r.position)
+                .collect();
+            // Differences of neighbours: slow drift does not count.
+            for pair in all.windows(2) {
+                deviations.extend((pair[1] - pair[0]).iter().map(|v| v.abs()));
+            }
+        }
+    }
+    match deviations.len() {
+        0..12 => 0.0,
+        // Median of |N(0, 1)| is 0.6745.
+        _ => median(&deviations) / 0.6745 / std::f64::consts::SQRT_2,
+    }
+}
+
+/// Which repeats stray.
+#[derive(Default)]
+struct Strays {
+    lines: Vec<usize>,
+    /// Number of the repeat, counted from 1, where it is clear which one.
+    repeat: Option<usize>,
+    distance: Option<f64>,
+}
+
+/// Keeps the repeats that agree. Of two that disagree neither is kept.
+fn sift<'a>(readings: &[&'a Reading], std: f64) -> (Vec<&'a Reading>, Strays) {
+    let limit = (STRAY * std).max(WORTH);
+    let lines = |of: &[&Reading]| of.iter().map(|r| r.line).filter(|l| *l > 0).collect();
+    if let [first, second] = readings {
+        let distance = (first.position - second.position).norm();
+        if distance > limit * std::f64::consts::SQRT_2 {
+            let strays = Strays {
+                lines: lines(readings),
+                repeat: None,
+                distance: Some(distance),
+            };
+            return (Vec::new(), strays);
+        }
+    }
+    if readings.len() < 3 {
+        return (readings.to_vec(), Strays::default());
+    }
+    let middle = Vector3::from_fn(|i, _| {
+        median(&readings.iter().map(|r| r.position[i]).collect::<Vec<f64>>())
+    });
+    let off = |r: &Reading| (r.position - middle).norm();
+    let strays: Vec<&Reading> = readings
+        .iter()
+        .copied()
+        .filter(|r| off(r) > limit)
+        .collect();
+    let worst = strays.iter().map(|r| off(r)).reduce(f64::max);
+    let kept = readings
+        .iter()
+        .copied()
+        .filter(|r| off(r) <= limit)
+        .collect();
+    let repeat = readings.iter().position(|r| off(r) > limit).map(|i| i + 1);
+    let strays = Strays {
+        lines: lines(&strays),
+        repeat: repeat.filter(|_| strays.len() == 1),
+        distance: worst,
+    };
+    (kept, strays)
+}

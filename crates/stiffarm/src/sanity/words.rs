@@ -1,0 +1,495 @@
+//! The suspicions in words: what, where, the likely cause, what to do.
+
+use super::{Cause, Suspicion};
+use crate::cell::Cell;
+use crate::findings::{Finding, Severity, list};
+use crate::units::m_to_mm;
+
+/// Misfit that a robot as delivered may have \[m\].
+const ROBOT_ACCURACY: f64 = 5e-3;
+
+/// A stray reading below this costs little more than noise does \[m\].
+const SMALL_STRAY: f64 = 1e-4;
+
+/// The finding of one suspicion.
+pub(super) fn finding(cell: &Cell, s: &Suspicion) -> Finding {
+    let sentence = sentence(cell, s);
+    Finding::new(code(s.cause), severity(s), subject(s), sentence)
+}
+
+fn code(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Units => "reading-units",
+        Cause::ToolUnits => "tool-units",
+        Cause::ExchangedPoints => "exchanged-points",
+        Cause::StrayRepeat => "stray-repeat",
+        Cause::StrayReading => "stray-reading",
+        Cause::MovedReflector => "moved-reflector",
+        Cause::UnsteadyShape => "unsteady-shape",
+        Cause::Drawing => "tool-drawing",
+        Cause::MirroredFrame => "mirrored-frame",
+        Cause::JointSign => "joint-sign",
+        Cause::Coupling => "joint-coupling",
+        Cause::JointOffset => "joint-offset",
+        Cause::Radians => "angles-in-radians",
+        Cause::GivenTransform => "tracker-transform",
+        Cause::AngleSign => "angle-sign",
+        Cause::MistypedAngle => "mistyped-angle",
+        Cause::ExchangedPostures => "exchanged-postures",
+        Cause::OtherPosture => "other-posture",
+        Cause::UnexplainedPosture => "unexplained-posture",
+        Cause::UnexplainedModel => "unexplained-model",
+        Cause::NoDisplacement => "no-displacement",
+        Cause::ReversedForce => "reversed-force",
+        Cause::ExchangedStates => "exchanged-states",
+        Cause::DisplacementSize => "displacement-size",
+        Cause::OtherLoad => "other-load",
+        Cause::NotChecked => "not-checked",
+    }
+}
+
+fn severity(s: &Suspicion) -> Severity {
+    match s.cause {
+        Cause::NotChecked => Severity::Note,
+        Cause::Drawing if s.certain => Severity::Note,
+        // A few mm are within what robots miss their positions by.
+        Cause::UnexplainedPosture if s.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => {
+            Severity::Caution
+        }
+        Cause::StrayReading if s.off_m.is_some_and(|off| off < SMALL_STRAY) => Severity::Caution,
+        Cause::StrayRepeat | Cause::UnsteadyShape | Cause::OtherLoad | Cause::Drawing => {
+            Severity::Caution
+        }
+        _ => Severity::Serious,
+    }
+}
+
+/// What a finding is about: posture and state, or the whole table.
+fn subject(s: &Suspicion) -> String {
+    if s.postures.is_empty() {
+        return match s.cause {
+            Cause::ToolUnits | Cause::Drawing => "tool.measuring_point",
+            Cause::JointSign | Cause::Coupling | Cause::JointOffset => "robot",
+            Cause::GivenTransform => "tracker",
+            _ => "readings",
+        }
+        .to_string();
+    }
+    let mut out = place(s);
+    if s.certain && matches!(s.cause, Cause::StrayReading | Cause::StrayRepeat) {
+        out += &format!(", point {}", list(&s.points));
+    }
+    out
+}
+
+/// `posture 3, loaded`, or `postures 2 and 5`; empty for all.
+fn place(s: &Suspicion) -> String {
+    let mut out = match &s.postures[..] {
+        [] => return String::new(),
+        [one] => format!("posture {one}"),
+        more => format!("postures {}", list(more)),
+    };
+    if !s.states.is_empty() {
+        out += &format!(", {}", list(&s.states));
+    }
+    out
+}
+
+/// The place at the beginning of a sentence.
+fn opening(s: &Suspicion) -> String {
+    let place = place(s);
+    match place.strip_prefix('p') {
+        Some(rest) => format!("P{rest}"),
+        None => "All postures".to_string(),
+    }
+}
+
+fn lines(s: &Suspicion) -> String {
+    let numbers: Vec<String> = s.lines.iter().map(usize::to_string).collect();
+    match numbers.len() {
+        0 => String::new(),
+        1 => format!(" (line {})", numbers[0]),
+        _ => format!(" (lines {})", list(&numbers)),
+    }
+}
+
+/// Length in mm with about three digits.
+fn mm(length: f64) -> String {
+    let value = m_to_mm(length);
+    match value.abs() {
+        v if v >= 100.0 => format!("{value:.0} mm"),
+        v if v >= 1.0 => format!("{value:.1} mm"),
+        v if v >= 0.1 => format!("{value:.2} mm"),
+        _ => format!("{value:.3} mm"),
+    }
+}
+
+/// An angle in degrees as one would type it.
+fn degrees(angle: f64) -> String {
+    let text = format!("{angle:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text {
+        "-0" => "0°".to_string(),
+        text => format!("{text}°"),
+    }
+}
+
+/// `from 152 mm to 0.03 mm`.
+fn fall(s: &Suspicion) -> String {
+    match (s.before_m, s.after_m) {
+        (Some(before), Some(after)) => format!("from {} to {}", mm(before), mm(after)),
+        _ => "clearly".to_string(),
+    }
+}
+
+fn alternatives(s: &Suspicion) -> String {
+    match s.alternatives.len() {
+        0 => String::new(),
+        _ => format!(" Explains it as well: {}.", list(&s.alternatives)),
+    }
+}
+
+/// The cause as half a sentence, for lists of alternatives.
+pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
+    let joints = list(&s.joints);
+    match s.cause {
+        Cause::ExchangedPoints if s.points.len() == 2 => {
+            format!("points {} are exchanged", list(&s.points))
+        }
+        Cause::ExchangedPoints => format!("points {} are mixed up", list(&s.points)),
+        Cause::MirroredFrame => "the tracker's axes are left-handed, or one is flipped".to_string(),
+        Cause::JointSign if s.joints.len() == 1 => format!("{joints} turns the other way"),
+        Cause::JointSign => format!("{joints} turn the other way"),
+        Cause::Coupling => {
+            let axis = |j: usize| cell.setup.robot.joints().get(j).map_or("", |j| &j.name);
+            let stated = cell.setup.robot.coupling()[(2, 1)];
+            let mut out = match (stated, s.factor.unwrap_or(0.0)) {
+                (0.0, likely) => format!(
+                    "{} were coupled to {} (its serial angle contains {likely:+} times the other's; in the cell it does not)",
+                    axis(2),
+                    axis(1)
+                ),
+                (stated, 0.0) => format!(
+                    "{} were not coupled to {} (in the cell its serial angle contains {stated:+} times the other's)",
+                    axis(2),
+                    axis(1)
+                ),
+                (stated, likely) => format!(
+                    "the serial angle of {} contained {likely:+} times that of {}, not {stated:+} times",
+                    axis(2),
+                    axis(1)
+                ),
+            };
+            if !s.joints.is_empty() {
+                let turn = if s.joints.len() == 1 { "turns" } else { "turn" };
+                out += &format!(" and {joints} {turn} the other way");
+            }
+            out
+        }
+        Cause::JointOffset => {
+            format!("{joints} is off by {} throughout", angle(s, 0))
+        }
+        Cause::Radians => "the angles are in radians".to_string(),
+        Cause::AngleSign => format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0)),
+        Cause::MistypedAngle => format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0)),
+        Cause::OtherPosture | Cause::ExchangedPostures => match s.postures.get(1) {
+            Some(other) => format!("the angles of posture {other}"),
+            None => "the angles of another posture".to_string(),
+        },
+        _ => code(s.cause).replace('-', " "),
+    }
+}
+
+fn angle(s: &Suspicion, i: usize) -> String {
+    s.angles_deg
+        .get(i)
+        .map_or_else(String::new, |a| degrees(*a))
+}
+
+/// How an angle was perhaps mistyped.
+fn slip(written: f64, likely: f64) -> &'static str {
+    const CLOSE: f64 = 0.06;
+    let near = |a: f64| (a - likely).abs() < CLOSE;
+    if near(written * 10.0) || near(written / 10.0) {
+        return " (decimal point misplaced?)";
+    }
+    let text: Vec<char> = format!("{written}").chars().collect();
+    let digits: Vec<usize> = (0..text.len())
+        .filter(|i| text[*i].is_ascii_digit())
+        .collect();
+    // Angles in radians and back leave endless digits; only typed ones count.
+    if digits.len() > 6 {
+        return "";
+    }
+    for (n, i) in digits.iter().enumerate() {
+        for j in &digits[n + 1..] {
+            let mut other = text.clone();
+            other.swap(*i, *j);
+            let other: String = other.into_iter().collect();
+            if other.parse().is_ok_and(near) {
+                return " (digits exchanged?)";
+            }
+        }
+    }
+    ""
+}
+
+fn sentence(cell: &Cell, s: &Suspicion) -> String {
+    let opening = opening(s);
+    let place = place(s);
+    let cause = cause(cell, s);
+    let off = s.off_m.map_or_else(String::new, mm);
+    let joints = list(&s.joints);
+    match s.cause {
+        Cause::Units => {
+            let (times, size) = times(s.factor);
+            let typed = match s.factor {
+                Some(f) if f < 0.002 => "metres under a heading in millimetres",
+                Some(f) if f > 900.0 => "millimetres under a heading in metres",
+                Some(f) if (f - 25.4).abs() < 0.1 => "millimetres under a heading in inches",
+                Some(f) if (f * 25.4 - 1.0).abs() < 0.01 => "inches under a heading in millimetres",
+                Some(f) if f < 1.0 => "a larger unit than the heading's",
+                _ => "a smaller unit than the heading's",
+            };
+            let where_ = if place.is_empty() { "all postures" } else { &place };
+            format!(
+                "In {where_} the distances between the measuring points are {times} times too {size}: the coordinates \
+                 seem to be {typed}. Correct the heading's unit or the numbers."
+            )
+        }
+        Cause::ToolUnits => {
+            let (times, size) = times(s.factor.map(|f| 1.0 / f));
+            format!(
+                "The tool's measuring points lie {times} times too {} apart in the cell, while the arm's reach is \
+                 right: check the unit of tool.measuring_point.",
+                if size == "large" { "far" } else { "close" }
+            )
+        }
+        Cause::ExchangedPoints if place.is_empty() => format!(
+            "In all postures {cause}: with that undone the misfit falls {}.{} Correct the names in the readings or \
+             the positions in the cell.",
+            fall(s),
+            alternatives(s)
+        ),
+        Cause::ExchangedPoints => format!(
+            "{opening}: {cause}{}; with that undone the misfit falls {}.{} Correct the names of the points.",
+            if s.states.len() > 1 { " in one of the two states" } else { "" },
+            fall(s),
+            alternatives(s)
+        ),
+        Cause::StrayRepeat => match s.repeat {
+            Some(number) => format!(
+                "{opening}: reading {number} of point {} lies {off} from the others{}. Remove it or measure again.",
+                list(&s.points),
+                lines(s)
+            ),
+            None => format!(
+                "{opening}: readings of point {} lie {off} apart{}, and nothing tells which is right. Measure again.",
+                list(&s.points),
+                lines(s)
+            ),
+        },
+        Cause::StrayReading if s.certain => format!(
+            "{opening}: point {} is read {off} from where the other points have it{}. Check that reading (reflector \
+             not seated, typing slip), remove it or measure it again.",
+            list(&s.points),
+            lines(s)
+        ),
+        Cause::StrayReading => format!(
+            "{opening}: one of the points {} is read about {off} off; the readings do not tell which. Measure this \
+             state again or leave it out.",
+            either(&s.points)
+        ),
+        Cause::MovedReflector => format!(
+            "{opening}: point {} lies up to {off} elsewhere than in the other postures. Its reflector was moved or \
+             badly seated: leave the point out there or measure again.",
+            list(&s.points)
+        ),
+        Cause::UnsteadyShape if place.is_empty() => format!(
+            "The measuring points do not keep their distances (up to {off}): the tool yields or reflectors are loose. \
+             Displacements contain that motion."
+        ),
+        Cause::UnsteadyShape => format!(
+            "{opening}: the points lie up to {off} from the tool's shape in the other states, and no single reading \
+             explains it. Measure again or leave it out."
+        ),
+        Cause::Drawing => {
+            let what = match &s.points[..] {
+                [one] => format!("Point {one} lies {off} from where the cell has it"),
+                _ => format!("The points lie up to {off} from where the cell has them"),
+            };
+            match s.certain {
+                true => format!("{what}; all states agree with each other, so the drawing is inexact."),
+                false => format!("{what}: check tool.measuring_point in the cell."),
+            }
+        }
+        Cause::MirroredFrame => format!(
+            "The readings are mirrored: {cause}. With one axis flipped the misfit of the unloaded points falls {}.{} \
+             Export right-handed coordinates, or change the sign of one axis.",
+            fall(s),
+            alternatives(s)
+        ),
+        Cause::JointSign | Cause::Coupling | Cause::JointOffset => format!(
+            "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
+             {}.{} Check robot.{} against the pendant.",
+            fall(s),
+            alternatives(s),
+            if s.cause == Cause::JointOffset {
+                "dh (offset)"
+            } else {
+                "theta_from_q"
+            }
+        ),
+        Cause::Radians => format!(
+            "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded \
+             points falls {}.{} Convert them.",
+            fall(s),
+            alternatives(s)
+        ),
+        Cause::GivenTransform => format!(
+            "The given transform from tracker to base leaves the unloaded points {} from the kinematic model, the best \
+             one {}; they differ by a turn of {}. Was the tracker moved after registration?",
+            s.before_m.map_or_else(String::new, mm),
+            s.after_m.map_or_else(String::new, mm),
+            angle(s, 0)
+        ),
+        Cause::AngleSign => format!(
+            "{opening}: the readings fit if {joints} is {}, not {} (sign?); the misfit falls {}.{} Correct the angle.",
+            angle(s, 1),
+            angle(s, 0),
+            fall(s),
+            alternatives(s)
+        ),
+        Cause::MistypedAngle => format!(
+            "{opening}: the readings fit if {joints} is {}, not {}{}; the misfit falls {}.{} Compare with the \
+             controller's log.",
+            angle(s, 1),
+            angle(s, 0),
+            match s.angles_deg[..] {
+                [written, likely] => slip(crate::units::rad_to_shortest_deg(written.to_radians()), likely),
+                _ => "",
+            },
+            fall(s),
+            alternatives(s)
+        ),
+        Cause::ExchangedPostures => {
+            let state = match &s.states[..] {
+                [] => String::new(),
+                states => format!(" in state {}", list(states)),
+            };
+            format!(
+                "The readings of postures {}{state} are exchanged: with that undone the misfit falls {}.{} Exchange \
+                 the rows.",
+                list(&s.postures),
+                fall(s),
+                alternatives(s)
+            )
+        }
+        Cause::OtherPosture => {
+            let [first, second] = [0, 1].map(|i| s.postures.get(i).map_or("", String::as_str));
+            let state = match &s.states[..] {
+                [] => String::new(),
+                states => format!(" in state {}", list(states)),
+            };
+            format!(
+                "The readings of posture {first}{state} were taken at the angles of posture {second}: the misfit falls \
+                 {}.{} Copied rows, or the robot was not moved?",
+                fall(s),
+                alternatives(s)
+            )
+        }
+        Cause::UnexplainedPosture if s.states.len() > 1 => format!(
+            "{opening}: the points of these states lie up to {} apart, more than any load moves them. Check the rows, \
+             or leave the posture out.",
+            s.before_m.map_or_else(String::new, mm)
+        ),
+        Cause::UnexplainedPosture => format!(
+            "{opening}: the points lie {} from the kinematic model, in the other postures {}. No single slip of an \
+             angle or a name explains it: check its angles and readings, or leave it out.",
+            s.before_m.map_or_else(String::new, mm),
+            s.after_m.map_or_else(String::new, mm)
+        ),
+        Cause::UnexplainedModel => format!(
+            "The unloaded points do not fit the kinematic model: they lie {off} from it, and no single cause (signs, \
+             coupling, offsets, names of points, mirrored axes) explains it. Check the robot and the tool in the cell."
+        ),
+        Cause::NoDisplacement => format!(
+            "{}: the points do not move under the load. Are the loaded rows copies of the unloaded ones, or was the \
+             load not applied?",
+            opening
+        ),
+        Cause::ReversedForce => format!(
+            "The points move against the force in every posture. Either {}, or loaded and unloaded rows are exchanged.",
+            match (&cell.sensor, &cell.setup.load) {
+                (Some(_), _) =>
+                    "the sensor reports the force by the robot where the cell says on it, or the other way round \
+                     (sensor.reports), or its axes are turned",
+                (None, crate::load::Load::Measured) =>
+                    "the forces are those by the robot instead of those on it",
+                _ => "the load's direction in the cell is wrong",
+            }
+        ),
+        Cause::ExchangedStates => format!(
+            "{opening}: the points move against the force, in the other postures along it. The loaded and the unloaded \
+             rows are exchanged there, or the force has the wrong sign."
+        ),
+        Cause::DisplacementSize => {
+            let (times, size) = times(s.factor);
+            format!(
+                "The displacements are {times} times too {size} for the prior stiffness. Check the unit of the force \
+                 (N, not kN), the load and stiffness.prior_nm_per_rad (N·m/rad)."
+            )
+        }
+        Cause::OtherLoad => {
+            let (times, size) = times(s.factor);
+            format!(
+                "{opening}: the displacements are {times} times too {size} compared with the other states. Was the \
+                 load another one?"
+            )
+        }
+        Cause::NotChecked => {
+            "Too few unloaded readings to register the tracker: the checks against the kinematic model were left out."
+                .to_string()
+        }
+    }
+}
+
+/// A ratio in words: how many times too large or small.
+fn times(factor: Option<f64>) -> (String, &'static str) {
+    let factor = factor.unwrap_or(1.0);
+    let (value, size) = match factor < 1.0 {
+        true => (1.0 / factor, "small"),
+        false => (factor, "large"),
+    };
+    match value.is_finite() && (value - value.round()).abs() > 0.05 && value < 100.0 {
+        true => (format!("{value:.1}"), size),
+        false => (format!("{value:.0}"), size),
+    }
+}
+
+/// `1, 2 or 3`.
+fn either(names: &[String]) -> String {
+    list(names).replace(" and ", " or ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_of_typing_are_recognised() {
+        assert_eq!(slip(53.0, 35.01), " (digits exchanged?)");
+        assert_eq!(slip(-12.81, -12.18), " (digits exchanged?)");
+        assert_eq!(slip(3.5, 35.0), " (decimal point misplaced?)");
+        assert_eq!(slip(40.0, 47.3), "");
+    }
+
+    #[test]
+    fn lengths_and_angles_are_short() {
+        assert_eq!(mm(0.000_012_3), "0.012 mm");
+        assert_eq!(mm(0.152_3), "152 mm");
+        assert_eq!(degrees(35.001), "35°");
+        assert_eq!(degrees(-0.001), "0°");
+        assert_eq!(degrees(12.5), "12.5°");
+    }
+}
