@@ -1,0 +1,191 @@
+//! The page `docs/coverage.md`, from the table alone.
+
+use std::fmt::Write;
+use stiffarm::coverage::{Intervals, Record};
+
+/// Names of the tables of the page.
+pub const EXACT: &str = "exact";
+/// The two-variance model.
+pub const TWO_VARIANCE: &str = "two-variance";
+/// Estimators without exact intervals.
+pub const INEXACT: &str = "inexact";
+/// Errors that no interval models.
+pub const BESIDE: &str = "beside";
+
+/// The page, Markdown.
+pub fn page(records: &[Record]) -> String {
+    let of =
+        |table: &str| -> Vec<&Record> { records.iter().filter(|r| r.table == table).collect() };
+    [
+        HEAD.to_string(),
+        exact(&of(EXACT)),
+        two_variance(&of(TWO_VARIANCE)),
+        inexact(&of(INEXACT)),
+        beside(&of(BESIDE)),
+    ]
+    .join("\n")
+}
+
+const HEAD: &str = "\
+# Do the intervals cover?
+
+A 95 % interval should hold the true stiffness in 95 of 100 experiments. This page counts it: experiments are simulated on the
+default cell (`builtin:comau`), identified by the same code as `stiffarm identify`, and the intervals that hold the truth are
+counted, all six joints together. Made by
+
+```
+cargo run --release -p stiffarm --example coverage
+```
+
+from fixed seeds: the same numbers for any number of threads.
+
+- A displacement is the difference of two readings, each with the cell's tracker noise; displacements follow the linear model.
+- Postures are drawn at random within the cell's limits, or selected for the smallest expected error where the row says so.
+- *Coverage* comes with its Monte Carlo standard error; *joints* is the range from the joint with the lowest to that with the
+  highest coverage. An interval that is open above counts as holding the truth when the truth is above its lower end; a joint
+  without an interval (negative stiffness beyond noise) counts as missed.
+- *Half-width* is the mean half-width of the interval of the compliance 1/k, relative to the true compliance.
+- Degrees of freedom are those of the interval's quantile; \"normal\" where the size of the noise is known.
+";
+
+fn exact(records: &[&Record]) -> String {
+    let worst = records
+        .iter()
+        .map(|r| (r.coverage - 0.95).abs())
+        .fold(0.0, f64::max);
+    let verdict = match worst <= 0.005 {
+        true => "within half a point, the most this project accepts",
+        false => "**more than half a point, the most this project accepts**",
+    };
+    format!(
+        "## Exact intervals\n\n\
+         Linear estimators with normal errors: the interval is exact whatever the postures, also with three degrees of freedom.\n\n\
+         {}\n\
+         The largest distance from 95 % is {:.2} percentage points: {verdict}.\n",
+        table(records, false),
+        100.0 * worst
+    )
+}
+
+fn two_variance(records: &[&Record]) -> String {
+    let least = |joints: bool| {
+        let value = |r: &&Record| if joints { r.lowest } else { r.coverage };
+        100.0 * records.iter().map(value).fold(f64::INFINITY, f64::min)
+    };
+    let most = 100.0 * records.iter().map(|r| r.coverage).fold(0.0, f64::max);
+    let verdict = match least(false) >= 94.0 {
+        true => "not below 94 %, the least this project accepts",
+        false => "**below 94 %, the least this project accepts**",
+    };
+    format!(
+        "## The two-variance model\n\n\
+         The default estimator finds two variances by restricted maximum likelihood: σ² of a displacement component and τ² of a shift \
+         that all points of a posture share. Its t quantile has 3·postures − n degrees of freedom, as if each posture were one \
+         reading. That is careful, most of all without a shift, and the more so the fewer the postures.\n\n\
+         {}\n\
+         From {:.2} to {most:.2} %, {verdict}; the lowest single joint has {:.2} %. Without a common shift the intervals are wider than \
+         they need be: the price of not knowing that there is none.\n",
+        table(records, false),
+        least(false),
+        least(true)
+    )
+}
+
+fn inexact(records: &[&Record]) -> String {
+    let names = [
+        (Intervals::Huber, "Huber's estimator", HUBER),
+        (Intervals::NonNegative, "Non-negative fit", NON_NEGATIVE),
+        (
+            Intervals::Prior,
+            "Prior stiffness as further knowledge",
+            PRIOR,
+        ),
+        (Intervals::Bootstrap, "Bootstrap over postures", BOOTSTRAP),
+    ];
+    let mut out = "## Intervals that are not exact\n\n\
+        For these the command prints what was measured here, at the nearest degrees of freedom of the table that are not above those of \
+        the fit. Below the table's smallest no coverage is claimed.\n"
+        .to_string();
+    for (intervals, title, words) in names {
+        let own: Vec<&Record> = records
+            .iter()
+            .copied()
+            .filter(|r| r.intervals == Some(intervals))
+            .collect();
+        let range = |adverse: bool| {
+            let values = || {
+                own.iter()
+                    .filter(|r| r.adverse == adverse)
+                    .map(|r| 100.0 * r.coverage)
+            };
+            let low = values().fold(f64::INFINITY, f64::min);
+            let high = values().fold(0.0, f64::max);
+            format!("{low:.1} to {high:.1} %")
+        };
+        let smallest = own
+            .iter()
+            .filter_map(|r| r.degrees_of_freedom)
+            .min()
+            .unwrap_or(0);
+        // Writing to a string cannot fail.
+        let _ = write!(
+            out,
+            "\n### {title}\n\n{words}\n\n{}\nAs assumed: {}; against the assumptions: {}. No coverage is claimed below {smallest} \
+             degrees of freedom.\n",
+            table(&own, true),
+            range(false),
+            range(true)
+        );
+    }
+    out
+}
+
+const HUBER: &str = "\
+Intervals from Huber's asymptotic covariance with his correction for few rows, Student's t on rows − n.";
+const NON_NEGATIVE: &str = "\
+Intervals of the free two-variance fit, laid about the non-negative values; a joint held at zero gets a lower bound.";
+const PRIOR: &str = "\
+Two-variance fit with the prior stiffness ± 30 % as further rows. The noise is ten times the cell's, else the prior has no say.";
+const BOOTSTRAP: &str = "\
+Percentile intervals of two-variance fits to postures drawn with replacement, 400 resamples. Degrees of freedom are \
+3·postures − n. Resamples that lose a joint are skipped. A bootstrap takes \
+postures as draws from one population, which selected ones are not; with few postures its intervals are too narrow.";
+
+fn beside(records: &[&Record]) -> String {
+    format!(
+        "## Beside the model\n\n\
+         Errors that no interval models, on six random postures. Intervals state the noise; what is common to all postures (force scale, \
+         loading point) shows in no residual, and belongs to the common-mode part of the result. What differs from posture to posture \
+         (force of a posture, part of the lost motion) the two-variance model takes up in part as its shift.\n\n{}",
+        table(records, false)
+    )
+}
+
+fn table(records: &[&Record], mark: bool) -> String {
+    let mut out = "| simulated | postures × points | degrees of freedom | coverage | joints | half-width | open above | experiments |\n\
+                   |:--|:--|--:|--:|--:|--:|--:|--:|\n"
+        .to_string();
+    for r in records {
+        let dof = r
+            .degrees_of_freedom
+            .map_or("normal".to_string(), |d| d.to_string());
+        let against = if mark && r.adverse { "*against*: " } else { "" };
+        let width = r
+            .relative_half_width
+            .map_or("–".to_string(), |w| format!("{:.1} %", 100.0 * w));
+        let _ = writeln!(
+            out,
+            "| {against}{} | {} × {} | {dof} | {:.2} ± {:.2} % | {:.1}–{:.1} % | {width} | {:.1} % | {} |",
+            r.situation,
+            r.postures,
+            r.points,
+            100.0 * r.coverage,
+            100.0 * r.standard_error,
+            100.0 * r.lowest,
+            100.0 * r.highest,
+            100.0 * r.open_above,
+            r.experiments,
+        );
+    }
+    out
+}
