@@ -1,8 +1,18 @@
-//! Validation on postures that took no part in the identification, Eq. (22).
+//! Validation on postures that took no part in the identification, Eq. (22),
+//! with the bands within which the measured displacements should lie.
+
+mod band;
+mod folds;
+mod predictor;
+
+pub use band::{BandShare, PointBand};
+pub use folds::cross_validate;
+pub use predictor::{FittedNoise, Predictor, Spread};
 
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::identify::rms;
+use crate::findings::Finding;
+use crate::identify::{Weights, known_displacement, measured_system, rms};
 use crate::measurement::{Displacement, MeasuredPosture};
 use crate::observation::PostureTerms;
 use crate::posture::Posture;
@@ -23,6 +33,16 @@ pub enum Model {
     Equilibrium,
 }
 
+impl Model {
+    /// Name on the command line and in messages.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Model::Linear => "linear",
+            Model::Equilibrium => "equilibrium",
+        }
+    }
+}
+
 /// Eq. (22) at one measuring point of one posture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -41,6 +61,9 @@ pub struct PointDeviation {
     pub calculated_m: [f64; 3],
     /// δb = ‖measured − calculated‖ \[m\], Eq. (22).
     pub deviation_m: f64,
+    /// How far the measured displacement may lie from the calculated one, where
+    /// the identification says how sure it is.
+    pub band: Option<PointBand>,
 }
 
 /// Result of a validation.
@@ -55,18 +78,30 @@ pub struct Validation {
     pub deviation_rms_m: f64,
     /// Largest δb \[m\].
     pub deviation_max_m: f64,
+    /// RMS of the components of measured minus calculated displacements \[m\], to
+    /// be held beside the residual RMS of the identification.
+    pub component_rms_m: f64,
     /// RMS norm of the measured displacements \[m\].
     pub displacement_rms_m: f64,
     /// Expected δb if the cell's noise were the only error, 2σ·sqrt(2/π) \[m\].
     pub noise_expectation_m: f64,
     /// Tolerance on the largest δb \[m\], where given.
     pub tolerance_m: Option<f64>,
-    /// True when every δb is within the tolerance.
+    /// True when every δb is within the tolerance, and every posture was predicted.
     pub passed: Option<bool>,
+    /// Folds of a cross-validation; `None` where the postures took no part.
+    pub folds: Option<usize>,
+    /// Postures that a cross-validation could not predict: the others do not
+    /// determine all that moves them.
+    pub unpredicted: Vec<String>,
+    /// How many components lie inside their bands, where there are bands.
+    pub band: Option<BandShare>,
+    /// What the bands say.
+    pub findings: Vec<Finding>,
 }
 
 /// Calculated displacements of all measuring points of one posture, point by
-/// point \[m\], including a known series compliance.
+/// point \[m\], including a known series compliance and the controller giving way.
 ///
 /// # Errors
 /// As [`PostureTerms::new`] and [`joint_compliance`].
@@ -79,7 +114,7 @@ pub fn calculated_displacements(
     joint_compliance(&cell.setup.robot, stiffness)?;
     let q = &measured.posture.q;
     let terms = PostureTerms::new(&cell.setup, q, measured.wrench.as_ref())?;
-    let known = terms.known_displacement(&cell.setup.tool);
+    let known = known_displacement(cell, &terms, measured)?;
     let tool = &cell.setup.tool;
     // One equilibrium per posture moves all its points.
     let after = match model {
@@ -108,11 +143,11 @@ pub fn calculated_displacements(
         .collect()
 }
 
-/// Compares calculated with measured displacements, Eq. (22).
+/// Compares calculated with measured displacements, Eq. (22), for a stiffness
+/// alone: without bands.
 ///
 /// # Errors
-/// No measurements, a point the tool does not have, or a stiffness that is not
-/// positive.
+/// As [`validate_with`]; a stiffness that is not positive.
 pub fn validate(
     cell: &Cell,
     stiffness: &[f64],
@@ -120,6 +155,25 @@ pub fn validate(
     model: Model,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
+    let predictor = Predictor::from_stiffness(cell, stiffness)?;
+    validate_with(cell, &predictor, measured, model, tolerance_m)
+}
+
+/// Compares calculated with measured displacements, Eq. (22), with the band of
+/// each where the predictor says how sure it is. The bands are those of the
+/// linear model for either model.
+///
+/// # Errors
+/// No measurements, a point the tool does not have, a number that is not
+/// finite, or further terms with [`Model::Equilibrium`].
+pub fn validate_with(
+    cell: &Cell,
+    predictor: &Predictor,
+    measured: &[MeasuredPosture],
+    model: Model,
+    tolerance_m: Option<f64>,
+) -> Result<Validation> {
+    check_tolerance(tolerance_m)?;
     let finite = |d: &Displacement| d.value.iter().all(|v| v.is_finite());
     if !measured.iter().all(|m| m.displacements.iter().all(finite)) {
         return Err(Error::new(
@@ -127,50 +181,95 @@ pub fn validate(
             "A displacement is not a finite number.",
         ));
     }
-    if tolerance_m.is_some_and(|t| t.is_nan() || t < 0.0) {
-        return Err(Error::new(
-            Code::InvalidValue,
-            "The tolerance must be 0 or above.",
-        ));
-    }
-    let mut points = Vec::new();
-    let names: Vec<&str> = cell
-        .setup
-        .tool
-        .measuring_points
-        .iter()
-        .map(|p| p.name.as_str())
-        .collect();
-    for (m, posture) in measured.iter().enumerate() {
-        let calculated = calculated_displacements(cell, posture, stiffness, model)?;
-        for displacement in &posture.displacements {
-            let (Some(c), Some(name)) = (
-                calculated.get(displacement.point),
-                names.get(displacement.point),
-            ) else {
-                return Err(Error::new(
-                    Code::UnknownName,
-                    "A displacement names a point the tool does not have.",
-                ));
-            };
-            // δb, Eq. (22)
-            let deviation = (displacement.value - c).norm();
-            points.push(PointDeviation {
-                label: format!("{}-{}", m + 1, displacement.point + 1),
-                posture: posture.posture.name.clone(),
-                state: posture.state.clone(),
-                point: (*name).to_string(),
-                measured_m: displacement.value.into(),
-                calculated_m: (*c).into(),
-                deviation_m: deviation,
-            });
-        }
-    }
-    if points.is_empty() {
+    if measured.iter().all(|m| m.displacements.is_empty()) {
         return Err(Error::new(
             Code::TooFewData,
             "There are no displacements to validate with.",
         ));
+    }
+    let exact = match model {
+        Model::Linear => None,
+        Model::Equilibrium => {
+            let stiffness = predictor.stiffness(model)?;
+            let of = |m| calculated_displacements(cell, m, &stiffness, model);
+            Some(measured.iter().map(of).collect::<Result<Vec<_>>>()?)
+        }
+    };
+    let system = measured_system(cell, measured, &predictor.extra, Weights::Readings)?;
+    let errors = &system.delta - &system.psi * &predictor.values;
+    let mut points = Vec::with_capacity(system.labels.len());
+    for block in &system.blocks {
+        for label in system.labels_of(block) {
+            let posture = &measured[label.measured];
+            let displacement = &posture.displacements[label.displacement];
+            let calculated = match &exact {
+                None => displacement.value - errors.fixed_rows::<3>(label.rows.start),
+                Some(exact) => exact[label.measured][displacement.point],
+            };
+            let value = &displacement.value;
+            points.push(Point {
+                measured: label.measured,
+                displacement: label.displacement,
+                calculated,
+                band: band::point_band(predictor, &system, block, label, value, &calculated)?,
+            });
+        }
+    }
+    points.sort_by_key(|p| (p.measured, p.displacement));
+    let mut result = summarise(cell, measured, points, model, tolerance_m);
+    if let Some(spread) = &predictor.spread {
+        result.band = band::share(&result.points, spread.confidence);
+        result.findings = band::findings(&result);
+    }
+    Ok(result)
+}
+
+/// One displacement with its prediction.
+#[derive(Debug, Clone)]
+struct Point {
+    measured: usize,
+    displacement: usize,
+    calculated: Vector3<f64>,
+    band: Option<PointBand>,
+}
+
+fn check_tolerance(tolerance_m: Option<f64>) -> Result<()> {
+    match tolerance_m.is_some_and(|t| t.is_nan() || t < 0.0) {
+        true => Err(Error::new(
+            Code::InvalidValue,
+            "The tolerance must be 0 or above.",
+        )),
+        false => Ok(()),
+    }
+}
+
+/// Eq. (22) of predicted displacements, in the order of the measurements.
+fn summarise(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    predicted: Vec<Point>,
+    model: Model,
+    tolerance_m: Option<f64>,
+) -> Validation {
+    let mut points = Vec::with_capacity(predicted.len());
+    let mut components = Vec::with_capacity(3 * predicted.len());
+    for point in predicted {
+        let posture = &measured[point.measured];
+        let displacement = &posture.displacements[point.displacement];
+        let name = &cell.setup.tool.measuring_points[displacement.point].name;
+        let error = displacement.value - point.calculated;
+        components.extend_from_slice(error.as_slice());
+        points.push(PointDeviation {
+            label: format!("{}-{}", point.measured + 1, displacement.point + 1),
+            posture: posture.posture.name.clone(),
+            state: posture.state.clone(),
+            point: name.clone(),
+            measured_m: displacement.value.into(),
+            calculated_m: point.calculated.into(),
+            // δb, Eq. (22)
+            deviation_m: error.norm(),
+            band: point.band,
+        });
     }
     let deviations: Vec<f64> = points.iter().map(|p| p.deviation_m).collect();
     let norms: Vec<f64> = points
@@ -180,16 +279,21 @@ pub fn validate(
     let largest = deviations.iter().copied().fold(0.0, f64::max);
     // Mean of the norm of three independent normal components.
     let sigma = (cell.noise.displacement_variance() + cell.noise.posture_common_std.powi(2)).sqrt();
-    Ok(Validation {
+    Validation {
         model,
         deviation_rms_m: rms(&deviations),
         deviation_max_m: largest,
+        component_rms_m: rms(&components),
         displacement_rms_m: rms(&norms),
         noise_expectation_m: 2.0 * sigma * std::f64::consts::FRAC_2_PI.sqrt(),
         tolerance_m,
         passed: tolerance_m.map(|t| largest <= t),
+        folds: None,
+        unpredicted: Vec::new(),
+        band: None,
+        findings: Vec::new(),
         points,
-    })
+    }
 }
 
 /// Simulated measurements of `postures`: displacements by `model` with the
@@ -216,6 +320,7 @@ pub fn simulate_measurements(
                 posture: posture.clone(),
                 state: "loaded".to_string(),
                 wrench: None,
+                common_readings: [0.0; 2],
                 servo_give: None,
                 displacements: Vec::new(),
             };

@@ -1,0 +1,181 @@
+//! What predicts displacements: values of the unknowns with their covariance
+//! and the noise that a fit saw.
+
+use super::Model;
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::identify::{
+    Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
+};
+use crate::observation::ExtraTerm;
+use nalgebra::{DMatrix, DVector};
+
+/// How far predictions and readings may scatter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spread {
+    /// Covariance of the unknowns.
+    pub covariance: DMatrix<f64>,
+    /// σ of a displacement component \[m\].
+    pub sigma: f64,
+    /// τ of a shift common to a posture's points, at its largest load \[m\].
+    pub shift: f64,
+    /// Degrees of freedom of Student's t; `None` for normal quantiles.
+    pub degrees_of_freedom: Option<usize>,
+    /// Confidence of the bands.
+    pub confidence: f64,
+}
+
+impl Spread {
+    pub(super) fn quantile(&self) -> Result<f64> {
+        quantile(self.degrees_of_freedom, self.confidence)
+    }
+}
+
+/// Values of the unknowns with which displacements are calculated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Predictor {
+    /// Compliance of each spring, then further terms.
+    pub values: DVector<f64>,
+    /// The further terms.
+    pub extra: Vec<ExtraTerm>,
+    /// How sure the values are, where that is known.
+    pub spread: Option<Spread>,
+}
+
+/// The noise that a fit saw in its displacements.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FittedNoise {
+    /// σ of a displacement component as the residuals show it \[m\].
+    pub residual_std: Option<f64>,
+    /// τ of a shift common to a posture's points \[m\].
+    pub posture_common_std: Option<f64>,
+}
+
+impl Predictor {
+    /// Joint stiffness alone, one per spring \[N·m/rad\]: no bands.
+    ///
+    /// # Errors
+    /// A wrong number of values, or one that is not above zero.
+    pub fn from_stiffness(cell: &Cell, stiffness: &[f64]) -> Result<Self> {
+        crate::stiffness::joint_compliance(&cell.setup.robot, stiffness)?;
+        Ok(Predictor {
+            values: DVector::from_iterator(stiffness.len(), stiffness.iter().map(|k| 1.0 / k)),
+            extra: Vec::new(),
+            spread: None,
+        })
+    }
+
+    /// The result of an identification with its covariance.
+    ///
+    /// # Errors
+    /// As [`Predictor::from_estimates`].
+    pub fn from_identification(cell: &Cell, result: &Identification) -> Result<Self> {
+        let noise = FittedNoise {
+            residual_std: result.residual_std_m,
+            posture_common_std: result.posture_common_std_m,
+        };
+        Predictor::from_estimates(cell, &result.estimates, noise)
+    }
+
+    /// The estimates of an identification. Bands take the noise from the fit
+    /// where the fit estimated it from displacements, else from the cell.
+    ///
+    /// # Errors
+    /// Estimates of another number of springs, or an unknown without a value.
+    pub fn from_estimates(cell: &Cell, estimates: &Estimates, noise: FittedNoise) -> Result<Self> {
+        let springs = cell.setup.robot.spring_count();
+        if estimates.joints.len() != springs {
+            let message = format!(
+                "{} estimates for the {springs} joints of the cell.",
+                estimates.joints.len()
+            );
+            return Err(Error::new(Code::Dimension, message));
+        }
+        let missing = |name: &str| {
+            Error::new(
+                Code::NotIdentifiable,
+                format!("There is no value for {name}: nothing can be predicted with it."),
+            )
+        };
+        let mut values: Vec<f64> = Vec::with_capacity(springs + estimates.extra.len());
+        for joint in &estimates.joints {
+            values.push(joint.compliance.ok_or_else(|| missing(&joint.name))?);
+        }
+        let mut further = estimates.extra_springs.iter();
+        let mut lost = estimates.lost_motion.iter();
+        for term in &estimates.extra {
+            let name = term.name(&cell.setup.robot);
+            let value = match term.is_spring() {
+                true => further.next().and_then(|s| s.compliance),
+                false => lost.next().and_then(|a| a.angle),
+            };
+            values.push(value.ok_or_else(|| missing(&name))?);
+        }
+        let count = values.len();
+        let full = estimates.covariance.len() == count
+            && estimates.covariance.iter().all(|row| row.len() == count);
+        let entry = |i: usize, j: usize| estimates.covariance[i][j];
+        let covariance = (full && (0..count).all(|i| (0..count).all(|j| entry(i, j).is_some())))
+            .then(|| DMatrix::from_fn(count, count, |i, j| entry(i, j).unwrap_or(0.0)));
+        let declared = (cell.noise.displacement_std(), cell.noise.posture_common_std);
+        let (sigma, shift) = match (estimates.noise, noise.residual_std) {
+            (NoiseSource::Estimated, Some(std)) => {
+                let ratio = match estimates.estimator {
+                    // What the cell declares was taken as given.
+                    Estimator::Weighted if declared.0 > 0.0 => declared.1 / declared.0,
+                    _ => 0.0,
+                };
+                (std, noise.posture_common_std.unwrap_or(std * ratio))
+            }
+            _ => declared,
+        };
+        Ok(Predictor {
+            values: DVector::from_vec(values),
+            extra: estimates.extra.clone(),
+            spread: covariance.map(|covariance| Spread {
+                covariance,
+                sigma,
+                shift,
+                degrees_of_freedom: estimates.interval_degrees_of_freedom,
+                confidence: estimates.confidence,
+            }),
+        })
+    }
+
+    /// A fit, with the noise that it estimated or took as known.
+    pub(super) fn from_solution(
+        system: &MeasuredSystem,
+        solution: &Solution,
+        confidence: f64,
+    ) -> Self {
+        let spread = solution
+            .covariance
+            .clone()
+            .zip(solution.sigma)
+            .filter(|_| solution.t_degrees_of_freedom != Some(0))
+            .map(|(covariance, sigma)| Spread {
+                covariance,
+                sigma,
+                shift: sigma * solution.gamma.sqrt(),
+                degrees_of_freedom: solution.t_degrees_of_freedom,
+                confidence,
+            });
+        Predictor {
+            values: solution.values.clone(),
+            extra: system.extra.clone(),
+            spread,
+        }
+    }
+
+    /// Stiffness of the springs, for models that are not linear in the compliance.
+    pub(super) fn stiffness(&self, model: Model) -> Result<Vec<f64>> {
+        if !self.extra.is_empty() {
+            return Err(Error::new(
+                Code::Unsupported,
+                format!("The {} model knows no further terms.", model.as_str()),
+            )
+            .hint("use the linear model, or a stiffness identified without further terms"));
+        }
+        Ok(self.values.iter().map(|h| 1.0 / h).collect())
+    }
+}
