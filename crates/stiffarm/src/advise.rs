@@ -10,8 +10,8 @@ use crate::measurement::MeasuredPosture;
 use crate::observation::PostureTerms;
 use crate::optimise::Control;
 use crate::posture::Posture;
+use crate::sample::median;
 use crate::select::{GlobalOptions, select_global};
-use crate::simulate::median;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

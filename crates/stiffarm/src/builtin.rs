@@ -1,4 +1,5 @@
-//! Built-in cells and posture groups: `builtin:comau`, `builtin:comau-group1`, ….
+//! Built-in cells, posture groups and point pairs: `builtin:comau`,
+//! `builtin:comau-group1`, `builtin:example-pairs`, ….
 //!
 //! The files lie in `data/cells`, sources in their comments.
 
@@ -29,6 +30,11 @@ const POSTURES: [(&str, &str); 1] = [(
     include_str!("../data/cells/comau-group1.csv"),
 )];
 
+const PAIRS: [(&str, &str); 1] = [(
+    "example-pairs",
+    include_str!("../data/cells/example-pairs.csv"),
+)];
+
 /// Names of the built-in cells; the first is the default cell.
 pub fn cell_names() -> Vec<&'static str> {
     CELLS.iter().map(|(name, _)| *name).collect()
@@ -39,9 +45,14 @@ pub fn postures_names() -> Vec<&'static str> {
     POSTURES.iter().map(|(name, _)| *name).collect()
 }
 
+/// Names of the built-in tables of point pairs.
+pub fn pairs_names() -> Vec<&'static str> {
+    PAIRS.iter().map(|(name, _)| *name).collect()
+}
+
 /// All built-in names, cells first.
 pub fn names() -> Vec<&'static str> {
-    [cell_names(), postures_names()].concat()
+    [cell_names(), postures_names(), pairs_names()].concat()
 }
 
 /// Text of a built-in `cell.toml`; `name` without [`PREFIX`].
@@ -52,6 +63,11 @@ pub fn cell_text(name: &str) -> Option<&'static str> {
 /// Text of a built-in posture table; `name` without [`PREFIX`].
 pub fn postures_text(name: &str) -> Option<&'static str> {
     text(&POSTURES, name)
+}
+
+/// Text of a built-in table of point pairs; `name` without [`PREFIX`].
+pub fn pairs_text(name: &str) -> Option<&'static str> {
+    text(&PAIRS, name)
 }
 
 /// A built-in cell; `name` without [`PREFIX`].

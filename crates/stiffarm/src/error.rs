@@ -52,6 +52,8 @@ pub enum Code {
     ResultFile,
     /// No postures or no displacements to work with.
     TooFewData,
+    /// Point pairs that determine no registration.
+    Registration,
     /// The observation matrix loses rank: joints cannot be determined.
     NotIdentifiable,
     /// A numerical routine did not converge.
@@ -66,7 +68,7 @@ pub enum Code {
 
 impl Code {
     /// Every code, in the order of the documentation.
-    pub const ALL: [Code; 26] = [
+    pub const ALL: [Code; 27] = [
         Code::FileRead,
         Code::FileWrite,
         Code::FileExists,
@@ -88,6 +90,7 @@ impl Code {
         Code::Unsupported,
         Code::ResultFile,
         Code::TooFewData,
+        Code::Registration,
         Code::NotIdentifiable,
         Code::Numerical,
         Code::Interrupted,
@@ -165,6 +168,10 @@ impl Code {
             Code::TooFewData => (
                 "too-few-data",
                 "Nothing to work with: no postures, no displacements, or all excluded.",
+            ),
+            Code::Registration => (
+                "registration",
+                "The point pairs determine no registration: on a line, mirrored, or in different units.",
             ),
             Code::NotIdentifiable => (
                 "not-identifiable",

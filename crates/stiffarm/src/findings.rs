@@ -1,5 +1,6 @@
 //! Sentences a result comes with, in one type for terminal, page and JSON.
 
+use crate::units::m_to_mm;
 use serde::{Deserialize, Serialize};
 
 /// How much a finding matters.
@@ -55,6 +56,43 @@ pub fn list<S: AsRef<str>>(names: &[S]) -> String {
     }
 }
 
+/// Fraction as a percentage with three digits.
+pub(crate) fn percent(fraction: f64) -> String {
+    let p = 100.0 * fraction;
+    match p.abs() {
+        size if size >= 100.0 => format!("{p:.0} %"),
+        size if size >= 10.0 => format!("{p:.1} %"),
+        _ => format!("{p:.2} %"),
+    }
+}
+
+/// A length in words: millimetres, below 0.01 mm micrometres.
+pub(crate) fn length(metres: f64) -> String {
+    match metres.abs() {
+        size if size >= 1e-2 => format!("{:.1} mm", m_to_mm(metres)),
+        size if size >= 9.995e-6 => format!("{:.3} mm", m_to_mm(metres)),
+        size if size >= 9.95e-8 => format!("{:.1} µm", 1e6 * metres),
+        _ => format!("{:.3} µm", 1e6 * metres),
+    }
+}
+
+/// A length with its standard error, in one unit.
+pub(crate) fn length_with_error(metres: f64, error: f64) -> String {
+    match metres.abs().max(error) >= 9.995e-6 {
+        true => format!("{:.3} ± {:.3} mm", m_to_mm(metres), m_to_mm(error)),
+        false => format!("{:.1} ± {:.1} µm", 1e6 * metres, 1e6 * error),
+    }
+}
+
+/// A probability in words.
+pub(crate) fn probability(p: f64) -> String {
+    match p {
+        p if p < 0.001 => "p < 0.001".to_string(),
+        p if p < 0.095 => format!("p = {p:.3}"),
+        p => format!("p = {p:.2}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,5 +102,17 @@ mod tests {
         assert_eq!(list::<&str>(&[]), "");
         assert_eq!(list(&["a"]), "a");
         assert_eq!(list(&["a", "b", "c"]), "a, b and c");
+    }
+
+    #[test]
+    fn numbers_in_words() {
+        assert_eq!(percent(0.0123), "1.23 %");
+        assert_eq!(percent(-0.345), "-34.5 %");
+        assert_eq!(length(2.151e-4), "0.215 mm");
+        assert_eq!(length(9.6e-6), "9.6 µm");
+        assert_eq!(length_with_error(4.8e-5, 2.4e-6), "0.048 ± 0.002 mm");
+        assert_eq!(length_with_error(-3e-7, 2.4e-6), "-0.3 ± 2.4 µm");
+        assert_eq!(probability(1e-9), "p < 0.001");
+        assert_eq!(probability(0.4), "p = 0.40");
     }
 }

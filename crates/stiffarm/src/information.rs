@@ -13,7 +13,7 @@ use nalgebra::linalg::SymmetricEigen;
 use nalgebra::{DMatrix, DVector};
 
 /// Columns smaller than this, relative to the largest, carry no information.
-const ZERO_COLUMN: f64 = 1e-10;
+pub(crate) const ZERO_COLUMN: f64 = 1e-10;
 /// Singular values of the column-scaled Ψ below this, relative to the largest, are zero.
 const RANK_TOLERANCE: f64 = 1e-10;
 /// Share of a joint in the null space above which it is called undetermined.

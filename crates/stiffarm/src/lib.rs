@@ -9,25 +9,33 @@
 //! exist only in files, on the command line and in tables.
 
 pub mod advise;
+pub mod budget;
 #[cfg(feature = "files")]
 pub mod builtin;
 pub mod cell;
 pub mod certificate;
 pub mod check;
+pub mod clamped;
+pub mod coverage;
+pub mod diagnose;
 pub mod error;
 pub mod findings;
 pub mod identify;
 pub mod index;
 pub mod information;
 pub mod instruments;
+mod jobs;
 pub mod kinematics;
 pub mod load;
 pub mod measurement;
 pub mod observation;
 pub mod optimise;
 pub mod posture;
+pub mod reduction;
 pub mod registration;
 pub mod robot;
+mod sample;
+pub mod sanity;
 pub mod select;
 pub mod simulate;
 pub mod stiffness;

@@ -213,8 +213,20 @@ impl PostureTerms {
     pub fn known_displacement(&self, tool: &Tool) -> DVector<f64> {
         let m = self.measuring_points.len();
         let mut known = DVector::zeros(3 * m);
+        for (a, point) in self.measuring_points.iter().enumerate() {
+            let twist = self.known_twist(tool, point);
+            known
+                .fixed_rows_mut::<3>(3 * a)
+                .copy_from(&twist.fixed_rows::<3>(0));
+        }
+        known
+    }
+
+    /// The same at the base-frame point `at` beyond the compliance: \[shift (m);
+    /// turn (rad)\], base axes.
+    pub fn known_twist(&self, tool: &Tool, at: &Vector3<f64>) -> Vector6<f64> {
         let Some(series) = &tool.series_compliance else {
-            return known;
+            return Vector6::zeros();
         };
         let origin = self.frames.point(&series.origin);
         let at_origin = self.wrench.moved(&self.loading_point, &origin);
@@ -225,12 +237,8 @@ impl PostureTerms {
             series.matrix * Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
         let shift = rotation * Vector3::new(twist[0], twist[1], twist[2]);
         let turn = rotation * Vector3::new(twist[3], twist[4], twist[5]);
-        for (a, point) in self.measuring_points.iter().enumerate() {
-            known
-                .fixed_rows_mut::<3>(3 * a)
-                .copy_from(&(shift + turn.cross(&(point - origin))));
-        }
-        known
+        let shift = shift + turn.cross(&(at - origin));
+        Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
     }
 }
 

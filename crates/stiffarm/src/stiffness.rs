@@ -258,3 +258,50 @@ pub fn displacement_between(
     let turn = (after.flange().rotation * before.flange().rotation.inverse()).scaled_axis();
     Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
 }
+
+/// What the linear model leaves out at one posture, point by point \[m\].
+#[derive(Debug, Clone, PartialEq)]
+pub struct SecondOrder {
+    /// Norm of the displacement by the linear model, Eq. (7).
+    pub displacement: Vec<f64>,
+    /// Norm of the change that K_C alone makes to it.
+    pub correction: Vec<f64>,
+    /// Norm of the difference of the exact equilibrium to the linear model.
+    pub linearisation: Vec<f64>,
+}
+
+/// Share of K_C and of the equilibrium in the displacements of the measuring
+/// points at the controller angles `q` \[rad\].
+///
+/// # Errors
+/// As [`equilibrium`] and [`cartesian_compliance`].
+pub fn second_order(
+    setup: &Setup,
+    q: &[f64],
+    stiffness: &[f64],
+    wrench: Option<&Wrench>,
+) -> Result<SecondOrder> {
+    let terms = PostureTerms::new(setup, q, wrench)?;
+    let k_c = stiffness_correction(&terms);
+    let after = equilibrium(setup, q, stiffness, wrench)?.frames;
+    let mut out = SecondOrder {
+        displacement: Vec::new(),
+        correction: Vec::new(),
+        linearisation: Vec::new(),
+    };
+    let norm = |d: Vector6<f64>| d.fixed_rows::<3>(0).norm();
+    for (point, p) in setup
+        .tool
+        .measuring_points
+        .iter()
+        .zip(terms.measuring_points())
+    {
+        let linear = linear_displacement(setup, &terms, p, stiffness, None)?;
+        let corrected = linear_displacement(setup, &terms, p, stiffness, Some(&k_c))?;
+        let exact = displacement_between(terms.frames(), &after, &point.position);
+        out.displacement.push(norm(linear));
+        out.correction.push(norm(corrected - linear));
+        out.linearisation.push(norm(exact - linear));
+    }
+    Ok(out)
+}

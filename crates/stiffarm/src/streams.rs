@@ -9,6 +9,12 @@ const GROUPS: u64 = 1 << 63;
 /// Marks those of the chains of a global selection, and of its candidates.
 const CHAINS: u64 = 3 << 61;
 const CANDIDATES: u64 = 7 << 61;
+/// Marks those of simulated experiments.
+const EXPERIMENTS: u64 = 1 << 62;
+/// Marks those of the experiments whose intervals are counted, and of the
+/// resamples of a bootstrap.
+const COVERAGE: u64 = 1 << 61;
+const RESAMPLES: u64 = 5 << 61;
 
 /// The random numbers of one run of a simulation. Groups below 2¹⁷, levels
 /// below 2¹⁰ and runs below 2³⁴ never share a stream.
@@ -32,6 +38,21 @@ pub(crate) fn chain_rng(seed: u64, round: u64, chain: usize) -> ChaCha8Rng {
 /// The random numbers of the candidate postures of a global selection.
 pub(crate) fn candidate_rng(seed: u64) -> ChaCha8Rng {
     stream(seed, CANDIDATES)
+}
+
+/// The random numbers of one simulated experiment.
+pub(crate) fn experiment_rng(seed: u64, experiment: u64) -> ChaCha8Rng {
+    stream(seed, EXPERIMENTS | (experiment & (EXPERIMENTS / 2 - 1)))
+}
+
+/// The random numbers of one experiment whose intervals are counted.
+pub(crate) fn coverage_rng(seed: u64, experiment: usize) -> ChaCha8Rng {
+    stream(seed, COVERAGE | experiment as u64)
+}
+
+/// The random numbers of one resample of a bootstrap.
+pub(crate) fn resample_rng(seed: u64, resample: usize) -> ChaCha8Rng {
+    stream(seed, RESAMPLES | resample as u64)
 }
 
 fn stream(seed: u64, stream: u64) -> ChaCha8Rng {

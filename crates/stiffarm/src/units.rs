@@ -1,5 +1,7 @@
 //! Units at the doors. Inside the library everything is SI: m, rad, N, N·m.
 
+use nalgebra::UnitQuaternion;
+
 /// Metres per millimetre.
 pub const MM: f64 = 1e-3;
 
@@ -20,6 +22,56 @@ pub fn m_to_mm(m: f64) -> f64 {
 /// Square millimetres to square metres.
 pub fn mm2_to_m2(mm2: f64) -> f64 {
     mm2 / 1e6
+}
+
+/// Micrometres to metres.
+pub fn um_to_m(um: f64) -> f64 {
+    um / 1e6
+}
+
+/// Inches to metres.
+pub fn in_to_m(inches: f64) -> f64 {
+    inches * 0.0254
+}
+
+/// Kilonewtons to newtons.
+pub fn kn_to_n(kn: f64) -> f64 {
+    kn * 1e3
+}
+
+/// Newton millimetres to newton metres.
+pub fn nmm_to_nm(nmm: f64) -> f64 {
+    nmm / 1e3
+}
+
+/// Milliseconds to seconds.
+pub fn ms_to_s(ms: f64) -> f64 {
+    ms / 1e3
+}
+
+/// Minutes to seconds.
+pub fn min_to_s(min: f64) -> f64 {
+    min * 60.0
+}
+
+/// Per cent to a fraction.
+pub fn percent_to_fraction(percent: f64) -> f64 {
+    percent / 1e2
+}
+
+/// Milliradians to radians.
+pub fn mrad_to_rad(mrad: f64) -> f64 {
+    mrad / 1e3
+}
+
+/// Microradians to radians.
+pub fn urad_to_rad(urad: f64) -> f64 {
+    urad / 1e6
+}
+
+/// Minutes of arc to radians.
+pub fn arcmin_to_rad(arcmin: f64) -> f64 {
+    (arcmin / 60.0).to_radians()
 }
 
 /// Degrees to radians.
@@ -48,6 +100,21 @@ pub fn m_to_shortest_mm(m: f64) -> f64 {
     shortest(m, m_to_mm, mm_to_m)
 }
 
+/// Roll, pitch, yaw \[rad\] of a rotation Rz(yaw)·Ry(pitch)·Rx(roll): turns about
+/// the fixed x, then y, then z axis, as `_rpy_deg` in files has them.
+///
+/// Near a pitch of ±90°, where roll and yaw are one and the same, they are
+/// chosen so that the three still give the rotation to the last digits.
+pub fn roll_pitch_yaw(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
+    let r = rotation.to_rotation_matrix();
+    let roll = r[(2, 1)].atan2(r[(2, 2)]);
+    let pitch = (-r[(2, 0)]).atan2(r[(2, 1)].hypot(r[(2, 2)]));
+    // Yaw is what is left once this roll is undone.
+    let (sine, cosine) = roll.sin_cos();
+    let yaw = (sine * r[(0, 2)] - cosine * r[(0, 1)]).atan2(cosine * r[(1, 1)] - sine * r[(1, 2)]);
+    [roll, pitch, yaw]
+}
+
 /// The number of fewest decimal digits that `back` turns into `value`, or else
 /// into what `there` and `back` make of it.
 fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
@@ -69,6 +136,7 @@ fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::FRAC_PI_2;
 
     #[test]
     fn round_numbers_stay_round() {
@@ -83,6 +151,18 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn roll_pitch_yaw_give_the_rotation_back(
+            roll in -3.1..3.1f64,
+            pitch in prop_oneof![-1.57..1.57f64, Just(FRAC_PI_2), Just(-FRAC_PI_2), Just(FRAC_PI_2 - 1e-9)],
+            yaw in -3.1..3.1f64,
+        ) {
+            let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            let [r, p, y] = roll_pitch_yaw(&rotation);
+            let back = UnitQuaternion::from_euler_angles(r, p, y);
+            prop_assert!(back.angle_to(&rotation) < 1e-14, "{}", back.angle_to(&rotation));
+        }
+
         #[test]
         fn what_was_written_is_read_and_written_again(rad in -13.0..13.0f64, m in -10.0..10.0f64) {
             let deg = rad_to_shortest_deg(rad);

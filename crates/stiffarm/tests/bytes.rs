@@ -8,9 +8,9 @@ use stiffarm::builtin;
 use stiffarm::cell::Cell;
 use stiffarm::cell::file::{parse_cell, parse_cell_bytes, template};
 use stiffarm::load::{Load, Wrench};
-use stiffarm::measurement::MeasuredPosture;
+use stiffarm::measurement::{MeasuredPosture, ReadingTable};
 use stiffarm::posture::Posture;
-use stiffarm::table::{read_displacements, read_postures};
+use stiffarm::table::{Measurements, read_displacements, read_measurements, read_postures};
 
 fn finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> bool {
     values.into_iter().all(|value| value.is_finite())
@@ -61,6 +61,28 @@ fn cell_is_finite(cell: &Cell) -> bool {
         && finite(cell.prior.iter().flatten())
         && finite(cell.characteristic_length.iter())
         && postures_are_finite(&cell.validation)
+        && instruments_are_finite(cell)
+}
+
+fn instruments_are_finite(cell: &Cell) -> bool {
+    let (tracker, uncertainty) = (&cell.tracker, &cell.uncertainty);
+    let poses = cell.sensor.iter().map(|sensor| &sensor.pose);
+    let accuracy = tracker.accuracy.iter();
+    let mut values = accuracy.flat_map(|a| [a.range, a.range_per_metre, a.angle, a.station.norm()]);
+    let common = [
+        uncertainty.force_scale,
+        uncertainty.anchor,
+        uncertainty.loading_point,
+        uncertainty.registration,
+        uncertainty.base_tilt_compliance,
+        uncertainty.sensor_compliance,
+        uncertainty.lost_motion,
+    ];
+    poses
+        .chain(&tracker.base_from_tracker)
+        .all(|pose| finite(&pose.to_homogeneous()))
+        && values.all(f64::is_finite)
+        && finite(common.iter().flatten())
 }
 
 fn postures_are_finite(postures: &[Posture]) -> bool {
@@ -74,6 +96,21 @@ fn measured_are_finite(measured: &[MeasuredPosture]) -> bool {
             && m.displacements
                 .iter()
                 .all(|d| finite(&d.value) && finite(d.time.iter()))
+    })
+}
+
+fn readings_are_finite(table: &ReadingTable) -> bool {
+    table.postures.iter().all(|posture| {
+        finite(&posture.posture.q)
+            && posture.states.iter().all(|state| {
+                finite(state.angles.iter().flatten())
+                    && state.wrench.as_ref().is_none_or(wrench_is_finite)
+                    && finite(state.load.iter())
+                    && state
+                        .readings
+                        .iter()
+                        .all(|r| finite(&r.position) && finite(r.time.iter()))
+            })
     })
 }
 
@@ -93,6 +130,11 @@ fn read_as_everything(bytes: &[u8]) -> Result<(), TestCaseError> {
         Ok(measured) => prop_assert!(measured_are_finite(&measured)),
         Err(error) => prop_assert!(error.to_string().starts_with("measurements.csv:")),
     }
+    match read_measurements(bytes, "m.csv", &cell, None) {
+        Ok(Measurements::Displacements(measured)) => prop_assert!(measured_are_finite(&measured)),
+        Ok(Measurements::Readings(table)) => prop_assert!(readings_are_finite(&table)),
+        Err(error) => prop_assert!(error.to_string().starts_with("m.csv:")),
+    }
     Ok(())
 }
 
@@ -100,6 +142,13 @@ const MEASUREMENTS: &str = "\
 posture,state,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,time_s,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg
 \"P1\",up,TCP,0.125,-0.5,0.25,100,0,-500,1,2,3,10.5,-60,-30,10,20,-30,140
 P1,down,TCP,0.125,-0.5,0.25,90,0,-480,1,2,3,,-60,-30,10,20,-30,140
+";
+
+const READINGS: &str = "\
+posture,state,point,x_mm,y_mm,z_mm,fx_n,fy_n,fz_n,time_s,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg
+P1,unloaded,TCP,1500.125,-200.5,900.25,,,,10.5,-60,-30,10,20,-30,140
+P1,unloaded,base,3.5,4.25,5,,,,,-60,-30,10,20,-30,140
+P1,up,TCP,1500.25,-200.75,899.25,90,0,-480,12,-60,-30,10,20,-30,140
 ";
 
 fn valid_files() -> Vec<String> {
@@ -113,6 +162,7 @@ fn valid_files() -> Vec<String> {
     files.extend(builtin::postures_text("comau-group1").map(String::from));
     files.push(MEASUREMENTS.to_string());
     files.push(MEASUREMENTS.replace(',', ";").replace('.', ","));
+    files.push(READINGS.to_string());
     files
 }
 
@@ -250,6 +300,15 @@ proptest! {
     }
 
     #[test]
+    fn changed_workbooks(changes in prop::collection::vec(change(), 1..4)) {
+        let mut bytes = include_bytes!("golden/xlsx/readings.xlsx").to_vec();
+        for change in &changes {
+            apply(&mut bytes, change);
+        }
+        read_as_everything(&bytes)?;
+    }
+
+    #[test]
     fn any_number_in_any_place(
         which in 0..16usize,
         place in any::<prop::sample::Index>(),
@@ -277,6 +336,7 @@ fn valid_files_are_accepted() {
     }
     let cell = builtin::cell("fanuc-r2000ic").unwrap();
     assert!(read_displacements(MEASUREMENTS.as_bytes(), "m.csv", &cell, None).is_ok());
+    assert!(read_measurements(READINGS.as_bytes(), "m.csv", &cell, None).is_ok());
 }
 
 #[test]

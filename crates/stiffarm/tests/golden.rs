@@ -244,6 +244,7 @@ fn identification_of_noisy_displacements() {
             },
             state: "loaded".to_string(),
             wrench: None,
+            common_readings: [0.0; 2],
             servo_give: None,
             displacements: rows
                 .chunks_exact(3)
@@ -515,16 +516,16 @@ fn longley_regression_reaches_the_certified_values() {
     );
     println!("standard errors {errors:.1}, residual deviation {deviation:.1}");
     assert!(
-        coefficients >= 8.0,
+        coefficients >= 10.0,
         "coefficients: {coefficients:.2} digits"
     );
     assert!(
-        by_inverse >= 8.0,
+        by_inverse >= 10.0,
         "by pseudo-inverse: {by_inverse:.2} digits"
     );
-    assert!(errors >= 8.0, "standard errors: {errors:.2} digits");
+    assert!(errors >= 10.0, "standard errors: {errors:.2} digits");
     assert!(
-        deviation >= 8.0,
+        deviation >= 10.0,
         "residual deviation: {deviation:.2} digits"
     );
 }

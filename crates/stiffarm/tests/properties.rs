@@ -110,6 +110,7 @@ proptest! {
             posture: Posture { name: "1".to_string(), q },
             state: "loaded".to_string(),
             wrench: None,
+            common_readings: [0.0; 2],
             servo_give: None,
             displacements: Vec::new(),
         };

@@ -7,9 +7,9 @@ use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::kernel::{Kernel, Wanted};
 use crate::information::posture_information;
+use crate::jobs::in_order;
 use crate::observation::{PostureTerms, check_angles};
 use crate::optimise::{Control, Evaluation, Options, Problem, minimise};
-use crate::simulate::in_order;
 use nalgebra::DMatrix;
 
 /// Violation of bounds \[rad\] or limits \[m\] that counts as met.

@@ -9,8 +9,10 @@ use serde::{Deserialize, Serialize};
 
 /// A direction whose relative standard error is above this is not determined.
 const WEAK: f64 = 0.5;
-/// Coefficients below this, in relative compliances, are rounding.
-const NEGLIGIBLE: f64 = 1e-6;
+/// Coefficients below this, in relative compliances, are left out of a sum.
+const NEGLIGIBLE: f64 = 1e-3;
+/// A sum without a second coefficient above this stands for its first unknown.
+const COMBINED: f64 = 0.1;
 
 /// A sum of compliances that the data determine although they cannot tell its
 /// parts from each other.
@@ -57,7 +59,7 @@ pub(super) fn combinations(
     for (i, pivot) in pivots.into_iter().enumerate() {
         let others = (0..n).filter(|j| *j != pivot && rows[(i, *j)].abs() > NEGLIGIBLE);
         let parts: Vec<usize> = std::iter::once(pivot).chain(others).collect();
-        if parts.len() == 1 {
+        if parts[1..].iter().all(|j| rows[(i, *j)].abs() < COMBINED) {
             continue;
         }
         let mut coefficients = DVector::zeros(n);

@@ -1,8 +1,10 @@
 //! From a compliance with its standard error to a stiffness with its interval.
 
+use super::solve::Solution;
 use crate::error::{Code, Error, Result};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::ops::Range;
 
 /// What an estimate says about its joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,19 +49,78 @@ pub struct JointEstimate {
 }
 
 impl JointEstimate {
+    /// Interval and verdict from the ends of the interval of H.
+    pub(super) fn close(&mut self, low: f64, high: f64) {
+        if high == 0.0 && low == 0.0 {
+            self.verdict = Verdict::NoInterval;
+        } else if high <= 0.0 {
+            self.verdict = Verdict::SignOrModelFault;
+        } else if low <= 0.0 {
+            self.verdict = Verdict::LowerBoundOnly;
+            self.interval = [Some(1.0 / high), None];
+            if self.compliance.is_some_and(|h| h <= 0.0) {
+                // Noise alone explains the sign: a negative stiffness would be
+                // no estimate of anything. The compliance keeps its value.
+                self.stiffness = None;
+                self.standard_error = None;
+            }
+        } else {
+            self.verdict = Verdict::Determined;
+            self.interval = [Some(1.0 / high), Some(1.0 / low)];
+        }
+    }
+
     /// The non-negative fit holds this compliance at zero: the joint is rigid
     /// as far as the data tell, and a value of k there is none.
-    pub(super) fn hold_at_bound(&mut self) {
+    fn hold_at_bound(&mut self) {
         self.stiffness = None;
         self.standard_error = None;
-        self.verdict = Verdict::LowerBoundOnly;
         // The free fit's error, laid about zero.
         self.interval = [self.interval[0], None];
+        self.verdict = match self.interval[0] {
+            Some(_) => Verdict::LowerBoundOnly,
+            None => Verdict::NoInterval,
+        };
     }
 }
 
+/// Quantile of a solution's intervals; `None` where it cannot have any: the
+/// size of the noise is unknown, or nothing is known of how well.
+pub(crate) fn interval_quantile(solution: &Solution, confidence: f64) -> Result<Option<f64>> {
+    match (&solution.covariance, solution.t_degrees_of_freedom) {
+        (None, _) | (_, Some(0)) => Ok(None),
+        (_, dof) => quantile(dof, confidence).map(Some),
+    }
+}
+
+/// Estimates of the unknowns `which`, springs all of them, by a solution.
+pub(crate) fn estimates(
+    names: &[String],
+    which: Range<usize>,
+    solution: &Solution,
+    quantile: Option<f64>,
+) -> Vec<JointEstimate> {
+    which
+        .map(|j| {
+            let known = !solution.undetermined.contains(&j);
+            let value = known.then(|| solution.values[j]);
+            let mut joint = estimate(&names[j], value, standard_error(solution, j), quantile);
+            if solution.at_bound.contains(&j) {
+                joint.hold_at_bound();
+            }
+            joint
+        })
+        .collect()
+}
+
+/// Standard error of unknown j, where it has one.
+pub(super) fn standard_error(solution: &Solution, j: usize) -> Option<f64> {
+    let covariance = solution.covariance.as_ref()?;
+    (!solution.undetermined.contains(&j)).then(|| covariance[(j, j)].max(0.0).sqrt())
+}
+
 /// Two-sided quantile of Student's t, or of the normal without degrees of freedom.
-pub(super) fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Result<f64> {
+pub(crate) fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Result<f64> {
     let p = 0.5 + 0.5 * confidence;
     let failed = |_| Error::new(Code::Internal, "A quantile could not be computed.");
     Ok(match degrees_of_freedom {
@@ -98,23 +159,7 @@ pub(super) fn estimate(
         out.verdict = Verdict::NoInterval;
         return out;
     };
-    let (low, high) = (h - half, h + half);
-    if high == 0.0 && low == 0.0 {
-        out.verdict = Verdict::NoInterval;
-    } else if high < 0.0 {
-        out.verdict = Verdict::SignOrModelFault;
-    } else if low <= 0.0 {
-        out.verdict = Verdict::LowerBoundOnly;
-        out.interval = [Some(1.0 / high), None];
-        if h <= 0.0 {
-            // Noise alone explains the sign: a negative stiffness would be
-            // no estimate of anything. The compliance keeps its value.
-            out.stiffness = None;
-            out.standard_error = None;
-        }
-    } else {
-        out.interval = [Some(1.0 / high), Some(1.0 / low)];
-    }
+    out.close(h - half, h + half);
     out
 }
 
@@ -143,8 +188,28 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_held_at_zero_has_a_lower_bound_or_nothing() {
+        let mut held = estimate("j", Some(0.0), Some(1e-7), Some(2.0));
+        held.hold_at_bound();
+        assert_eq!(held.verdict, Verdict::LowerBoundOnly);
+        assert!((held.interval[0].unwrap_or(0.0) - 5e6).abs() < 1e-3 && held.interval[1].is_none());
+        let mut without = estimate("j", Some(0.0), None, None);
+        without.hold_at_bound();
+        assert_eq!(without.verdict, Verdict::NoInterval);
+        assert_eq!((without.interval, without.stiffness), ([None, None], None));
+    }
+
+    #[test]
     fn quantiles_are_those_of_the_tables() {
-        assert!((quantile(Some(66), 0.95).unwrap() - 1.996_564_4).abs() < 1e-6);
-        assert!((quantile(None, 0.95).unwrap() - 1.959_964).abs() < 1e-6);
+        let table = [
+            (Some(3), 3.182_446_305_284_263),
+            (Some(6), 2.446_911_848_791_681),
+            (Some(12), 2.178_812_829_663_418),
+            (Some(66), 1.996_564_418_952_312),
+            (None, 1.959_963_984_540_054),
+        ];
+        for (dof, expected) in table {
+            assert!((quantile(dof, 0.95).unwrap() / expected - 1.0).abs() < 1e-9);
+        }
     }
 }

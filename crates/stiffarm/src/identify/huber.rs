@@ -3,12 +3,20 @@
 use crate::error::Result;
 use crate::information::Factor;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
-/// Residuals of a displacement beyond this many σ count less: 95 % efficiency
-/// for normal errors in three dimensions (in one dimension it is 1.345).
-const THRESHOLD: f64 = 1.628;
-/// Median of the norm of three standard normal components.
-const MEDIAN_NORM: f64 = 1.538_172_3;
+/// Residuals beyond this many σ count less: 95 % efficiency for normal errors
+/// in 1, 2, … dimensions (a displacement has three, a clamped posture up to six).
+const THRESHOLDS: [f64; 6] = [1.345, 1.501, 1.628, 1.731, 1.812, 1.869];
+/// Median of the norm of 1, 2, … standard normal components.
+const MEDIAN_NORMS: [f64; 6] = [
+    0.674_489_8,
+    1.177_410_0,
+    1.538_172_3,
+    1.832_128_3,
+    2.086_015_4,
+    2.312_600_4,
+];
 /// Reweightings after which the values are taken as they are.
 const ITERATIONS: usize = 200;
 /// Relative change of the fit that ends the iteration.
@@ -17,25 +25,36 @@ const TOLERANCE: f64 = 1e-12;
 /// What Huber's estimator finds.
 pub(super) struct Huber {
     pub values: DVector<f64>,
-    /// Weight of each displacement (three rows), 1 where it fits.
+    /// Weight of each group of rows, 1 where it fits.
     pub weights: Vec<f64>,
     pub covariance: Option<DMatrix<f64>>,
     /// Scale of a component \[m\].
     pub sigma: f64,
 }
 
-/// Reweighted least squares: a displacement with residual norm r counts with
+/// Constant of a group with this many rows.
+fn of(table: &[f64; 6], rows: usize) -> f64 {
+    table[rows.clamp(1, table.len()) - 1]
+}
+
+/// Reweighted least squares: a group of rows with residual norm r counts with
 /// weight min(1, c·s/r), where the scale s comes from the median of the norms.
-pub(super) fn huber(psi: &DMatrix<f64>, factor: &Factor, delta: &DVector<f64>) -> Result<Huber> {
-    let (rows, count) = (psi.nrows(), psi.nrows() / 3);
+pub(super) fn huber(
+    psi: &DMatrix<f64>,
+    factor: &Factor,
+    delta: &DVector<f64>,
+    groups: &[Range<usize>],
+) -> Result<Huber> {
+    let rows = psi.nrows();
     let rank = factor.rank();
     let mut values = factor.solve(delta);
-    let mut weights = vec![1.0; count];
+    let mut weights = vec![1.0; groups.len()];
     let mut sigma = 0.0;
     let norms = |values: &DVector<f64>| -> Vec<f64> {
         let residual = delta - psi * values;
-        (0..count)
-            .map(|d| residual.fixed_rows::<3>(3 * d).norm())
+        groups
+            .iter()
+            .map(|g| residual.rows(g.start, g.len()).norm())
             .collect()
     };
     let size = delta.norm();
@@ -46,18 +65,21 @@ pub(super) fn huber(psi: &DMatrix<f64>, factor: &Factor, delta: &DVector<f64>) -
         if free <= 0.0 {
             break;
         }
-        sigma = crate::simulate::median(&now) / (MEDIAN_NORM * free.sqrt());
+        let scaled: Vec<f64> = now
+            .iter()
+            .zip(groups)
+            .map(|(norm, g)| norm / of(&MEDIAN_NORMS, g.len()))
+            .collect();
+        sigma = crate::sample::median(&scaled) / free.sqrt();
         if sigma <= 64.0 * f64::EPSILON * size {
             break;
         }
-        for (weight, norm) in weights.iter_mut().zip(&now) {
-            *weight = (THRESHOLD * sigma / norm).min(1.0);
-        }
         let mut weighted = psi.clone();
         let mut right = delta.clone();
-        for (d, weight) in weights.iter().enumerate() {
-            weighted.rows_mut(3 * d, 3).scale_mut(weight.sqrt());
-            right.rows_mut(3 * d, 3).scale_mut(weight.sqrt());
+        for ((weight, norm), g) in weights.iter_mut().zip(&now).zip(groups) {
+            *weight = (of(&THRESHOLDS, g.len()) * sigma / norm).min(1.0);
+            weighted.rows_mut(g.start, g.len()).scale_mut(weight.sqrt());
+            right.rows_mut(g.start, g.len()).scale_mut(weight.sqrt());
         }
         let next = Factor::new(&weighted)?.solve(&right);
         let change = (psi * (&next - &values)).norm();
@@ -67,7 +89,7 @@ pub(super) fn huber(psi: &DMatrix<f64>, factor: &Factor, delta: &DVector<f64>) -
         }
     }
     Ok(Huber {
-        covariance: covariance(factor, &norms(&values), sigma, rank),
+        covariance: covariance(factor, &norms(&values), groups, sigma),
         values,
         weights,
         sigma,
@@ -77,26 +99,40 @@ pub(super) fn huber(psi: &DMatrix<f64>, factor: &Factor, delta: &DVector<f64>) -
 /// Huber's asymptotic covariance with his correction for few rows (Huber &
 /// Ronchetti, Robust Statistics, 2009, section 7.6), for spherical errors:
 /// K² Σψ²/(rows − n) / mean(a)² (ΨᵀΨ)⁻¹, a the mean derivative of ψ.
-fn covariance(factor: &Factor, norms: &[f64], sigma: f64, rank: usize) -> Option<DMatrix<f64>> {
-    let rows = 3 * norms.len();
+fn covariance(
+    factor: &Factor,
+    norms: &[f64],
+    groups: &[Range<usize>],
+    sigma: f64,
+) -> Option<DMatrix<f64>> {
+    let rows: usize = groups.iter().map(Range::len).sum();
+    let rank = factor.rank();
     if rows <= rank {
         return None;
     }
     if sigma <= 0.0 {
         return Some(factor.inverse_information() * 0.0);
     }
-    let limit = THRESHOLD * sigma;
-    let squares: f64 = norms.iter().map(|r| r.min(limit).powi(2)).sum();
-    let slope = |r: &f64| {
-        if *r <= limit {
-            1.0
-        } else {
-            2.0 / 3.0 * limit / r
-        }
+    let limit = |g: &Range<usize>| of(&THRESHOLDS, g.len()) * sigma;
+    let squares: f64 = norms
+        .iter()
+        .zip(groups)
+        .map(|(r, g)| r.min(limit(g)).powi(2))
+        .sum();
+    // Of d directions one is cut to zero slope, the others keep limit/r.
+    let slope = |r: f64, g: &Range<usize>| match r <= limit(g) {
+        true => 1.0,
+        false => (g.len() as f64 - 1.0) / g.len() as f64 * limit(g) / r,
     };
-    let count = norms.len() as f64;
-    let mean = norms.iter().map(slope).sum::<f64>() / count;
-    let spread = norms.iter().map(|r| (slope(r) - mean).powi(2)).sum::<f64>() / count;
+    let share = |g: &Range<usize>| g.len() as f64 / rows as f64;
+    let pairs = || norms.iter().zip(groups);
+    let mean: f64 = pairs().map(|(r, g)| share(g) * slope(*r, g)).sum();
+    let spread: f64 = pairs()
+        .map(|(r, g)| share(g) * (slope(*r, g) - mean).powi(2))
+        .sum();
+    if mean <= 0.0 {
+        return None;
+    }
     let correction = 1.0 + rank as f64 / rows as f64 * spread / (mean * mean);
     let scale = correction * correction * squares / (rows - rank) as f64 / (mean * mean);
     Some(factor.inverse_information() * scale)

@@ -6,8 +6,9 @@ use super::system::MeasuredSystem;
 use super::{IdentifyOptions, assumptions, check, measured_system, rms};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
+use crate::information::ZERO_COLUMN;
+use crate::jobs::in_order;
 use crate::measurement::MeasuredPosture;
-use crate::simulate::in_order;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -27,8 +28,8 @@ pub struct Influence {
     /// Posture.
     pub posture: String,
     /// RMS of its displacement components less their prediction from the other
-    /// postures \[m\].
-    pub prediction_rms_m: f64,
+    /// postures \[m\]; `None` where they do not determine what it shows.
+    pub prediction_rms_m: Option<f64>,
     /// Change of each unknown when the posture is left out, in standard errors
     /// of the full fit; `None` where there is no standard error or the others
     /// do not determine it.
@@ -82,7 +83,13 @@ pub fn prediction_error(
 ) -> Option<DVector<f64>> {
     let rows = &system.blocks[block].rows;
     let psi = system.psi.rows(rows.start, rows.len());
-    let blind = |j: &usize| psi.column(*j).iter().all(|v| *v == 0.0);
+    // Rounding of a column that is zero: a load through the joint's axis.
+    let largest = system
+        .psi
+        .column_iter()
+        .map(|c| c.norm())
+        .fold(0.0, f64::max);
+    let blind = |j: &usize| psi.column(*j).norm() <= ZERO_COLUMN * largest;
     solution
         .undetermined
         .iter()
@@ -112,8 +119,7 @@ pub fn leave_one_out(
     {
         let error = prediction_error(&system, b, &fold.solution);
         complete &= error.is_some();
-        let error = error.unwrap_or_default();
-        errors.extend_from_slice(error.as_slice());
+        errors.extend(error.iter().flat_map(|e| e.iter().copied()));
         let lost: Vec<usize> = fold
             .solution
             .undetermined
@@ -128,7 +134,7 @@ pub fn leave_one_out(
         };
         postures.push(Influence {
             posture: system.blocks[b].posture.clone(),
-            prediction_rms_m: rms(error.as_slice()),
+            prediction_rms_m: error.map(|e| rms(e.as_slice())),
             shifts: (0..system.unknowns.len()).map(shift).collect(),
             lost: lost.iter().map(|j| system.unknowns[*j].clone()).collect(),
         });

@@ -3,7 +3,7 @@
 //! subproblem by QR and SVD.
 
 use crate::error::{Code, Error, Result};
-use crate::information::Factor;
+use crate::information::{Factor, ZERO_COLUMN};
 use nalgebra::{DMatrix, DVector};
 
 /// Minimises ‖Ψx − Δ‖ with x_j ≥ 0 for j < `bounded`: the values, and which
@@ -30,14 +30,18 @@ pub(super) fn non_negative(
         Ok(all)
     };
     let norms: Vec<f64> = psi.column_iter().map(|c| c.norm()).collect();
+    // Rounding errors in place of a column would be released by chance.
+    let empty = ZERO_COLUMN * norms.iter().fold(0.0_f64, |m, norm| m.max(*norm));
+    let mut candidates: Vec<usize> = (0..bounded).filter(|j| norms[*j] > empty).collect();
     let tolerance = 1e-10 * delta.norm();
     let mut values = solve(&free)?;
     for _ in 0..20 * (n + 1) {
         let gradient = psi.tr_mul(&(delta - psi * &values));
         // The bounded unknown whose release helps most, per unit of its column.
-        let next = (0..bounded)
-            .filter(|j| !free.contains(j) && norms[*j] > 0.0)
-            .map(|j| (j, gradient[j] / norms[j]))
+        let next = candidates
+            .iter()
+            .filter(|j| !free.contains(j))
+            .map(|&j| (j, gradient[j] / norms[j]))
             .filter(|(_, g)| *g > tolerance)
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((released, _)) = next else {
@@ -45,33 +49,34 @@ pub(super) fn non_negative(
         };
         free.push(released);
         free.sort_unstable();
+        let mut first = true;
         loop {
             let candidate = solve(&free)?;
-            let blocked = |j: &&usize| **j < bounded && candidate[**j] <= 0.0;
-            let step = free
+            let blocking = free
                 .iter()
-                .filter(blocked)
-                .map(|&j| values[j] / (values[j] - candidate[j]))
-                .fold(f64::INFINITY, f64::min);
-            if step.is_infinite() {
+                .filter(|j| **j < bounded && candidate[**j] <= 0.0)
+                .map(|&j| match values[j] > 0.0 {
+                    true => (j, values[j] / (values[j] - candidate[j])),
+                    false => (j, 0.0),
+                })
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((blocked, step)) = blocking else {
                 values = candidate;
                 break;
-            }
-            values += (candidate - &values) * step.clamp(0.0, 1.0);
-            let dust: Vec<f64> = norms
-                .iter()
-                .map(|norm| 1e-14 * delta.norm() / norm)
-                .collect();
-            free.retain(|&j| j >= bounded || values[j] > dust[j]);
+            };
+            values += (candidate - &values) * step;
+            let dust = |j: usize| 1e-14 * delta.norm() / norms[j];
+            free.retain(|&j| j >= bounded || (j != blocked && values[j] > dust(j)));
             for j in 0..bounded {
                 if !free.contains(&j) {
                     values[j] = 0.0;
                 }
             }
-            if !free.contains(&released) {
+            if first && !free.contains(&released) {
                 // Rounding released what the data push back: leave it.
-                return Ok((solve(&free)?, free));
+                candidates.retain(|j| *j != released);
             }
+            first = false;
         }
     }
     Err(Error::new(

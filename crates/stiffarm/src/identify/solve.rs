@@ -9,6 +9,7 @@ use crate::error::{Code, Error, Result};
 use crate::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// How the unknowns are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -143,7 +144,7 @@ pub struct Solution {
     pub gamma: f64,
     /// Factor behind the covariance.
     pub factor: Factor,
-    /// Huber's weight of each displacement.
+    /// Huber's weight of each displacement (of each label of the system).
     pub weights: Option<Vec<f64>>,
     /// Springs held at zero compliance by the non-negative fit.
     pub at_bound: Vec<usize>,
@@ -156,6 +157,8 @@ pub struct Solution {
 pub struct Prepared {
     whitened: Whitened,
     springs: usize,
+    /// Rows that Huber's estimator weighs together.
+    groups: Vec<Range<usize>>,
 }
 
 impl Prepared {
@@ -176,6 +179,7 @@ impl Prepared {
         Ok(Prepared {
             whitened,
             springs: system.springs,
+            groups: system.labels.iter().map(|l| l.rows.clone()).collect(),
         })
     }
 
@@ -202,7 +206,7 @@ impl Prepared {
     }
 
     /// Rows of Ψ and displacements with shifts of ratio γ made independent.
-    fn shifted(&self, white: &DVector<f64>, gamma: f64) -> (DMatrix<f64>, DVector<f64>) {
+    pub(super) fn shifted(&self, white: &DVector<f64>, gamma: f64) -> (DMatrix<f64>, DVector<f64>) {
         if gamma <= 0.0 {
             return (self.whitened.psi().clone(), white.clone());
         }
@@ -273,7 +277,7 @@ impl Prepared {
             weights,
             covariance,
             sigma,
-        } = huber::huber(psi, self.whitened.factor(), white)?;
+        } = huber::huber(psi, self.whitened.factor(), white, &self.groups)?;
         let rank = self.whitened.factor().rank();
         let free = psi.nrows() - rank.min(psi.nrows());
         let (covariance, t_degrees_of_freedom) = match assumed.scale {
@@ -302,7 +306,9 @@ impl Prepared {
     fn bounded(&self, white: &DVector<f64>, base: Solution) -> Result<Solution> {
         let (psi, delta) = self.shifted(white, base.gamma);
         let (values, free) = non_negative(&psi, &delta, self.springs)?;
-        let at_bound: Vec<usize> = (0..self.springs).filter(|j| !free.contains(j)).collect();
+        // What the data say nothing about is not held by them.
+        let held = |j: &usize| !free.contains(j) && !base.undetermined.contains(j);
+        let at_bound: Vec<usize> = (0..self.springs).filter(held).collect();
         Ok(Solution {
             values,
             at_bound,

@@ -8,8 +8,10 @@ use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::measurement::{Displacement, MeasuredPosture, row_count};
 use crate::observation::{ExtraTerm, PostureTerms};
+use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Load states whose joint torques point alike, up to sign, share what the
@@ -28,13 +30,16 @@ pub enum Weights {
     Tracker,
 }
 
-/// Which displacement three rows of a system belong to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Rows of a system that belong together: the three of a displacement, or those
+/// that a clamped posture gives in one state.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RowLabel {
     /// Index of the measured posture (posture and load state).
     pub measured: usize,
-    /// Index of the displacement in it.
+    /// Index of the displacement in it; 0 for a clamped posture.
     pub displacement: usize,
+    /// The rows.
+    pub rows: Range<usize>,
 }
 
 /// Rows of one posture.
@@ -57,7 +62,7 @@ pub struct MeasuredSystem {
     /// Ψ, rows × unknowns: springs, then further terms.
     pub psi: DMatrix<f64>,
     /// Δ less the displacement that is known: of a series compliance, and of
-    /// the controller giving way \[m\].
+    /// the controller giving way \[m\]; angles \[rad\] of a clamped end-effector.
     pub delta: DVector<f64>,
     /// Names of the unknowns.
     pub unknowns: Vec<String>,
@@ -67,7 +72,7 @@ pub struct MeasuredSystem {
     pub extra: Vec<ExtraTerm>,
     /// Its postures.
     pub blocks: Vec<Block>,
-    /// The displacement behind each three rows.
+    /// What stands behind the rows, in their order.
     pub labels: Vec<RowLabel>,
 }
 
@@ -76,6 +81,12 @@ impl MeasuredSystem {
     /// posture and direction of load.
     pub fn shifts(&self) -> usize {
         self.blocks.iter().map(|b| b.shared.ncols()).sum()
+    }
+
+    /// What stands behind the rows of a block.
+    pub fn labels_of(&self, block: &Block) -> &[RowLabel] {
+        let first = |row: usize| self.labels.partition_point(|l| l.rows.start < row);
+        &self.labels[first(block.rows.start)..first(block.rows.end)]
     }
 
     /// The system without the postures of `left_out` (indices of blocks).
@@ -105,7 +116,7 @@ impl MeasuredSystem {
             springs: self.springs,
             extra: self.extra.clone(),
             blocks: Vec::with_capacity(chosen.len()),
-            labels: Vec::with_capacity(rows / 3),
+            labels: Vec::with_capacity(self.labels.len()),
         };
         let mut at = 0;
         for &b in chosen {
@@ -117,8 +128,12 @@ impl MeasuredSystem {
             out.delta
                 .rows_mut(at, count)
                 .copy_from(&self.delta.rows(from, count));
+            let moved = |rows: &Range<usize>| at + rows.start - from..at + rows.end - from;
             out.labels
-                .extend_from_slice(&self.labels[from / 3..(from + count) / 3]);
+                .extend(self.labels_of(block).iter().map(|label| RowLabel {
+                    rows: moved(&label.rows),
+                    ..*label
+                }));
             out.blocks.push(Block {
                 rows: at..at + count,
                 ..block.clone()
@@ -146,13 +161,8 @@ pub fn measured_system(
     if rows == 0 {
         return Err(no_displacements());
     }
-    if let Some(term) = (0..extra.len()).find(|i| extra[..*i].contains(&extra[*i])) {
-        let message = format!("The term \"{}\" stands twice.", extra[term].name(robot));
-        return Err(Error::new(Code::Duplicate, message));
-    }
     let springs = robot.spring_count();
-    let mut unknowns = robot.spring_names();
-    unknowns.extend(extra.iter().map(|term| term.name(robot)));
+    let unknowns = unknowns(robot, extra)?;
     let mut system = MeasuredSystem {
         psi: DMatrix::zeros(rows, unknowns.len()),
         delta: DVector::zeros(rows),
@@ -165,6 +175,7 @@ pub fn measured_system(
     let mut at = 0;
     for states in by_posture(measured) {
         let from = at;
+        let first_label = system.labels.len();
         let mut torques = Vec::with_capacity(states.len());
         for &m in &states {
             let posture = &measured[m];
@@ -188,6 +199,7 @@ pub fn measured_system(
                 system.labels.push(RowLabel {
                     measured: m,
                     displacement: d,
+                    rows: at..at + 3,
                 });
                 at += 3;
             }
@@ -196,7 +208,7 @@ pub fn measured_system(
         system.blocks.push(Block {
             posture: measured[states[0]].posture.name.clone(),
             rows: from..at,
-            covariance: covariance(cell, measured, &system.labels[from / 3..], weights)?,
+            covariance: covariance(cell, measured, &system.labels[first_label..], weights)?,
             shared: shared(measured, &states, &torques),
         });
     }
@@ -207,6 +219,27 @@ pub fn measured_system(
         ));
     }
     Ok(system)
+}
+
+/// Names of the springs and the further terms.
+///
+/// # Errors
+/// A term that stands twice, or names a joint that the robot does not have.
+pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>> {
+    let mut unknowns = robot.spring_names();
+    for (i, term) in extra.iter().enumerate() {
+        if term.joint().is_some_and(|j| j >= robot.joint_count()) {
+            let message = format!("A further term names a joint that {} lacks.", robot.name());
+            return Err(Error::new(Code::UnknownName, message));
+        }
+        let name = term.name(robot);
+        if extra[..i].contains(term) {
+            let message = format!("The term \"{name}\" stands twice.");
+            return Err(Error::new(Code::Duplicate, message));
+        }
+        unknowns.push(name);
+    }
+    Ok(unknowns)
 }
 
 /// Ψ of one posture and load with its further terms, 3m × unknowns.
@@ -245,21 +278,27 @@ pub(crate) fn known_displacement(
 
 /// Indices of the measured postures by posture, in order of first appearance.
 fn by_posture(measured: &[MeasuredPosture]) -> Vec<Vec<usize>> {
-    let mut order: Vec<Vec<usize>> = Vec::new();
-    let mut seen: std::collections::HashMap<&str, usize> = std::collections::HashMap::new();
-    for (m, posture) in measured.iter().enumerate() {
-        let next = order.len();
-        let at = *seen.entry(posture.posture.name.as_str()).or_insert(next);
-        if at == next {
-            order.push(Vec::new());
-        }
-        order[at].push(m);
-    }
+    let mut order = by_name(measured.iter().map(|m| m.posture.name.as_str()));
     order.retain(|states| {
         states
             .iter()
             .any(|m| !measured[*m].displacements.is_empty())
     });
+    order
+}
+
+/// Positions of each name, in order of first appearance.
+pub(crate) fn by_name<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Vec<usize>> {
+    let mut order: Vec<Vec<usize>> = Vec::new();
+    let mut seen: HashMap<&str, usize> = HashMap::new();
+    for (m, name) in names.enumerate() {
+        let next = order.len();
+        let at = *seen.entry(name).or_insert(next);
+        if at == next {
+            order.push(Vec::new());
+        }
+        order[at].push(m);
+    }
     order
 }
 
@@ -289,9 +328,7 @@ fn covariance(
                 "The weights need the tracker's accuracy, and these displacements come without it.",
             )
             .key("tracker")
-            .hint(
-                "give range_um and angle_urad in [tracker] of the cell, and raw readings or the tracker's pose",
-            )),
+            .hint("give range_um and angle_urad in [tracker] of the cell, and the raw readings")),
         }
     };
     let count = labels.len();
@@ -300,16 +337,22 @@ fn covariance(
         let a = of(&labels[i]);
         let of_a = reading(a)?;
         let [n_loaded, n_reference] = a.readings.map(|n| f64::from(n.max(1)));
-        out.fixed_view_mut::<3, 3>(3 * i, 3 * i)
-            .copy_from(&(of_a * (loaded / n_loaded + reference / n_reference)));
-        for j in 0..i {
+        for j in 0..=i {
             let b = of(&labels[j]);
-            if a.point != b.point || a.reference != b.reference || reference == 0.0 {
-                continue;
+            let mean = (of_a + reading(b)?) * 0.5;
+            let mut block = Matrix3::zeros();
+            if i == j {
+                block += mean * (loaded / n_loaded + reference / n_reference);
+            } else if a.point == b.point && a.reference == b.reference {
+                block += mean * (reference / n_reference);
             }
-            let common = (of_a + reading(b)?) * (0.5 * reference / n_reference);
-            out.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&common);
-            out.fixed_view_mut::<3, 3>(3 * j, 3 * i).copy_from(&common);
+            // What taking back the motion of the base adds to all points alike.
+            let [here, shared] = measured[labels[i].measured].common_readings;
+            let same_state = labels[i].measured == labels[j].measured;
+            let common = if same_state { here } else { 0.0 } + shared;
+            block += Matrix3::identity() * (mean.trace() / 3.0 * common * loaded);
+            out.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&block);
+            out.fixed_view_mut::<3, 3>(3 * j, 3 * i).copy_from(&block);
         }
     }
     let plain = DMatrix::identity(3 * count, 3 * count);

@@ -138,6 +138,13 @@ impl Whitened {
         out
     }
 
+    /// Orthonormal directions of the whitened rows of block `block` in which
+    /// its shifts act, rows × k, and the squared size of a unit shift along each.
+    pub(crate) fn directions(&self, block: usize) -> (&DMatrix<f64>, &DVector<f64>) {
+        let block = &self.blocks[block];
+        (&block.directions, &block.sizes)
+    }
+
     /// What least squares without shifts leaves of whitened displacements.
     pub fn residual(&self, whitened: &DVector<f64>) -> DVector<f64> {
         whitened - &self.basis * self.basis.tr_mul(whitened)

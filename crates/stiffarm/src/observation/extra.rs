@@ -9,7 +9,7 @@
 use super::PostureTerms;
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::robot::Robot;
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
 /// One further unknown of the model.
@@ -43,6 +43,14 @@ impl ExtraTerm {
     /// True for an elastic element, false for lost motion.
     pub fn is_spring(self) -> bool {
         !matches!(self, ExtraTerm::LostMotion(_))
+    }
+
+    /// The joint it belongs to, counted from 0.
+    pub fn joint(self) -> Option<usize> {
+        match self {
+            ExtraTerm::JointTilt(j) | ExtraTerm::LostMotion(j) => Some(j),
+            ExtraTerm::BaseTilt => None,
+        }
     }
 
     /// The terms that `word` names: `tilt` (all joints), `tilt3`, `base`,
@@ -97,17 +105,31 @@ impl ExtraTerm {
     /// # Panics
     /// If the term names a joint that the robot does not have.
     pub fn column(self, terms: &PostureTerms) -> DVector<f64> {
-        let frames = terms.frames();
         let points = terms.measuring_points();
-        let along = |twist: Vector3<f64>, origin: Vector3<f64>| {
-            let rows = points
-                .iter()
-                .flat_map(|p| twist.cross(&(p - origin)).data.0[0]);
-            DVector::from_iterator(3 * points.len(), rows)
-        };
+        let (turn, origin) = self.turn(terms);
+        let rows = points
+            .iter()
+            .flat_map(|p| turn.cross(&(p - origin)).data.0[0]);
+        DVector::from_iterator(3 * points.len(), rows)
+    }
+
+    /// What one unit of this term does to the base-frame point `at`:
+    /// \[shift (m); turn (rad)\], base axes.
+    ///
+    /// # Panics
+    /// If the term names a joint that the robot does not have.
+    pub fn twist(self, terms: &PostureTerms, at: &Vector3<f64>) -> Vector6<f64> {
+        let (turn, origin) = self.turn(terms);
+        let shift = turn.cross(&(at - origin));
+        Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
+    }
+
+    /// Turn per unit of this term, and a point on its axis.
+    fn turn(self, terms: &PostureTerms) -> (Vector3<f64>, Vector3<f64>) {
+        let frames = terms.frames();
         let tilt = |axis: Vector3<f64>, origin: Vector3<f64>| {
             let moment = terms.wrench().moved(terms.loading_point(), &origin).moment;
-            along(moment - axis * axis.dot(&moment), origin)
+            (moment - axis * axis.dot(&moment), origin)
         };
         match self {
             ExtraTerm::JointTilt(j) => tilt(frames.axes()[j], frames.origins()[j]),
@@ -119,7 +141,7 @@ impl ExtraTerm {
                 // Without torque the joint may rest anywhere in its gap.
                 let torque = terms.torque()[j];
                 let sign = if torque == 0.0 { 0.0 } else { torque.signum() };
-                along(frames.axes()[j] * sign, frames.origins()[j])
+                (frames.axes()[j] * sign, frames.origins()[j])
             }
         }
     }

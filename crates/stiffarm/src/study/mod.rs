@@ -12,14 +12,13 @@ use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::identify::{Estimator, Identification, IdentifyOptions, identify};
 use crate::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
+use crate::jobs::in_order;
 use crate::observation::{PostureTerms, Rows, observation_matrix};
 use crate::optimise::{Control, Options, with_characteristic_length};
 use crate::posture::PostureGroup;
 use crate::select::{Selection, select_from};
-use crate::simulate::{Simulation, SimulationOptions, in_order, simulate};
-use crate::stiffness::{
-    displacement_between, equilibrium, linear_displacement, stiffness_correction,
-};
+use crate::simulate::{Simulation, SimulationOptions, simulate};
+use crate::stiffness::second_order;
 use crate::units::rad_to_shortest_deg;
 use crate::validate::{Model, Validation, simulate_measurements, validate};
 use nalgebra::DVector;
@@ -324,22 +323,15 @@ fn study_group(
     let mut arms_m = Vec::new();
     for posture in &group.postures {
         let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
-        let k_c = stiffness_correction(&terms);
-        let after = equilibrium(&cell.setup, &posture.q, truth, None)?.frames;
-        for (point, p) in cell
-            .setup
-            .tool
-            .measuring_points
-            .iter()
-            .zip(terms.measuring_points())
-        {
-            let linear = linear_displacement(&cell.setup, &terms, p, truth, None)?;
-            let corrected = linear_displacement(&cell.setup, &terms, p, truth, Some(&k_c))?;
-            let exact = displacement_between(terms.frames(), &after, &point.position);
-            let norm = |d: nalgebra::Vector6<f64>| d.fixed_rows::<3>(0).norm();
-            correction_share_m = correction_share_m.max(norm(corrected - linear));
-            linearisation_m = linearisation_m.max(norm(exact - linear));
-        }
+        let share = second_order(&cell.setup, &posture.q, truth, None)?;
+        correction_share_m = share
+            .correction
+            .into_iter()
+            .fold(correction_share_m, f64::max);
+        linearisation_m = share
+            .linearisation
+            .into_iter()
+            .fold(linearisation_m, f64::max);
         let mut arm = vec![[0.0; 3]];
         arm.extend(terms.frames().origins().iter().map(|o| [o.x, o.y, o.z]));
         arm.push(terms.frames().flange().translation.vector.into());

@@ -1,19 +1,10 @@
 //! The verdict of a study in sentences.
 
 use super::{INITIAL_GROUP, STUDY_INDICES, StartsOfKind, Study, StudyGroup};
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, Severity, list, percent};
 use crate::index::Index;
-use crate::simulate::{FIRST_ORDER_LIMIT, mean};
-
-/// Fraction as a percentage with three digits.
-fn percent(fraction: f64) -> String {
-    let p = 100.0 * fraction;
-    match p {
-        p if p >= 100.0 => format!("{p:.0} %"),
-        p if p >= 10.0 => format!("{p:.1} %"),
-        p => format!("{p:.2} %"),
-    }
-}
+use crate::sample::mean;
+use crate::simulate::FIRST_ORDER_LIMIT;
 
 /// Fills in the recommendation and the findings.
 pub(super) fn conclude(study: &mut Study) {

@@ -1,0 +1,342 @@
+//! The sources of common error and what each does to the displacements.
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::identify::{Fit, columns, known_displacement};
+use crate::instruments::Mount;
+use crate::load::{Load, Wrench};
+use crate::measurement::MeasuredPosture;
+use crate::observation::{ExtraTerm, PostureTerms, Setup};
+use crate::tool::SeriesCompliance;
+use nalgebra::{DVector, Matrix6, Rotation3, Vector3};
+
+/// Assumed where the cell says nothing.
+const FORCE_SCALE: f64 = 0.01;
+/// Coordinate of an anchor measured by tape \[m\].
+const ANCHOR: f64 = 5e-3;
+/// Coordinate of a loading point by its drawing \[m\].
+const LOADING_POINT: f64 = 1e-3;
+/// Turn between tracker and base \[rad\].
+const REGISTRATION: f64 = 0.5e-3;
+/// Tilt of a well-anchored base \[rad/(N·m)\].
+const BASE_TILT: f64 = 1e-8;
+/// Turn of a force sensor that is there and that nobody models \[rad/(N·m)\].
+const SENSOR: f64 = 1e-6;
+/// Half the gap of a joint in order, 0.1 arc-minute \[rad\].
+const LOST_MOTION: f64 = 0.1 / 60.0 * std::f64::consts::PI / 180.0;
+/// 1 − cosine below which a force counts as being along the rope.
+const ALONG: f64 = 1e-9;
+
+/// A source with what its parts do to the displacements.
+pub(super) struct Source {
+    pub name: &'static str,
+    pub size: f64,
+    pub unit: &'static str,
+    pub declared: bool,
+    /// One part without a name for a source that is one number.
+    pub parts: Vec<Part>,
+}
+
+/// One part of a source.
+pub(super) struct Part {
+    pub name: String,
+    /// Change of the displacements, rows as in the system \[m\].
+    pub shift: DVector<f64>,
+}
+
+/// What is nominal: the measurements with their terms and displacements.
+struct Nominal<'a> {
+    cell: &'a Cell,
+    fit: &'a Fit,
+    postures: Vec<(&'a MeasuredPosture, PostureTerms)>,
+    /// Modelled displacement of each, 3m.
+    displacements: Vec<DVector<f64>>,
+}
+
+/// The sources that matter for these measurements; the force scale first.
+pub(super) fn sources(cell: &Cell, measured: &[MeasuredPosture], fit: &Fit) -> Result<Vec<Source>> {
+    let given = &cell.uncertainty;
+    let mut postures = Vec::with_capacity(measured.len());
+    for posture in measured {
+        let terms = PostureTerms::new(&cell.setup, &posture.posture.q, posture.wrench.as_ref())?;
+        postures.push((posture, terms));
+    }
+    let mut nominal = Nominal {
+        cell,
+        fit,
+        postures,
+        displacements: Vec::new(),
+    };
+    nominal.displacements = nominal
+        .postures
+        .iter()
+        .map(|(posture, terms)| nominal.displacement(posture, terms))
+        .collect::<Result<_>>()?;
+
+    let mut out = Vec::new();
+    let mut add =
+        |name, size: Option<f64>, assumed, unit, parts: &dyn Fn(f64) -> Result<Vec<Part>>| {
+            let used = size.unwrap_or(assumed);
+            let parts = parts(used)?;
+            // A source that moves nothing here, whatever its size, is none.
+            if !parts.is_empty() {
+                out.push(Source {
+                    name,
+                    size: used,
+                    unit,
+                    declared: size.is_some(),
+                    parts,
+                });
+            }
+            Result::Ok(())
+        };
+    add(
+        "force-scale",
+        given.force_scale,
+        FORCE_SCALE,
+        "1",
+        &|size| nominal.force_scale(size),
+    )?;
+    if matches!(cell.setup.load, Load::Rope { .. }) && nominal.uses_rope() {
+        add("anchor", given.anchor, ANCHOR, "m", &|size| {
+            nominal.anchor(size)
+        })?;
+    }
+    if nominal.uses_loading_point() {
+        add(
+            "loading-point",
+            given.loading_point,
+            LOADING_POINT,
+            "m",
+            &|size| nominal.loading_point(size),
+        )?;
+    }
+    add(
+        "registration",
+        given.registration,
+        REGISTRATION,
+        "rad",
+        &|size| nominal.registration(size),
+    )?;
+    add(
+        "base-tilt",
+        given.base_tilt_compliance,
+        BASE_TILT,
+        "rad/(N·m)",
+        &|size| {
+            nominal
+                .term("", ExtraTerm::BaseTilt, size)
+                .map(|part| vec![part])
+        },
+    )?;
+    let unmodelled = cell.setup.tool.has_sensor && cell.setup.tool.series_compliance.is_none();
+    if given.sensor_compliance.is_some() || unmodelled {
+        add(
+            "sensor",
+            given.sensor_compliance,
+            SENSOR,
+            "rad/(N·m)",
+            &|size| nominal.sensor(size),
+        )?;
+    }
+    add(
+        "lost-motion",
+        given.lost_motion,
+        LOST_MOTION,
+        "rad",
+        &|size| {
+            let joints = cell.setup.robot.joints().iter().enumerate();
+            joints
+                .map(|(j, joint)| nominal.term(&joint.name, ExtraTerm::LostMotion(j), size))
+                .collect()
+        },
+    )?;
+    Ok(out)
+}
+
+impl Nominal<'_> {
+    /// Modelled displacement of all measuring points, 3m.
+    fn displacement(
+        &self,
+        posture: &MeasuredPosture,
+        terms: &PostureTerms,
+    ) -> Result<DVector<f64>> {
+        let moved = columns(self.cell, terms, &self.fit.system.extra) * &self.fit.solution.values;
+        Ok(moved + known_displacement(self.cell, terms, posture)?)
+    }
+
+    /// A part whose displacements differ, posture by posture, by `shift`.
+    fn part(
+        &self,
+        name: &str,
+        shift: impl Fn(&MeasuredPosture, &PostureTerms, &DVector<f64>) -> Result<DVector<f64>>,
+    ) -> Result<Part> {
+        let mut all = Vec::with_capacity(self.postures.len());
+        for ((posture, terms), displacement) in self.postures.iter().zip(&self.displacements) {
+            all.push(shift(posture, terms, displacement)?);
+        }
+        let system = &self.fit.system;
+        let mut rows = DVector::zeros(system.delta.len());
+        for (i, label) in system.labels.iter().enumerate() {
+            let point = self.postures[label.measured].0.displacements[label.displacement].point;
+            rows.fixed_rows_mut::<3>(3 * i)
+                .copy_from(&all[label.measured].fixed_rows::<3>(3 * point));
+        }
+        Ok(Part {
+            name: name.to_string(),
+            shift: rows,
+        })
+    }
+
+    /// The three axes of a source.
+    fn axes(&self, part: impl Fn(&str, Vector3<f64>) -> Result<Part>) -> Result<Vec<Part>> {
+        ["x", "y", "z"]
+            .iter()
+            .enumerate()
+            .map(|(i, name)| part(name, Vector3::ith(i, 1.0)))
+            .collect()
+    }
+
+    /// The true wrench is the stated one over 1 + size.
+    fn force_scale(&self, size: f64) -> Result<Vec<Part>> {
+        let part = self.part("", |posture, terms, nominal| {
+            let stated = terms.wrench();
+            let truth = Wrench {
+                force: stated.force / (1.0 + size),
+                moment: stated.moment / (1.0 + size),
+            };
+            let terms = PostureTerms::new(&self.cell.setup, &posture.posture.q, Some(&truth))?;
+            Ok(self.displacement(posture, &terms)? - nominal)
+        })?;
+        Ok(vec![part])
+    }
+
+    fn anchor(&self, size: f64) -> Result<Vec<Part>> {
+        self.axes(|name, axis| {
+            let mut truth = self.cell.setup.clone();
+            if let Load::Rope { anchor, .. } = &mut truth.load {
+                *anchor += axis * size;
+            }
+            self.part(name, |posture, terms, nominal| {
+                self.moved(&truth, posture, terms, nominal)
+            })
+        })
+    }
+
+    fn loading_point(&self, size: f64) -> Result<Vec<Part>> {
+        self.axes(|name, axis| {
+            let mut truth = self.cell.setup.clone();
+            truth.tool.loading_point += axis * size;
+            self.part(name, |posture, terms, nominal| {
+                if self.measures_moment(posture) {
+                    return Ok(nominal * 0.0);
+                }
+                self.moved(&truth, posture, terms, nominal)
+            })
+        })
+    }
+
+    /// Change of the displacements where `truth` holds instead of the cell.
+    fn moved(
+        &self,
+        truth: &Setup,
+        posture: &MeasuredPosture,
+        terms: &PostureTerms,
+        nominal: &DVector<f64>,
+    ) -> Result<DVector<f64>> {
+        let q = &posture.posture.q;
+        let wrench = match &posture.wrench {
+            Some(wrench) if self.is_along_rope(posture, terms) => {
+                // Its size was measured, its direction follows the rope.
+                let rope = PostureTerms::new(truth, q, None)?.wrench().force;
+                let nominal = PostureTerms::new(&self.cell.setup, q, None)?.wrench().force;
+                let sign = wrench.force.dot(&nominal).signum();
+                let unit = rope.try_normalize(0.0).unwrap_or_default();
+                Some(Wrench::force(unit * (sign * wrench.force.norm())))
+            }
+            given => *given,
+        };
+        let terms = PostureTerms::new(truth, q, wrench.as_ref())?;
+        Ok(self.displacement(posture, &terms)? - nominal)
+    }
+
+    /// True where the posture's force is, or points along, the cell's rope.
+    fn is_along_rope(&self, posture: &MeasuredPosture, terms: &PostureTerms) -> bool {
+        let Some(wrench) = &posture.wrench else {
+            return matches!(self.cell.setup.load, Load::Rope { .. });
+        };
+        if wrench.moment != Vector3::zeros() {
+            return false;
+        }
+        let rope = match &self.cell.setup.load {
+            Load::Rope { anchor, .. } => anchor - terms.loading_point(),
+            _ => return false,
+        };
+        let product = rope.norm() * wrench.force.norm();
+        product > 0.0 && rope.dot(&wrench.force).abs() >= (1.0 - ALONG) * product
+    }
+
+    fn uses_rope(&self) -> bool {
+        self.postures
+            .iter()
+            .any(|(posture, terms)| self.is_along_rope(posture, terms))
+    }
+
+    /// True where the sensor measured the moment too: the wrench is known at
+    /// the sensor's origin.
+    fn measures_moment(&self, posture: &MeasuredPosture) -> bool {
+        let moment = posture.wrench.map(|w| w.moment);
+        self.cell.sensor.is_some() && moment.is_some_and(|m| m != Vector3::zeros())
+    }
+
+    fn uses_loading_point(&self) -> bool {
+        !self
+            .postures
+            .iter()
+            .all(|(posture, _)| self.measures_moment(posture))
+    }
+
+    /// Displacements turned by a registration that is off by `size`.
+    fn registration(&self, size: f64) -> Result<Vec<Part>> {
+        self.axes(|name, axis| {
+            let turn = Rotation3::new(axis * size);
+            self.part(name, |_, _, nominal| {
+                let mut out = nominal.clone();
+                for point in 0..nominal.len() / 3 {
+                    let before = nominal.fixed_rows::<3>(3 * point).into_owned();
+                    out.fixed_rows_mut::<3>(3 * point)
+                        .copy_from(&(turn * before - before));
+                }
+                Ok(out)
+            })
+        })
+    }
+
+    /// A further elastic element, or lost motion, of this size.
+    fn term(&self, name: &str, term: ExtraTerm, size: f64) -> Result<Part> {
+        self.part(name, |_, terms, _| Ok(term.column(terms) * size))
+    }
+
+    /// What the part beyond the sensor does when the sensor turns.
+    fn sensor(&self, size: f64) -> Result<Vec<Part>> {
+        let tool = &self.cell.setup.tool;
+        let at_sensor = self
+            .cell
+            .sensor
+            .as_ref()
+            .filter(|s| s.mount == Mount::Flange);
+        let origin = match (at_sensor, &tool.series_compliance) {
+            (Some(sensor), _) => sensor.pose.translation.vector,
+            (None, Some(series)) => series.origin,
+            (None, None) => Vector3::zeros(),
+        };
+        let mut matrix = Matrix6::zeros();
+        for axis in 3..6 {
+            matrix[(axis, axis)] = size;
+        }
+        let mut soft = tool.clone();
+        soft.series_compliance = Some(SeriesCompliance { origin, matrix });
+        let part = self.part("", |_, terms, _| Ok(terms.known_displacement(&soft)))?;
+        Ok(vec![part])
+    }
+}

@@ -1,0 +1,161 @@
+//! What the residuals say about an identification: whether the noise explains
+//! them, which reading does not fit, whether load states lie on lines, what the
+//! model leaves out, and which joint is barely determined.
+//!
+//! It stands above `identify` and changes nothing in its result. Tests are made
+//! at 1 % (Bonferroni over postures, points and displacements), so
+//! that a clean experiment rarely raises a finding.
+
+mod noise;
+mod outliers;
+mod second_order;
+mod signal;
+mod states;
+mod tails;
+mod terms;
+
+pub use noise::{Agreement, NoiseTest, noise_test};
+pub use outliers::{Outlier, OutlierKind, Outliers, PointFit, PostureFit, outliers};
+pub use second_order::{SecondOrderShare, second_order_shares};
+pub use signal::{CorrelatedPair, JointSignal, correlated_pairs, joint_signals};
+pub use states::{LoadStates, PooledStates, PostureStates, load_states};
+pub use terms::{TermTrial, TermTrials, try_terms};
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::findings::{Finding, Severity, list};
+use crate::identify::{IdentifyOptions, LeaveOneOut, identify, leave_one_out};
+use crate::measurement::MeasuredPosture;
+use serde::{Deserialize, Serialize};
+
+/// A posture is named when the estimate of an unknown moves by more standard
+/// errors than this without it.
+const INFLUENCE: f64 = 2.0;
+
+/// All diagnostics of one identification.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Diagnosis {
+    /// Residuals against the cell's noise; `None` without noise or degrees of
+    /// freedom.
+    pub noise: Option<NoiseTest>,
+    /// Readings, postures and points that do not fit.
+    pub outliers: Outliers,
+    /// Influence of each posture; `None` for a single posture.
+    pub influence: Option<LeaveOneOut>,
+    /// Linearity and hysteresis; `None` where no posture has two load states.
+    pub load_states: Option<LoadStates>,
+    /// K_C and the equilibrium, posture by posture; empty without a positive
+    /// stiffness of each joint.
+    pub second_order: Vec<SecondOrderShare>,
+    /// Unknowns that the data can hardly tell apart.
+    pub correlated: Vec<CorrelatedPair>,
+    /// Further terms, each tried alone; `None` for a single posture.
+    pub terms: Option<TermTrials>,
+    /// What each joint carries and moves.
+    pub signals: Vec<JointSignal>,
+    /// What to know, in sentences.
+    pub findings: Vec<Finding>,
+}
+
+/// Diagnoses the identification of `measured` under `options`.
+///
+/// # Errors
+/// As [`identify`](crate::identify::identify()).
+pub fn diagnose(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+) -> Result<Diagnosis> {
+    let result = identify(cell, measured, options)?;
+    let mut findings = Vec::new();
+    let noise = noise_test(cell, measured, options)?;
+    let outliers = outliers(cell, measured, options)?;
+    findings.push(match &noise {
+        Some(test) => test.finding(outliers.noise_without.as_ref()),
+        None => noise::untested(cell),
+    });
+    findings.extend(outliers.findings());
+    let postures = crate::identify::measured_system(cell, measured, &[], options.weights)?
+        .blocks
+        .len();
+    let influence = match postures > 1 {
+        true => Some(leave_one_out(cell, measured, options)?),
+        false => None,
+    };
+    if let Some(influence) = &influence {
+        findings.extend(influence_findings(influence, &result.unknowns));
+    }
+    let load_states = load_states(cell, measured, options, noise.as_ref())?;
+    if let Some(states) = &load_states {
+        findings.extend(states.findings());
+    }
+    let second_order = match result.stiffness() {
+        Some(stiffness) => second_order_shares(cell, measured, &stiffness)?,
+        None => Vec::new(),
+    };
+    findings.extend(second_order::finding(&second_order, result.expected_std_m));
+    let correlated = correlated_pairs(&result);
+    findings.extend(correlated.iter().map(CorrelatedPair::finding));
+    let terms = match postures > 1 {
+        true => Some(try_terms(cell, measured, options)?),
+        false => None,
+    };
+    if let Some(trials) = &terms {
+        findings.extend(trials.finding());
+    }
+    let signals = joint_signals(cell, measured, options)?;
+    findings.extend(signal::findings(&signals, result.residual_rms_m));
+    Ok(Diagnosis {
+        noise,
+        outliers,
+        influence,
+        load_states,
+        second_order,
+        correlated,
+        terms,
+        signals,
+        findings,
+    })
+}
+
+/// Postures on which an unknown hangs.
+fn influence_findings(influence: &LeaveOneOut, unknowns: &[String]) -> Vec<Finding> {
+    let mut out = Vec::new();
+    for posture in &influence.postures {
+        let name = &posture.posture;
+        if !posture.lost.is_empty() {
+            let message = format!(
+                "Without posture {name} the others do not determine {}.",
+                list(&posture.lost)
+            );
+            out.push(Finding::new(
+                "posture-needed",
+                Severity::Caution,
+                name,
+                message,
+            ));
+        }
+        let moved: Vec<String> = unknowns
+            .iter()
+            .zip(&posture.shifts)
+            .filter_map(|(unknown, shift)| Some((unknown, (*shift)?.abs())))
+            .filter(|(_, shift)| *shift > INFLUENCE)
+            .map(|(unknown, shift)| format!("{unknown} by {shift:.1}"))
+            .collect();
+        if !moved.is_empty() {
+            let message = format!(
+                "Without posture {name} the compliance would move, in standard errors: {}. Look at this posture, and \
+                 measure more like it.",
+                list(&moved)
+            );
+            out.push(Finding::new(
+                "posture-influence",
+                Severity::Note,
+                name,
+                message,
+            ));
+        }
+    }
+    out
+}

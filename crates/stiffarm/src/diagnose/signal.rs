@@ -1,0 +1,185 @@
+//! What each joint carries and how far it moves the tool, and which unknowns
+//! the data can hardly tell apart.
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::findings::{Finding, Severity, length, list, percent};
+use crate::identify::{Identification, IdentifyOptions, fit, rms};
+use crate::measurement::MeasuredPosture;
+use crate::observation::PostureTerms;
+use serde::{Deserialize, Serialize};
+
+/// Correlation of two estimates above which they are named.
+const CORRELATED: f64 = 0.9;
+/// Relative standard error above which a joint counts as barely determined.
+const BARELY: f64 = 0.2;
+/// A joint is weakly loaded below this share of the median torque.
+const WEAK_TORQUE: f64 = 0.5;
+
+/// What the measurements ask of one joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointSignal {
+    /// Name of the joint.
+    pub name: String,
+    /// RMS of its torque over postures and load states \[N·m\].
+    pub torque_rms_nm: f64,
+    /// RMS of the displacement components that its compliance makes \[m\]:
+    /// of ψ_j·Ĥ_j; `None` where the joint is not determined.
+    pub displacement_rms_m: Option<f64>,
+    /// That over the RMS of the residuals; `None` without residuals.
+    pub to_residual: Option<f64>,
+    /// Relative standard error of the compliance.
+    pub relative_error: Option<f64>,
+}
+
+/// Signal of each joint.
+///
+/// # Errors
+/// As [`identify`](crate::identify::identify()).
+pub fn joint_signals(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+) -> Result<Vec<JointSignal>> {
+    let fit = fit(cell, measured, options)?;
+    let (system, solution) = (&fit.system, &fit.solution);
+    let residual = rms((&system.delta - &system.psi * &solution.values).as_slice());
+    let mut torques = vec![Vec::new(); system.springs];
+    for m in measured.iter().filter(|m| !m.displacements.is_empty()) {
+        let terms = PostureTerms::new(&cell.setup, &m.posture.q, m.wrench.as_ref())?;
+        let loads = terms.spring_loads(&cell.setup.robot);
+        for (torques, load) in torques.iter_mut().zip(loads.iter()) {
+            torques.push(*load);
+        }
+    }
+    Ok((0..system.springs)
+        .map(|j| {
+            let h = solution.values[j];
+            let known = !solution.undetermined.contains(&j);
+            let moved = rms((system.psi.column(j) * h).as_slice());
+            let error = solution
+                .covariance
+                .as_ref()
+                .map(|c| c[(j, j)].max(0.0).sqrt());
+            JointSignal {
+                name: system.unknowns[j].clone(),
+                torque_rms_nm: rms(&torques[j]),
+                displacement_rms_m: known.then_some(moved),
+                to_residual: (known && residual > 0.0).then(|| moved / residual),
+                relative_error: error.filter(|_| known && h != 0.0).map(|e| e / h.abs()),
+            }
+        })
+        .collect())
+}
+
+/// Joints that move the tool by less than the residuals and are therefore
+/// barely determined.
+pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
+    let median = {
+        let torques: Vec<f64> = signals.iter().map(|s| s.torque_rms_nm).collect();
+        if torques.is_empty() {
+            0.0
+        } else {
+            crate::sample::median(&torques)
+        }
+    };
+    let mut out = Vec::new();
+    for signal in signals {
+        let weak = signal.to_residual.is_some_and(|ratio| ratio < 1.0)
+            && signal.relative_error.is_none_or(|error| error > BARELY);
+        let Some(moved) = signal.displacement_rms_m.filter(|_| weak) else {
+            continue;
+        };
+        let name = &signal.name;
+        let strong: Vec<&JointSignal> = signals
+            .iter()
+            .filter(|s| WEAK_TORQUE * s.torque_rms_nm > signal.torque_rms_nm)
+            .collect();
+        let others = match strong.as_slice() {
+            [] => String::new(),
+            strong => {
+                let names: Vec<&str> = strong.iter().map(|s| s.name.as_str()).collect();
+                let sizes = strong.iter().map(|s| s.torque_rms_nm);
+                let low = sizes.clone().fold(f64::INFINITY, f64::min);
+                let high = sizes.fold(0.0, f64::max);
+                match format!("{low:.0}") == format!("{high:.0}") {
+                    true => format!(" ({high:.0} on {})", list(&names)),
+                    false => format!(" ({low:.0} to {high:.0} on {})", list(&names)),
+                }
+            }
+        };
+        let error = signal.relative_error.map_or(String::new(), |e| {
+            format!(" (standard error {})", percent(e))
+        });
+        let remedy = match signal.torque_rms_nm < WEAK_TORQUE * median {
+            true => {
+                "More leverage of the load about its axis would help, more postures of this kind would not much."
+            }
+            false => "Postures in which its give moves the measuring points more would help.",
+        };
+        out.push(Finding::new(
+            "weak-joint",
+            Severity::Caution,
+            name,
+            format!(
+                "The loads put {:.0} N·m RMS on {name}{others}. It moves the measuring points by {} RMS, less than the \
+                 residuals of {}: it is barely determined{error}. {remedy}",
+                signal.torque_rms_nm,
+                length(moved),
+                length(residual),
+            ),
+        ));
+    }
+    out
+}
+
+/// Two unknowns that the data can hardly tell apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CorrelatedPair {
+    /// Names of the two.
+    pub unknowns: [String; 2],
+    /// Correlation of their estimates.
+    pub correlation: f64,
+}
+
+/// Pairs of unknowns whose estimates correlate by more than 0.9, the strongest
+/// first.
+pub fn correlated_pairs(result: &Identification) -> Vec<CorrelatedPair> {
+    let mut out = Vec::new();
+    for (i, row) in result.correlation.iter().enumerate() {
+        for (j, correlation) in row.iter().enumerate().take(i) {
+            if let Some(correlation) = correlation.filter(|c| c.abs() > CORRELATED) {
+                out.push(CorrelatedPair {
+                    unknowns: [result.unknowns[j].clone(), result.unknowns[i].clone()],
+                    correlation,
+                });
+            }
+        }
+    }
+    out.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
+    out
+}
+
+impl CorrelatedPair {
+    /// What the correlation means.
+    pub fn finding(&self) -> Finding {
+        let [a, b] = &self.unknowns;
+        let known = match self.correlation < 0.0 {
+            true => "the sum of what they give is known better than either",
+            false => "the difference of what they give is known better than either",
+        };
+        let message = format!(
+            "The data hardly tell {a} and {b} apart (correlation {:.2}): {known}, and an error of one is an error of the \
+             other.",
+            self.correlation
+        );
+        Finding::new(
+            "correlated",
+            Severity::Caution,
+            format!("{a}, {b}"),
+            message,
+        )
+    }
+}

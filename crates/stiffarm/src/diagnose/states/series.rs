@@ -1,0 +1,246 @@
+//! The load states of one posture, projected onto one direction, with lines and
+//! curves through them.
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::identify::{Block, Fit, RowLabel};
+use crate::information::Factor;
+use crate::measurement::MeasuredPosture;
+use crate::observation::PostureTerms;
+use nalgebra::{DMatrix, DVector};
+
+/// States whose joint torques point this much alike belong to one line.
+const ALIKE: f64 = 0.9;
+/// Loads that differ by less, relative to the largest, are equal.
+const EQUAL: f64 = 0.05;
+
+/// Load states of a posture, projected.
+pub(super) struct Series {
+    pub(super) posture: String,
+    pub(super) states: Vec<String>,
+    pub(super) load: DVector<f64>,
+    /// Some(true) where the load came down to the state.
+    down: Vec<Option<bool>>,
+    pub(super) z: DVector<f64>,
+    /// Covariance of z in units of σ² of a component.
+    pub(super) covariance: DMatrix<f64>,
+    /// Components: states × rows and their covariance, state by state.
+    components: DVector<f64>,
+    spread: DMatrix<f64>,
+    /// Number of different loads.
+    levels: usize,
+}
+
+/// Linear fit with its covariance in units of σ².
+pub(super) struct Line {
+    pub(super) values: DVector<f64>,
+    pub(super) covariance: DMatrix<f64>,
+}
+
+/// The load states of one block whose loads point alike, at the points that
+/// all of them have.
+pub(super) fn series(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    fit: &Fit,
+    block: &Block,
+) -> Result<Option<Series>> {
+    let system = &fit.system;
+    let labels = &system.labels[block.rows.start / 3..block.rows.end / 3];
+    let mut states: Vec<usize> = labels.iter().map(|l| l.measured).collect();
+    states.dedup();
+    let torques = states
+        .iter()
+        .map(|&m| {
+            let m = &measured[m];
+            let terms = PostureTerms::new(&cell.setup, &m.posture.q, m.wrench.as_ref())?;
+            Ok(DVector::from_column_slice(terms.torque()))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let Some(leader) = torques
+        .iter()
+        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+        .filter(|t| t.norm() > 0.0)
+    else {
+        return Ok(None);
+    };
+    let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE * t.norm() * leader.norm();
+    let kept: Vec<usize> = (0..states.len()).filter(|&s| alike(&torques[s])).collect();
+    let point_of = |l: &RowLabel| measured[l.measured].displacements[l.displacement].point;
+    let has = |state: usize, point: usize| {
+        labels
+            .iter()
+            .any(|l| l.measured == state && point_of(l) == point)
+    };
+    let points: Vec<usize> = (0..cell.setup.tool.point_count())
+        .filter(|&p| kept.iter().all(|&s| has(states[s], p)))
+        .collect();
+    if kept.len() < 2 || points.is_empty() {
+        return Ok(None);
+    }
+    // Repeats are averaged.
+    let per_state = 3 * points.len();
+    let mut average = DMatrix::zeros(per_state * kept.len(), block.rows.len());
+    for (s, &state) in kept.iter().enumerate() {
+        for (p, &point) in points.iter().enumerate() {
+            let own: Vec<usize> = (0..labels.len())
+                .filter(|&i| labels[i].measured == states[state] && point_of(&labels[i]) == point)
+                .collect();
+            for &i in &own {
+                for axis in 0..3 {
+                    average[(per_state * s + 3 * p + axis, 3 * i + axis)] = 1.0 / own.len() as f64;
+                }
+            }
+        }
+    }
+    let rows = |v: &DVector<f64>| v.rows(block.rows.start, block.rows.len()).into_owned();
+    let components = &average * rows(&system.delta);
+    let spread = match &block.covariance {
+        Some(covariance) => &average * covariance * average.transpose(),
+        None => &average * average.transpose(),
+    };
+    let modelled = &average * rows(&(&system.psi * &fit.solution.values));
+    let load = DVector::from_iterator(
+        kept.len(),
+        kept.iter()
+            .map(|&s| torques[s].dot(leader) / leader.norm_squared()),
+    );
+    // The state that leads is the largest; its model gives the direction.
+    let direction = modelled
+        .rows(per_state * load.imax(), per_state)
+        .into_owned();
+    let Some(direction) = direction.try_normalize(0.0) else {
+        return Ok(None);
+    };
+    let scale = (points.len() as f64).sqrt();
+    let mut project = DMatrix::zeros(kept.len(), per_state * kept.len());
+    for s in 0..kept.len() {
+        project
+            .view_mut((s, per_state * s), (1, per_state))
+            .copy_from(&(direction.transpose() / scale));
+    }
+    let states: Vec<String> = kept
+        .iter()
+        .map(|&s| measured[states[s]].state.clone())
+        .collect();
+    Ok(Some(Series {
+        posture: block.posture.clone(),
+        down: directions(&states, &load),
+        levels: levels(&load),
+        z: &project * &components,
+        covariance: &project * &spread * project.transpose(),
+        states,
+        load,
+        components,
+        spread,
+    }))
+}
+
+/// Whether the load came up or down to each state: by its name, else by the
+/// state before it, the first coming from zero.
+fn directions(states: &[String], load: &DVector<f64>) -> Vec<Option<bool>> {
+    (0..states.len())
+        .map(|s| {
+            let before = if s == 0 { 0.0 } else { load[s - 1] };
+            if states[s].starts_with("down") {
+                Some(true)
+            } else if states[s].starts_with("up") || load[s] > before + EQUAL {
+                Some(false)
+            } else if load[s] < before - EQUAL {
+                Some(true)
+            } else {
+                None
+            }
+        })
+        .collect()
+}
+
+/// Number of different loads.
+fn levels(load: &DVector<f64>) -> usize {
+    let mut sorted: Vec<f64> = load.iter().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    1 + sorted.windows(2).filter(|w| w[1] - w[0] > EQUAL).count()
+}
+
+impl Series {
+    /// True where loads came up and down.
+    fn returns(&self) -> bool {
+        self.down.contains(&Some(true)) && self.down.contains(&Some(false))
+    }
+
+    /// Columns 1, λ, λ² if asked for, and 1 for states reached from above.
+    fn design(&self, curved: bool) -> Option<DMatrix<f64>> {
+        let count = self.load.len();
+        let mut columns = vec![DVector::repeat(count, 1.0), self.load.clone()];
+        if self.levels < 2 || (curved && self.levels < 3) {
+            return None;
+        }
+        if curved {
+            columns.push(self.load.component_mul(&self.load));
+        }
+        if self.returns() {
+            let down = self
+                .down
+                .iter()
+                .map(|d| f64::from(u8::from(*d == Some(true))));
+            columns.push(DVector::from_iterator(count, down));
+        }
+        (columns.len() <= count).then(|| DMatrix::from_columns(&columns))
+    }
+
+    /// Line, or curve, through z.
+    pub(super) fn fit(&self, curved: bool) -> Option<Line> {
+        let design = self.design(curved)?;
+        let root = self.covariance.clone().cholesky()?.unpack();
+        let x = root.solve_lower_triangular(&design)?;
+        let z = root.solve_lower_triangular(&self.z)?;
+        let factor = Factor::new(&x).ok()?;
+        factor.undetermined().is_empty().then(|| Line {
+            values: factor.solve(&z),
+            covariance: factor.inverse_information(),
+        })
+    }
+
+    /// What the richest curve that leaves degrees of freedom leaves of the
+    /// components: sum of squares in units of σ², and degrees of freedom.
+    pub(super) fn scatter(&self) -> Option<(f64, usize)> {
+        let count = self.load.len();
+        // With three loads a line would leave the curvature.
+        let design = self.design(self.levels > 2).filter(|d| d.ncols() < count)?;
+        let per_state = self.components.len() / count;
+        let wide = design.kronecker(&DMatrix::<f64>::identity(per_state, per_state));
+        let root = self.spread.clone().cholesky()?.unpack();
+        let x = root.solve_lower_triangular(&wide)?;
+        let y = root.solve_lower_triangular(&self.components)?;
+        let factor = Factor::new(&x).ok()?;
+        let free = self.components.len() - factor.rank();
+        let left = &y - x * factor.solve(&y);
+        Some((left.norm_squared(), free))
+    }
+
+    /// Mean of down minus up over pairs at equal load, its variance in units of
+    /// σ², and the mean displacement at these loads.
+    pub(super) fn width(&self, line: Option<&Line>) -> Option<(f64, f64, f64)> {
+        let of = |down: bool| (0..self.load.len()).filter(move |&s| self.down[s] == Some(down));
+        let slope = line.map_or(0.0, |l| l.values[1]);
+        let mut contrast = DVector::zeros(self.load.len());
+        let (mut pairs, mut size) = (0, 0.0);
+        for d in of(true) {
+            let gap = |u: &usize| (self.load[*u] - self.load[d]).abs();
+            let up = of(false).min_by(|a, b| gap(a).total_cmp(&gap(b)));
+            if let Some(u) = up.filter(|u| gap(u) <= EQUAL) {
+                contrast[d] += 1.0;
+                contrast[u] -= 1.0;
+                size += 0.5 * (self.z[d] + self.z[u]);
+                pairs += 1;
+            }
+        }
+        if pairs == 0 {
+            return None;
+        }
+        contrast /= f64::from(pairs);
+        let width = contrast.dot(&self.z) - slope * contrast.dot(&self.load);
+        let variance = contrast.dot(&(&self.covariance * &contrast));
+        Some((width, variance, size / f64::from(pairs)))
+    }
+}

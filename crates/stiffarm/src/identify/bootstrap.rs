@@ -1,0 +1,154 @@
+//! Bootstrap over postures: intervals that assume nothing of the errors but
+//! that postures are alike and independent of each other.
+
+use super::estimate::{JointEstimate, estimate};
+use super::solve::{Assumptions, Estimator, Prepared, Solution};
+use super::system::MeasuredSystem;
+use super::{IdentifyOptions, assumptions, check, measured_system};
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::jobs::in_order;
+use crate::measurement::MeasuredPosture;
+use crate::sample::{mean, quantile_of};
+use crate::streams::resample_rng;
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+
+/// Resamples that must lie beyond each end of an interval.
+const IN_TAIL: f64 = 5.0;
+/// Largest number of resamples.
+const MAX_RESAMPLES: usize = 1_000_000;
+
+/// Intervals from postures drawn with replacement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Bootstrap {
+    /// One estimate per joint (spring): values of the fit to all postures,
+    /// standard errors and intervals from the resamples.
+    pub joints: Vec<JointEstimate>,
+    /// How the unknowns were estimated.
+    pub estimator: Estimator,
+    /// Postures drawn from, and in each resample.
+    pub postures: usize,
+    /// Resamples asked for.
+    pub resamples: usize,
+    /// Resamples that did not determine every unknown that all postures
+    /// determine; they are not in the intervals.
+    pub skipped: usize,
+    /// Degrees of freedom that postures as independent units leave,
+    /// 3·postures − n, at most rows − n: the key to the measured coverage.
+    pub degrees_of_freedom: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+}
+
+/// Percentile intervals of the compliances from `resamples` sets of postures
+/// drawn with replacement (Efron & Tibshirani, An Introduction to the
+/// Bootstrap, 1993, chapter 13). All load states of a posture stay together.
+///
+/// # Errors
+/// As [`super::identify`]; fewer than two postures; too few resamples for the
+/// confidence; or too few of them that determine the joints.
+pub fn bootstrap(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+    resamples: usize,
+    seed: u64,
+    confidence: f64,
+) -> Result<Bootstrap> {
+    let options = IdentifyOptions {
+        confidence,
+        ..options.clone()
+    };
+    check(&options)?;
+    let system = measured_system(cell, measured, &options.extra, options.weights)?;
+    let assumed = assumptions(cell, &options)?;
+    resampled(&system, &assumed, resamples, seed, confidence)
+}
+
+/// [`bootstrap`] of a system.
+///
+/// # Errors
+/// As [`bootstrap`].
+pub(crate) fn resampled(
+    system: &MeasuredSystem,
+    assumed: &Assumptions,
+    resamples: usize,
+    seed: u64,
+    confidence: f64,
+) -> Result<Bootstrap> {
+    let postures = system.blocks.len();
+    if postures < 2 {
+        let message = "Postures can only be resampled where there are at least two.";
+        return Err(Error::new(Code::TooFewData, message));
+    }
+    let tail = 0.5 * (1.0 - confidence);
+    let least = (IN_TAIL / tail).ceil() as usize;
+    if resamples < least || resamples > MAX_RESAMPLES {
+        let message = format!(
+            "Intervals of {} % need from {least} to {MAX_RESAMPLES} resamples, not {resamples}.",
+            100.0 * confidence
+        );
+        return Err(Error::new(Code::InvalidValue, message));
+    }
+    let fit = |system: &MeasuredSystem| -> Result<Solution> {
+        Prepared::new(system, assumed.estimator)?.solve(&system.delta, assumed)
+    };
+    let all = fit(system)?;
+    let numbers: Vec<usize> = (0..resamples).collect();
+    let drawn = in_order(&numbers, |(_, r)| {
+        let mut rng = resample_rng(seed, *r);
+        let chosen: Vec<usize> = (0..postures)
+            .map(|_| rng.random_range(0..postures))
+            .collect();
+        let solution = fit(&system.with(&chosen)?)?;
+        let lost = solution
+            .undetermined
+            .iter()
+            .any(|j| !all.undetermined.contains(j));
+        Ok((!lost).then_some(solution.values))
+    })?;
+    let kept: Vec<_> = drawn.iter().flatten().collect();
+    if kept.len() < least {
+        let message = format!(
+            "Only {} of {resamples} resamples of {postures} postures determine the joints.",
+            kept.len()
+        );
+        return Err(Error::new(Code::TooFewData, message)
+            .hint("measure more postures, or use the intervals of the estimator itself"));
+    }
+    let joint = |j: usize| -> JointEstimate {
+        let value = (!all.undetermined.contains(&j)).then(|| all.values[j]);
+        let values: Vec<f64> = kept.iter().map(|v| v[j]).collect();
+        let mut out = estimate(
+            &system.unknowns[j],
+            value,
+            Some(standard_deviation(&values)),
+            None,
+        );
+        if value.is_some() {
+            out.close(quantile_of(&values, tail), quantile_of(&values, 1.0 - tail));
+        }
+        out
+    };
+    let rank = all.factor.rank();
+    Ok(Bootstrap {
+        joints: (0..system.springs).map(joint).collect(),
+        estimator: assumed.estimator,
+        postures,
+        resamples,
+        skipped: resamples - kept.len(),
+        degrees_of_freedom: system.shifts().min(system.psi.nrows()).saturating_sub(rank),
+        seed,
+        confidence,
+    })
+}
+
+fn standard_deviation(values: &[f64]) -> f64 {
+    let centre = mean(values);
+    let squares: f64 = values.iter().map(|v| (v - centre).powi(2)).sum();
+    (squares / (values.len() - 1) as f64).sqrt()
+}

@@ -1,0 +1,173 @@
+//! The estimates of an experiment, whatever its rows are: displacements of a
+//! free end-effector or angles of a clamped one.
+
+use super::estimate::{JointEstimate, Verdict, estimates, interval_quantile, standard_error};
+use super::solve::{Estimator, Solution};
+use super::system::MeasuredSystem;
+use super::{AngleEstimate, Combination, IdentifyOptions, NoiseSource, combinations};
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::information::Factor;
+use crate::observation::ExtraTerm;
+use serde::{Deserialize, Serialize};
+
+/// Values of the unknowns with what is known about them: the part of a result
+/// that free and clamped end-effector share. Either kind of saved result
+/// can be read as this.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Estimates {
+    /// One estimate per joint (spring).
+    pub joints: Vec<JointEstimate>,
+    /// Further springs: tilts of joints and of the base.
+    pub extra_springs: Vec<JointEstimate>,
+    /// Lost motion.
+    pub lost_motion: Vec<AngleEstimate>,
+    /// The further terms, as they were asked for.
+    pub extra: Vec<ExtraTerm>,
+    /// How the unknowns were estimated.
+    pub estimator: Estimator,
+    /// Rows used: displacement components, or combinations of angles.
+    pub rows: usize,
+    /// rows − rank.
+    pub degrees_of_freedom: usize,
+    /// Degrees of freedom behind the quantile of the intervals; `None` for
+    /// normal quantiles.
+    pub interval_degrees_of_freedom: Option<usize>,
+    /// True where the errors of all rows count as independent because the data
+    /// cannot tell what a posture's points share, or the estimator assumes it.
+    pub independent_rows: bool,
+    /// cond(Ψ), `None` when a joint is undetermined.
+    pub condition: Option<f64>,
+    /// Condition number of the column-scaled Ψ.
+    pub scaled_condition: Option<f64>,
+    /// Names of the unknowns: rows and columns of `covariance` and `correlation`.
+    pub unknowns: Vec<String>,
+    /// Covariance of the unknowns, row by row \[rad²/(N·m)²; rad² for lost
+    /// motion\]; `None` beside undetermined ones.
+    pub covariance: Vec<Vec<Option<f64>>>,
+    /// Correlation of the unknowns, row by row; `None` beside undetermined ones.
+    pub correlation: Vec<Vec<Option<f64>>>,
+    /// Names of unknowns the data do not determine.
+    pub undetermined_joints: Vec<String>,
+    /// What the data do determine where they cannot separate the unknowns.
+    pub combinations: Vec<Combination>,
+    /// Where the size of the noise came from.
+    pub noise: NoiseSource,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+}
+
+impl Estimates {
+    /// Puts a solution into words and numbers.
+    pub(crate) fn new(
+        cell: &Cell,
+        system: &MeasuredSystem,
+        solution: &Solution,
+        options: &IdentifyOptions,
+    ) -> Result<Self> {
+        let count = system.unknowns.len();
+        let known = |j: usize| !solution.undetermined.contains(&j);
+        let quantile = interval_quantile(solution, options.confidence)?;
+        let springs = |which| estimates(&system.unknowns, which, solution, quantile);
+        let is_spring = |j: usize| system.extra[j - system.springs].is_spring();
+        let further = system.springs..count;
+        let lost_motion = further.clone().filter(|j| !is_spring(*j)).map(|j| {
+            let value = known(j).then(|| solution.values[j]);
+            let error = standard_error(solution, j);
+            let half = error.zip(quantile).map(|(e, t)| e * t);
+            let ends = value.zip(half);
+            AngleEstimate {
+                name: system.unknowns[j].clone(),
+                angle: value,
+                standard_error: error,
+                interval: [ends.map(|(v, h)| v - h), ends.map(|(v, h)| v + h)],
+            }
+        });
+        let matrix = |entry: &dyn Fn(usize, usize) -> Option<f64>| -> Vec<Vec<Option<f64>>> {
+            (0..count)
+                .map(|i| (0..count).map(|j| entry(i, j)).collect())
+                .collect()
+        };
+        let covariance = matrix(&|i, j| {
+            let covariance = solution.covariance.as_ref()?;
+            (known(i) && known(j)).then(|| covariance[(i, j)])
+        });
+        let inverse = solution.factor.inverse_information();
+        let correlation = matrix(&|i, j| {
+            (known(i) && known(j)).then(|| match i == j {
+                true => 1.0,
+                false => inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).sqrt(),
+            })
+        });
+        let condition = match solution.undetermined.is_empty() && options.extra.is_empty() {
+            true => {
+                let s = Factor::new(&system.psi)?.singular_values(|_| 1.0)?;
+                Some(s[0] / s[count - 1])
+            }
+            false => None,
+        };
+        Ok(Estimates {
+            joints: springs(0..system.springs),
+            extra_springs: further
+                .filter(|j| is_spring(*j))
+                .flat_map(|j| springs(j..j + 1))
+                .collect(),
+            lost_motion: lost_motion.collect(),
+            extra: system.extra.clone(),
+            estimator: options.estimator,
+            rows: system.psi.nrows(),
+            degrees_of_freedom: solution.degrees_of_freedom,
+            interval_degrees_of_freedom: solution.t_degrees_of_freedom,
+            independent_rows: solution.independent_rows,
+            condition,
+            scaled_condition: solution.factor.scaled_condition(),
+            unknowns: system.unknowns.clone(),
+            covariance,
+            correlation,
+            undetermined_joints: solution
+                .undetermined
+                .iter()
+                .map(|&j| system.unknowns[j].clone())
+                .collect(),
+            combinations: combinations::combinations(
+                system,
+                solution,
+                &reference_sizes(cell, system),
+            ),
+            noise: options.noise,
+            confidence: options.confidence,
+        })
+    }
+
+    /// Stiffness of all joints, if each has a positive one.
+    pub fn stiffness(&self) -> Option<Vec<f64>> {
+        self.joints
+            .iter()
+            .map(|j| j.stiffness.filter(|k| *k > 0.0))
+            .collect()
+    }
+
+    /// True when every joint has a stiffness with a closed interval.
+    pub fn is_complete(&self) -> bool {
+        self.joints.iter().all(|j| j.verdict == Verdict::Determined)
+    }
+}
+
+/// Size of each unknown against which an error counts as large: the prior
+/// compliance, else what would explain its share of the rows alone.
+fn reference_sizes(cell: &Cell, system: &MeasuredSystem) -> Vec<f64> {
+    let count = system.unknowns.len();
+    let share = system.delta.norm() / (count as f64).sqrt();
+    (0..count)
+        .map(|j| {
+            let prior = cell.prior.as_ref().filter(|_| j < system.springs);
+            let norm = system.psi.column(j).norm();
+            match prior {
+                Some(prior) => 1.0 / prior[j],
+                None if norm > 0.0 && share > 0.0 => share / norm,
+                None => 1e-6,
+            }
+        })
+        .collect()
+}

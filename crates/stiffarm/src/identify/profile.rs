@@ -1,0 +1,297 @@
+//! Intervals from the profile of the likelihood, as a check of the symmetric
+//! ones in H: one compliance is held, all else fitted anew, the ratio of the
+//! two variances included.
+//!
+//! With H_j = h held, let P(h) be −2 ln of the restricted likelihood of the
+//! displacements Δ − ψ_j h on the other columns, σ² and γ at their best. Without
+//! shifts P(h) = (N − r + 1) ln(RSS + (h − Ĥ_j)²/[(ΨᵀΨ)⁻¹]_jj) + const with N
+//! rows and rank r, so that P(h) − P(Ĥ_j) = (N − r + 1) ln(1 + T²/(N − r)),
+//! T the t statistic. The interval therefore ends where
+//!
+//! P(h) − min P = (N − r + 1) ln(1 + t²/(N − r)),
+//!
+//! t the quantile behind the main interval. It is the main interval wherever γ
+//! is known; what differs is what the estimate of γ does when h moves.
+//! (Profile of a restricted likelihood: Bates, Mächler, Bolker & Walker, J. Stat.
+//! Softw. 67(1), 2015, doi:10.18637/jss.v067.i01, there for the full
+//! likelihood.)
+
+use super::estimate::quantile;
+use super::fit::{Fit, fit};
+use super::solve::{Estimator, Scale};
+use super::whitened::{Whitened, best_ratio};
+use super::{IdentifyOptions, estimate::estimate};
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::findings::{Finding, Severity, percent};
+use crate::jobs::in_order;
+use crate::measurement::MeasuredPosture;
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// Ends of k that differ by more than this from the main interval's are named.
+const DIFFERS: f64 = 0.1;
+/// Steps outward, in half-widths of the main interval, to find an end.
+const STEP: f64 = 0.25;
+/// Half-widths beyond which the profile counts as open.
+const FAR: f64 = 64.0;
+/// Relative accuracy of an end.
+const TOLERANCE: f64 = 1e-12;
+
+/// Profile interval of one joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointProfile {
+    /// Name of the joint.
+    pub name: String,
+    /// Ends of the compliance's profile interval \[rad/(N·m)\]; `None` where the
+    /// joint has no interval or the profile never reaches the level.
+    pub compliance_interval: [Option<f64>; 2],
+    /// The same as stiffness \[N·m/rad\]; the upper end is `None` where the data
+    /// give only a lower bound.
+    pub interval: [Option<f64>; 2],
+    /// Interval of the main result \[N·m/rad\].
+    pub main_interval: [Option<f64>; 2],
+    /// Largest relative difference of the ends (fraction); `None` where one of
+    /// the two intervals lacks an end that the other has, or both have none.
+    pub difference: Option<f64>,
+}
+
+/// Profile intervals of all joints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Profile {
+    /// Joint by joint.
+    pub joints: Vec<JointProfile>,
+    /// The largest difference of all ends (fraction).
+    pub difference: Option<f64>,
+    /// Whether it agrees with the main result.
+    pub finding: Finding,
+}
+
+/// Profile intervals beside those of [`identify`](super::identify()); `None`
+/// for estimators whose intervals come from no likelihood of the data alone
+/// (Huber's, the non-negative, the prior's), and without an interval to check.
+///
+/// # Errors
+/// As [`identify`](super::identify()).
+pub fn profile(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+) -> Result<Option<Profile>> {
+    if !options.estimator.is_exact() {
+        return Ok(None);
+    }
+    let fit = fit(cell, measured, options)?;
+    let solution = &fit.solution;
+    let (Some(covariance), false) = (
+        &solution.covariance,
+        solution.t_degrees_of_freedom == Some(0),
+    ) else {
+        return Ok(None);
+    };
+    let t = quantile(solution.t_degrees_of_freedom, options.confidence)?;
+    let names: Vec<usize> = (0..fit.system.springs).collect();
+    let joints = in_order(&names, |(_, &j)| {
+        let name = &fit.system.unknowns[j];
+        if solution.undetermined.contains(&j) {
+            return Ok(joint_profile(name, [None, None], [None, None]));
+        }
+        let error = covariance[(j, j)].max(0.0).sqrt();
+        let main = estimate(name, Some(solution.values[j]), Some(error), Some(t));
+        let ends = ends(&fit, j, error, t)?;
+        Ok(joint_profile(name, ends, main.interval))
+    })?;
+    let finding = finding(&joints);
+    let difference = joints.iter().filter_map(|j| j.difference).reduce(f64::max);
+    Ok(Some(Profile {
+        joints,
+        difference,
+        finding,
+    }))
+}
+
+/// Ends of the compliance of joint `j`.
+fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
+    let (solution, system) = (&fit.solution, &fit.system);
+    let centre = solution.values[j];
+    let half = t * error;
+    if half <= 0.0 {
+        return Ok([None, None]);
+    }
+    if let Scale::Known { .. } | Scale::Repeats { .. } = fit.assumed.scale {
+        // σ and γ are given: the profile is a parabola.
+        return Ok([Some(centre - half), Some(centre + half)]);
+    }
+    let (rows, rank) = (system.psi.nrows(), solution.factor.rank());
+    let free = (rows - rank) as f64;
+    let level = (free + 1.0) * (t * t / free).ln_1p();
+
+    // Everything but column j, whitened as the fit was.
+    let (plain, delta, column) = held(fit, j)?;
+    let fixed = match (fit.assumed.estimator, solution.independent_rows) {
+        (Estimator::TwoVariance, false) => None,
+        _ => Some(solution.gamma),
+    };
+    // −2 ln L at h, γ at its best or as given.
+    let value = |h: f64| -> Option<f64> {
+        let moved = &delta - &column * h;
+        let criterion = plain.restricted(&moved)?;
+        Some(match fixed {
+            Some(gamma) => criterion.value(gamma),
+            None => best_ratio(|gamma| criterion.value(gamma)).1,
+        })
+    };
+    let Some(lowest) = minimum(&value, centre, half) else {
+        // The residuals are rounding: there is no likelihood to speak of.
+        return Ok([None, None]);
+    };
+    let above = |h: f64| value(h).is_some_and(|v| v - lowest.1 >= level);
+    let end = |sign: f64| -> Option<f64> {
+        let mut inside = lowest.0;
+        let mut reach = STEP;
+        let mut outside = inside;
+        while reach <= FAR {
+            outside = lowest.0 + sign * reach * half;
+            if above(outside) {
+                break;
+            }
+            inside = outside;
+            // Small steps where the end should be, larger ones beyond.
+            reach += STEP * reach.max(1.0);
+        }
+        if inside == outside {
+            return None;
+        }
+        while (outside - inside).abs() > TOLERANCE * half.max(outside.abs()) {
+            let middle = 0.5 * (inside + outside);
+            if middle == inside || middle == outside {
+                break;
+            }
+            match above(middle) {
+                true => outside = middle,
+                false => inside = middle,
+            }
+        }
+        Some(0.5 * (inside + outside))
+    };
+    Ok([end(-1.0), end(1.0)])
+}
+
+/// The system without column `j`, with displacements and that column, all
+/// whitened against the readings' covariance.
+fn held(fit: &Fit, j: usize) -> Result<(Whitened, DVector<f64>, DVector<f64>)> {
+    let mut others = fit.system.clone();
+    if fit.assumed.estimator == Estimator::Ordinary {
+        for block in &mut others.blocks {
+            block.covariance = None;
+        }
+    }
+    let column = others.psi.column(j).into_owned();
+    others.psi = match others.psi.ncols() {
+        // A column of zeros stands for no columns.
+        1 => DMatrix::zeros(others.psi.nrows(), 1),
+        _ => others.psi.remove_column(j),
+    };
+    let whitened = Whitened::new(&others)?;
+    let delta = whitened.whiten(&fit.system.delta);
+    let column = whitened.whiten(&column);
+    Ok((whitened, delta, column))
+}
+
+/// Place and value of the minimum near `centre`, by golden sections.
+fn minimum(value: &impl Fn(f64) -> Option<f64>, centre: f64, half: f64) -> Option<(f64, f64)> {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let mut best = (centre, value(centre)?);
+    let (mut low, mut high) = (centre - 0.5 * half, centre + 0.5 * half);
+    while high - low > 1e-6 * half {
+        let left = high - golden * (high - low);
+        let right = low + golden * (high - low);
+        let (f_left, f_right) = (value(left)?, value(right)?);
+        for (place, size) in [(left, f_left), (right, f_right)] {
+            if size < best.1 {
+                best = (place, size);
+            }
+        }
+        match f_left <= f_right {
+            true => high = right,
+            false => low = left,
+        }
+    }
+    Some(best)
+}
+
+fn joint_profile(
+    name: &str,
+    compliance_interval: [Option<f64>; 2],
+    main_interval: [Option<f64>; 2],
+) -> JointProfile {
+    let [low, high] = compliance_interval;
+    let positive = |h: Option<f64>| h.filter(|h| *h > 0.0).map(|h| 1.0 / h);
+    // As in the main result: no interval of k where even the upper end of the
+    // compliance is negative.
+    let interval = match positive(high) {
+        Some(least) => [Some(least), positive(low)],
+        None => [None, None],
+    };
+    let pairs = interval.iter().zip(&main_interval);
+    let same_ends = pairs.clone().all(|(a, b)| a.is_some() == b.is_some());
+    let difference = pairs
+        .filter_map(|(a, b)| Some((a.as_ref()? / b.as_ref()? - 1.0).abs()))
+        .reduce(f64::max)
+        .filter(|_| same_ends);
+    JointProfile {
+        name: name.to_string(),
+        compliance_interval,
+        interval,
+        main_interval,
+        difference,
+    }
+}
+
+fn finding(joints: &[JointProfile]) -> Finding {
+    let words = |[low, high]: [Option<f64>; 2]| match (low, high) {
+        (Some(low), Some(high)) => format!("{low:.3e} to {high:.3e}"),
+        (Some(low), None) => format!("above {low:.3e}"),
+        _ => "none".to_string(),
+    };
+    let differs = |joint: &&JointProfile| match joint.difference {
+        Some(difference) => difference > DIFFERS,
+        None => joint.interval != joint.main_interval,
+    };
+    let differing: Vec<String> = joints
+        .iter()
+        .filter(differs)
+        .map(|joint| {
+            format!(
+                "{} {} instead of {} N·m/rad",
+                joint.name,
+                words(joint.interval),
+                words(joint.main_interval)
+            )
+        })
+        .collect();
+    let largest = joints.iter().filter_map(|j| j.difference).reduce(f64::max);
+    if !differing.is_empty() {
+        let message = format!(
+            "The profile of the likelihood gives other intervals: {}. The ratio of the two variances is poorly known; \
+             take the wider of the two.",
+            differing.join("; ")
+        );
+        return Finding::new("profile-differs", Severity::Caution, "intervals", message);
+    }
+    let message = match largest {
+        Some(largest) if largest < 1e-6 => {
+            "The profile of the likelihood gives the same intervals.".to_string()
+        }
+        Some(largest) => format!(
+            "The profile of the likelihood agrees with the intervals within {}.",
+            percent(largest)
+        ),
+        None => {
+            "No joint has an interval that a profile of the likelihood could check.".to_string()
+        }
+    };
+    Finding::new("profile-agrees", Severity::Note, "intervals", message)
+}

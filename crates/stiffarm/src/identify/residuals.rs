@@ -1,0 +1,134 @@
+//! Residuals by posture and by point, and the weights behind a robust fit.
+
+use super::rms;
+use super::solve::Solution;
+use super::system::{MeasuredSystem, RowLabel};
+use crate::cell::Cell;
+use crate::measurement::MeasuredPosture;
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// Residuals of one posture in one load state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PostureResidual {
+    /// Posture.
+    pub posture: String,
+    /// Load state.
+    pub state: String,
+    /// RMS of its displacement components \[m\].
+    pub displacement_rms_m: f64,
+    /// RMS of its residual components \[m\].
+    pub residual_rms_m: f64,
+}
+
+/// Residuals of one measuring point over all postures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PointResidual {
+    /// Measuring point.
+    pub point: String,
+    /// RMS of its residual components \[m\].
+    pub residual_rms_m: f64,
+    /// Mean residual, base axes \[m\].
+    pub mean_m: [f64; 3],
+}
+
+/// Weight that Huber's estimator gave a displacement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DisplacementWeight {
+    /// Posture.
+    pub posture: String,
+    /// Load state.
+    pub state: String,
+    /// Measuring point.
+    pub point: String,
+    /// The weight: 1 where the displacement fits.
+    pub weight: f64,
+}
+
+pub(super) fn by_posture(
+    measured: &[MeasuredPosture],
+    system: &MeasuredSystem,
+    residual: &DVector<f64>,
+) -> Vec<PostureResidual> {
+    let mut parts = vec![(Vec::new(), Vec::new()); measured.len()];
+    for label in &system.labels {
+        let (displacements, residuals) = &mut parts[label.measured];
+        displacements.extend_from_slice(&system.delta.as_slice()[label.rows.clone()]);
+        residuals.extend_from_slice(&residual.as_slice()[label.rows.clone()]);
+    }
+    measured
+        .iter()
+        .zip(parts)
+        .map(|(m, (displacements, residuals))| PostureResidual {
+            posture: m.posture.name.clone(),
+            state: m.state.clone(),
+            displacement_rms_m: rms(&displacements),
+            residual_rms_m: rms(&residuals),
+        })
+        .collect()
+}
+
+/// The measuring point of a displacement.
+fn point_of(measured: &[MeasuredPosture], label: &RowLabel) -> usize {
+    measured[label.measured].displacements[label.displacement].point
+}
+
+pub(super) fn by_point(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    system: &MeasuredSystem,
+    residual: &DVector<f64>,
+) -> Vec<PointResidual> {
+    let points = &cell.setup.tool.measuring_points;
+    let mut out = Vec::with_capacity(points.len());
+    for (p, point) in points.iter().enumerate() {
+        let mut own = DMatrix::<f64>::zeros(3, 0);
+        for label in &system.labels {
+            if point_of(measured, label) == p {
+                let at = own.ncols();
+                own = own.insert_column(at, 0.0);
+                own.column_mut(at)
+                    .copy_from(&residual.rows(label.rows.start, 3));
+            }
+        }
+        if own.ncols() == 0 {
+            continue;
+        }
+        let mean = own.column_mean();
+        out.push(PointResidual {
+            point: point.name.clone(),
+            residual_rms_m: rms(own.as_slice()),
+            mean_m: [mean[0], mean[1], mean[2]],
+        });
+    }
+    out
+}
+
+pub(super) fn displacement_weights(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    system: &MeasuredSystem,
+    solution: &Solution,
+) -> Vec<DisplacementWeight> {
+    let Some(weights) = &solution.weights else {
+        return Vec::new();
+    };
+    let mut out: Vec<DisplacementWeight> = system
+        .labels
+        .iter()
+        .zip(weights)
+        .map(|(label, weight)| DisplacementWeight {
+            posture: measured[label.measured].posture.name.clone(),
+            state: measured[label.measured].state.clone(),
+            point: cell.setup.tool.measuring_points[point_of(measured, label)]
+                .name
+                .clone(),
+            weight: *weight,
+        })
+        .collect();
+    out.sort_by(|a, b| a.weight.total_cmp(&b.weight));
+    out
+}
