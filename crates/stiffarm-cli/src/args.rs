@@ -1,15 +1,17 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
+mod fit;
+mod measured;
 mod select;
 
-pub use select::{LoadArgs, OutputArgs, SelectArgs};
+pub use fit::FitArgs;
+pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
+pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
 
 use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
-use stiffarm::identify::NoiseSource;
-use stiffarm::validate::Model;
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -21,7 +23,8 @@ use stiffarm::validate::Model;
     max_term_width = 100,
     after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
                   cells     builtin:comau (the default cell), builtin:comau-reference, builtin:fanuc-r2000ic\n  \
-                  postures  builtin:comau-group1\n\n\
+                  postures  builtin:comau-group1\n  \
+                  pairs     builtin:example-pairs\n\n\
                   Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \
                   still printed), 2 bad input or usage, 3 a fault of the program, 130 interrupted (the best result \
                   so far is written)."
@@ -74,7 +77,10 @@ pub enum Command {
     /// Monte Carlo simulation of identifications with tracker noise
     #[command(after_help = examples::SIMULATE)]
     Simulate(SimulateArgs),
-    /// Joint stiffness with intervals and diagnostics from measured displacements
+    /// Transform from tracker to base axes from pairs of points, with residuals and uncertainty
+    #[command(after_help = examples::REGISTER)]
+    Register(RegisterArgs),
+    /// Joint stiffness with intervals and diagnostics from measurements
     #[command(after_help = examples::IDENTIFY)]
     Identify(IdentifyArgs),
     /// Compare calculated with measured displacements at postures kept out of the identification
@@ -178,6 +184,10 @@ pub struct SimulateArgs {
     /// Also write one simulated measurement of the first group (exact model), to try `identify` on
     #[arg(long, value_name = "measurements.csv")]
     pub measurements: Option<String>,
+    /// Also write the raw readings of one simulated experiment with the first group: tracker somewhere,
+    /// loads going up and down, repeats, drift, a base reflector (exact model)
+    #[arg(long, value_name = "readings.csv")]
+    pub readings: Option<String>,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
@@ -205,57 +215,6 @@ pub struct ErrorArgs {
     /// Each coordinate of the rope's anchor, one error per run [mm]
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     pub anchor_mm: f64,
-}
-
-#[derive(Debug, Args)]
-pub struct IdentifyArgs {
-    /// Cell file
-    pub cell: String,
-    /// Measured displacements
-    #[arg(value_name = "MEASUREMENTS.csv")]
-    pub measurements: String,
-    /// Controller angles by posture name, where the measurements have none
-    #[arg(long, value_name = "POSTURES.csv")]
-    pub postures: Option<String>,
-    /// Size of the noise: from the residuals, or from the cell
-    #[arg(long, value_name = "SOURCE", default_value = "estimated")]
-    pub noise: NoiseChoice,
-    /// Confidence of the intervals
-    #[arg(long, value_name = "P", default_value_t = 0.95)]
-    pub confidence: f64,
-    /// Postures to leave out, for example those kept for validation
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    pub exclude: Vec<String>,
-    /// Write the result as JSON to this file, for `validate`
-    #[arg(long, value_name = "stiffness.json")]
-    pub output: Option<String>,
-    /// Overwrite an existing file
-    #[arg(long)]
-    pub force: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct ValidateArgs {
-    /// Cell file
-    pub cell: String,
-    /// Result of `identify`, or {"stiffness_nm_per_rad": [k1, …]}
-    #[arg(value_name = "STIFFNESS.json")]
-    pub stiffness: String,
-    /// Measured displacements
-    #[arg(value_name = "MEASUREMENTS.csv")]
-    pub measurements: String,
-    /// Controller angles by posture name, where the measurements have none
-    #[arg(long, value_name = "POSTURES.csv")]
-    pub postures: Option<String>,
-    /// How displacements are calculated
-    #[arg(long, default_value = "linear")]
-    pub model: ModelChoice,
-    /// Largest deviation allowed [mm]; beyond it the exit code is 1
-    #[arg(long, value_name = "X")]
-    pub tolerance_mm: Option<f64>,
-    /// Only these postures
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    pub only: Vec<String>,
 }
 
 #[derive(Debug, Args)]
@@ -317,42 +276,6 @@ pub struct DocsArgs {
     pub page: DocsPage,
 }
 
-/// Where the size of the noise comes from.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum NoiseChoice {
-    /// From the residuals
-    Estimated,
-    /// From the cell's [noise]
-    Known,
-}
-
-impl From<NoiseChoice> for NoiseSource {
-    fn from(choice: NoiseChoice) -> Self {
-        match choice {
-            NoiseChoice::Estimated => NoiseSource::Estimated,
-            NoiseChoice::Known => NoiseSource::Known,
-        }
-    }
-}
-
-/// How displacements are calculated.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum ModelChoice {
-    /// Linear in the load
-    Linear,
-    /// Exact static equilibrium
-    Equilibrium,
-}
-
-impl From<ModelChoice> for Model {
-    fn from(choice: ModelChoice) -> Self {
-        match choice {
-            ModelChoice::Linear => Model::Linear,
-            ModelChoice::Equilibrium => Model::Equilibrium,
-        }
-    }
-}
-
 /// What a schema describes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum SchemaChoice {
@@ -372,8 +295,12 @@ pub enum SchemaChoice {
     ResultSelectSpaceFilling,
     /// Output of `simulate --json`
     ResultSimulate,
+    /// Output of `register --json`
+    ResultRegister,
     /// Output of `identify --json`
     ResultIdentify,
+    /// Output of `identify --clamped --json`
+    ResultIdentifyClamped,
     /// Output of `validate --json`
     ResultValidate,
     /// Output of `zones --json`

@@ -35,13 +35,28 @@ pub const EVALUATE: &str = "Examples:
   $ stiffarm evaluate builtin:comau plan.csv --json";
 pub const SIMULATE: &str = "Examples:
   $ stiffarm simulate builtin:comau plan.csv --levels 1,2 --runs 500
-  $ stiffarm simulate builtin:comau plan.csv --measurements simulated.csv";
+  $ stiffarm simulate builtin:comau plan.csv --measurements simulated.csv
+
+  Raw tracker readings of a whole experiment, to try identify on:
+  $ stiffarm simulate builtin:comau plan.csv --readings tracked.csv";
+pub const REGISTER: &str = "Examples:
+  $ stiffarm register builtin:example-pairs --output registration.json
+  $ stiffarm register builtin:example-pairs --exclude B --std-mm 0.03";
 pub const IDENTIFY: &str = "Examples:
-  $ stiffarm identify builtin:comau simulated.csv --noise known
-  $ stiffarm identify builtin:comau simulated.csv --exclude 6 --output k.json";
+  Raw readings, or displacements:
+  $ stiffarm identify builtin:comau tracked.csv
+  $ stiffarm identify builtin:comau simulated.csv --estimator weighted
+
+  For validate, without one posture; with a tilting elbow; robust:
+  $ stiffarm identify builtin:comau simulated.csv --exclude 6 --output k.json
+  $ stiffarm identify builtin:comau tracked.csv --terms tilt3 --bootstrap 300
+  $ stiffarm identify builtin:comau tracked.csv --estimator huber --brief";
 pub const VALIDATE: &str = "Examples:
   $ stiffarm validate builtin:comau k.json simulated.csv --only 6
-  $ stiffarm validate builtin:comau k.json simulated.csv --tolerance-mm 0.1";
+  $ stiffarm validate builtin:comau k.json simulated.csv --tolerance-mm 0.1
+
+  Each posture predicted by the others, without a saved stiffness:
+  $ stiffarm validate builtin:comau tracked.csv --folds all";
 pub const ZONES: &str = "Examples:
   $ stiffarm zones
   $ stiffarm zones builtin:comau-reference --steps 61 --output-dir zones";

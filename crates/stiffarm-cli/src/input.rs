@@ -6,10 +6,11 @@ use std::path::Path;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
 use stiffarm::cell::file::parse_cell_bytes;
-use stiffarm::measurement::MeasuredPosture;
 use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::reduction::ReduceOptions;
+use stiffarm::registration::read_registration;
 use stiffarm::robot::Robot;
-use stiffarm::table::{read_displacements, read_postures, sha256_hex};
+use stiffarm::table::{Measurements, read_measurements, read_postures, sha256_hex};
 use stiffarm::{Code, Error, Result};
 
 /// Name of standard input in messages.
@@ -96,8 +97,8 @@ impl Session {
         Ok(groups)
     }
 
-    /// Reads measured displacements, with controller angles from `postures`
-    /// where that is given.
+    /// Reads displacements or raw readings, with controller angles from
+    /// `postures` where that is given.
     ///
     /// # Errors
     /// A file that cannot be read, or anything wrong with its table.
@@ -106,22 +107,29 @@ impl Session {
         from: &str,
         postures: Option<&str>,
         cell: &Cell,
-    ) -> Result<Vec<MeasuredPosture>> {
+    ) -> Result<Measurements> {
         let robot = &cell.setup.robot;
         let postures = postures
             .map(|from| self.read_postures("postures", from, robot))
             .transpose()?;
         let (name, bytes) = self.read("measurements", from)?;
-        let measured = read_displacements(&bytes, &name, cell, postures.as_deref())?;
-        if measured.is_empty() {
-            return Err(Error::new(
-                Code::TooFewData,
-                "The table has no measurements, only a heading.",
-            )
-            .file(name)
-            .hint("add one row per posture and measuring point"));
-        }
-        Ok(measured)
+        read_measurements(&bytes, &name, cell, postures.as_deref())
+    }
+
+    /// Options of a reduction of raw readings: with the registration that
+    /// `register` saved in `from`, if given.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or holds no registration.
+    pub fn read_registration(&self, from: Option<&str>) -> Result<ReduceOptions> {
+        let Some(from) = from else {
+            return Ok(ReduceOptions::default());
+        };
+        let (name, bytes) = self.read("registration", from)?;
+        let registration = read_registration(&bytes, &name)?;
+        Ok(ReduceOptions {
+            base_from_tracker: Some(registration.base_from_tracker),
+        })
     }
 
     /// Reads a file, `-` or `builtin:NAME`; returns its name for messages and its bytes.
@@ -185,7 +193,9 @@ pub fn group_name(from: &str) -> String {
 }
 
 fn read_builtin(name: &str) -> Result<Vec<u8>> {
-    let text = builtin::cell_text(name).or_else(|| builtin::postures_text(name));
+    let text = builtin::cell_text(name)
+        .or_else(|| builtin::postures_text(name))
+        .or_else(|| builtin::pairs_text(name));
     text.map(|text| text.as_bytes().to_vec()).ok_or_else(|| {
         let known: Vec<String> = builtin::names()
             .iter()

@@ -49,6 +49,7 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Select(args) => commands::select::run(session, args),
         Command::Evaluate(args) => commands::evaluate::run(session, args),
         Command::Simulate(args) => commands::simulate::run(session, args),
+        Command::Register(args) => commands::register::run(session, args),
         Command::Identify(args) => commands::identify::run(session, args),
         Command::Validate(args) => commands::validate::run(session, args),
         Command::Zones(args) => commands::zones::run(session, args),

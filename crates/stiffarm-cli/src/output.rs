@@ -1,5 +1,6 @@
 //! Printing: tables for people, one JSON object for machines.
 
+use crate::files::{Target, write_all};
 use crate::session::Session;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -86,6 +87,29 @@ impl Session {
         } else {
             table()
         })
+    }
+
+    /// Writes the JSON object to `target`, if there is one, and shows the result:
+    /// as a remark where the object itself goes to standard output.
+    ///
+    /// # Errors
+    /// The file or standard output cannot be written.
+    pub fn deliver(
+        &self,
+        target: Option<Target>,
+        envelope: &impl Serialize,
+        table: impl FnOnce() -> String,
+    ) -> Result<()> {
+        match target {
+            Some(Target::Stdout) => {
+                self.print(&to_json(envelope)?)?;
+                self.remark(&table());
+                return Ok(());
+            }
+            Some(target) => write_all(self, &[(target, to_json(envelope)?)])?,
+            None => {}
+        }
+        self.show(envelope, table)
     }
 
     /// Prints to standard output. A reader that has gone is no error.

@@ -191,7 +191,7 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     assert_eq!(ran.code, Some(1));
     assert!(ran.out.contains("only a lower bound"), "{}", ran.out);
     assert!(
-        ran.out.contains("[noise] of the cell is set too high"),
+        ran.out.contains("the noise is stated too large"),
         "{}",
         ran.out
     );
@@ -286,10 +286,15 @@ fn schemas_describe_what_the_commands_print() {
             "result-simulate",
             "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1",
         ),
+        ("result-register", "register builtin:example-pairs"),
         ("result-identify", "identify builtin:comau simulated.csv"),
         (
             "result-validate",
             "validate builtin:comau stiffness.json simulated.csv",
+        ),
+        (
+            "result-validate",
+            "validate builtin:comau simulated.csv --folds 3 --terms tilt3 --estimator ordinary",
         ),
         ("result-zones", "zones --steps 5"),
         (

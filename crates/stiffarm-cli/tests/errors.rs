@@ -62,6 +62,10 @@ fn folder() -> Folder {
     );
     folder.write("one.csv", format!("{HEADING}1,-35,-10,-95,10,15,-20\n"));
     folder.write("raw.csv", "posture,point,x_mm,y_mm,z_mm\n1,1,0,0,0\n");
+    folder.write(
+        "readings.xlsx",
+        include_bytes!("../../stiffarm/tests/golden/xlsx/readings.xlsx"),
+    );
     folder.write("few.csv", "posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,1,0.1,0,0,0,0,-90,0,20,0\n");
     folder.write("no-json.json", "k1 = 3\n");
     folder.write(
@@ -131,10 +135,14 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "select builtin:comau --largest-load-n -5",
         "select builtin:fanuc-r2000ic --anchor-box-mm 0,0,0,1,1,1",
         "select builtin:comau --curve --sheet sheet.csv",
+        "select builtin:comau --drift",
+        "select builtin:comau --sheet sheet.csv --sheet-of displacements --base-reflector",
+        "select builtin:comau --sheet sheet.csv --sheet-of deflections",
         "select builtin:comau --space-filling --index d",
         "select builtin:comau --curve --index nowel",
         "simulate builtin:comau builtin:comau-group1 --levels 1,-2",
         "identify builtin:comau raw.csv",
+        "identify builtin:comau readings.xlsx",
         "identify builtin:comau simulated.csv --exclude 7",
         "identify builtin:comau simulated.csv --confidence 95",
         "identify builtin:comau simulated.csv --postures one.csv",

@@ -67,4 +67,24 @@ fn the_measured_fanuc_is_identified() {
     let share = result["deviation_rms_m"].as_f64().unwrap()
         / result["displacement_rms_m"].as_f64().unwrap();
     assert!(share < 0.5, "{share}");
+
+    // Each posture predicted from the other 42; a joint that tilts predicts better.
+    let component_rms_mm = |terms: &str| {
+        let line = format!("validate builtin:fanuc-r2000ic fanuc.csv --folds all{terms}");
+        let ran = folder.run(&format!("{line} --json"));
+        let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+        let band = &value["result"]["band"];
+        println!(
+            "{line}: {} of {} inside",
+            band["inside"], band["components"]
+        );
+        // The readings scatter as the residuals say, whatever their cause.
+        let inside = band["inside"].as_f64().unwrap() / band["components"].as_f64().unwrap();
+        assert!((0.9..=0.99).contains(&inside), "{inside}");
+        value["result"]["component_rms_m"].as_f64().unwrap() * 1e3
+    };
+    let (axes, tilt) = (component_rms_mm(""), component_rms_mm(" --terms tilt3"));
+    println!("leave one out: {axes:.4} mm, with tilt of joint 3 {tilt:.4} mm");
+    assert!((axes - 0.2339).abs() < 5e-5, "{axes}");
+    assert!((tilt - 0.1813).abs() < 5e-5, "{tilt}");
 }

@@ -57,7 +57,7 @@ fn from_group_1() {
     assert_eq!(folder.names(), ["plan.csv", "sheet.csv"]);
     // The plan is read back, and the sheet has a row per posture and point.
     folder.ok("evaluate builtin:comau plan.csv");
-    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 6 * 4);
+    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 6 * 2 * 4);
 }
 
 #[test]
@@ -156,13 +156,16 @@ fn the_task_index_is_in_millimetres() {
 #[test]
 fn the_next_postures_beside_those_measured() {
     let folder = Folder::new();
-    let line = "select builtin:comau-reference --given builtin:comau-group1 --add 2 --rounds 2 --output new.csv --sheet sheet.csv";
+    let line = "select builtin:comau-reference --given builtin:comau-group1 --add 2 --rounds 2 --output new.csv --sheet sheet.csv --sheet-of displacements";
     assert_snapshot!(words(&folder, line));
     assert_eq!(folder.read("new.csv").lines().count(), 3);
 
     // Together they are worth what was said.
-    let result =
-        folder.json(&line.replace("new.csv --sheet sheet.csv", "again.csv"))["result"].clone();
+    let result = folder.json(&line.replace(
+        "new.csv --sheet sheet.csv --sheet-of displacements",
+        "again.csv",
+    ))["result"]
+        .clone();
     assert_eq!(folder.read("new.csv"), folder.read("again.csv"));
     assert_eq!(result["posture_names"], serde_json::json!(["7", "8"]));
     assert_eq!(result["given"], 6);
@@ -202,6 +205,43 @@ fn the_next_postures_beside_those_measured() {
     let only_old = folder.json("identify builtin:comau-reference old-readings.csv");
     let freedom = |value: &Value| number(&value["result"]["degrees_of_freedom"]);
     assert_eq!(freedom(&identified) - freedom(&only_old), 2.0 * 4.0 * 3.0);
+}
+
+#[test]
+fn a_sheet_asks_for_what_will_be_read() {
+    let folder = Folder::new();
+    let select = "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --index d";
+    folder.ok(&format!(
+        "{select} --sheet sheet.csv --states preload,up-250,down-250 --drift --base-reflector"
+    ));
+    let sheet = folder.read("sheet.csv");
+    let rows: Vec<Vec<&str>> = sheet.lines().map(|row| row.split(',').collect()).collect();
+    assert_eq!(
+        rows[0][..8],
+        [
+            "posture", "state", "point", "x_mm", "y_mm", "z_mm", "load_n", "time_s"
+        ]
+    );
+    let states = ["unloaded", "preload", "up-250", "down-250", "unloaded-2"];
+    let points = ["1", "2", "3", "4", "base"];
+    assert_eq!(rows.len(), 1 + 6 * states.len() * points.len());
+    let expected = states
+        .iter()
+        .flat_map(|state| points.map(|point| ["1", state, point]));
+    for (row, expected) in rows[1..].iter().zip(expected) {
+        assert_eq!(row[..3], expected);
+        assert_eq!(row[3..8], [""; 5]);
+        assert!(row[8..].iter().all(|angle| angle.parse::<f64>().is_ok()));
+    }
+    folder.ok(&format!(
+        "{select} --sheet old.csv --sheet-of displacements --states up,down"
+    ));
+    let sheet = folder.read("old.csv");
+    assert!(
+        sheet.starts_with("posture,state,point,dx_mm,dy_mm,dz_mm,q1_deg,"),
+        "{sheet}"
+    );
+    assert_eq!(sheet.lines().count(), 1 + 6 * 2 * 4);
 }
 
 #[test]
@@ -262,7 +302,7 @@ fn the_postures_least_worth_their_time() {
         stay["result"]["groups"][0]["indices"]["expected_error"],
         result["value"]
     );
-    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 4 * 4);
+    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 4 * 2 * 4);
     // Without a number, one is left out.
     let one = folder.json("select builtin:comau --given builtin:comau-group1 --drop");
     assert_eq!(one["result"]["dropped"].as_array().unwrap().len(), 1);
@@ -368,7 +408,7 @@ fn evenly_spread_postures_as_a_baseline() {
     let line =
         "select builtin:comau --space-filling -n 8 --seed 3 --output even.csv --sheet sheet.csv";
     assert_snapshot!(words(&folder, line));
-    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 8 * 4);
+    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 8 * 2 * 4);
     let even = folder.json("select builtin:comau --space-filling -n 8 --seed 3")["result"].clone();
     let evaluated = folder.json("evaluate builtin:comau even.csv");
     close(

@@ -1,7 +1,7 @@
 //! The command line of `stiffarm select`.
 
 use super::count;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::time::Duration;
 
 /// Most postures of one plan: more is a slip.
@@ -110,15 +110,34 @@ pub struct OutputArgs {
     /// Write the postures to this file; with --curve the curve as CSV
     #[arg(long, value_name = "plan.csv")]
     pub output: Option<String>,
-    /// Write a sheet for the readings, pre-filled per posture and measuring point
+    /// Write a sheet for the readings, pre-filled per posture, load state and point
     #[arg(long, value_name = "measurements.csv", conflicts_with = "curve")]
     pub sheet: Option<String>,
-    /// Load states of the sheet
+    /// Load states of the sheet, in the order in which they are taken, for example
+    /// preload,up-250,up-500,down-250; an unloaded state comes first [default: loaded]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "sheet")]
     pub states: Vec<String>,
+    /// In the sheet, each posture ends unloaded once more, which shows the drift
+    #[arg(long, requires = "sheet")]
+    pub drift: bool,
+    /// In the sheet, a reflector on the robot's base is read in each state
+    #[arg(long, requires = "sheet")]
+    pub base_reflector: bool,
+    /// What the sheet is for [default: readings]
+    #[arg(long, value_name = "KIND", requires = "sheet")]
+    pub sheet_of: Option<SheetChoice>,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
+}
+
+/// What a sheet is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SheetChoice {
+    /// Positions as the tracker gives them
+    Readings,
+    /// Differences that are calculated elsewhere
+    Displacements,
 }
 
 /// A time above zero.

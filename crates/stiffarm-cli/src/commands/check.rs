@@ -1,16 +1,16 @@
 //! `stiffarm check`: what to know about a cell before anybody measures.
 
+use super::finding_line;
 use crate::args::CheckArgs;
 use crate::input::NamedCell;
 use crate::numbers::{NONE, coarse_mm, mm, optional, significant, stiffness};
 use crate::output::Exit;
 use crate::session::Session;
-use crate::table::{Table, green, red, title, yellow};
+use crate::table::{Table, green, title};
 use std::fmt::Write;
 use stiffarm::Result;
 use stiffarm::cell::{Cell, Limits, Noise};
 use stiffarm::check::{CellCheck, check};
-use stiffarm::findings::Severity;
 use stiffarm::load::{Axes, Load, Wrench};
 use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 
@@ -51,16 +51,7 @@ fn findings(check: &CellCheck) -> String {
     if check.findings.is_empty() {
         return format!("{}\n", green("nothing to complain about"));
     }
-    let mut out = String::new();
-    for finding in &check.findings {
-        let severity = match finding.severity {
-            Severity::Serious => red("serious"),
-            Severity::Caution => yellow("caution"),
-            Severity::Note => "note".to_string(),
-        };
-        let _ = writeln!(out, "{severity}: {}: {}", finding.subject, finding.sentence);
-    }
-    out
+    check.findings.iter().map(finding_line).collect()
 }
 
 /// `x, y, z` in millimetres.

@@ -6,7 +6,7 @@ use crate::output::Exit;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::cell::file::{displacements_template, parse_cell, postures_template, template};
+use stiffarm::cell::file::{measurements_template, parse_cell, postures_template, template};
 
 #[derive(Serialize)]
 struct Options<'a> {
@@ -27,7 +27,7 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
     let files = [
         ("cell.toml", text),
         ("postures.csv", postures_template(&cell.setup.robot)),
-        ("measurements.csv", displacements_template(&cell)),
+        ("measurements.csv", measurements_template(&cell)),
     ];
     let names: Vec<&'static str> = files.iter().map(|(name, _)| *name).collect();
     make_folder(&args.output_dir)?;

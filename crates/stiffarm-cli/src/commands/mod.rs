@@ -7,6 +7,7 @@ pub mod evaluate;
 pub mod identify;
 pub mod init;
 pub mod man;
+pub mod register;
 pub mod robots;
 pub mod schema;
 pub mod select;
@@ -16,8 +17,9 @@ pub mod validate;
 pub mod zones;
 
 use crate::numbers;
-use crate::table::Table;
+use crate::table::{Table, red, yellow};
 use stiffarm::cell::Cell;
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::index::Index;
 use stiffarm::observation::PostureTerms;
 use stiffarm::optimise::with_characteristic_length;
@@ -43,6 +45,16 @@ fn with_length(cell: Cell) -> (Cell, String) {
         None => format!("characteristic length: none; {missing}\n"),
     };
     (cell, line)
+}
+
+/// A finding as a line of its own.
+fn finding_line(finding: &Finding) -> String {
+    let severity = match finding.severity {
+        Severity::Serious => red("serious"),
+        Severity::Caution => yellow("caution"),
+        Severity::Note => "note".to_string(),
+    };
+    format!("{severity}: {}: {}\n", finding.subject, finding.sentence)
 }
 
 /// True for the indices that are relative errors, shown in percent.

@@ -1,6 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{check, evaluate, identify, select, simulate, study, validate, zones};
+use super::{check, evaluate, identify, register, select, simulate, study, validate, zones};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
 use crate::session::Session;
@@ -10,7 +10,8 @@ use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
 use stiffarm::cell::file::cell_schema;
 use stiffarm::check::CellCheck;
-use stiffarm::identify::Identification;
+use stiffarm::clamped::ClampedIdentification;
+use stiffarm::registration::RegistrationRecord;
 use stiffarm::simulate::Simulation;
 use stiffarm::study::Study;
 use stiffarm::validate::Validation;
@@ -34,7 +35,11 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
             select::space_filling::SpaceFilling,
         >("select --space-filling"),
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
-        SchemaChoice::ResultIdentify => of::<identify::Options, Identification>("identify"),
+        SchemaChoice::ResultRegister => of::<register::Options, RegistrationRecord>("register"),
+        SchemaChoice::ResultIdentify => of::<identify::Options, identify::Identified>("identify"),
+        SchemaChoice::ResultIdentifyClamped => {
+            of::<identify::clamped::Options, ClampedIdentification>("identify --clamped")
+        }
         SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultStudy => of::<study::Options, Study>("study"),

@@ -11,9 +11,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::cell::Cell;
 use stiffarm::simulate::{
-    GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
+    Experiment, GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions,
+    experiment, simulate,
 };
-use stiffarm::table::write_displacements;
+use stiffarm::table::{write_displacements, write_readings};
 use stiffarm::units::{deg_to_rad, m_to_mm, mm_to_m};
 use stiffarm::validate::{Model, simulate_measurements};
 use stiffarm::{Code, Error, Result};
@@ -31,12 +32,14 @@ pub struct Options {
 
 /// Runs the simulation.
 pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
-    let target = args
-        .measurements
-        .as_deref()
-        .map(|path| Target::new(path, args.force))
-        .transpose()?;
-    check_one_stdout(session, &[target.as_ref()])?;
+    let target_of = |path: &Option<String>| {
+        path.as_deref()
+            .map(|path| Target::new(path, args.force))
+            .transpose()
+    };
+    let displacements = target_of(&args.measurements)?;
+    let readings = target_of(&args.readings)?;
+    check_one_stdout(session, &[displacements.as_ref(), readings.as_ref()])?;
     let model_errors = model_errors(&args.errors)?;
     check_not_negative("--levels", &args.levels)?;
     let named = session.read_cell(&args.cell)?;
@@ -52,19 +55,23 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let result = progress.watch(|control| simulate(cell, &groups, &options, control))?;
     drop(progress);
 
-    let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
-    if let Some(target) = target {
-        let truth = cell.require_prior()?;
-        let measured = simulate_measurements(
-            cell,
-            &groups[0].postures,
-            truth,
-            Model::Equilibrium,
-            args.seed,
-            0,
-        )?;
-        write_all(session, &[(target, write_displacements(&measured, cell))])?;
+    let to_stdout = [&displacements, &readings]
+        .into_iter()
+        .flatten()
+        .any(Target::is_stdout);
+    let (truth, first) = (cell.require_prior()?, &groups[0].postures);
+    let mut files = Vec::new();
+    if let Some(target) = displacements {
+        let model = Model::Equilibrium;
+        let measured = simulate_measurements(cell, first, truth, model, args.seed, 0)?;
+        files.push((target, write_displacements(&measured, cell)));
     }
+    if let Some(target) = readings {
+        let done = Experiment::as_measured(cell);
+        let table = experiment(cell, first, truth, &done, args.seed, 0)?;
+        files.push((target, write_readings(&table, cell)));
+    }
+    write_all(session, &files)?;
     let table = || named.line() + &table(cell, &result, !model_errors.is_exact());
     if to_stdout {
         session.remark(&table());

@@ -1,19 +1,25 @@
-//! `stiffarm validate`: calculated against measured displacements, Eq. (22).
+//! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
+//! postures kept out of the identification, or fold by fold without any.
 
-use super::identify::check_names;
-use crate::args::ValidateArgs;
-use crate::input::NamedCell;
-use crate::numbers::{mm, percent, significant};
+mod saved;
+
+use super::identify::readings::displacements;
+use super::identify::{check_names, confidence};
+use crate::args::{Folds, ValidateArgs};
+use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Align, Table, green, red, title, yellow};
+use saved::{Saved, saved};
 use schemars::JsonSchema;
 use serde::Serialize;
-use serde_json::Value;
 use stiffarm::cell::Cell;
-use stiffarm::findings::list;
+use stiffarm::findings::{Severity, list};
+use stiffarm::identify::{Estimator, NoiseSource};
+use stiffarm::measurement::MeasuredPosture;
+use stiffarm::observation::ExtraTerm;
 use stiffarm::units::mm_to_m;
-use stiffarm::validate::{Model, Validation, validate};
+use stiffarm::validate::{Model, PointBand, Validation, cross_validate, validate_with};
 use stiffarm::{Code, Error, Result};
 
 /// Options of the result.
@@ -25,15 +31,23 @@ pub struct Options {
     pub tolerance_mm: Option<f64>,
     /// Only these postures; all if empty.
     pub only: Vec<String>,
+    /// How each fold was identified, with --folds.
+    pub fit: Option<FitOptions>,
 }
 
-/// A stiffness as `identify` saved it.
-struct Saved {
-    stiffness: Vec<f64>,
-    /// Postures it was identified from.
-    postures: Vec<String>,
-    /// SHA-256 of the cell it was identified in.
-    cell: Option<String>,
+/// Options of the identifications of a cross-validation.
+#[derive(Serialize, JsonSchema)]
+pub struct FitOptions {
+    /// Folds of postures.
+    pub folds: usize,
+    /// How the unknowns are estimated.
+    pub estimator: Estimator,
+    /// The further terms.
+    pub extra: Vec<ExtraTerm>,
+    /// Where the size of the noise comes from.
+    pub noise: NoiseSource,
+    /// Confidence of the bands.
+    pub confidence: f64,
 }
 
 /// Validates.
@@ -47,37 +61,138 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         )
         .key("--tolerance-mm"));
     }
-    let named = session.read_cell(&args.cell)?;
+    match (&args.stiffness, args.folds) {
+        (Some(stiffness), None) => held_out(session, args, stiffness),
+        (None, Some(folds)) => cross(session, args, folds),
+        (None, None) => Err(Error::new(
+            Code::Usage,
+            "There is no joint stiffness to validate.",
+        )
+        .hint("give the file that `stiffarm identify --output` wrote before the measurements, or --folds")),
+        (Some(_), Some(_)) => Err(Error::new(
+            Code::Usage,
+            "With --folds each fold is identified anew: there is no file of stiffness.",
+        )
+        .key("--folds")
+        .hint("give the cell and the measurements alone")),
+    }
+}
+
+/// Validates a saved stiffness.
+fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<Exit> {
+    if let Some(option) = args.fit.given() {
+        return Err(
+            Error::new(Code::Usage, format!("{option} goes with --folds alone."))
+                .key(option)
+                .hint("a saved stiffness brings its own estimator, terms and confidence"),
+        );
+    }
+    let mut named = session.read_cell(&args.cell)?;
+    let (file, bytes) = session.read("stiffness", stiffness)?;
+    let saved = saved(&bytes, &named.cell).map_err(|e| e.file(&file))?;
+    let measured = measured(session, args, &mut named.cell)?;
     let cell = &named.cell;
-    let (file, bytes) = session.read("stiffness", &args.stiffness)?;
-    let saved = saved(&bytes, cell).map_err(|e| e.file(&file))?;
-    let mut measured =
+    let model = args.model.into();
+    let tolerance = args.tolerance_mm.map(mm_to_m);
+    let result = validate_with(cell, &saved.predictor, &measured, model, tolerance)?;
+    let envelope = session.envelope("validate", None, options(args, None), &result);
+    let same_cell = saved.cell.is_none() || saved.cell.as_ref() == envelope.inputs.get("cell");
+    session.show(&envelope, || {
+        named.line() + &notes(&saved, same_cell, &result) + &table(&result)
+    })?;
+    Ok(Exit::finding(result.passed == Some(false)))
+}
+
+/// Predicts each posture from fits without it.
+fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
+    if Model::from(args.model) != Model::Linear {
+        return Err(Error::new(
+            Code::Unsupported,
+            "Folds are predicted by the linear model alone.",
+        )
+        .key("--model"));
+    }
+    let mut named = session.read_cell(&args.cell)?;
+    let fit = args.fit.options(&named.cell.setup.robot)?;
+    let measured = measured(session, args, &mut named.cell)?;
+    let cell = &named.cell;
+    let count = match folds {
+        Folds::Count(count) => count,
+        Folds::All => {
+            let mut names: Vec<&str> = measured.iter().map(|m| m.posture.name.as_str()).collect();
+            names.sort_unstable();
+            names.dedup();
+            names.len()
+        }
+    };
+    let tolerance = args.tolerance_mm.map(mm_to_m);
+    let result =
+        cross_validate(cell, &measured, &fit, count, tolerance).map_err(|e| match e.code() {
+            Code::InvalidValue => e.key("--folds"),
+            _ => e,
+        })?;
+    let said = match folds {
+        Folds::All => "each posture is predicted by a fit without it".to_string(),
+        Folds::Count(_) => {
+            format!("each of {count} folds of postures is predicted by a fit without it")
+        }
+    };
+    let terms: Vec<String> = fit
+        .extra
+        .iter()
+        .map(|t| t.name(&cell.setup.robot))
+        .collect();
+    let terms = match terms.is_empty() {
+        true => String::new(),
+        false => format!(", with {}", list(&terms)),
+    };
+    let said = format!("{said}; estimator {}{terms}\n", fit.estimator.as_str());
+    let fit = FitOptions {
+        folds: count,
+        estimator: fit.estimator,
+        extra: fit.extra,
+        noise: fit.noise,
+        confidence: fit.confidence,
+    };
+    let envelope = session.envelope("validate", None, options(args, Some(fit)), &result);
+    session.show(&envelope, || named.line() + &said + &table(&result))?;
+    Ok(Exit::finding(
+        result.passed == Some(false) || !result.unpredicted.is_empty(),
+    ))
+}
+
+fn options(args: &ValidateArgs, fit: Option<FitOptions>) -> Options {
+    Options {
+        model: args.model.into(),
+        tolerance_mm: args.tolerance_mm,
+        only: args.only.clone(),
+        fit,
+    }
+}
+
+/// The measurements, or those of `--only`.
+fn measured(
+    session: &Session,
+    args: &ValidateArgs,
+    cell: &mut Cell,
+) -> Result<Vec<MeasuredPosture>> {
+    let measurements =
         session.read_measurements(&args.measurements, args.postures.as_deref(), cell)?;
+    let reduce = session.read_registration(args.registration.as_deref())?;
+    let (mut measured, reduced) = displacements(cell, measurements, &reduce)?;
+    if let Some(reduced) = &reduced {
+        session.remark(&reduced.words());
+    }
     check_names("--only", &args.only, &measured)?;
     if !args.only.is_empty() {
         measured.retain(|m| args.only.contains(&m.posture.name));
     }
-    let model = args.model.into();
-    let result = validate(
-        cell,
-        &saved.stiffness,
-        &measured,
-        model,
-        args.tolerance_mm.map(mm_to_m),
-    )?;
-    let options = Options {
-        model,
-        tolerance_mm: args.tolerance_mm,
-        only: args.only.clone(),
-    };
-    let envelope = session.envelope("validate", None, options, &result);
-    let same_cell = saved.cell.is_none() || saved.cell.as_ref() == envelope.inputs.get("cell");
-    session.show(&envelope, || table(&named, &saved, same_cell, &result))?;
-    Ok(Exit::finding(result.passed == Some(false)))
+    Ok(measured)
 }
 
-fn table(named: &NamedCell, saved: &Saved, same_cell: bool, result: &Validation) -> String {
-    let mut out = named.line();
+/// What to know about the stiffness before reading on.
+fn notes(saved: &Saved, same_cell: bool, result: &Validation) -> String {
+    let mut out = String::new();
     let note = yellow("note");
     if !same_cell {
         out += &format!("{note}: the stiffness was identified with another version of this cell\n");
@@ -100,27 +215,62 @@ fn table(named: &NamedCell, saved: &Saved, same_cell: bool, result: &Validation)
             list(&seen)
         );
     }
+    out
+}
+
+fn table(result: &Validation) -> String {
+    let mut out = String::new();
+    if !result.unpredicted.is_empty() {
+        let said = format!(
+            "{} cannot be predicted: the others do not determine every joint that moves there.",
+            list(&result.unpredicted)
+        );
+        out += &format!("{}\n", red(&said));
+    }
     out += &title("Deviation of calculated from measured displacement, Eq. (22)");
-    let mut table = Table::new([
+    let mut headings: Vec<String> = [
         "m-n",
         "posture",
         "point",
         "measured [mm]",
         "calculated [mm]",
         "deviation [mm]",
-    ]);
+    ]
+    .map(String::from)
+    .to_vec();
+    if let Some(band) = &result.band {
+        let level = confidence(band.confidence);
+        headings.push(format!("calculated ± {level} % [mm]"));
+        headings.push(format!("outside {level} %"));
+    }
+    let states = result.points.iter().map(|p| &p.state);
+    let has_states = states.clone().zip(states.skip(1)).any(|(a, b)| a != b);
+    if has_states {
+        headings.insert(2, "state".to_string());
+    }
+    let mut table = Table::new(headings);
     table.align(1, Align::Left);
     table.align(2, Align::Left);
+    if has_states {
+        table.align(3, Align::Left);
+    }
     let norm = |v: &[f64; 3]| mm(v.iter().map(|c| c * c).sum::<f64>().sqrt());
     for point in &result.points {
-        table.row([
+        let mut row = vec![
             point.label.clone(),
             point.posture.clone(),
             point.point.clone(),
             norm(&point.measured_m),
             norm(&point.calculated_m),
             mm(point.deviation_m),
-        ]);
+        ];
+        if result.band.is_some() {
+            row.extend(band(point.band.as_ref()));
+        }
+        if has_states {
+            row.insert(2, point.state.clone());
+        }
+        table.row(row);
     }
     out += &table.to_string();
     let share = match result.displacement_rms_m {
@@ -135,6 +285,12 @@ fn table(named: &NamedCell, saved: &Saved, same_cell: bool, result: &Validation)
         mm(result.deviation_rms_m),
         mm(result.deviation_max_m)
     );
+    if result.folds.is_some() {
+        out += &format!(
+            "RMS of its components {} mm, to be held beside the residual RMS of the identification.\n",
+            mm(result.component_rms_m)
+        );
+    }
     if result.noise_expectation_m > 0.0 {
         let mean =
             result.points.iter().map(|p| p.deviation_m).sum::<f64>() / result.points.len() as f64;
@@ -143,6 +299,22 @@ fn table(named: &NamedCell, saved: &Saved, same_cell: bool, result: &Validation)
             significant(mean / result.noise_expectation_m, 2),
             mm(result.noise_expectation_m)
         );
+    }
+    if let Some(band) = &result.band {
+        out += &format!(
+            "{} of {} components lie inside the {} % band of calculation and noise.\n",
+            band.inside,
+            band.components,
+            confidence(band.confidence)
+        );
+    }
+    for finding in &result.findings {
+        let severity = match finding.severity {
+            Severity::Note => "note".to_string(),
+            Severity::Caution => yellow("caution"),
+            Severity::Serious => red("serious"),
+        };
+        out += &format!("{severity}: {}\n", finding.sentence);
     }
     if let (Some(tolerance), Some(passed)) = (result.tolerance_m, result.passed) {
         let said = if passed {
@@ -155,87 +327,19 @@ fn table(named: &NamedCell, saved: &Saved, same_cell: bool, result: &Validation)
     out
 }
 
-/// The stiffness in a result of `identify`, or in a bare list.
-fn saved(bytes: &[u8], cell: &Cell) -> Result<Saved> {
-    let hint = "give the file that `stiffarm identify --output` wrote, or {\"stiffness_nm_per_rad\": [k1, …]}";
-    let fault = |message: String| Error::new(Code::ResultFile, message).hint(hint);
-    let json: Value = serde_json::from_slice(bytes).map_err(|e| {
-        let error = fault("This is not JSON.".to_string());
-        if e.line() > 0 {
-            error.line(e.line(), Some(e.column().max(1)))
-        } else {
-            error
-        }
-    })?;
-    let (values, key): (Vec<(String, Option<f64>)>, &str) =
-        match (json.get("stiffness_nm_per_rad"), result_of(&json)) {
-            (Some(list), _) => {
-                let list = list
-                    .as_array()
-                    .ok_or_else(|| fault("stiffness_nm_per_rad is not a list.".to_string()))?;
-                (
-                    list.iter().map(|k| (String::new(), k.as_f64())).collect(),
-                    "stiffness_nm_per_rad",
-                )
-            }
-            (None, Some(result)) => {
-                let joints = result["joints"].as_array().cloned().unwrap_or_default();
-                let name = |j: &Value| j["name"].as_str().unwrap_or_default().to_string();
-                (
-                    joints
-                        .iter()
-                        .map(|j| (name(j), j["stiffness"].as_f64()))
-                        .collect(),
-                    "result.joints",
-                )
-            }
-            (None, None) => return Err(fault("The file holds no joint stiffness.".to_string())),
-        };
-    let names = cell.setup.robot.spring_names();
-    if values.len() != names.len() {
-        let message = format!(
-            "{} stiffness values for the {} joints of the cell.",
-            values.len(),
-            names.len()
-        );
-        return Err(fault(message).key(key));
-    }
-    let mut stiffness = Vec::with_capacity(values.len());
-    for ((own, k), name) in values.into_iter().zip(&names) {
-        if !own.is_empty() && own != *name {
-            let message = format!(
-                "The file has \"{own}\" where the cell has \"{name}\": it belongs to another robot."
-            );
-            return Err(fault(message).key(key));
-        }
-        match k {
-            Some(k) if k.is_finite() && k > 0.0 => stiffness.push(k),
-            Some(k) => {
-                return Err(fault(format!(
-                    "The stiffness of {name} is {k}; it must be above zero."
-                ))
-                .key(key));
-            }
-            None => return Err(fault(format!("The file has no stiffness of {name}.")).key(key)),
-        }
-    }
-    let result = result_of(&json);
-    let postures = result
-        .and_then(|r| r["postures"].as_array().cloned())
-        .unwrap_or_default();
-    Ok(Saved {
-        stiffness,
-        postures: postures
-            .iter()
-            .filter_map(|p| p["posture"].as_str().map(String::from))
-            .collect(),
-        cell: json["inputs"]["cell"].as_str().map(String::from),
-    })
-}
-
-/// The result of `identify`, inside its envelope or bare.
-fn result_of(json: &Value) -> Option<&Value> {
-    [&json["result"], json]
-        .into_iter()
-        .find(|v| v["joints"].is_array())
+/// Half width of the calculated norm, and the axes on which the measured
+/// displacement lies outside.
+fn band(band: Option<&PointBand>) -> [String; 2] {
+    let Some(band) = band else {
+        return [NONE.to_string(), NONE.to_string()];
+    };
+    let axes = ["x", "y", "z"].into_iter().zip(band.inside);
+    let outside: Vec<&str> = axes
+        .filter_map(|(axis, inside)| (!inside).then_some(axis))
+        .collect();
+    let outside = match outside.is_empty() {
+        true => NONE.to_string(),
+        false => outside.join(" "),
+    };
+    [mm(band.norm_half_width_m), outside]
 }

@@ -1,18 +1,19 @@
 //! An identification in sentences.
 
+use super::Identified;
+use super::readings::marked;
 use crate::numbers::{mm, percent, significant, stiffness};
-use crate::table::red;
+use crate::table::{Table, red, title};
 use stiffarm::cell::Cell;
+use stiffarm::coverage::{Intervals, MeasuredCoverage, measured};
 use stiffarm::findings::list;
-use stiffarm::identify::{Identification, JointEstimate, NoiseSource, Verdict};
+use stiffarm::identify::{
+    Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
+};
 use stiffarm::measurement::MeasuredPosture;
 
-/// |correlation| above which two joints cannot be told apart well.
-const CORRELATED: f64 = 0.9;
 /// Residuals this many times the expected noise hold more than noise.
 const MORE_THAN_NOISE: f64 = 1.5;
-/// Residuals this many times the expected noise hold mostly something else.
-const FAR_MORE_THAN_NOISE: f64 = 4.0;
 
 /// 95 for 0.95, without the last bits of a binary fraction.
 pub fn confidence(fraction: f64) -> String {
@@ -20,59 +21,84 @@ pub fn confidence(fraction: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// What was measured.
+/// What was measured, and how the stiffness comes from it.
 pub fn data(measured: &[MeasuredPosture], result: &Identification, excluded: &[String]) -> String {
     let displacements: usize = measured.iter().map(|m| m.displacements.len()).sum();
     let mut names: Vec<&str> = measured.iter().map(|m| m.posture.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
     let mut line = format!(
-        "data: {}, {} ({} components), {}",
+        "data: {}, {} ({} components)",
         counted(names.len(), "posture"),
         counted(displacements, "displacement"),
         result.rows,
-        match result.degrees_of_freedom {
-            1 => "1 degree of freedom".to_string(),
-            count => format!("{count} degrees of freedom"),
-        }
     );
     if !excluded.is_empty() {
         line += &format!("; left out: {}", list(excluded));
     }
-    line + "\n"
+    let quantile = match result.interval_degrees_of_freedom {
+        None => "the cell's noise, normal quantiles".to_string(),
+        Some(1) => "t with 1 degree of freedom".to_string(),
+        Some(dof) => format!("t with {dof} degrees of freedom"),
+    };
+    line + &format!(
+        "\nestimator: {}, {}, {quantile}\n",
+        result.estimator.as_str(),
+        match result.degrees_of_freedom {
+            1 => "1 degree of freedom left".to_string(),
+            count => format!("{count} degrees of freedom left"),
+        }
+    )
 }
 
-fn counted(count: usize, what: &str) -> String {
+pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Joints without information, named before any number.
-pub fn undetermined(result: &Identification) -> String {
-    if result.undetermined_joints.is_empty() {
+pub fn undetermined(names: &[String], combined: bool) -> String {
+    if names.is_empty() {
         return String::new();
     }
-    let said = format!(
-        "These measurements cannot determine {}.",
-        list(&result.undetermined_joints)
-    );
-    format!("{} `stiffarm check` looks for the reason.\n", red(&said))
+    let said = format!("These measurements cannot determine {}.", list(names));
+    let rest = match combined {
+        false => "`stiffarm check` looks for the reason.",
+        true => {
+            "What they determine together stands below the joints; `stiffarm check` looks for the reason."
+        }
+    };
+    format!("{} {rest}\n", red(&said))
 }
 
 /// What the numbers say.
-pub fn verdicts(result: &Identification) -> Vec<String> {
-    let mut out = vec![residual(result)];
-    out.extend(
-        result
-            .joints
-            .iter()
-            .filter_map(|joint| trouble(joint, result.confidence)),
-    );
-    out.extend(weakest(result));
-    out.extend(correlation(result));
+pub fn verdicts(result: &Identified) -> Vec<String> {
+    let found = &result.identification;
+    let mut out = vec![residual(found)];
+    out.extend(variances(found));
+    out.extend(estimates(&found.estimates));
+    out.extend(coverage(result));
+    out.extend(resampled(result));
+    let findings = result
+        .diagnosis
+        .iter()
+        .flat_map(|d| &d.findings)
+        .chain(result.budget.iter().flat_map(|b| &b.findings))
+        .chain(result.profile.iter().map(|p| &p.finding));
+    out.extend(findings.map(|f| marked(f).trim_end().to_string()));
     out
 }
 
-/// Residuals against displacements and against the expected noise.
+/// What the estimates say, whatever they come from.
+pub fn estimates(result: &Estimates) -> Vec<String> {
+    let joints = result.joints.iter().chain(&result.extra_springs);
+    let mut out: Vec<String> = joints
+        .filter_map(|joint| trouble(joint, result.confidence))
+        .collect();
+    out.extend(weakest(result));
+    out
+}
+
+/// Residuals beside displacements.
 fn residual(result: &Identification) -> String {
     let share = match result.displacement_rms_m {
         rms if rms > 0.0 => format!(" ({} %)", percent(result.residual_rms_m / rms)),
@@ -83,36 +109,33 @@ fn residual(result: &Identification) -> String {
         mm(result.residual_rms_m),
         mm(result.displacement_rms_m)
     );
-    let Some(std) = result.residual_std_m else {
+    if result.residual_std_m.is_none() {
         text += " There are no degrees of freedom left: nothing checks the model, and there are no intervals.";
-        return text;
-    };
-    let expected = result.expected_std_m;
-    if expected <= 0.0 {
-        return text;
     }
-    let ratio = std / expected;
-    // Scatter of a standard deviation estimated from this many degrees of freedom.
-    let scatter = 3.0 / (2.0 * result.degrees_of_freedom as f64).sqrt();
-    let verdict = if ratio > FAR_MORE_THAN_NOISE {
-        "far more than noise; the model, the load, the registration or the readings carry an error of that size"
-    } else if ratio > MORE_THAN_NOISE.max(1.0 + scatter) {
-        "more than noise; look at the model, the load, the registration and single postures"
-    } else if ratio < (1.0 / MORE_THAN_NOISE).min(1.0 - scatter) {
-        "less than expected; [noise] of the cell is set too high"
-    } else {
-        "what noise alone leaves"
-    };
-    text += &format!(
-        " Its standard deviation is {} mm, {} times the {} mm expected from the cell's noise. That is {verdict}.",
-        mm(std),
-        significant(ratio, 2),
-        mm(expected)
-    );
-    if result.noise == NoiseSource::Known && ratio > MORE_THAN_NOISE.max(1.0 + scatter) {
+    if let (NoiseSource::Known, Some(total)) = (result.noise, result.total_std_m)
+        && result.expected_std_m > 0.0
+        && total > MORE_THAN_NOISE * result.expected_std_m
+    {
         text += " The intervals rest on the cell's noise and are too narrow.";
     }
     text
+}
+
+/// The two variances, where both were estimated.
+fn variances(result: &Identification) -> Option<String> {
+    let (sigma, tau) = (result.residual_std_m?, result.posture_common_std_m?);
+    Some(match tau > 0.0 {
+        true => format!(
+            "Within a posture the displacements scatter by {} mm; what its points share (load, rope, drift, what the \
+             model misses) by {} mm.",
+            mm(sigma),
+            mm(tau)
+        ),
+        false => format!(
+            "The displacements scatter by {} mm; nothing shows that the points of a posture share more than that.",
+            mm(sigma)
+        ),
+    })
 }
 
 /// A joint whose estimate is not simply a number.
@@ -138,7 +161,7 @@ fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
 }
 
 /// The determined joint known least well.
-fn weakest(result: &Identification) -> Option<String> {
+fn weakest(result: &Estimates) -> Option<String> {
     let half_width = |joint: &JointEstimate| {
         let [low, high] = joint.interval;
         let k = joint
@@ -164,40 +187,63 @@ fn weakest(result: &Identification) -> Option<String> {
     ))
 }
 
-/// The strongest correlation, if two joints are hard to tell apart.
-fn correlation(result: &Identification) -> Option<String> {
-    let pairs = result.correlation.iter().enumerate().flat_map(|(i, row)| {
-        row.iter()
-            .take(i)
-            .enumerate()
-            .filter_map(move |(j, r)| Some((i, j, (*r)?)))
-    });
-    let (i, j, r) = pairs.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
-    (r.abs() > CORRELATED).then(|| {
-        format!(
-            "{} and {} are hard to tell apart: their estimates correlate with {r:.2}.",
-            result.joints[j].name, result.joints[i].name
-        )
-    })
+/// How often intervals that are not exact held the truth in simulation.
+fn coverage(result: &Identified) -> Option<String> {
+    let found = &result.identification;
+    Intervals::of(found.estimator)?;
+    let dof = found.interval_degrees_of_freedom?;
+    let name = format!("the {} estimator", found.estimator.as_str());
+    Some(held(&name, dof, result.measured_coverage.as_ref()))
+}
+
+/// The bootstrap, with what it covers and what it skipped.
+fn resampled(result: &Identified) -> Option<String> {
+    let bootstrap = result.bootstrap.as_ref()?;
+    let mut text = format!(
+        "Bootstrap: {} resamples of {} postures",
+        bootstrap.resamples, bootstrap.postures
+    );
+    if bootstrap.skipped > 0 {
+        text += &format!(
+            ", {} of them skipped because they do not determine every joint",
+            bootstrap.skipped
+        );
+    }
+    let dof = bootstrap.degrees_of_freedom;
+    let measured = measured(Intervals::Bootstrap, dof);
+    Some(format!(
+        "{text}. {}",
+        held("the bootstrap", dof, measured.as_ref())
+    ))
+}
+
+fn held(name: &str, dof: usize, measured: Option<&MeasuredCoverage>) -> String {
+    let Some(measured) = measured else {
+        return format!(
+            "How often intervals of {name} hold the truth with {dof} degrees of freedom was not measured: no coverage \
+             is claimed (docs/coverage.md)."
+        );
+    };
+    let mut text = format!(
+        "In simulation the 95 % intervals of {name} held the truth in {} ± {} % ({} experiments, {} degrees of freedom)",
+        percent(measured.coverage),
+        percent(measured.standard_error),
+        measured.experiments,
+        measured.degrees_of_freedom
+    );
+    for adverse in &measured.adverse {
+        text += &format!("; {}: {} %", adverse.situation, percent(adverse.coverage));
+    }
+    text + " (docs/coverage.md)."
 }
 
 /// What the intervals do not hold, and postures that should not be here.
-pub fn remarks(cell: &Cell, measured: &[MeasuredPosture], result: &Identification) -> Vec<String> {
+pub fn remarks(cell: &Cell, measured: &[MeasuredPosture], result: &Identified) -> Vec<String> {
+    let found = &result.identification;
     let mut out = Vec::new();
     let shared = measured.iter().any(|m| m.displacements.len() > 1);
-    if shared && result.degrees_of_freedom > 0 {
-        out.push(if cell.noise.posture_common_std > 0.0 {
-            format!(
-                "The points of a posture share a shift of {} mm by the cell's noise, and the intervals hold that. \
-                 What else they share (the size of the load, geometry) is not in them.",
-                mm(cell.noise.posture_common_std)
-            )
-        } else {
-            "The intervals take the errors of all displacements as independent. What the points of one posture \
-             share (load, rope, drift) is not in them; where there is such an error the intervals are too narrow. \
-             noise.posture_common_mm of the cell can say how large it is."
-                .to_string()
-        });
+    if shared && found.degrees_of_freedom > 0 && found.independent_rows {
+        out.push(independent(cell, found));
     }
     let mut kept: Vec<&str> = measured
         .iter()
@@ -213,4 +259,72 @@ pub fn remarks(cell: &Cell, measured: &[MeasuredPosture], result: &Identificatio
         ));
     }
     out
+}
+
+/// What a posture's points share and an estimator with independent rows ignores.
+fn independent(cell: &Cell, found: &Identification) -> String {
+    let declared = cell.noise.posture_common_std;
+    match found.estimator {
+        Estimator::Weighted if declared > 0.0 => format!(
+            "The points of a posture share a shift of {} mm by the cell's noise, and the intervals hold that. \
+             What else they share (the size of the load, geometry) is not in them.",
+            mm(declared)
+        ),
+        Estimator::Ordinary | Estimator::Weighted | Estimator::Huber => {
+            "The intervals take the errors of all displacements as independent. Where the points of a posture share one \
+             (load, rope, drift) they are too narrow; --estimator two-variance holds that."
+                .to_string()
+        }
+        _ => "There are too few postures to tell what their points share: the intervals take the errors of all \
+              displacements as independent, and are too narrow where they are not."
+            .to_string(),
+    }
+}
+
+/// The posture that would help most.
+pub fn next(cell: &Cell, result: &Identified) -> String {
+    let Some(advice) = &result.next_posture else {
+        return match &result.next_posture_missing {
+            Some(reason) => format!(
+                "{}No suggestion: {reason}\n",
+                title("One more posture that would help most")
+            ),
+            None => String::new(),
+        };
+    };
+    let mut out = title("One more posture that would help most");
+    let angles: Vec<String> = advice
+        .posture_deg
+        .iter()
+        .map(|q| format!("{:.2}", (q * 100.0).round() / 100.0 + 0.0))
+        .collect();
+    out += &format!("q [deg]: {}\n", angles.join(", "));
+    if let Some(load) = &advice.assumed_load {
+        let vector = |v: &[f64; 3], unit: f64, digits: usize| {
+            v.map(|c| format!("{:.*}", digits, c * unit + 0.0))
+                .join(", ")
+        };
+        out += &match (&load.anchor_m, &load.direction) {
+            (Some(anchor), _) => format!(
+                "Assumed: a rope of {} N to ({}) mm, where the measured forces meet.\n",
+                significant(load.magnitude_n, 3),
+                vector(anchor, 1e3, 0)
+            ),
+            (None, Some(direction)) => format!(
+                "Assumed: a force of {} N along ({}), as measured on average.\n",
+                significant(load.magnitude_n, 3),
+                vector(direction, 1.0, 2)
+            ),
+            (None, None) => String::new(),
+        };
+    }
+    let mut table = Table::new(
+        std::iter::once("relative error [%]".to_string()).chain(cell.setup.robot.spring_names()),
+    );
+    for (name, errors) in [("now", &advice.before), ("with it", &advice.after)] {
+        let mut row = vec![name.to_string()];
+        row.extend(errors.iter().map(|e| crate::numbers::optional_percent(*e)));
+        table.row(row);
+    }
+    out + &table.to_string()
 }

@@ -11,7 +11,7 @@ pub mod space_filling;
 mod table;
 
 use super::{is_relative_error, with_length};
-use crate::args::{OutputArgs, SelectArgs};
+use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::files::{Target, check_one_stdout, write_all};
 use crate::input::NamedCell;
 use crate::interrupt;
@@ -21,13 +21,13 @@ use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::Result;
 use stiffarm::cell::Cell;
 use stiffarm::index::Index;
 use stiffarm::posture::Posture;
 use stiffarm::select::RoundReport;
-use stiffarm::table::{reading_sheet, write_postures};
+use stiffarm::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
 use stiffarm::units::m_to_mm;
+use stiffarm::{Code, Error, Result};
 
 /// Seed unless one is given.
 const SEED: u64 = 1;
@@ -144,7 +144,8 @@ impl Job<'_> {
 struct Outputs {
     main: Option<Target>,
     sheet: Option<Target>,
-    states: Vec<String>,
+    sheet_of: SheetChoice,
+    options: SheetOptions,
 }
 
 impl Outputs {
@@ -156,10 +157,24 @@ impl Outputs {
         };
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
         check_one_stdout(session, &[main.as_ref(), sheet.as_ref()])?;
+        let options = SheetOptions {
+            states: args.states.clone(),
+            drift: args.drift,
+            base_reflector: args.base_reflector,
+        };
+        let sheet_of = args.sheet_of.unwrap_or(SheetChoice::Readings);
+        if sheet_of == SheetChoice::Displacements && (args.drift || args.base_reflector) {
+            let message = "A displacement has neither drift nor a base reflector: both are subtracted already.";
+            let error = Error::new(Code::Usage, message).key("--sheet-of");
+            return Err(
+                error.hint("leave out --drift and --base-reflector, or --sheet-of displacements")
+            );
+        }
         Ok(Outputs {
             main,
             sheet,
-            states: args.states.clone(),
+            sheet_of,
+            options,
         })
     }
 
@@ -177,8 +192,15 @@ impl Outputs {
             files.push((plan.clone(), write_postures(postures)));
         }
         if let Some(sheet) = &self.sheet {
-            let states: Vec<&str> = self.states.iter().map(String::as_str).collect();
-            files.push((sheet.clone(), reading_sheet(postures, &states, cell)));
+            let text = match self.sheet_of {
+                SheetChoice::Readings => reading_sheet(postures, &self.options, cell),
+                SheetChoice::Displacements => {
+                    let states = self.options.states.iter();
+                    let states: Vec<&str> = states.map(String::as_str).collect();
+                    displacement_sheet(postures, &states, cell)
+                }
+            };
+            files.push((sheet.clone(), text));
         }
         write_all(session, &files)
     }

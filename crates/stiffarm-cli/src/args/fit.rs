@@ -1,0 +1,147 @@
+//! How the joint stiffness is estimated.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Weights};
+use stiffarm::observation::ExtraTerm;
+use stiffarm::robot::Robot;
+use stiffarm::{Code, Error, Result};
+
+/// Options of a fit; what is not given stays at its default.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Estimator")]
+pub struct FitArgs {
+    /// How the joint stiffness is estimated [default: two-variance]
+    #[arg(long, value_name = "NAME", value_parser = estimator())]
+    pub estimator: Option<Estimator>,
+    /// Further terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub terms: Vec<String>,
+    /// Relative weight of single displacements [default: readings]
+    #[arg(long, value_name = "FROM")]
+    pub weights: Option<WeightsChoice>,
+    /// Standard deviation of the cell's prior stiffness, for --estimator prior [%] [default: 30]
+    #[arg(long, value_name = "X")]
+    pub prior_std_percent: Option<f64>,
+    /// Size of the noise: from the residuals, the cell, or repeated readings [default: estimated]
+    #[arg(long, value_name = "SOURCE")]
+    pub noise: Option<NoiseChoice>,
+    /// Confidence of the bands [default: 0.95]
+    #[arg(long, value_name = "P")]
+    pub confidence: Option<f64>,
+}
+
+impl FitArgs {
+    /// The first option that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        [
+            ("--estimator", self.estimator.is_some()),
+            ("--terms", !self.terms.is_empty()),
+            ("--weights", self.weights.is_some()),
+            ("--prior-std-percent", self.prior_std_percent.is_some()),
+            ("--noise", self.noise.is_some()),
+            ("--confidence", self.confidence.is_some()),
+        ]
+        .into_iter()
+        .find_map(|(name, given)| given.then_some(name))
+    }
+
+    /// The options for this robot.
+    ///
+    /// # Errors
+    /// A term or a confidence that does not exist.
+    pub fn options(&self, robot: &Robot) -> Result<IdentifyOptions> {
+        let default = IdentifyOptions::default();
+        let mut extra = Vec::new();
+        for word in &self.terms {
+            extra.extend(ExtraTerm::parse(word, robot).map_err(|e| e.key("--terms"))?);
+        }
+        let confidence = self.confidence.unwrap_or(default.confidence);
+        check_confidence(confidence)?;
+        let prior_std = match self.prior_std_percent {
+            Some(percent) if percent.is_finite() && percent > 0.0 => percent / 100.0,
+            Some(percent) => {
+                return Err(Error::new(
+                    Code::Usage,
+                    format!("{percent} % is no standard deviation."),
+                )
+                .key("--prior-std-percent")
+                .hint("give 30 where the prior may be wrong by about 30 %"));
+            }
+            None => default.prior_std,
+        };
+        Ok(IdentifyOptions {
+            estimator: self.estimator.unwrap_or(default.estimator),
+            weights: self.weights.map_or(default.weights, Into::into),
+            prior_std,
+            noise: self.noise.map_or(default.noise, Into::into),
+            confidence,
+            extra,
+            ..default
+        })
+    }
+}
+
+/// Refuses a confidence that is none.
+///
+/// # Errors
+/// It does not lie between 0 and 1.
+fn check_confidence(confidence: f64) -> Result<()> {
+    match confidence > 0.0 && confidence < 1.0 {
+        true => Ok(()),
+        false => Err(Error::new(
+            Code::Usage,
+            format!("The confidence {confidence} does not lie between 0 and 1."),
+        )
+        .key("--confidence")
+        .hint("give 0.95 for 95 %")),
+    }
+}
+
+fn estimator() -> impl TypedValueParser<Value = Estimator> {
+    PossibleValuesParser::new(Estimator::ALL.map(Estimator::as_str)).map(|name| {
+        Estimator::ALL
+            .into_iter()
+            .find(|e| e.as_str() == name)
+            .unwrap_or_default()
+    })
+}
+
+/// Where the size of the noise comes from.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum NoiseChoice {
+    /// From the residuals
+    Estimated,
+    /// From the cell's [noise]
+    Known,
+    /// From readings that were repeated
+    Repeats,
+}
+
+impl From<NoiseChoice> for NoiseSource {
+    fn from(choice: NoiseChoice) -> Self {
+        match choice {
+            NoiseChoice::Estimated => NoiseSource::Estimated,
+            NoiseChoice::Known => NoiseSource::Known,
+            NoiseChoice::Repeats => NoiseSource::Repeats,
+        }
+    }
+}
+
+/// Where the relative weight of single displacements comes from.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum WeightsChoice {
+    /// All readings alike, each as often as it was taken
+    Readings,
+    /// The tracker's range and angle model, [tracker] of the cell
+    Tracker,
+}
+
+impl From<WeightsChoice> for Weights {
+    fn from(choice: WeightsChoice) -> Self {
+        match choice {
+            WeightsChoice::Readings => Weights::Readings,
+            WeightsChoice::Tracker => Weights::Tracker,
+        }
+    }
+}

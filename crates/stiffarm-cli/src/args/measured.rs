@@ -1,0 +1,140 @@
+//! Commands that work on measurements.
+
+use super::{FitArgs, count};
+use clap::{Args, ValueEnum};
+use stiffarm::validate::Model;
+
+#[derive(Debug, Args)]
+pub struct RegisterArgs {
+    /// Pairs of points: name, tracker_x_mm to tracker_z_mm, base_x_mm to base_z_mm
+    #[arg(value_name = "PAIRS.csv")]
+    pub pairs: String,
+    /// Standard deviation of each coordinate of a pair, both frames together [mm] [default: from
+    /// the residuals]
+    #[arg(long, value_name = "X")]
+    pub std_mm: Option<f64>,
+    /// Points to leave out
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub exclude: Vec<String>,
+    /// Write the result as JSON to this file
+    #[arg(long, value_name = "registration.json")]
+    pub output: Option<String>,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct IdentifyArgs {
+    /// Cell file
+    pub cell: String,
+    /// Measurements (.csv or .xlsx)
+    #[arg(value_name = "MEASUREMENTS.csv")]
+    pub measurements: String,
+    /// Controller angles by posture name, where the measurements have none
+    #[arg(long, value_name = "POSTURES.csv")]
+    pub postures: Option<String>,
+    /// Result of `register`: places raw readings in the base frame
+    #[arg(long, value_name = "registration.json")]
+    pub registration: Option<String>,
+    /// Postures to leave out, for example those kept for validation
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub exclude: Vec<String>,
+    /// The flange was fixed: the table has the controller's angles and the wrench of the fixture
+    #[arg(long)]
+    pub clamped: bool,
+    /// Standard deviation of a difference of two angles, for --clamped [deg]
+    #[arg(long, value_name = "X", requires = "clamped")]
+    pub angle_noise_deg: Option<f64>,
+    /// How the stiffness is estimated, and what it rests on.
+    #[command(flatten)]
+    pub fit: FitArgs,
+    /// Also resample the postures this often for a bootstrap interval
+    #[arg(long, value_name = "N", value_parser = count())]
+    pub bootstrap: Option<u64>,
+    /// Seed of the resampling and of the search for the next posture
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Estimates and residuals only: no leave-one-out, common-mode budget,
+    /// further terms tried or next posture
+    #[arg(long)]
+    pub brief: bool,
+    /// Write the result as JSON to this file, for `validate`
+    #[arg(long, value_name = "stiffness.json")]
+    pub output: Option<String>,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(allow_missing_positional = true)]
+pub struct ValidateArgs {
+    /// Cell file
+    pub cell: String,
+    /// Result of `identify`, or {"stiffness_nm_per_rad": [k1, …]}; none with --folds
+    #[arg(value_name = "STIFFNESS.json")]
+    pub stiffness: Option<String>,
+    /// Measurements (.csv or .xlsx)
+    #[arg(value_name = "MEASUREMENTS.csv")]
+    pub measurements: String,
+    /// Controller angles by posture name, where the measurements have none
+    #[arg(long, value_name = "POSTURES.csv")]
+    pub postures: Option<String>,
+    /// Result of `register`: places raw readings in the base frame
+    #[arg(long, value_name = "registration.json")]
+    pub registration: Option<String>,
+    /// How displacements are calculated
+    #[arg(long, default_value = "linear")]
+    pub model: ModelChoice,
+    /// Largest deviation allowed [mm]; beyond it the exit code is 1
+    #[arg(long, value_name = "X")]
+    pub tolerance_mm: Option<f64>,
+    /// Only these postures
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Without a stiffness: leave out N folds of postures in turn, and predict each from the
+    /// others; `all` leaves out one posture at a time
+    #[arg(long, value_name = "N", value_parser = folds)]
+    pub folds: Option<Folds>,
+    /// Options of the fits.
+    #[command(flatten)]
+    pub fit: FitArgs,
+}
+
+/// Folds of a cross-validation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Folds {
+    /// As many as postures.
+    All,
+    /// This many.
+    Count(usize),
+}
+
+fn folds(text: &str) -> Result<Folds, String> {
+    if text.eq_ignore_ascii_case("all") {
+        return Ok(Folds::All);
+    }
+    match text.parse() {
+        Ok(count) if count >= 2 => Ok(Folds::Count(count)),
+        _ => Err("a number from 2, or `all`, is needed".to_string()),
+    }
+}
+
+/// How displacements are calculated.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ModelChoice {
+    /// Linear in the load
+    Linear,
+    /// Exact static equilibrium
+    Equilibrium,
+}
+
+impl From<ModelChoice> for Model {
+    fn from(choice: ModelChoice) -> Self {
+        match choice {
+            ModelChoice::Linear => Model::Linear,
+            ModelChoice::Equilibrium => Model::Equilibrium,
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
+
+use super::{check_among, tables, words};
+use crate::args::IdentifyArgs;
+use crate::files::{Target, check_one_stdout};
+use crate::input::NamedCell;
+use crate::numbers::{optional, percent, significant};
+use crate::output::Exit;
+use crate::session::Session;
+use crate::table::{Table, red, title, yellow};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::clamped::{ClampedIdentification, ClampedPosture, identify_clamped};
+use stiffarm::findings::{Severity, list};
+use stiffarm::identify::{Estimator, NoiseSource, Verdict};
+use stiffarm::observation::ExtraTerm;
+use stiffarm::table::read_clamped;
+use stiffarm::units::{deg_to_rad, rad_to_deg};
+use stiffarm::{Code, Error, Result};
+
+/// Postures whose residuals the table shows.
+const SHOWN_RESIDUALS: usize = 5;
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// How the stiffness is estimated.
+    pub estimator: Estimator,
+    /// Further terms asked for.
+    pub extra: Vec<ExtraTerm>,
+    /// Where the size of the noise comes from.
+    pub noise: NoiseSource,
+    /// Standard deviation of a difference of two angles \[deg\].
+    pub angle_noise_deg: Option<f64>,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+    /// Postures left out.
+    pub exclude: Vec<String>,
+}
+
+/// Identifies the joint stiffness from clamped postures.
+pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
+    if let Some(noise) = args.angle_noise_deg
+        && !(noise.is_finite() && noise > 0.0)
+    {
+        let message = format!("{noise} is no standard deviation: an angle above 0° is needed.");
+        return Err(Error::new(Code::Usage, message).key("--angle-noise-deg"));
+    }
+    let target = args
+        .output
+        .as_deref()
+        .map(|path| Target::new(path, args.force))
+        .transpose()?;
+    check_one_stdout(session, &[target.as_ref()])?;
+    let named = session.read_cell(&args.cell)?;
+    let clamped = read(session, args, &named)?;
+    let options = args.fit.options(&named.cell.setup.robot)?;
+    let noise = args.angle_noise_deg.map(deg_to_rad);
+    if options.noise == NoiseSource::Known && noise.is_none() {
+        let message = "Known noise of a clamped end-effector is that of its angles.";
+        return Err(Error::new(Code::Usage, message)
+            .key("--noise")
+            .hint("give it with --angle-noise-deg"));
+    }
+    let result = identify_clamped(&named.cell, &clamped, noise, &options)?;
+
+    let joints = &result.estimates.joints;
+    let complete = joints.iter().all(|j| j.verdict == Verdict::Determined);
+    let serious = |f: &stiffarm::findings::Finding| f.severity == Severity::Serious;
+    let exit = Exit::finding(!complete || result.findings.iter().any(serious));
+    let options = Options {
+        estimator: options.estimator,
+        extra: options.extra.clone(),
+        noise: options.noise,
+        angle_noise_deg: args.angle_noise_deg,
+        confidence: options.confidence,
+        exclude: args.exclude.clone(),
+    };
+    let envelope = session.envelope("identify", None, options, &result);
+    let table = || table(&named, &clamped, &result, &args.exclude);
+    session.deliver(target, &envelope, table)?;
+    Ok(exit)
+}
+
+fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec<ClampedPosture>> {
+    let robot = &named.cell.setup.robot;
+    let postures = args
+        .postures
+        .as_deref()
+        .map(|from| session.read_postures("postures", from, robot))
+        .transpose()?;
+    let (file, bytes) = session.read("measurements", &args.measurements)?;
+    let mut clamped = read_clamped(&bytes, &file, &named.cell, postures.as_deref())?;
+    if clamped.is_empty() {
+        let message = "The table has no measurements, only a heading.";
+        return Err(Error::new(Code::TooFewData, message)
+            .file(file)
+            .hint("add one row per posture and load state"));
+    }
+    let known = clamped.iter().map(|c| c.posture.name.as_str()).collect();
+    check_among("--exclude", &args.exclude, known)?;
+    clamped.retain(|c| !args.exclude.contains(&c.posture.name));
+    if clamped.is_empty() {
+        return Err(Error::new(Code::TooFewData, "All postures are excluded.").key("--exclude"));
+    }
+    Ok(clamped)
+}
+
+fn table(
+    named: &NamedCell,
+    clamped: &[ClampedPosture],
+    result: &ClampedIdentification,
+    excluded: &[String],
+) -> String {
+    let found = &result.estimates;
+    let mut out = named.line();
+    out += &words::undetermined(&found.undetermined_joints, !found.combinations.is_empty());
+    let mut names: Vec<&str> = clamped.iter().map(|c| c.posture.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    out += &format!(
+        "data: flange fixed, {}, {} ({} combinations of angles), {}",
+        words::counted(names.len(), "posture"),
+        words::counted(clamped.len(), "state"),
+        found.rows,
+        match found.degrees_of_freedom {
+            1 => "1 degree of freedom".to_string(),
+            count => format!("{count} degrees of freedom"),
+        }
+    );
+    if !excluded.is_empty() {
+        out += &format!("; left out: {}", list(excluded));
+    }
+    out += "\n";
+    out += &title("Joint stiffness");
+    out += &tables::estimates(found, None, None).to_string();
+    out += &tables::further(found);
+    out += &format!("\n{}\n", residual(result));
+    for sentence in words::estimates(found) {
+        out += &format!("{sentence}\n");
+    }
+    for finding in &result.findings {
+        let severity = match finding.severity {
+            Severity::Serious => red("serious"),
+            Severity::Caution => yellow("caution"),
+            Severity::Note => yellow("note"),
+        };
+        out += &format!("{severity}: {}\n", finding.sentence);
+    }
+    if !result.friction.is_empty() {
+        out += &title("Loads going up and down");
+        out += &friction(result).to_string();
+    }
+    out += &title("States with the largest residuals");
+    out + &residuals(result).to_string()
+}
+
+/// An angle in millidegrees.
+fn mdeg(angle: f64) -> String {
+    significant(rad_to_deg(angle) * 1e3, 3)
+}
+
+fn residual(result: &ClampedIdentification) -> String {
+    let share = match result.motor_rms_rad {
+        rms if rms > 0.0 => format!(" ({} %)", percent(result.residual_rms_rad / rms)),
+        _ => String::new(),
+    };
+    format!(
+        "Residual RMS {} mdeg, beside an RMS of {} mdeg of the angles that the flange holds{share}.",
+        mdeg(result.residual_rms_rad),
+        mdeg(result.motor_rms_rad)
+    )
+}
+
+fn friction(result: &ClampedIdentification) -> Table {
+    let mut table = Table::new([
+        "joint",
+        "half loop [mdeg]",
+        "friction [N·m]",
+        "torque RMS [N·m]",
+        "pairs",
+    ]);
+    for joint in &result.friction {
+        table.row([
+            joint.joint.clone(),
+            mdeg(joint.half_loop_rad),
+            optional(joint.torque_nm, 3),
+            significant(joint.load_rms_nm, 3),
+            joint.pairs.to_string(),
+        ]);
+    }
+    table
+}
+
+fn residuals(result: &ClampedIdentification) -> Table {
+    let mut table = Table::new([
+        "posture",
+        "state",
+        "residual RMS [mdeg]",
+        "angle RMS [mdeg]",
+        "residual / mean",
+    ]);
+    table.align(1, crate::table::Align::Left);
+    let mut postures: Vec<_> = result.postures.iter().collect();
+    postures.sort_by(|a, b| b.residual_rms_rad.total_cmp(&a.residual_rms_rad));
+    for posture in postures.into_iter().take(SHOWN_RESIDUALS) {
+        let mean = result.residual_rms_rad;
+        let ratio = (mean > 0.0).then(|| posture.residual_rms_rad / mean);
+        table.row([
+            posture.posture.clone(),
+            posture.state.clone(),
+            mdeg(posture.residual_rms_rad),
+            mdeg(posture.motor_rms_rad),
+            optional(ratio, 3),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,262 @@
+//! `stiffarm identify`: joint stiffness from measured displacements or raw readings.
+
+pub mod clamped;
+pub mod readings;
+mod tables;
+mod words;
+
+pub use words::confidence;
+
+use crate::args::IdentifyArgs;
+use crate::files::{Target, check_one_stdout};
+use crate::input::NamedCell;
+use crate::output::Exit;
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::table::{red, title, yellow};
+use readings::Reduced;
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::advise::{Advice, next_posture};
+use stiffarm::budget::{Budget, budget};
+use stiffarm::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
+use stiffarm::diagnose::{Diagnosis, diagnose};
+use stiffarm::findings::Severity;
+use stiffarm::identify::{
+    Bootstrap, Estimator, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
+    bootstrap, identify, implausible_scale, profile,
+};
+use stiffarm::measurement::{MeasuredPosture, split_by_name};
+use stiffarm::observation::ExtraTerm;
+use stiffarm::optimise::Control;
+use stiffarm::select::GlobalOptions;
+use stiffarm::{Code, Error, Result};
+
+/// Rounds of the search for the next posture: one posture is soon found.
+const ADVICE_ROUNDS: u64 = 3;
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// How the stiffness is estimated.
+    pub estimator: Estimator,
+    /// Where the relative weight of single displacements comes from.
+    pub weights: Weights,
+    /// Where the size of the noise comes from.
+    pub noise: NoiseSource,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+    /// Further terms asked for.
+    pub extra: Vec<ExtraTerm>,
+    /// Relative standard deviation of the prior stiffness (fraction).
+    pub prior_std: f64,
+    /// Postures left out.
+    pub exclude: Vec<String>,
+    /// Resamples of the bootstrap.
+    pub bootstrap: Option<u64>,
+    /// Whether only estimates and residuals were wanted.
+    pub brief: bool,
+}
+
+/// The stiffness and all that says how far to trust it.
+#[derive(Serialize, JsonSchema)]
+pub struct Identified {
+    /// The estimates.
+    #[serde(flatten)]
+    pub identification: Identification,
+    /// From raw readings to displacements; `null` for a table of displacements.
+    pub readings: Option<Reduced>,
+    /// Interval from the profile of the likelihood; `null` where there is none.
+    pub profile: Option<Profile>,
+    /// Interval from resampled postures; `null` unless asked for.
+    pub bootstrap: Option<Bootstrap>,
+    /// Errors common to the whole experiment; `null` with --brief.
+    pub budget: Option<Budget>,
+    /// What the residuals say; `null` with --brief.
+    pub diagnosis: Option<Diagnosis>,
+    /// The next posture; `null` with --brief, or where none can be given.
+    pub next_posture: Option<Advice>,
+    /// Why there is no next posture; `null` where there is one.
+    pub next_posture_missing: Option<String>,
+    /// How often this estimator's intervals held the truth in simulation, where
+    /// they are not exact; `null` for exact ones, and below the tabulated
+    /// degrees of freedom, where no coverage is claimed.
+    pub measured_coverage: Option<MeasuredCoverage>,
+}
+
+/// Identifies the joint stiffness.
+pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
+    if args.clamped {
+        return clamped::run(session, args);
+    }
+    let target = args
+        .output
+        .as_deref()
+        .map(|path| Target::new(path, args.force))
+        .transpose()?;
+    check_one_stdout(session, &[target.as_ref()])?;
+    let mut named = session.read_cell(&args.cell)?;
+    let mut options = args.fit.options(&named.cell.setup.robot)?;
+    let measurements =
+        session.read_measurements(&args.measurements, args.postures.as_deref(), &named.cell)?;
+    let reduce = session.read_registration(args.registration.as_deref())?;
+    let (measured, reduced) = readings::displacements(&mut named.cell, measurements, &reduce)?;
+    check_names("--exclude", &args.exclude, &measured)?;
+    let (measured, _) = split_by_name(measured, &args.exclude);
+    if measured.is_empty() {
+        return Err(Error::new(Code::TooFewData, "All postures are excluded.").key("--exclude"));
+    }
+    options.scatter = reduced.as_ref().and_then(Reduced::scatter);
+    let progress = Progress::new(session, "examining the identification");
+    let result = progress
+        .watch(|control| identified(&named, &measured, reduced, &options, args, control))?;
+
+    let serious = result
+        .readings
+        .as_ref()
+        .is_some_and(|r| r.worst() == Some(Severity::Serious));
+    let implausible = implausible_scale(&named.cell, &result.identification).is_some();
+    let exit = Exit::finding(!result.identification.is_complete() || implausible || serious);
+    let described = Options {
+        estimator: options.estimator,
+        weights: options.weights,
+        noise: options.noise,
+        confidence: options.confidence,
+        extra: options.extra.clone(),
+        prior_std: options.prior_std,
+        exclude: args.exclude.clone(),
+        bootstrap: args.bootstrap,
+        brief: args.brief,
+    };
+    let envelope = session.envelope("identify", Some(args.seed), described, &result);
+    let table = || table(&named, &measured, &result, &args.exclude);
+    session.deliver(target, &envelope, table)?;
+    Ok(exit)
+}
+
+/// The estimates, and what else was asked for.
+fn identified(
+    named: &NamedCell,
+    measured: &[MeasuredPosture],
+    readings: Option<Reduced>,
+    options: &IdentifyOptions,
+    args: &IdentifyArgs,
+    control: Control<'_>,
+) -> Result<Identified> {
+    let cell = &named.cell;
+    let identification = identify(cell, measured, options)?;
+    let quiet = Control {
+        progress: None,
+        ..control
+    };
+    let mut out = Identified {
+        readings,
+        profile: None,
+        bootstrap: None,
+        budget: None,
+        diagnosis: None,
+        next_posture: None,
+        next_posture_missing: None,
+        measured_coverage: identification
+            .interval_degrees_of_freedom
+            .zip(Intervals::of(identification.estimator))
+            .and_then(|(dof, kind)| measured_coverage(kind, dof)),
+        identification,
+    };
+    if let Some(resamples) = args.bootstrap {
+        let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
+        let (seed, level) = (args.seed, options.confidence);
+        let found = bootstrap(cell, measured, options, resamples, seed, level);
+        out.bootstrap = Some(found.map_err(|e| e.key("--bootstrap"))?);
+    }
+    if args.brief {
+        return Ok(out);
+    }
+    out.profile = profile(cell, measured, options)?;
+    out.budget = Some(budget(cell, measured, options)?);
+    out.diagnosis = Some(diagnose(cell, measured, options)?);
+    let search = GlobalOptions {
+        seed: args.seed,
+        rounds: Some(ADVICE_ROUNDS),
+        ..GlobalOptions::default()
+    };
+    match next_posture(cell, measured, &out.identification, &search, quiet) {
+        Ok(advice) => out.next_posture = Some(advice),
+        Err(error) if error.code() == Code::Interrupted => return Err(error),
+        Err(error) => out.next_posture_missing = Some(error.message().to_string()),
+    }
+    Ok(out)
+}
+
+/// Refuses names that no measured posture has.
+///
+/// # Errors
+/// An unknown name.
+pub fn check_names(option: &str, names: &[String], measured: &[MeasuredPosture]) -> Result<()> {
+    let known = measured.iter().map(|m| m.posture.name.as_str());
+    check_among(option, names, known.collect())
+}
+
+/// The same among the names `known`, in their order.
+fn check_among(option: &str, names: &[String], mut known: Vec<&str>) -> Result<()> {
+    let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) else {
+        return Ok(());
+    };
+    known.dedup();
+    Err(Error::new(
+        Code::UnknownName,
+        format!("The measurements have no posture \"{name}\"."),
+    )
+    .key(option)
+    .hint(format!("measured postures: {}", known.join(", "))))
+}
+
+fn table(
+    named: &NamedCell,
+    measured: &[MeasuredPosture],
+    result: &Identified,
+    excluded: &[String],
+) -> String {
+    let found = &result.identification;
+    let mut out = named.line();
+    let combined = !found.combinations.is_empty();
+    out += &words::undetermined(&found.undetermined_joints, combined);
+    out += &words::data(measured, found, excluded);
+    if let Some(reduced) = &result.readings {
+        out += &title("Readings");
+        out += &reduced.words();
+    }
+    out += &title("Joint stiffness");
+    let shared = &found.estimates;
+    let (budget, bootstrap) = (result.budget.as_ref(), result.bootstrap.as_ref());
+    out += &tables::estimates(shared, budget, bootstrap).to_string();
+    out += &tables::further(shared);
+    out.push('\n');
+    if let Some(finding) = implausible_scale(&named.cell, found) {
+        out += &format!("{}\n", red(&finding.sentence));
+    }
+    for sentence in words::verdicts(result) {
+        out += &format!("{sentence}\n");
+    }
+    for remark in words::remarks(&named.cell, measured, result) {
+        out += &format!("{}: {remark}\n", yellow("note"));
+    }
+    if let Some(budget) = &result.budget {
+        out += &title("Errors common to the whole experiment: change of k [%]");
+        out += &tables::common(budget).to_string();
+    }
+    if let Some(diagnosis) = &result.diagnosis {
+        out += &title("What each joint carries");
+        out += &tables::signals(&diagnosis.signals).to_string();
+        if let Some(trials) = diagnosis.terms.as_ref().filter(|t| !t.trials.is_empty()) {
+            out += &title("Further terms, each tried alone");
+            out += &tables::trials(trials).to_string();
+        }
+    }
+    if !found.weights.is_empty() {
+        out += &tables::weights(found);
+    }
+    out += &title("Postures with the largest residuals");
+    out += &tables::residuals(result).to_string();
+    out + &words::next(&named.cell, result)
+}
