@@ -74,6 +74,16 @@ impl Target {
     }
 }
 
+/// The file of a command that writes one result, where it is asked for.
+///
+/// # Errors
+/// As [`Target::new`] and [`check_one_stdout`].
+pub fn only_target(session: &Session, path: Option<&str>, force: bool) -> Result<Option<Target>> {
+    let target = path.map(|path| Target::new(path, force)).transpose()?;
+    check_one_stdout(session, &[target.as_ref()])?;
+    Ok(target)
+}
+
 /// Refuses a second use of standard output.
 ///
 /// # Errors

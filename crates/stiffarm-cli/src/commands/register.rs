@@ -2,7 +2,7 @@
 
 use super::finding_line;
 use crate::args::RegisterArgs;
-use crate::files::{Target, check_one_stdout};
+use crate::files::only_target;
 use crate::numbers::{mm, significant};
 use crate::output::Exit;
 use crate::session::Session;
@@ -33,12 +33,7 @@ pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
         let message = format!("{std} is no standard deviation: a length above 0 mm is needed.");
         return Err(Error::new(Code::Usage, message).key("--std-mm"));
     }
-    let target = args
-        .output
-        .as_deref()
-        .map(|path| Target::new(path, args.force))
-        .transpose()?;
-    check_one_stdout(session, &[target.as_ref()])?;
+    let target = only_target(session, args.output.as_deref(), args.force)?;
     let (file, bytes) = session.read("pairs", &args.pairs)?;
     let pairs = without(read_pairs(&bytes, &file)?, &args.exclude)?;
     let options = RegisterOptions {

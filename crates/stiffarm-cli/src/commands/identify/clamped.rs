@@ -2,7 +2,7 @@
 
 use super::{check_among, tables, words};
 use crate::args::IdentifyArgs;
-use crate::files::{Target, check_one_stdout};
+use crate::files::only_target;
 use crate::input::NamedCell;
 use crate::numbers::{optional, percent, significant};
 use crate::output::Exit;
@@ -46,12 +46,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         let message = format!("{noise} is no standard deviation: an angle above 0° is needed.");
         return Err(Error::new(Code::Usage, message).key("--angle-noise-deg"));
     }
-    let target = args
-        .output
-        .as_deref()
-        .map(|path| Target::new(path, args.force))
-        .transpose()?;
-    check_one_stdout(session, &[target.as_ref()])?;
+    let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
     let options = args.fit.options(&named.cell.setup.robot)?;

@@ -8,7 +8,7 @@ mod words;
 pub use words::confidence;
 
 use crate::args::IdentifyArgs;
-use crate::files::{Target, check_one_stdout};
+use crate::files::only_target;
 use crate::input::NamedCell;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -89,12 +89,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     if args.clamped {
         return clamped::run(session, args);
     }
-    let target = args
-        .output
-        .as_deref()
-        .map(|path| Target::new(path, args.force))
-        .transpose()?;
-    check_one_stdout(session, &[target.as_ref()])?;
+    let target = only_target(session, args.output.as_deref(), args.force)?;
     let mut named = session.read_cell(&args.cell)?;
     let mut options = args.fit.options(&named.cell.setup.robot)?;
     let measurements =
