@@ -30,7 +30,10 @@ pub mod load;
 pub mod measurement;
 pub mod observation;
 pub mod optimise;
+pub mod path;
 pub mod posture;
+pub mod predict;
+pub mod process;
 pub mod reduction;
 pub mod registration;
 pub mod robot;
@@ -46,6 +49,7 @@ pub mod table;
 pub mod tool;
 pub mod units;
 pub mod validate;
+pub mod work;
 pub mod zones;
 
 pub use error::{Code, Error, Result};

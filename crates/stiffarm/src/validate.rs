@@ -3,11 +3,9 @@
 
 mod band;
 mod folds;
-mod predictor;
 
 pub use band::{BandShare, PointBand};
 pub use folds::cross_validate;
-pub use predictor::{FittedNoise, Predictor, Spread};
 
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
@@ -16,6 +14,7 @@ use crate::identify::{Weights, known_displacement, measured_system, rms};
 use crate::measurement::{Displacement, MeasuredPosture};
 use crate::observation::PostureTerms;
 use crate::posture::Posture;
+use crate::predict::Predictor;
 use crate::simulate::draw_noise;
 use crate::stiffness::{displacement_between, equilibrium, joint_compliance, linear_displacement};
 use crate::streams::run_rng;
@@ -190,7 +189,7 @@ pub fn validate_with(
     let exact = match model {
         Model::Linear => None,
         Model::Equilibrium => {
-            let stiffness = predictor.stiffness(model)?;
+            let stiffness = predictor.stiffness(model.as_str())?;
             let of = |m| calculated_displacements(cell, m, &stiffness, model);
             Some(measured.iter().map(of).collect::<Result<Vec<_>>>()?)
         }

@@ -21,10 +21,11 @@ use stiffarm::kinematics::Frames;
 use stiffarm::load::{Load, Wrench};
 use stiffarm::observation::{ExtraTerm, PostureTerms};
 use stiffarm::posture::Posture;
+use stiffarm::predict::Predictor;
 use stiffarm::robot::{DhConvention, DhRow, Robot};
 use stiffarm::stiffness::{displacement_between, linear_displacement};
 use stiffarm::table::{read_clamped, write_clamped};
-use stiffarm::validate::{Model, Predictor, simulate_measurements, validate_with};
+use stiffarm::validate::{Model, simulate_measurements, validate_with};
 
 const FALSE_ALARM: f64 = 1e-6;
 

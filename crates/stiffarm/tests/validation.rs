@@ -15,8 +15,9 @@ use stiffarm::load::Wrench;
 use stiffarm::measurement::MeasuredPosture;
 use stiffarm::observation::{ExtraTerm, PostureTerms};
 use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::predict::Predictor;
 use stiffarm::validate::{
-    Model, Predictor, Validation, cross_validate, simulate_measurements, validate, validate_with,
+    Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
 };
 
 const FALSE_ALARM: f64 = 1e-6;

@@ -16,6 +16,7 @@ use crate::error::{Code, Error, Result};
 use crate::instruments::{Sensor, Tracker, Uncertainty};
 use crate::observation::Setup;
 use crate::posture::Posture;
+use crate::work::Work;
 
 /// Measurement noise of a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +85,8 @@ pub struct Cell {
     pub uncertainty: Uncertainty,
     /// Headings of measurement tables that another software writes.
     pub columns: Columns,
+    /// Tool tip, workpiece and process.
+    pub work: Work,
 }
 
 impl Cell {

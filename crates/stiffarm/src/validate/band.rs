@@ -1,10 +1,10 @@
 //! Bands about predicted displacements.
 
-use super::predictor::Predictor;
 use super::{PointDeviation, Validation};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::identify::{Block, MeasuredSystem, RowLabel};
+use crate::predict::Predictor;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,5 @@
 //! Cross-validation: each posture predicted by a fit without it.
 
-use super::predictor::Predictor;
 use super::{Model, Point, Validation, band, check_tolerance, summarise};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
@@ -8,6 +7,7 @@ use crate::identify::{
     IdentifyOptions, assumptions, check, folds, measured_system, prediction_error,
 };
 use crate::measurement::MeasuredPosture;
+use crate::predict::Predictor;
 use nalgebra::Vector3;
 
 /// Validates without postures kept out: the postures are left out fold by fold,

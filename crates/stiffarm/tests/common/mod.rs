@@ -131,6 +131,7 @@ pub fn reference_cell() -> Cell {
         tracker: Default::default(),
         uncertainty: Default::default(),
         columns: Default::default(),
+        work: Default::default(),
     }
 }
 

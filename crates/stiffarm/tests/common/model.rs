@@ -182,6 +182,7 @@ impl Model {
             tracker: Default::default(),
             uncertainty: Default::default(),
             columns: Default::default(),
+            work: Default::default(),
         }
     }
 

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use stiffarm::cell::Cell;
 use stiffarm::identify::Estimates;
-use stiffarm::validate::{FittedNoise, Predictor};
+use stiffarm::predict::{FittedNoise, Predictor};
 use stiffarm::{Code, Error, Result};
 
 /// A stiffness as `identify` saved it.

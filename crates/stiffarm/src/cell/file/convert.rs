@@ -17,6 +17,7 @@ use crate::posture::Posture;
 use crate::robot::{CatalogueEntry, Robot};
 use crate::tool::{NamedPoint, SeriesCompliance, Tool};
 use crate::units::{mm_to_m, mm2_to_m2};
+use crate::work::Work;
 use nalgebra::Vector3;
 
 /// Variance of the tracker of Zhang et al. 2021, Section IV.A \[mm²\].
@@ -60,6 +61,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         tracker,
         uncertainty,
         columns,
+        work: Work::default(),
     })
 }
 

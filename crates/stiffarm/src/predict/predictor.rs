@@ -1,7 +1,6 @@
 //! What predicts displacements: values of the unknowns with their covariance
 //! and the noise that a fit saw.
 
-use super::Model;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::{
@@ -26,7 +25,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    pub(super) fn quantile(&self) -> Result<f64> {
+    pub(crate) fn quantile(&self) -> Result<f64> {
         quantile(self.degrees_of_freedom, self.confidence)
     }
 }
@@ -143,7 +142,7 @@ impl Predictor {
     }
 
     /// A fit, with the noise that it estimated or took as known.
-    pub(super) fn from_solution(
+    pub(crate) fn from_solution(
         system: &MeasuredSystem,
         solution: &Solution,
         confidence: f64,
@@ -168,11 +167,11 @@ impl Predictor {
     }
 
     /// Stiffness of the springs, for models that are not linear in the compliance.
-    pub(super) fn stiffness(&self, model: Model) -> Result<Vec<f64>> {
+    pub(crate) fn stiffness(&self, model: &str) -> Result<Vec<f64>> {
         if !self.extra.is_empty() {
             return Err(Error::new(
                 Code::Unsupported,
-                format!("The {} model knows no further terms.", model.as_str()),
+                format!("The {model} model knows no further terms."),
             )
             .hint("use the linear model, or a stiffness identified without further terms"));
         }

@@ -1,0 +1,98 @@
+//! Loads of a path in base axes.
+
+use super::PathPoint;
+use crate::error::{Code, Error, Result};
+use crate::load::Wrench;
+use crate::process::{ForceAxes, TipLoad};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
+
+/// Points nearer than this count as one \[m\]; so does what is left of a feed
+/// direction across the tool axis, relative to one.
+const TOUCHING: f64 = 1e-9;
+
+/// Feed axes at each tip pose, base axes: z the tool axis, x the feed direction
+/// across it, y = z × x. The feed direction is that from the neighbour before to
+/// the one behind; `None` where the path does not move across the tool axis.
+pub fn feed_axes(poses: &[Isometry3<f64>]) -> Vec<Option<Rotation3<f64>>> {
+    let at = |i: usize| poses[i].translation.vector;
+    let away = |i: usize, j: usize| (at(j) - at(i)).norm() > TOUCHING;
+    let count = poses.len();
+    // The nearest points before and behind that are elsewhere, each in one pass.
+    let mut before: Vec<Option<usize>> = vec![None; count];
+    let mut behind: Vec<Option<usize>> = vec![None; count];
+    for i in 1..count {
+        before[i] = match away(i - 1, i) {
+            true => Some(i - 1),
+            false => before[i - 1],
+        };
+        let i = count - 1 - i;
+        behind[i] = match away(i + 1, i) {
+            true => Some(i + 1),
+            false => behind[i + 1],
+        };
+    }
+    (0..count)
+        .map(|i| {
+            let from = before[i].unwrap_or(i);
+            let to = behind[i].unwrap_or(i);
+            let axis = poses[i].rotation * Vector3::z();
+            // Where the path turns back on itself, the way on counts.
+            let feed = [at(to) - at(from), at(to) - at(i)]
+                .into_iter()
+                .find_map(|feed| feed.try_normalize(TOUCHING))?;
+            let x = (feed - axis * axis.dot(&feed)).try_normalize(TOUCHING)?;
+            let y = axis.cross(&x);
+            Some(Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[
+                x, y, axis,
+            ])))
+        })
+        .collect()
+}
+
+/// Wrenches on the robot at the tips, base axes, one per point: the point's own
+/// load, else `process`, else none. `poses` are the tip poses in the base frame,
+/// `workpiece` the pose of the workpiece frame there.
+///
+/// # Errors
+/// A load in the axes of the path where it does not move across the tool axis.
+pub fn tip_wrenches(
+    points: &[PathPoint],
+    poses: &[Isometry3<f64>],
+    process: Option<&TipLoad>,
+    workpiece: &Isometry3<f64>,
+) -> Result<Vec<Wrench>> {
+    let mut feeds: Option<Vec<Option<Rotation3<f64>>>> = None;
+    let mut wrenches = Vec::with_capacity(points.len());
+    for (i, (point, pose)) in points.iter().zip(poses).enumerate() {
+        let Some(load) = point.load.as_ref().or(process) else {
+            wrenches.push(Wrench::force(Vector3::zeros()));
+            continue;
+        };
+        let axes = match load.axes {
+            ForceAxes::Base => Rotation3::identity(),
+            ForceAxes::Tool => pose.rotation.to_rotation_matrix(),
+            ForceAxes::Workpiece => workpiece.rotation.to_rotation_matrix(),
+            ForceAxes::Path => {
+                feeds.get_or_insert_with(|| feed_axes(poses))[i].ok_or_else(|| no_feed(point))?
+            }
+        };
+        wrenches.push(Wrench {
+            force: axes * load.force,
+            moment: axes * load.moment,
+        });
+    }
+    Ok(wrenches)
+}
+
+fn no_feed(point: &PathPoint) -> Error {
+    let message = format!(
+        "The load at point {} is given in the axes of the path, but there the path does not move across the tool axis.",
+        point.name
+    );
+    let error = Error::new(Code::InvalidValue, message)
+        .hint("give that point's force in base, tool or workpiece axes");
+    match point.line {
+        Some(line) => error.line(line, None),
+        None => error,
+    }
+}

@@ -1,0 +1,41 @@
+//! A path of the tool tip: where it should be, point by point, and its load there.
+//!
+//! Poses are those of the tip frame: its origin is the contact point, its z the
+//! tool axis, which points out of the tool into the workpiece.
+
+mod frames;
+
+pub use frames::{feed_axes, tip_wrenches};
+
+use crate::process::TipLoad;
+use nalgebra::{Isometry3, UnitVector3, Vector3};
+
+/// Where the tip should be, base frame.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Target {
+    /// Controller angles q \[rad\].
+    Angles(Vec<f64>),
+    /// Pose of the tip frame \[m\].
+    Pose(Isometry3<f64>),
+    /// Position of the tip \[m\] and direction of the tool axis; the turn about
+    /// the axis is free.
+    Axis {
+        /// Position of the tip \[m\].
+        position: Vector3<f64>,
+        /// z of the tip frame.
+        axis: UnitVector3<f64>,
+    },
+}
+
+/// One point of a path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathPoint {
+    /// Name used in tables: that of the file, else its number from 1.
+    pub name: String,
+    /// Line of the file, where there is one.
+    pub line: Option<usize>,
+    /// Where the tip should be.
+    pub target: Target,
+    /// Load of this point; `None` takes that of the process.
+    pub load: Option<TipLoad>,
+}

@@ -1,0 +1,5 @@
+//! How far the robot bends at work, and how sure that is.
+
+mod predictor;
+
+pub use predictor::{FittedNoise, Predictor, Spread};
