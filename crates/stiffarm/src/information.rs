@@ -4,7 +4,7 @@
 //! QR and an SVD of Ψ, which do not square the condition number.
 
 pub(crate) mod small;
-mod svd;
+pub(crate) mod svd;
 
 pub(crate) use svd::{Svd, svd};
 

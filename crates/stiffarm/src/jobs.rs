@@ -1,6 +1,7 @@
 //! Independent jobs on all cores, with results that do not depend on them.
 
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
+use crate::optimise::Control;
 
 /// Maps `jobs` on all cores, results in the order of the jobs.
 pub(crate) fn in_order<J: Sync, T: Send>(
@@ -16,4 +17,29 @@ pub(crate) fn in_order<J: Sync, T: Send>(
     #[cfg(not(feature = "parallel"))]
     let results: Vec<Result<T>> = jobs.iter().enumerate().map(run).collect();
     results.into_iter().collect()
+}
+
+/// Jobs between two looks at progress and Ctrl-C.
+const PORTION: usize = 2048;
+
+/// The same with progress, which can be stopped.
+///
+/// # Errors
+/// The first error by order; stopped.
+pub(crate) fn in_order_watched<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+) -> Result<Vec<T>> {
+    let mut out = Vec::with_capacity(jobs.len());
+    for portion in jobs.chunks(PORTION) {
+        if control.stopped() {
+            return Err(Error::new(Code::Interrupted, "Interrupted."));
+        }
+        let start = out.len();
+        out.extend(in_order(portion, |(i, job)| run((start + i, job)))?);
+        control.report(what, out.len(), jobs.len());
+    }
+    Ok(out)
 }

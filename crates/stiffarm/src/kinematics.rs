@@ -39,6 +39,19 @@ impl Frames {
         frames
     }
 
+    /// Moves these frames to the serial angles θ \[rad\].
+    ///
+    /// # Panics
+    /// If `theta` does not have one entry per joint.
+    pub(crate) fn move_to_serial_angles(&mut self, robot: &Robot, theta: &[f64]) {
+        assert_eq!(
+            theta.len(),
+            robot.joint_count(),
+            "one serial angle per joint"
+        );
+        self.update_serial(robot, theta.iter().copied());
+    }
+
     fn zero(n: usize) -> Self {
         Frames {
             axes: vec![Vector3::zeros(); n],

@@ -16,6 +16,7 @@ pub mod cell;
 pub mod certificate;
 pub mod check;
 pub mod clamped;
+pub mod compensate;
 pub mod coverage;
 pub mod diagnose;
 pub mod error;

@@ -12,12 +12,34 @@ use crate::load::{Load, Wrench};
 use crate::observation::{PostureTerms, Setup};
 use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
+use serde::{Deserialize, Serialize};
 
 /// Changes of θ below this, and below the rounding of the deflection, end the
 /// equilibrium iteration \[rad\].
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-15;
 /// Iterations after which the equilibrium counts as not found.
 const EQUILIBRIUM_ITERATIONS: usize = 200;
+
+/// How displacements are calculated from the joint stiffness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Model {
+    /// Linear, Eq. (7).
+    Linear,
+    /// Exact static equilibrium.
+    Equilibrium,
+}
+
+impl Model {
+    /// Name on the command line and in messages.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Model::Linear => "linear",
+            Model::Equilibrium => "equilibrium",
+        }
+    }
+}
 
 /// Joint compliance matrix K_θ⁻¹ in serial coordinates, n × n \[rad/(N·m)\]:
 /// diag(1/k), or E⁻¹ diag(1/k) E⁻ᵀ in elastic coordinates.
@@ -45,14 +67,17 @@ pub fn joint_compliance(robot: &Robot, stiffness: &[f64]) -> Result<DMatrix<f64>
             ),
         ));
     }
-    let diagonal = DMatrix::from_diagonal(&DVector::from_iterator(
-        n,
-        stiffness.iter().map(|k| 1.0 / k),
-    ));
-    Ok(match robot.spring_mixing() {
+    let springs: Vec<f64> = stiffness.iter().map(|k| 1.0 / k).collect();
+    Ok(compliance_of_springs(robot, &springs))
+}
+
+/// The same from the compliances H of the springs \[rad/(N·m)\].
+pub(crate) fn compliance_of_springs(robot: &Robot, springs: &[f64]) -> DMatrix<f64> {
+    let diagonal = DMatrix::from_diagonal(&DVector::from_column_slice(springs));
+    match robot.spring_mixing() {
         None => diagonal,
         Some(mixing) => mixing * diagonal * mixing.transpose(),
-    })
+    }
 }
 
 /// K_C, n × n \[N·m/rad\]: (K_C)_ij = ∂Γ_i/∂θ_j for the constant base-frame
@@ -136,15 +161,25 @@ fn corrected_compliance(
     stiffness: &[f64],
     correction: Option<&DMatrix<f64>>,
 ) -> Result<DMatrix<f64>> {
-    let compliance = joint_compliance(robot, stiffness)?;
+    corrected(&joint_compliance(robot, stiffness)?, correction)
+}
+
+/// (K_θ − K_C)⁻¹ from K_θ⁻¹.
+///
+/// # Errors
+/// K_θ − K_C is singular.
+pub(crate) fn corrected(
+    compliance: &DMatrix<f64>,
+    correction: Option<&DMatrix<f64>>,
+) -> Result<DMatrix<f64>> {
     let Some(correction) = correction else {
-        return Ok(compliance);
+        return Ok(compliance.clone());
     };
     // (K − K_C)⁻¹ = (I − K⁻¹ K_C)⁻¹ K⁻¹, which needs no inverse of K⁻¹.
     let n = compliance.nrows();
-    (DMatrix::identity(n, n) - &compliance * correction)
+    (DMatrix::identity(n, n) - compliance * correction)
         .lu()
-        .solve(&compliance)
+        .solve(compliance)
         .ok_or_else(|| {
             Error::new(
                 Code::InvalidValue,
@@ -176,14 +211,24 @@ pub fn linear_displacement(
 /// Static equilibrium of the loaded arm: θ = θ₀ + K_θ⁻¹ J(θ)ᵀ W(θ).
 #[derive(Debug, Clone)]
 pub struct Equilibrium {
-    /// Joint frames at equilibrium.
-    pub frames: Frames,
+    /// The arm at equilibrium: joint frames, points, torques.
+    pub terms: PostureTerms,
     /// Joint deflections θ − θ₀ \[rad\].
     pub deflection: DVector<f64>,
-    /// Wrench at the loading point at equilibrium.
-    pub wrench: Wrench,
     /// Iterations used.
     pub iterations: usize,
+}
+
+impl Equilibrium {
+    /// Joint frames at equilibrium.
+    pub fn frames(&self) -> &Frames {
+        self.terms.frames()
+    }
+
+    /// Wrench at the loading point at equilibrium.
+    pub fn wrench(&self) -> &Wrench {
+        self.terms.wrench()
+    }
 }
 
 /// Finds the equilibrium at controller angles `q` \[rad\] by iterating
@@ -199,24 +244,40 @@ pub fn equilibrium(
     wrench: Option<&Wrench>,
 ) -> Result<Equilibrium> {
     let compliance = joint_compliance(&setup.robot, stiffness)?;
-    let mut terms = PostureTerms::new(setup, q, wrench)?;
+    let terms = PostureTerms::new(setup, q, wrench)?;
     let start = setup.robot.serial_angles(q);
+    equilibrium_from(setup, &compliance, &start, terms, wrench)
+}
+
+/// The same for a compliance matrix K_θ⁻¹ (n × n), from the serial angles
+/// `start` \[rad\] with the arm's `terms` there.
+///
+/// # Errors
+/// No convergence.
+pub(crate) fn equilibrium_from(
+    setup: &Setup,
+    compliance: &DMatrix<f64>,
+    start: &DVector<f64>,
+    mut terms: PostureTerms,
+    wrench: Option<&Wrench>,
+) -> Result<Equilibrium> {
     let mut deflection = DVector::zeros(start.len());
     for iterations in 1..=EQUILIBRIUM_ITERATIONS {
-        let next = &compliance * DVector::from_column_slice(terms.torque());
+        let next = compliance * DVector::from_column_slice(terms.torque());
         let change = (&next - &deflection).amax();
         deflection = next;
-        let theta = &start + &deflection;
-        terms.frames = Frames::at_serial_angles(&setup.robot, theta.as_slice());
+        let theta = start + &deflection;
+        terms
+            .frames
+            .move_to_serial_angles(&setup.robot, theta.as_slice());
         terms.fill(setup, wrench)?;
         if !change.is_finite() {
             break;
         }
         if change <= EQUILIBRIUM_TOLERANCE + 4.0 * f64::EPSILON * deflection.amax() {
             return Ok(Equilibrium {
-                frames: terms.frames,
+                terms,
                 deflection,
-                wrench: terms.wrench,
                 iterations,
             });
         }
@@ -242,8 +303,8 @@ pub fn equilibrium_displacement(
     wrench: Option<&Wrench>,
 ) -> Result<Vector6<f64>> {
     let before = Frames::new(&setup.robot, q);
-    let after = equilibrium(setup, q, stiffness, wrench)?.frames;
-    Ok(displacement_between(&before, &after, in_flange))
+    let after = equilibrium(setup, q, stiffness, wrench)?;
+    Ok(displacement_between(&before, after.frames(), in_flange))
 }
 
 /// Displacement of a flange-fixed point from one set of frames to another:
@@ -283,7 +344,7 @@ pub fn second_order(
 ) -> Result<SecondOrder> {
     let terms = PostureTerms::new(setup, q, wrench)?;
     let k_c = stiffness_correction(&terms);
-    let after = equilibrium(setup, q, stiffness, wrench)?.frames;
+    let after = equilibrium(setup, q, stiffness, wrench)?;
     let mut out = SecondOrder {
         displacement: Vec::new(),
         correction: Vec::new(),
@@ -298,7 +359,7 @@ pub fn second_order(
     {
         let linear = linear_displacement(setup, &terms, p, stiffness, None)?;
         let corrected = linear_displacement(setup, &terms, p, stiffness, Some(&k_c))?;
-        let exact = displacement_between(terms.frames(), &after, &point.position);
+        let exact = displacement_between(terms.frames(), after.frames(), &point.position);
         out.displacement.push(norm(linear));
         out.correction.push(norm(corrected - linear));
         out.linearisation.push(norm(exact - linear));

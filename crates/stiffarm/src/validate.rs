@@ -4,6 +4,7 @@
 mod band;
 mod folds;
 
+pub use crate::stiffness::Model;
 pub use band::{BandShare, PointBand};
 pub use folds::cross_validate;
 
@@ -20,27 +21,6 @@ use crate::stiffness::{displacement_between, equilibrium, joint_compliance, line
 use crate::streams::run_rng;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// How displacements are calculated from the joint stiffness.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Model {
-    /// Linear, Eq. (7).
-    Linear,
-    /// Exact static equilibrium.
-    Equilibrium,
-}
-
-impl Model {
-    /// Name on the command line and in messages.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Model::Linear => "linear",
-            Model::Equilibrium => "equilibrium",
-        }
-    }
-}
 
 /// Eq. (22) at one measuring point of one posture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -118,9 +98,11 @@ pub fn calculated_displacements(
     // One equilibrium per posture moves all its points.
     let after = match model {
         Model::Linear => None,
-        Model::Equilibrium => {
-            Some(equilibrium(&cell.setup, q, stiffness, measured.wrench.as_ref())?.frames)
-        }
+        Model::Equilibrium => Some(
+            equilibrium(&cell.setup, q, stiffness, measured.wrench.as_ref())?
+                .frames()
+                .clone(),
+        ),
     };
     (0..tool.point_count())
         .map(|a| {

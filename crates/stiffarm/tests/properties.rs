@@ -231,7 +231,7 @@ proptest! {
         let balance = joint_compliance_of(&model) * torque;
         prop_assert!((balance - &found.deflection).amax() < 1e-14);
         // The same wrench given as measured leads to the same place only if it stays as it is.
-        let held = equilibrium(&setup, &q, &model.prior, Some(&found.wrench)).unwrap();
+        let held = equilibrium(&setup, &q, &model.prior, Some(found.wrench())).unwrap();
         prop_assert!((held.deflection - found.deflection).amax() < 1e-12);
     }
 

@@ -7,6 +7,8 @@ mod frames;
 
 pub use frames::{feed_axes, tip_wrenches};
 
+use crate::error::Error;
+use crate::load::Wrench;
 use crate::process::TipLoad;
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 
@@ -38,4 +40,27 @@ pub struct PathPoint {
     pub target: Target,
     /// Load of this point; `None` takes that of the process.
     pub load: Option<TipLoad>,
+}
+
+/// One posture of the arm under its load at the tip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedPosture {
+    /// Name used in tables.
+    pub name: String,
+    /// Line of the file, where there is one.
+    pub line: Option<usize>,
+    /// Controller angles \[rad\].
+    pub q: Vec<f64>,
+    /// Wrench on the robot at the tip, base axes.
+    pub wrench: Wrench,
+}
+
+impl LoadedPosture {
+    /// `error` with the line of this posture.
+    pub(crate) fn at(&self, error: Error) -> Error {
+        match self.line {
+            Some(line) => error.line(line, None),
+            None => error,
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! What predicts displacements: values of the unknowns with their covariance
 //! and the noise that a fit saw.
 
+use crate::budget::Budget;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::{
@@ -39,6 +40,18 @@ pub struct Predictor {
     pub extra: Vec<ExtraTerm>,
     /// How sure the values are, where that is known.
     pub spread: Option<Spread>,
+    /// What errors common to the whole experiment do to the values.
+    pub common: Vec<CommonError>,
+}
+
+/// An error common to the experiment behind the values, of one standard
+/// uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CommonError {
+    /// Name of the source, as in [`Budget`].
+    pub name: String,
+    /// Change of the values by each independent part of it.
+    pub parts: Vec<DVector<f64>>,
 }
 
 /// The noise that a fit saw in its displacements.
@@ -61,6 +74,7 @@ impl Predictor {
             values: DVector::from_iterator(stiffness.len(), stiffness.iter().map(|k| 1.0 / k)),
             extra: Vec::new(),
             spread: None,
+            common: Vec::new(),
         })
     }
 
@@ -138,7 +152,39 @@ impl Predictor {
                 degrees_of_freedom: estimates.interval_degrees_of_freedom,
                 confidence: estimates.confidence,
             }),
+            common: Vec::new(),
         })
+    }
+
+    /// The same with the errors that its budget holds: a change c of k is one of
+    /// H by the factor 1/(1 + c); where a source can explain all of a joint's
+    /// give, all of it is in doubt. Further terms have none.
+    #[must_use]
+    pub fn with_budget(mut self, budget: &Budget) -> Self {
+        let values = &self.values;
+        let change = |changes: &[Option<f64>]| {
+            let mut out = DVector::zeros(values.len());
+            for (j, change) in changes.iter().enumerate().take(values.len()) {
+                out[j] = values[j] * change.map_or(-1.0, |c| 1.0 / (1.0 + c) - 1.0);
+            }
+            out
+        };
+        self.common = budget
+            .sources
+            .iter()
+            .map(|source| CommonError {
+                name: source.name.clone(),
+                parts: match source.parts.is_empty() {
+                    true => vec![change(&source.change)],
+                    false => source
+                        .parts
+                        .iter()
+                        .map(|part| change(&part.change))
+                        .collect(),
+                },
+            })
+            .collect();
+        self
     }
 
     /// A fit, with the noise that it estimated or took as known.
@@ -163,6 +209,7 @@ impl Predictor {
             values: solution.values.clone(),
             extra: system.extra.clone(),
             spread,
+            common: Vec::new(),
         }
     }
 

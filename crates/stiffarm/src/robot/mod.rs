@@ -311,6 +311,20 @@ impl Robot {
         theta
     }
 
+    /// Controller angles q = C⁻¹ (θ − offset) \[rad\]; `None` where C cannot be
+    /// inverted, which [`with_coupling`](Self::with_coupling) rules out.
+    ///
+    /// # Panics
+    /// If `theta` does not have n entries.
+    pub fn controller_angles(&self, theta: &DVector<f64>) -> Option<DVector<f64>> {
+        assert_eq!(
+            theta.len(),
+            self.joint_count(),
+            "one serial angle per joint"
+        );
+        self.coupling.clone().lu().solve(&(theta - &self.offset))
+    }
+
     /// Gradient with respect to q from the one with respect to θ: Cᵀ g.
     pub fn gradient_to_controller(&self, theta_gradient: &[f64], q_gradient: &mut [f64]) {
         for (j, out) in q_gradient.iter_mut().enumerate() {

@@ -66,8 +66,8 @@ impl Arm {
             DisplacementModel::Equilibrium => {
                 let bent = equilibrium(&setup, &angles, stiffness, None)?;
                 let tool = &setup.tool.measuring_points;
-                let points = tool.iter().map(|p| bent.frames.point(&p.position));
-                (bent.frames.clone(), bent.wrench, points.collect())
+                let points = tool.iter().map(|p| bent.frames().point(&p.position));
+                (bent.frames().clone(), *bent.wrench(), points.collect())
             }
         };
         let known = terms.known_displacement(&setup.tool);

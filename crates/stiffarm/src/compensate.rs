@@ -1,0 +1,358 @@
+//! What to command so that the loaded tool follows the nominal path.
+//!
+//! The loaded tool is where it should be when the joints, bent by the load
+//! there, stand at the nominal posture. The springs' deflection at *that* state
+//! is known, so the command is found from the end: θ_command = θ_loaded −
+//! K_θ⁻¹ J(θ_loaded)ᵀ W, with θ_loaded the nominal serial angles where the
+//! joints alone give way. This is the limit of the mirror correction, iterated
+//! on the equilibrium. A series compliance, tilts and lost motion move the tip
+//! beyond the joints; θ_loaded then solves for the pose that makes up for them.
+//! Whatever the way, the command is checked by the equilibrium from its side.
+
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::findings::{Finding, Severity, length, percent};
+use crate::identify::rms;
+use crate::information::svd::svd;
+use crate::jobs::in_order_watched;
+use crate::kinematics::Frames;
+use crate::load::Wrench;
+use crate::optimise::Control;
+use crate::path::LoadedPosture;
+use crate::predict::{ArmAtWork, Bands, Predictor, TipBand, motion};
+use crate::units::{rad_to_deg, rad_to_shortest_deg};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+use serde::{Deserialize, Serialize};
+
+/// A tip this near to its pose is there \[m, rad\].
+const ARRIVED: f64 = 1e-13;
+/// Steps to a pose that a neighbour of the nominal one takes three of.
+const STEPS: usize = 50;
+/// Singular values of J below this share of the largest are directions in
+/// which the arm cannot move.
+const STUCK: f64 = 1e-9;
+
+/// What to compensate, and how sure the load is.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CompensateOptions {
+    /// Relative standard uncertainty of the load at work (fraction).
+    pub load_uncertainty: f64,
+    /// Largest displacement that was measured for the identification \[m\], where
+    /// it is known: corrections beyond it extrapolate.
+    pub measured_up_to: Option<f64>,
+}
+
+/// One point with its command.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PointCompensation {
+    /// Name of the point.
+    pub point: String,
+    /// Nominal controller angles \[deg\].
+    pub nominal_deg: Vec<f64>,
+    /// Controller angles to command \[deg\].
+    pub command_deg: Vec<f64>,
+    /// Shift of the command's unloaded tip from the nominal one, base axes \[m\].
+    pub correction_m: [f64; 3],
+    /// Turn of the command's unloaded tip, rotation vector, base axes \[rad\].
+    pub correction_rad: [f64; 3],
+    /// Size of the shift \[m\].
+    pub correction_size_m: f64,
+    /// Deflection at the nominal posture without compensation \[m\].
+    pub uncompensated_m: f64,
+    /// Distance of the loaded tip from the nominal one with this command, by the
+    /// model that was compensated \[m\].
+    pub residual_m: f64,
+    /// How far the loaded tip may yet be from the nominal one: the uncertainty of
+    /// the deflection; `null` where the stiffness comes without covariance.
+    pub band: Option<TipBand>,
+}
+
+/// A compensated path.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Compensation {
+    /// Confidence of the bands.
+    pub confidence: Option<f64>,
+    /// RMS of the deflections without compensation \[m\].
+    pub uncompensated_rms_m: f64,
+    /// Largest of them \[m\].
+    pub uncompensated_max_m: f64,
+    /// RMS of what is left by the model that was compensated \[m\].
+    pub residual_rms_m: f64,
+    /// Largest of what is left \[m\].
+    pub residual_max_m: f64,
+    /// RMS of the error that the bands stand for, all axes together \[m\]: what
+    /// can be expected of the real arm as far as the bands know \[m\].
+    pub error_rms_m: Option<f64>,
+    /// RMS without compensation over that.
+    pub expected_factor: Option<f64>,
+    /// Largest size of a correction \[m\].
+    pub correction_max_m: f64,
+    /// Points at which the correction is larger than its half width.
+    pub beyond_uncertainty: Option<usize>,
+    /// What to know about it, in sentences.
+    pub findings: Vec<Finding>,
+    /// Point by point.
+    pub points: Vec<PointCompensation>,
+}
+
+/// A command and the state it leads to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Command {
+    /// Controller angles \[rad\].
+    pub q: Vec<f64>,
+    /// Nominal tip pose, base frame \[m\].
+    pub nominal: Isometry3<f64>,
+    /// Tip pose of the command without load.
+    pub unloaded: Isometry3<f64>,
+    /// Tip pose under load by the equilibrium from the command.
+    pub loaded: Isometry3<f64>,
+}
+
+/// The command that brings the loaded tip to where `nominal` (controller
+/// angles, rad) has it without load.
+///
+/// # Errors
+/// Angles of the wrong number or not finite; a coupling that cannot be undone;
+/// a load that buckles the arm; a posture in which the arm cannot make up for
+/// what gives way beyond its joints.
+pub fn command(arm: &ArmAtWork, nominal: &[f64], wrench: &Wrench) -> Result<Command> {
+    let robot = arm.robot();
+    let mut terms = arm.terms(nominal, wrench)?;
+    let target = terms.frames().flange() * arm.tip();
+    let mut theta = robot.serial_angles(nominal);
+    if arm.has_more_than_joints() {
+        reach(arm, &mut theta, &mut terms, wrench, &target)?;
+    }
+    // θ_command = θ_loaded − K_θ⁻¹ Γ(θ_loaded)
+    let give = arm.compliance() * DVector::from_column_slice(terms.torque());
+    let q = robot.controller_angles(&(theta - give)).ok_or_else(|| {
+        Error::new(
+            Code::Internal,
+            "The coupling of the robot cannot be undone.",
+        )
+    })?;
+    let q: Vec<f64> = q.iter().copied().collect();
+    let bent = arm.bend(&q, wrench)?;
+    Ok(Command {
+        q,
+        nominal: target,
+        unloaded: bent.before,
+        loaded: bent.after,
+    })
+}
+
+/// Moves the joints until the loaded tip, with all that gives way beyond them,
+/// is at `target`.
+fn reach(
+    arm: &ArmAtWork,
+    theta: &mut DVector<f64>,
+    terms: &mut crate::observation::PostureTerms,
+    wrench: &Wrench,
+    target: &Isometry3<f64>,
+) -> Result<()> {
+    let mut last = f64::INFINITY;
+    for _ in 0..STEPS {
+        let error = motion(&arm.loaded_tip(terms), target);
+        let size = error.amax();
+        // Rounding lets it stall a little above the aim.
+        if size <= ARRIVED || (size < 1e-9 && size >= 0.5 * last) {
+            return Ok(());
+        }
+        last = size;
+        *theta += step(terms.frames(), &terms.measuring_points()[0], &error)?;
+        arm.move_to(theta, terms, wrench)?;
+    }
+    Err(Error::new(
+        Code::InvalidValue,
+        "This posture is singular, and the arm cannot make up for what gives way beyond its joints.",
+    )
+    .hint("choose another posture for this point, or leave the turn about the tool axis free"))
+}
+
+/// Least joint motion whose twist at `p` is nearest to `twist`.
+fn step(frames: &Frames, p: &Vector3<f64>, twist: &Vector6<f64>) -> Result<DVector<f64>> {
+    let jacobian = frames.jacobian(p);
+    let n = jacobian.ncols();
+    // Jᵀ has at least as many rows as columns for n ≥ 6, J for n ≤ 6.
+    let wide = n > 6;
+    let matrix: DMatrix<f64> = match wide {
+        true => jacobian.transpose().clone_owned().resize(n, 6, 0.0),
+        false => DMatrix::from_fn(6, n, |i, j| jacobian[(i, j)]),
+    };
+    let parts = svd(matrix)
+        .ok_or_else(|| Error::new(Code::Numerical, "The Jacobian could not be decomposed."))?;
+    let twist = DVector::from_column_slice(twist.as_slice());
+    let (from, to) = match wide {
+        true => (&parts.v, &parts.u),
+        false => (&parts.u, &parts.v),
+    };
+    let mut along = from.tr_mul(&twist);
+    for (a, value) in along.iter_mut().zip(parts.values.iter()) {
+        *a = match *value > STUCK * parts.values[0] {
+            true => *a / value,
+            false => 0.0,
+        };
+    }
+    Ok(to * along)
+}
+
+/// Finds the commands for `postures`, each under its own wrench.
+///
+/// # Errors
+/// As [`command`], with the line of the point; no points; a command outside the
+/// machine's limits; interrupted.
+pub fn compensate(
+    cell: &Cell,
+    predictor: &Predictor,
+    postures: &[LoadedPosture],
+    options: &CompensateOptions,
+    control: Control<'_>,
+) -> Result<Compensation> {
+    if postures.is_empty() {
+        return Err(Error::new(
+            Code::TooFewData,
+            "There is no point to compensate.",
+        ));
+    }
+    let arm = ArmAtWork::new(cell, predictor)?;
+    let bands = Bands::new(predictor, options.load_uncertainty)?;
+    let points = in_order_watched(postures, "compensating", control, |(_, posture)| {
+        point(&arm, bands.as_ref(), posture).map_err(|e| posture.at(e))
+    })?;
+    let confidence = bands.map(|b| b.confidence);
+    Ok(summarise(points, options, confidence))
+}
+
+fn point(
+    arm: &ArmAtWork,
+    bands: Option<&Bands>,
+    posture: &LoadedPosture,
+) -> Result<PointCompensation> {
+    let wrench = &posture.wrench;
+    let found = command(arm, &posture.q, wrench)?;
+    let robot = arm.robot();
+    if let Some((j, angle)) = robot.outside_limits(&found.q)
+        && robot.outside_limits(&posture.q).is_none()
+    {
+        let joint = &robot.joints()[j];
+        let [low, high] = joint.limits.map(rad_to_shortest_deg);
+        let message = format!(
+            "Point {}: the command would move {} to {:.4}°, outside the machine's limits, {low}° to {high}°.",
+            posture.name,
+            joint.name,
+            rad_to_deg(angle)
+        );
+        return Err(Error::new(Code::OutsideLimits, message)
+            .hint("choose another posture for this point, farther from the limit"));
+    }
+    let bent = arm.bend(&posture.q, wrench)?;
+    let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
+    let band = match bands {
+        Some(bands) => Some(bands.of(&shift, &arm.sensitivity(&arm.terms(&posture.q, wrench)?))),
+        None => None,
+    };
+    let correction = motion(&found.nominal, &found.unloaded);
+    let left = motion(&found.nominal, &found.loaded);
+    let shift_of = |twist: &Vector6<f64>| -> Vector3<f64> { twist.fixed_rows::<3>(0).into_owned() };
+    let degrees = |q: &[f64]| q.iter().map(|a| rad_to_shortest_deg(*a)).collect();
+    Ok(PointCompensation {
+        point: posture.name.clone(),
+        nominal_deg: degrees(&posture.q),
+        command_deg: degrees(&found.q),
+        correction_m: shift_of(&correction).into(),
+        correction_rad: [correction[3], correction[4], correction[5]],
+        correction_size_m: shift_of(&correction).norm(),
+        uncompensated_m: shift.norm(),
+        residual_m: shift_of(&left).norm(),
+        band,
+    })
+}
+
+fn summarise(
+    points: Vec<PointCompensation>,
+    options: &CompensateOptions,
+    confidence: Option<f64>,
+) -> Compensation {
+    let of = |pick: fn(&PointCompensation) -> f64| points.iter().map(pick).collect::<Vec<f64>>();
+    let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    let (before, after) = (of(|p| p.uncompensated_m), of(|p| p.residual_m));
+    let errors: Option<Vec<f64>> = points.iter().map(|p| p.band.map(|b| b.rms_m)).collect();
+    let error = errors.map(|e| rms(&e));
+    let beyond: Option<usize> = points
+        .iter()
+        .map(|p| {
+            p.band
+                .map(|b| usize::from(p.correction_size_m > b.size_m[3]))
+        })
+        .sum();
+    let mut out = Compensation {
+        confidence,
+        uncompensated_rms_m: rms(&before),
+        uncompensated_max_m: largest(&before),
+        residual_rms_m: rms(&after),
+        residual_max_m: largest(&after),
+        error_rms_m: error,
+        expected_factor: error.filter(|e| *e > 0.0).map(|e| rms(&before) / e),
+        correction_max_m: largest(&of(|p| p.correction_size_m)),
+        beyond_uncertainty: beyond,
+        findings: Vec::new(),
+        points,
+    };
+    out.findings = findings(&out, options);
+    out
+}
+
+fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let count = result.points.len();
+    match result.beyond_uncertainty {
+        None => out.push(Finding::new(
+            "no-band",
+            Severity::Caution,
+            "stiffness",
+            "The joint stiffness comes without covariance: nothing says whether this compensation helps or harms.",
+        )),
+        Some(beyond) if beyond < count => {
+            let within = count - beyond;
+            out.push(Finding::new(
+                "correction-within-uncertainty",
+                Severity::Caution,
+                "correction",
+                format!(
+                    "At {within} of {count} points the correction is smaller than its own uncertainty: there it may as well harm."
+                ),
+            ));
+        }
+        Some(_) => out.push(Finding::new(
+            "correction-beyond-uncertainty",
+            Severity::Note,
+            "correction",
+            format!(
+                "At all {count} points the correction, up to {}, is larger than its own uncertainty.",
+                length(result.correction_max_m)
+            ),
+        )),
+    }
+    if let Some(measured) = options.measured_up_to
+        && result.uncompensated_max_m > measured
+    {
+        let beyond = result
+            .points
+            .iter()
+            .filter(|p| p.uncompensated_m > measured)
+            .count();
+        out.push(Finding::new(
+            "beyond-measured",
+            Severity::Caution,
+            "correction",
+            format!(
+                "{} of the points bend by more than any displacement that the identification has seen ({}): the model is trusted beyond its data there.",
+                percent(beyond as f64 / count as f64),
+                length(measured)
+            ),
+        ));
+    }
+    out
+}

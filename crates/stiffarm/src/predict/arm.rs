@@ -1,0 +1,267 @@
+//! The arm at work: what a load at the tool tip does to it, exactly and to
+//! first order, and how that depends on the identified compliances.
+
+use super::Predictor;
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::kinematics::Frames;
+use crate::load::{Load, Wrench};
+use crate::observation::{ExtraTerm, PostureTerms, Setup};
+use crate::robot::Robot;
+use crate::stiffness::{compliance_of_springs, equilibrium_from};
+use crate::tool::{NamedPoint, Tool};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
+
+/// An arm with its springs, loaded at the tool tip unless
+/// [`loaded_at`](Self::loaded_at) says otherwise.
+///
+/// The deflection is the static equilibrium of the springs, in which the wrench
+/// keeps its direction in the base frame and acts at the moving tip. A series
+/// compliance between flange and tip, and further terms that were identified
+/// (tilts, lost motion), are added as small motions under the loads of the
+/// equilibrium.
+#[derive(Debug, Clone)]
+pub struct ArmAtWork {
+    /// Loaded and measured at the tip.
+    setup: Setup,
+    tip: Isometry3<f64>,
+    /// K_θ⁻¹ in serial coordinates, n × n.
+    compliance: DMatrix<f64>,
+    /// The further terms with their values.
+    extra: Vec<(ExtraTerm, f64)>,
+}
+
+/// What a load does to the tip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bent {
+    /// Tip pose without load, base frame \[m\].
+    pub before: Isometry3<f64>,
+    /// Tip pose under the load.
+    pub after: Isometry3<f64>,
+    /// \[shift (m); rotation vector (rad)\], base axes, at equilibrium.
+    pub displacement: Vector6<f64>,
+    /// The same by the linear model, Eq. (7).
+    pub linear: Vector6<f64>,
+}
+
+impl ArmAtWork {
+    /// The arm of `cell` with the values of `predictor`.
+    ///
+    /// # Errors
+    /// A compliance that is not above zero.
+    pub fn new(cell: &Cell, predictor: &Predictor) -> Result<Self> {
+        let robot = &cell.setup.robot;
+        let springs = robot.spring_count();
+        let names = robot.spring_names();
+        let values = &predictor.values;
+        if let Some(j) = (0..springs).find(|j| !(values[*j].is_finite() && values[*j] > 0.0)) {
+            return Err(Error::new(
+                Code::NotIdentifiable,
+                format!("The compliance of {} is not above zero: there is no equilibrium with it.", names[j]),
+            )
+            .hint("identify again with more postures, with a prior, or with the non-negative estimator"));
+        }
+        let tip = cell.work.tip(&cell.setup.tool);
+        let extra = predictor.extra.iter().copied();
+        Ok(ArmAtWork {
+            setup: at_tip(cell, &tip),
+            tip,
+            compliance: compliance_of_springs(robot, values.rows(0, springs).as_slice()),
+            extra: extra.zip(values.iter().skip(springs).copied()).collect(),
+        })
+    }
+
+    /// The same loaded at another point, in flange axes \[m\]: wrenches act there
+    /// and not at the tip.
+    #[must_use]
+    pub fn loaded_at(mut self, point: Vector3<f64>) -> Self {
+        self.setup.tool.loading_point = point;
+        self
+    }
+
+    /// The arm of `cell` with a known joint stiffness \[N·m/rad\].
+    ///
+    /// # Errors
+    /// As [`Predictor::from_stiffness`].
+    pub fn from_stiffness(cell: &Cell, stiffness: &[f64]) -> Result<Self> {
+        ArmAtWork::new(cell, &Predictor::from_stiffness(cell, stiffness)?)
+    }
+
+    /// The robot.
+    pub fn robot(&self) -> &Robot {
+        &self.setup.robot
+    }
+
+    /// Tip frame in flange axes \[m\].
+    pub fn tip(&self) -> &Isometry3<f64> {
+        &self.tip
+    }
+
+    /// K_θ⁻¹ in serial coordinates, n × n \[rad/(N·m)\].
+    pub fn compliance(&self) -> &DMatrix<f64> {
+        &self.compliance
+    }
+
+    /// True where something besides the joints' springs gives way.
+    pub fn has_more_than_joints(&self) -> bool {
+        !self.extra.is_empty() || self.setup.tool.series_compliance.is_some()
+    }
+
+    /// Tip pose at the controller angles `q` \[rad\] without load, base frame.
+    ///
+    /// # Panics
+    /// If `q` does not have one entry per joint.
+    pub fn tip_pose(&self, q: &[f64]) -> Isometry3<f64> {
+        Frames::new(&self.setup.robot, q).flange() * self.tip
+    }
+
+    /// Terms of the arm at `q` under `wrench` (at the loaded point, base axes) as it is
+    /// without load: tip, columns, torques.
+    ///
+    /// # Errors
+    /// Angles of the wrong number, or not finite.
+    pub fn terms(&self, q: &[f64], wrench: &Wrench) -> Result<PostureTerms> {
+        PostureTerms::new(&self.setup, q, Some(wrench))
+    }
+
+    /// What `wrench` (at the loaded point, base axes) does to the tip at the controller
+    /// angles `q` \[rad\].
+    ///
+    /// # Errors
+    /// Angles of the wrong number or not finite; a load that buckles the arm.
+    pub fn bend(&self, q: &[f64], wrench: &Wrench) -> Result<Bent> {
+        let terms = self.terms(q, wrench)?;
+        let before = terms.frames().flange() * self.tip;
+        let linear = self.linear(&terms);
+        let start = self.setup.robot.serial_angles(q);
+        let found = equilibrium_from(&self.setup, &self.compliance, &start, terms, Some(wrench))?;
+        let after = self.loaded_tip(&found.terms);
+        Ok(Bent {
+            displacement: motion(&before, &after),
+            before,
+            after,
+            linear,
+        })
+    }
+
+    /// Displacement of the tip by the linear model, Eq. (7), at the posture and
+    /// load of `terms`: \[shift (m); rotation vector (rad)\], base axes.
+    pub fn linear(&self, terms: &PostureTerms) -> Vector6<f64> {
+        // Δq = K_θ⁻¹ Γ, Eq. (5); Δ = J Δq, Eq. (6).
+        let deflection = &self.compliance * DVector::from_column_slice(terms.torque());
+        let mut twist = self.added(terms);
+        for (j, angle) in deflection.iter().enumerate() {
+            let column = terms.columns[j] * *angle;
+            let axis = terms.frames().axes()[j] * *angle;
+            twist += Vector6::new(column.x, column.y, column.z, axis.x, axis.y, axis.z);
+        }
+        twist
+    }
+
+    /// Derivative of the tip's shift by the unknowns, springs then further
+    /// terms, 3 × (n + terms), to first order: the block of Ψ at the tip.
+    pub fn sensitivity(&self, terms: &PostureTerms) -> DMatrix<f64> {
+        let block = terms.block(&self.setup.robot);
+        let n = block.ncols();
+        let mut columns = block.resize_horizontally(n + self.extra.len(), 0.0);
+        for (i, (term, _)) in self.extra.iter().enumerate() {
+            columns.column_mut(n + i).copy_from(&term.column(terms));
+        }
+        columns
+    }
+
+    /// Moves `terms` to the serial angles `theta`.
+    pub(crate) fn move_to(
+        &self,
+        theta: &DVector<f64>,
+        terms: &mut PostureTerms,
+        wrench: &Wrench,
+    ) -> Result<()> {
+        terms
+            .frames
+            .move_to_serial_angles(&self.setup.robot, theta.as_slice());
+        terms.fill(&self.setup, Some(wrench))
+    }
+
+    /// Tip pose of the loaded arm whose joints stand as in `terms`.
+    pub(crate) fn loaded_tip(&self, terms: &PostureTerms) -> Isometry3<f64> {
+        let tip = terms.frames().flange() * self.tip;
+        match self.has_more_than_joints() {
+            false => tip,
+            true => moved(&tip, &self.added(terms)),
+        }
+    }
+
+    /// Compliance that the series compliance and the tilts add at the tip, 6 × 6.
+    pub(super) fn added_compliance(&self, terms: &PostureTerms) -> Matrix6<f64> {
+        let mut unit = terms.clone();
+        let tip = terms.measuring_points()[0];
+        unit.loading_point = tip;
+        let mut sum = Matrix6::zeros();
+        for i in 0..6 {
+            let mut load = [0.0; 6];
+            load[i] = 1.0;
+            unit.wrench = Wrench {
+                force: Vector3::new(load[0], load[1], load[2]),
+                moment: Vector3::new(load[3], load[4], load[5]),
+            };
+            let mut twist = unit.known_twist(&self.setup.tool, &tip);
+            for (term, value) in self.extra.iter().filter(|(term, _)| term.is_spring()) {
+                twist += term.twist(&unit, &tip) * *value;
+            }
+            sum.set_column(i, &twist);
+        }
+        sum
+    }
+
+    /// What the series compliance and the further terms do to the tip under the
+    /// load of `terms`: \[shift (m); turn (rad)\], base axes.
+    fn added(&self, terms: &PostureTerms) -> Vector6<f64> {
+        let mut twist = Vector6::zeros();
+        if !self.has_more_than_joints() {
+            return twist;
+        }
+        let tip = &terms.measuring_points()[0];
+        twist += terms.known_twist(&self.setup.tool, tip);
+        for (term, value) in &self.extra {
+            twist += term.twist(terms, tip) * *value;
+        }
+        twist
+    }
+}
+
+/// The cell's robot loaded and measured at the tip.
+fn at_tip(cell: &Cell, tip: &Isometry3<f64>) -> Setup {
+    let position = tip.translation.vector;
+    Setup {
+        robot: cell.setup.robot.clone(),
+        tool: Tool {
+            loading_point: position,
+            measuring_points: vec![NamedPoint {
+                name: "tip".to_string(),
+                position,
+            }],
+            has_sensor: cell.setup.tool.has_sensor,
+            series_compliance: cell.setup.tool.series_compliance.clone(),
+        },
+        load: Load::Measured,
+    }
+}
+
+/// `pose` shifted and turned about its own origin by \[shift; rotation vector\],
+/// base axes.
+pub(crate) fn moved(pose: &Isometry3<f64>, twist: &Vector6<f64>) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_scaled_axis(twist.fixed_rows::<3>(3).into_owned());
+    let shift: Vector3<f64> = twist.fixed_rows::<3>(0).into_owned();
+    Isometry3::from_parts(
+        (pose.translation.vector + shift).into(),
+        turn * pose.rotation,
+    )
+}
+
+/// Motion from one pose to another: \[shift; rotation vector\], base axes.
+pub(crate) fn motion(from: &Isometry3<f64>, to: &Isometry3<f64>) -> Vector6<f64> {
+    let shift = to.translation.vector - from.translation.vector;
+    let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
+    Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
+}

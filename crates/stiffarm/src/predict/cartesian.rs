@@ -1,0 +1,113 @@
+//! Cartesian stiffness of the tip and its principal axes.
+
+use super::ArmAtWork;
+use crate::error::Result;
+use crate::index::dexterity::condition_number;
+use crate::load::Wrench;
+use crate::observation::PostureTerms;
+use crate::stiffness::{corrected, stiffness_correction};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// One principal axis of the translational compliance of the tip.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PrincipalAxis {
+    /// Force per shift along the axis, the tip being free to turn \[N/m\];
+    /// `None` where the tip does not give way.
+    pub stiffness_n_per_m: Option<f64>,
+    /// Direction, base axes; the component of largest size is positive.
+    pub direction: [f64; 3],
+}
+
+/// Cartesian stiffness and compliance of the tip at one posture, base axes,
+/// rows and columns \[linear; angular\] at the tip.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CartesianStiffness {
+    /// K, blocks \[N/m\], \[N/rad\], \[N·m/m\], \[N·m/rad\], Eq. (2); `None` where
+    /// the posture is singular.
+    pub matrix: Option<[[f64; 6]; 6]>,
+    /// The same with the load's K_C (Chen & Kao).
+    pub matrix_with_k_c: Option<[[f64; 6]; 6]>,
+    /// Compliance, the inverse of K; it exists at singular postures as well.
+    pub compliance: [[f64; 6]; 6],
+    /// The same with the load's K_C.
+    pub compliance_with_k_c: [[f64; 6]; 6],
+    /// Principal axes of a force without moment, softest first.
+    pub principal: [PrincipalAxis; 3],
+}
+
+impl ArmAtWork {
+    /// Compliance of the tip at the posture of `terms`, 6 × 6: J K_θ⁻¹ Jᵀ of the
+    /// joints, and what series compliance and tilts add. Lost motion is no
+    /// compliance and left out.
+    pub fn tip_compliance(&self, terms: &PostureTerms) -> Matrix6<f64> {
+        let jacobian = terms.frames().jacobian(&terms.measuring_points()[0]);
+        let joints: Matrix6<f64> = {
+            let full = &jacobian * self.compliance() * jacobian.transpose();
+            full.fixed_view::<6, 6>(0, 0).into_owned()
+        };
+        let added = match self.has_more_than_joints() {
+            true => self.added_compliance(terms),
+            false => Matrix6::zeros(),
+        };
+        // Products in another order differ by rounding.
+        let sum = joints + added;
+        (sum + sum.transpose()) * 0.5
+    }
+
+    /// Cartesian stiffness at the controller angles `q` \[rad\] under `wrench` (at
+    /// the loaded point, base axes), which K_C depends on.
+    ///
+    /// # Errors
+    /// Angles of the wrong number or not finite; a load that buckles the arm.
+    pub fn cartesian(&self, q: &[f64], wrench: &Wrench) -> Result<CartesianStiffness> {
+        let terms = self.terms(q, wrench)?;
+        let compliance = self.tip_compliance(&terms);
+        // J (K_θ − K_C)⁻¹ Jᵀ − J K_θ⁻¹ Jᵀ on top of all that gives way.
+        let jacobian = terms.frames().jacobian(&terms.measuring_points()[0]);
+        let k_c = stiffness_correction(&terms);
+        let change = corrected(self.compliance(), Some(&k_c))? - self.compliance();
+        let change = &jacobian * change * jacobian.transpose();
+        let with_k_c = compliance + change.fixed_view::<6, 6>(0, 0);
+        let regular = condition_number(terms.frames(), &terms.measuring_points()[0], 1.0).is_some();
+        let inverse =
+            |m: &Matrix6<f64>| regular.then(|| m.try_inverse()).flatten().map(|k| rows(&k));
+        let symmetric = |m: &Matrix6<f64>| {
+            regular
+                .then(|| m.try_inverse())
+                .flatten()
+                .map(|k| rows(&((k + k.transpose()) * 0.5)))
+        };
+        Ok(CartesianStiffness {
+            matrix: symmetric(&compliance),
+            matrix_with_k_c: inverse(&with_k_c),
+            compliance: rows(&compliance),
+            compliance_with_k_c: rows(&with_k_c),
+            principal: principal_axes(&compliance.fixed_view::<3, 3>(0, 0).into_owned()),
+        })
+    }
+}
+
+/// A matrix as rows.
+fn rows(matrix: &Matrix6<f64>) -> [[f64; 6]; 6] {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
+}
+
+/// Principal axes of a translational compliance \[m/N\], softest first.
+pub(crate) fn principal_axes(compliance: &Matrix3<f64>) -> [PrincipalAxis; 3] {
+    let eigen = compliance.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let least = f64::EPSILON * eigen.eigenvalues.amax();
+    order.map(|i| {
+        let value = eigen.eigenvalues[i];
+        let axis: Vector3<f64> = eigen.eigenvectors.column(i).into_owned();
+        let largest = axis[axis.iamax()];
+        PrincipalAxis {
+            stiffness_n_per_m: (value > least).then(|| 1.0 / value),
+            direction: (axis * largest.signum()).into(),
+        }
+    })
+}

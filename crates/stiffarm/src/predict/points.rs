@@ -1,0 +1,283 @@
+//! Deflection at postures or along a path.
+
+use super::band::Bands;
+use super::{ArmAtWork, CartesianStiffness, Predictor, TipBand};
+use crate::cell::Cell;
+use crate::error::{Code, Error, Result};
+use crate::findings::{Finding, Severity, length, percent};
+use crate::identify::rms;
+use crate::jobs::in_order_watched;
+use crate::optimise::Control;
+use crate::path::LoadedPosture;
+use crate::stiffness::Model;
+use nalgebra::{Isometry3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// The linear model suffices where it differs by less than this share of the
+/// band, or of the deflection where there is none.
+const SUFFICES: f64 = 0.1;
+/// The same share of a deflection without band.
+const SUFFICES_ALONE: f64 = 0.01;
+
+/// Where wrenches act.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum LoadPoint {
+    /// The tool tip.
+    Tip,
+    /// The loading point of the identification.
+    LoadingPoint,
+}
+
+/// What to predict.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PredictOptions {
+    /// The deflection itself: equilibrium, or the linear model, Eq. (7).
+    pub model: Model,
+    /// Relative standard uncertainty of the load at work (fraction).
+    pub load_uncertainty: f64,
+    /// Where the wrenches act: at the tip, or at the cell's loading point.
+    pub load_at: LoadPoint,
+    /// Whether to give the Cartesian stiffness of each point.
+    pub stiffness: bool,
+}
+
+impl Default for PredictOptions {
+    fn default() -> Self {
+        PredictOptions {
+            model: Model::Equilibrium,
+            load_uncertainty: 0.0,
+            load_at: LoadPoint::Tip,
+            stiffness: false,
+        }
+    }
+}
+
+/// Deflection at one point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PointPrediction {
+    /// Name of the point.
+    pub point: String,
+    /// Controller angles \[deg\].
+    pub q_deg: Vec<f64>,
+    /// Position of the unloaded tip, base frame \[m\].
+    pub tip_m: [f64; 3],
+    /// Force on the robot, base axes \[N\].
+    pub force_n: [f64; 3],
+    /// Moment about the loaded point, base axes \[N·m\].
+    pub moment_nm: [f64; 3],
+    /// Shift of the tip, base axes \[m\].
+    pub shift_m: [f64; 3],
+    /// Turn of the tip as a rotation vector, base axes \[rad\].
+    pub turn_rad: [f64; 3],
+    /// Size of the shift \[m\].
+    pub deflection_m: f64,
+    /// Size of the difference between equilibrium and linear model \[m\].
+    pub linear_difference_m: f64,
+    /// How sure the shift is; `null` where the stiffness comes without covariance.
+    pub band: Option<TipBand>,
+    /// Cartesian stiffness, where asked for.
+    pub stiffness: Option<CartesianStiffness>,
+}
+
+/// Deflections at postures or along a path.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Prediction {
+    /// Model behind the deflections.
+    pub model: Model,
+    /// Confidence of the bands.
+    pub confidence: Option<f64>,
+    /// RMS of the deflections \[m\].
+    pub deflection_rms_m: f64,
+    /// Largest deflection \[m\].
+    pub deflection_max_m: f64,
+    /// Where it is.
+    pub deflection_max_point: String,
+    /// Largest difference between equilibrium and linear model \[m\].
+    pub linear_difference_max_m: f64,
+    /// True where the linear model would have done, within a tenth of the bands
+    /// or a hundredth of the deflections.
+    pub linear_suffices: bool,
+    /// RMS of the error that the bands stand for, all axes together \[m\].
+    pub error_rms_m: Option<f64>,
+    /// What to know about it, in sentences.
+    pub findings: Vec<Finding>,
+    /// Point by point.
+    pub points: Vec<PointPrediction>,
+}
+
+/// Predicts the deflection of the tip at `postures`, each under its own wrench.
+///
+/// The bands are to first order in the unknowns. They leave out what the model
+/// leaves out: `validate` shows how much that is on the real arm.
+///
+/// # Errors
+/// No postures; an unknown without positive value; angles of the wrong number
+/// or not finite; a load that buckles the arm; interrupted.
+pub fn predict(
+    cell: &Cell,
+    predictor: &Predictor,
+    postures: &[LoadedPosture],
+    options: &PredictOptions,
+    control: Control<'_>,
+) -> Result<Prediction> {
+    if postures.is_empty() {
+        return Err(Error::new(
+            Code::TooFewData,
+            "There is no point to predict.",
+        ));
+    }
+    let mut arm = ArmAtWork::new(cell, predictor)?;
+    if options.load_at == LoadPoint::LoadingPoint {
+        arm = arm.loaded_at(cell.setup.tool.loading_point);
+    }
+    let bands = Bands::new(predictor, options.load_uncertainty)?;
+    let points = in_order_watched(postures, "bending", control, |(_, posture)| {
+        point(&arm, bands.as_ref(), posture, options).map_err(|e| posture.at(e))
+    })?;
+    Ok(summarise(points, options, bands.map(|b| b.confidence)))
+}
+
+fn point(
+    arm: &ArmAtWork,
+    bands: Option<&Bands>,
+    posture: &LoadedPosture,
+    options: &PredictOptions,
+) -> Result<PointPrediction> {
+    let wrench = &posture.wrench;
+    let bent = arm.bend(&posture.q, wrench)?;
+    let twist = match options.model {
+        Model::Linear => bent.linear,
+        Model::Equilibrium => bent.displacement,
+    };
+    let shift: Vector3<f64> = twist.fixed_rows::<3>(0).into_owned();
+    let difference: Vector3<f64> = (bent.displacement - bent.linear)
+        .fixed_rows::<3>(0)
+        .into_owned();
+    let band = match bands {
+        Some(bands) => {
+            let terms = arm.terms(&posture.q, wrench)?;
+            Some(bands.of(&shift, &arm.sensitivity(&terms)))
+        }
+        None => None,
+    };
+    Ok(PointPrediction {
+        point: posture.name.clone(),
+        q_deg: posture
+            .q
+            .iter()
+            .map(|q| crate::units::rad_to_shortest_deg(*q))
+            .collect(),
+        tip_m: position(&bent.before),
+        force_n: wrench.force.into(),
+        moment_nm: wrench.moment.into(),
+        shift_m: shift.into(),
+        turn_rad: [twist[3], twist[4], twist[5]],
+        deflection_m: shift.norm(),
+        linear_difference_m: difference.norm(),
+        band,
+        stiffness: match options.stiffness {
+            true => Some(arm.cartesian(&posture.q, wrench)?),
+            false => None,
+        },
+    })
+}
+
+fn position(pose: &Isometry3<f64>) -> [f64; 3] {
+    pose.translation.vector.into()
+}
+
+fn summarise(
+    points: Vec<PointPrediction>,
+    options: &PredictOptions,
+    confidence: Option<f64>,
+) -> Prediction {
+    let sizes: Vec<f64> = points.iter().map(|p| p.deflection_m).collect();
+    let largest = points
+        .iter()
+        .max_by(|a, b| a.deflection_m.total_cmp(&b.deflection_m));
+    let differences = points.iter().map(|p| p.linear_difference_m);
+    let suffices = |p: &PointPrediction| {
+        let allowed = match &p.band {
+            Some(band) => SUFFICES * band.size_m[3],
+            None => SUFFICES_ALONE * p.deflection_m,
+        };
+        p.linear_difference_m <= allowed
+    };
+    let errors: Option<Vec<f64>> = points.iter().map(|p| p.band.map(|b| b.rms_m)).collect();
+    let mut out = Prediction {
+        model: options.model,
+        confidence,
+        deflection_rms_m: rms(&sizes),
+        deflection_max_m: largest.map_or(0.0, |p| p.deflection_m),
+        deflection_max_point: largest.map_or_else(String::new, |p| p.point.clone()),
+        linear_difference_max_m: differences.fold(0.0, f64::max),
+        linear_suffices: points.iter().all(suffices),
+        error_rms_m: errors.map(|e| rms(&e)),
+        findings: Vec::new(),
+        points,
+    };
+    out.findings = findings(&out);
+    out
+}
+
+fn findings(result: &Prediction) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let gap = length(result.linear_difference_max_m);
+    let sentence = match (result.model, result.linear_suffices) {
+        (Model::Equilibrium, true) => format!(
+            "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by at most {gap} and would do."
+        ),
+        (Model::Equilibrium, false) => format!(
+            "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by up to {gap}."
+        ),
+        (Model::Linear, true) => format!(
+            "Deflections are those of the linear model, Eq. (7), which suffices: the exact equilibrium differs by at most {gap}."
+        ),
+        (Model::Linear, false) => format!(
+            "Deflections are those of the linear model, Eq. (7), which leaves out up to {gap}: use the equilibrium."
+        ),
+    };
+    let severity = match (result.model, result.linear_suffices) {
+        (Model::Linear, false) => Severity::Caution,
+        _ => Severity::Note,
+    };
+    out.push(Finding::new("model", severity, "model", sentence));
+    if result.points.iter().all(|p| p.band.is_none()) {
+        out.push(Finding::new(
+            "no-band",
+            Severity::Caution,
+            "stiffness",
+            "The joint stiffness comes without covariance: nothing says how sure these deflections are.",
+        ));
+    }
+    if result.deflection_rms_m == 0.0 {
+        out.push(Finding::new(
+            "no-load",
+            Severity::Caution,
+            "load",
+            "There is no load at any point, so nothing bends.",
+        ));
+    }
+    let dominated = result
+        .points
+        .iter()
+        .filter_map(|p| p.band.as_ref())
+        .filter(|b| b.size_m[1] > b.size_m[0])
+        .count();
+    if 2 * dominated > result.points.len() {
+        out.push(Finding::new(
+            "common-error-dominates",
+            Severity::Note,
+            "band",
+            format!(
+                "Errors common to the identification's experiment are most of the band at {} of the points: more readings of that kind would not narrow it.",
+                percent(dominated as f64 / result.points.len() as f64)
+            ),
+        ));
+    }
+    out
+}
