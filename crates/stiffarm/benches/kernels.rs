@@ -3,11 +3,14 @@
 //! `cargo bench -p stiffarm --bench kernels`
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use nalgebra::Translation3;
 use std::hint::black_box;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
 use stiffarm::index::{Index, IndexFunction, Minimax, evaluate};
 use stiffarm::information::Factor;
+use stiffarm::inverse::InverseKinematics;
+use stiffarm::kinematics::Frames;
 use stiffarm::observation::{Rows, observation_matrix};
 use stiffarm::optimise::{Control, Options, with_characteristic_length};
 use stiffarm::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
@@ -57,6 +60,24 @@ fn shown(c: &mut Criterion) {
     c.bench_function("factor/72 x 6", |b| b.iter(|| Factor::new(black_box(&psi))));
 }
 
+/// Postures of a pose: all, the nearest, one branch a millimetre further.
+fn inverse(c: &mut Criterion) {
+    let robot = cell("comau").setup.robot;
+    let inverse = InverseKinematics::new(&robot);
+    let q = [0.3, 0.2, -1.9, 0.7, 0.8, -0.4];
+    let pose = *Frames::new(&robot, &q).flange();
+    let next = Translation3::new(1e-3, 0.0, 0.0) * pose;
+    c.bench_function("inverse/branches", |b| {
+        b.iter(|| inverse.branches(black_box(&pose)));
+    });
+    c.bench_function("inverse/nearest", |b| {
+        b.iter(|| inverse.nearest(black_box(&next), &q));
+    });
+    c.bench_function("inverse/follow", |b| {
+        b.iter(|| inverse.follow(black_box(&next), &q));
+    });
+}
+
 /// Whole selections.
 fn selections(c: &mut Criterion) {
     let mut benches = c.benchmark_group("select");
@@ -80,5 +101,5 @@ fn selections(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, indices, shown, selections);
+criterion_group!(benches, indices, shown, inverse, selections);
 criterion_main!(benches);

@@ -46,6 +46,8 @@ pub enum Code {
     Dimension,
     /// A joint angle outside the machine's limits.
     OutsideLimits,
+    /// No posture of the arm holds the flange at the pose.
+    Unreachable,
     /// The robot or its structure is not supported.
     Unsupported,
     /// The JSON result file cannot be used.
@@ -68,7 +70,7 @@ pub enum Code {
 
 impl Code {
     /// Every code, in the order of the documentation.
-    pub const ALL: [Code; 27] = [
+    pub const ALL: [Code; 28] = [
         Code::FileRead,
         Code::FileWrite,
         Code::FileExists,
@@ -87,6 +89,7 @@ impl Code {
         Code::UnknownName,
         Code::Dimension,
         Code::OutsideLimits,
+        Code::Unreachable,
         Code::Unsupported,
         Code::ResultFile,
         Code::TooFewData,
@@ -159,6 +162,10 @@ impl Code {
             Code::OutsideLimits => (
                 "outside-limits",
                 "A joint angle lies outside the machine's limits.",
+            ),
+            Code::Unreachable => (
+                "unreachable",
+                "No posture of the arm holds the flange at the pose; the distance is named.",
             ),
             Code::Unsupported => (
                 "unsupported",

@@ -69,7 +69,8 @@ impl Frames {
         self.update_serial(robot, theta.iter().copied());
     }
 
-    fn update_serial(&mut self, robot: &Robot, theta: impl Iterator<Item = f64>) {
+    /// Moves these frames to the serial angles θ \[rad\], one per joint.
+    pub(crate) fn update_serial(&mut self, robot: &Robot, theta: impl Iterator<Item = f64>) {
         let mut frame = Isometry3::identity();
         for (i, (joint, angle)) in robot.joints().iter().zip(theta).enumerate() {
             frame *= joint.placement;

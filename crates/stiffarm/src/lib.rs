@@ -25,6 +25,7 @@ pub mod identify;
 pub mod index;
 pub mod information;
 pub mod instruments;
+pub mod inverse;
 mod jobs;
 pub mod kinematics;
 pub mod load;
