@@ -44,6 +44,16 @@ pub fn nmm_to_nm(nmm: f64) -> f64 {
     nmm / 1e3
 }
 
+/// Newtons per square millimetre to pascals.
+pub fn n_per_mm2_to_pa(n_per_mm2: f64) -> f64 {
+    n_per_mm2 * 1e6
+}
+
+/// Newtons per millimetre to newtons per metre.
+pub fn n_per_mm_to_n_per_m(n_per_mm: f64) -> f64 {
+    n_per_mm * 1e3
+}
+
 /// Milliseconds to seconds.
 pub fn ms_to_s(ms: f64) -> f64 {
     ms / 1e3
@@ -117,12 +127,14 @@ pub fn roll_pitch_yaw(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
 
 /// The number of fewest decimal digits that `back` turns into `value`, or else
 /// into what `there` and `back` make of it.
-fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
+pub(crate) fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
     let find = |target: f64| {
         let near = there(target);
         let rounded = |digits: usize| format!("{near:.digits$e}").parse::<f64>().ok();
         let neighbours = [near.next_up(), near.next_down()];
-        (0..17)
+        // `near` is within rounding of each number that will do. One of fewer than
+        // 14 digits is therefore what 14 digits round to: no need to try them.
+        (13..17)
             .filter_map(rounded)
             .chain(neighbours)
             .find(|number| back(*number) == target)

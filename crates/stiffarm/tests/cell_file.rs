@@ -15,7 +15,9 @@ use stiffarm::cell::file::{
 use stiffarm::instruments::{Mount, Tracker, Uncertainty};
 use stiffarm::load::{Axes, Load};
 use stiffarm::observation::PostureTerms;
+use stiffarm::process::{MillingDirection, Process};
 use stiffarm::robot::catalogue;
+use stiffarm::work::Work;
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
@@ -235,14 +237,24 @@ fn templates_can_be_used_as_they_are() -> Check {
         );
         // The commented task can be used as it is, too.
         let (above, task) = text.split_once("# [[task]]").ok_or("no task")?;
+        let (task, _) = task.split_once("\n\n").ok_or("no end")?;
         let task = task.replace("\n# ", "\n");
         let with_task = parse_cell(&format!("{above}[[task]]{task}"), "cell.toml")?;
         assert_eq!(with_task.tasks[0].name, "roughing");
         assert_eq!(with_task.tasks[0].tip, cell.setup.tool.tcp());
         // So can what is commented out of the instruments and of the columns.
-        for table in ["sensor", "tracker", "uncertainty", "columns"] {
+        let tables = [
+            "sensor",
+            "tracker",
+            "uncertainty",
+            "columns",
+            "work",
+            "work.force",
+            "work.milling",
+        ];
+        for table in tables {
             let (above, rest) = text.split_once(&format!("# [{table}]")).ok_or("no table")?;
-            let (own, _) = rest.split_once("\n\n").ok_or("no end")?;
+            let own = rest.split_once("\n\n").map_or(rest, |(own, _)| own);
             let own = own.replace("\n# ", "\n");
             let with_table = parse_cell(&format!("{above}[{table}]{own}"), "cell.toml")?;
             assert_ne!(with_table, cell, "{table}");
@@ -398,6 +410,36 @@ fn every_key_arrives_in_si_units() -> Check {
     for (found, expected) in values {
         assert_close(found.ok_or("a key is missing")?, expected);
     }
+    let tip = cell.work.tip.ok_or("no tip")?;
+    assert_eq!(tip.translation.vector.as_slice(), [0.0, 0.02, 0.35]);
+    // Pitch 180° about y, then yaw 90° about z: the tip's y points along −x, its z back.
+    for (axis, expected) in [(Vector3::y(), -Vector3::x()), (Vector3::z(), -Vector3::z())] {
+        assert!((tip.rotation * axis - expected).norm() < 1e-15);
+    }
+    let workpiece = &cell.work.workpiece;
+    assert_eq!(workpiece.translation.vector.as_slice(), [1.5, -0.2, 0.6]);
+    assert!((workpiece.rotation * Vector3::x() - Vector3::y()).norm() < 1e-15);
+    let Some(Process::Milling(milling)) = cell.work.process else {
+        panic!("the process is milling");
+    };
+    assert_eq!(milling.teeth, 2);
+    assert_eq!(milling.direction, MillingDirection::Down);
+    let k = milling.coefficients;
+    let values = [
+        (milling.diameter, 0.016),
+        (milling.axial_depth, 0.003),
+        (milling.radial_depth, 0.004),
+        (milling.feed_per_tooth, 1e-4),
+        (k.k_tc, 8e8),
+        (k.k_rc, 2e8),
+        (k.k_ac, 1e8),
+        (k.k_te, 2e4),
+        (k.k_re, 2.5e4),
+        (k.k_ae, -1e3),
+    ];
+    for (found, expected) in values {
+        assert_close(found, expected);
+    }
     assert_eq!(cell.columns.names["x_mm"], "Center X");
     assert_eq!(cell.columns.names["q2_rad"], "A2");
     assert_eq!(cell.columns.ignore, ["Comment", "Target type"]);
@@ -426,6 +468,7 @@ fn what_may_be_left_out() -> Check {
     assert_eq!(cell.tracker, Tracker::default());
     assert_eq!(cell.uncertainty, Uncertainty::default());
     assert_eq!(cell.columns, Columns::default());
+    assert_eq!(cell.work, Work::default());
     assert_close(cell.noise.reading_variance, 9.23e-11);
     let Load::Weight {
         magnitude,

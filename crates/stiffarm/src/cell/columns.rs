@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// How the headings of measurement tables translate: matched without case and
+/// How the headings of measurement tables and paths translate: matched without case and
 /// outer spaces.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Columns {

@@ -83,7 +83,7 @@ pub struct Cell {
     pub tracker: Tracker,
     /// Standard uncertainty of what is common to the whole experiment.
     pub uncertainty: Uncertainty,
-    /// Headings of measurement tables that another software writes.
+    /// Headings of measurement tables and paths that another software writes.
     pub columns: Columns,
     /// Tool tip, workpiece and process.
     pub work: Work,

@@ -2,6 +2,7 @@
 
 use super::grid::{Column, Row, Table};
 use super::heading::{Known, find_heading, stem};
+use super::path::known_paths;
 use super::postures::angles;
 use super::quantity::Quantity;
 use crate::cell::Cell;
@@ -97,19 +98,32 @@ fn known_measurements(joints: usize) -> Vec<Known> {
     known
 }
 
-/// A heading of measurement tables as this program writes it, whatever its case.
-///
-/// # Errors
-/// A name that no measurement table has, with the nearest, among `also`, too, as
-/// a hint.
-pub(crate) fn measurement_heading(name: &str, joints: usize, also: &str) -> Result<String> {
-    find_heading(name, &known_measurements(joints), joints, also)
+/// Every column that a table of measurements or of a path may have: those for
+/// which the cell file can name other headings.
+fn known_everywhere(joints: usize) -> Vec<Known> {
+    let mut known = known_measurements(joints);
+    for column in known_paths(joints) {
+        if !known.iter().any(|k| k.heading() == column.heading()) {
+            known.push(column);
+        }
+    }
+    known
 }
 
-/// Every heading of a measurement table in every unit, for `joints` joints.
+/// A heading of tables as this program writes it, whatever its case.
+///
+/// # Errors
+/// A name that no table of measurements or of a path has, with the nearest, among
+/// `also`, too, as a hint.
+pub(crate) fn own_heading(name: &str, joints: usize, also: &str) -> Result<String> {
+    find_heading(name, &known_everywhere(joints), joints, also)
+}
+
+/// Every heading of tables of measurements and of paths in every unit, for
+/// `joints` joints.
 #[cfg(feature = "schema")]
-pub(crate) fn measurement_headings(joints: usize) -> Vec<String> {
-    let known = known_measurements(joints);
+pub(crate) fn own_headings(joints: usize) -> Vec<String> {
+    let known = known_everywhere(joints);
     known.iter().flat_map(Known::headings).collect()
 }
 
@@ -163,7 +177,7 @@ impl MeasurementColumns {
                 "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm"
             }
         };
-        let hint = hint.to_string() + &unmatched(table, cell);
+        let hint = hint.to_string() + &unmatched(table, cell, &values.known(joints));
         let posture = found.require(&Known::name("posture"), &hint)?;
         let state = match values {
             Values::Positions => Some(found.require(&Known::name("state"), &hint)?),
@@ -359,8 +373,14 @@ pub(super) fn vector(table: &Table<'_>, row: &Row, columns: &[Column]) -> Result
 }
 
 /// Says which of the cell's foreign headings the table has not, for hints.
-fn unmatched(table: &Table<'_>, cell: &Cell) -> String {
-    let missing = |ours: &String| table.headings.iter().all(|heading| heading.name != *ours);
+fn unmatched(table: &Table<'_>, cell: &Cell, known: &[Known]) -> String {
+    let missing = |ours: &String| {
+        // A path has columns that measurements have not.
+        known
+            .iter()
+            .any(|k| k.headings().any(|heading| heading == *ours))
+            && table.headings.iter().all(|heading| heading.name != *ours)
+    };
     let names = cell.columns.names.iter();
     let names: Vec<String> = names
         .filter(|(ours, _)| missing(ours))

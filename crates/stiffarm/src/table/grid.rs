@@ -214,7 +214,8 @@ impl<'a> Table<'a> {
 
     /// The error with what a reader should know whose heading is none of a table.
     pub(super) fn with_aside(&self, error: Error) -> Error {
-        let usable = |heading: &Heading| ["posture", "point"].contains(&heading.name.as_str());
+        let own = ["posture", "point", "q1_deg", "x_mm"];
+        let usable = |heading: &Heading| own.contains(&heading.name.as_str());
         match (&self.aside, error.code()) {
             (Some(aside), Code::TableHeading) if !self.headings.iter().any(usable) => {
                 let hint = error.hint_text().map(|hint| format!("{hint}; "));

@@ -2,7 +2,7 @@
 //! each with one of its units.
 
 use super::grid::{Column, Table, normal};
-use super::quantity::Quantity;
+use super::quantity::{Quantity, Unit};
 use crate::error::{Code, Error, Result, did_you_mean};
 use std::collections::BTreeMap;
 
@@ -39,6 +39,11 @@ impl Known {
         self.headings().next().unwrap_or_default()
     }
 
+    /// The usual unit, if it has one.
+    pub(super) fn usual_unit(&self) -> Option<Unit> {
+        self.quantity.units().first().copied()
+    }
+
     /// The headings in all units, the usual one first.
     pub(super) fn headings(&self) -> impl Iterator<Item = String> {
         let units = self.quantity.units().iter();
@@ -50,7 +55,7 @@ impl Known {
     /// The column that a heading of this name is, at `at`.
     fn column(&self, heading: &str, at: usize) -> Option<Column> {
         let rest = heading.strip_prefix(self.stem.as_str())?;
-        if self.quantity == Quantity::Name {
+        if self.quantity.units().is_empty() {
             return rest.is_empty().then_some(Column { at, unit: None });
         }
         let suffix = rest.strip_prefix('_')?;
@@ -151,12 +156,19 @@ impl<'a> Table<'a> {
         if let Some(same) = known.iter().find(|k| k.stem == stem(name)) {
             return error.hint(rename(&name[stem(name).len()..], same));
         }
+        let without_unit = |k: &&Known| {
+            let rest = name.strip_prefix(k.stem.as_str());
+            k.quantity == Quantity::Number && rest.is_some_and(|rest| rest.starts_with('_'))
+        };
+        if let Some(same) = known.iter().find(without_unit) {
+            return error.hint(format!("it has no unit: name the column {}", same.stem));
+        }
         let names: Vec<String> = known.iter().flat_map(Known::headings).collect();
         let foreign = self.foreign.iter().map(String::as_str);
         let nearest = did_you_mean(name, names.iter().map(String::as_str).chain(foreign));
         error.hint(nearest.unwrap_or_else(|| {
             let mut hint = format!("known columns: {}", list(known, ", "));
-            // Only measurements come from another software.
+            // Only measurements and paths come from another software.
             if known.iter().any(|k| k.stem == "point") {
                 hint +=
                     "; [columns] in the cell file maps other headings to these, or ignores them";
@@ -170,6 +182,11 @@ impl Found<'_, '_> {
     /// The column of this name without unit.
     pub(super) fn get(&self, stem: &str) -> Option<Column> {
         self.columns.get(stem).copied()
+    }
+
+    /// The column of `known`.
+    pub(super) fn of(&self, known: &Known) -> Option<Column> {
+        self.get(&known.stem)
     }
 
     /// A column that must be there.
@@ -229,7 +246,7 @@ fn rename(unit: &str, known: &Known) -> String {
     let plural = known.quantity.plural();
     if let Some(at) = suffixes.iter().position(|suffix| *suffix == letters) {
         format!("name the column {}", headings[at])
-    } else if known.quantity == Quantity::Name {
+    } else if known.quantity.units().is_empty() {
         format!("name the column {}", known.heading())
     } else if letters.is_empty() {
         format!(
@@ -291,6 +308,6 @@ pub(super) fn find_heading(
         _ => did_you_mean(&heading, names.iter().map(String::as_str).chain([also]))
             .unwrap_or_else(|| format!("columns: {}", list(known, ", "))),
     };
-    let message = format!("A measurement table has no column \"{name}\".");
+    let message = format!("No table of measurements or of a path has a column \"{name}\".");
     Err(Error::new(Code::UnknownKey, message).hint(hint))
 }

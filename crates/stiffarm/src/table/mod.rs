@@ -1,4 +1,4 @@
-//! Tables: postures, displacements, raw readings and point pairs.
+//! Tables: postures, displacements, raw readings, point pairs and paths.
 //!
 //! Read from text: UTF-8 with or without byte order mark, LF or CRLF, columns
 //! separated by commas (decimal point), or by semicolons or tabs (decimal comma
@@ -23,6 +23,7 @@ mod grid;
 mod heading;
 mod measurements;
 mod pairs;
+mod path;
 mod postures;
 mod quantity;
 mod readings;
@@ -32,12 +33,13 @@ mod workbook;
 mod write;
 
 pub use clamped::{read_clamped, write_clamped};
-pub(crate) use columns::measurement_heading;
+pub(crate) use columns::own_heading;
 #[cfg(feature = "schema")]
-pub(crate) use columns::measurement_headings;
+pub(crate) use columns::own_headings;
 pub use displacements::read_displacements;
 pub use measurements::{Measurements, read_measurements};
 pub use pairs::read_pairs;
+pub use path::{PathFormat, PathKind, PathTable, read_path, write_path};
 pub use postures::read_postures;
 pub use readings::read_readings;
 pub use sheet::{SheetOptions, displacement_sheet, reading_sheet};

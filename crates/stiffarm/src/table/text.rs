@@ -80,6 +80,24 @@ impl<'a> Table<'a> {
 
 /// Splits one line into trimmed fields.
 fn row(line: usize, text: &str, delimiter: char) -> Row {
+    // Most lines have no quotation marks; a path has a hundred thousand of them.
+    if !text.contains('"') {
+        let mut column = 1;
+        let fields = text.split(delimiter).map(|text| {
+            let start = column;
+            column += text.chars().count() + 1;
+            Field {
+                text: text.trim().to_string(),
+                column: start,
+                other: None,
+            }
+        });
+        return Row {
+            line,
+            fields: fields.collect(),
+            open_quote: false,
+        };
+    }
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter as u8)
         .terminator(csv::Terminator::Any(b'\n'))

@@ -1,11 +1,11 @@
-//! `[columns]`: what another software calls the columns of measurement tables.
+//! `[columns]`: what another software calls the columns of measurement tables and paths.
 
 use super::raw::{At, RawColumn, RawColumns, Text};
 use super::source::Source;
 use crate::cell::Columns;
 use crate::error::{Code, Result};
 use crate::robot::Robot;
-use crate::table::measurement_heading;
+use crate::table::own_heading;
 
 /// The key of the headings that do not matter.
 const IGNORE: &str = "ignore";
@@ -69,5 +69,5 @@ pub(super) fn columns(
 /// The heading of ours that a key names.
 fn ours(source: &Source<'_>, name: &Text, key: &str, robot: &Robot) -> Result<String> {
     let joints = robot.joint_count();
-    measurement_heading(name.get(), joints, IGNORE).map_err(|e| source.place(e, key, name.span()))
+    own_heading(name.get(), joints, IGNORE).map_err(|e| source.place(e, key, name.span()))
 }

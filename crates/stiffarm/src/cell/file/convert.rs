@@ -7,6 +7,7 @@ use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawVal
 use super::robot;
 use super::source::Source;
 use super::task::tasks;
+use super::work::work;
 use crate::cell::{Cell, Limits, Noise};
 use crate::error::{Code, Result};
 use crate::instruments::{Mount, Sensor};
@@ -17,7 +18,6 @@ use crate::posture::Posture;
 use crate::robot::{CatalogueEntry, Robot};
 use crate::tool::{NamedPoint, SeriesCompliance, Tool};
 use crate::units::{mm_to_m, mm2_to_m2};
-use crate::work::Work;
 use nalgebra::Vector3;
 
 /// Variance of the tracker of Zhang et al. 2021, Section IV.A \[mm²\].
@@ -40,6 +40,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let prior = prior(source, raw.stiffness.as_ref(), &robot, published)?;
     let validation = validation(source, raw.validation.as_ref(), &robot)?;
     let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
+    let work = work(source, raw.work.as_ref(), &tool)?;
     let tracker = tracker(source, raw.tracker.as_ref())?;
     let uncertainty = uncertainty(source, raw.uncertainty.as_ref(), &load)?;
     let columns = columns(source, raw.columns.as_ref(), &robot)?;
@@ -61,7 +62,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         tracker,
         uncertainty,
         columns,
-        work: Work::default(),
+        work,
     })
 }
 

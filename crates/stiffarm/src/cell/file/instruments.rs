@@ -156,7 +156,7 @@ fn pose(source: &Source<'_>, xyz: &Numbers, rpy: &Numbers, table: &str) -> Resul
 }
 
 /// One of a few words.
-fn choice<T: Copy>(
+pub(super) fn choice<T: Copy>(
     source: &Source<'_>,
     given: &Text,
     key: &str,

@@ -1,8 +1,9 @@
 //! TOML syntax, unknown keys and values of the wrong kind, with their places.
 
 use super::raw::{
-    RawBounds, RawCell, RawLimits, RawLoad, RawNoise, RawPoint, RawPosture, RawRobot, RawSensor,
-    RawSeries, RawStiffness, RawTask, RawTool, RawTracker, RawUncertainty, RawValidation,
+    RawBounds, RawCell, RawForce, RawLimits, RawLoad, RawMilling, RawNoise, RawPoint, RawPosture,
+    RawRobot, RawSensor, RawSeries, RawStiffness, RawTask, RawTool, RawTracker, RawUncertainty,
+    RawValidation, RawWork,
 };
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
@@ -25,7 +26,7 @@ struct Section {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [Section; 16] = [
+const SECTIONS: [Section; 19] = [
     Section { path: "", array: false, keys: keys_of::<RawCell> },
     Section { path: "robot", array: false, keys: keys_of::<RawRobot> },
     Section { path: "bounds", array: false, keys: keys_of::<RawBounds> },
@@ -39,6 +40,9 @@ const SECTIONS: [Section; 16] = [
     Section { path: "validation", array: false, keys: keys_of::<RawValidation> },
     Section { path: "validation.posture", array: true, keys: keys_of::<RawPosture> },
     Section { path: "task", array: true, keys: keys_of::<RawTask> },
+    Section { path: "work", array: false, keys: keys_of::<RawWork> },
+    Section { path: "work.force", array: false, keys: keys_of::<RawForce> },
+    Section { path: "work.milling", array: false, keys: keys_of::<RawMilling> },
     Section { path: "sensor", array: false, keys: keys_of::<RawSensor> },
     Section { path: "tracker", array: false, keys: keys_of::<RawTracker> },
     Section { path: "uncertainty", array: false, keys: keys_of::<RawUncertainty> },
@@ -139,7 +143,7 @@ fn check_table(
         let name = key.get_ref().as_ref();
         let shown = join(shown, name);
         if !known.contains(&name) {
-            found.push(unknown_key(source, name, &shown, key.span(), known));
+            found.push(unknown_key(source, name, &shown, key.span(), section));
             continue;
         }
         let path = join(section.path, name);
@@ -180,10 +184,14 @@ fn unknown_key(
     name: &str,
     shown: &str,
     span: Range<usize>,
-    known: &[&'static str],
+    here: &Section,
 ) -> Error {
+    let known = (here.keys)();
     let elsewhere = || {
-        let section = SECTIONS.iter().find(|s| (s.keys)().contains(&name))?;
+        // A table inside this one is meant before any other with such a key.
+        let inside = |s: &&Section| !here.path.is_empty() && s.path.starts_with(here.path);
+        let mut owners = SECTIONS.iter().filter(|s| (s.keys)().contains(&name));
+        let section = owners.clone().find(inside).or_else(|| owners.next())?;
         Some(match (section.path, section.array) {
             ("", _) => format!("{name} stands at the top of the file, before the first [table]"),
             (path, true) => format!("{name} belongs in [[{path}]]"),

@@ -18,6 +18,7 @@ mod schema;
 mod source;
 mod task;
 mod template;
+mod work;
 
 #[cfg(feature = "schema")]
 pub use schema::cell_schema;

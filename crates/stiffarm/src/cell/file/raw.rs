@@ -6,9 +6,11 @@
 
 mod columns;
 mod instruments;
+mod work;
 
 pub(super) use columns::{RawColumn, RawColumns};
 pub(super) use instruments::{RawSensor, RawTracker, RawUncertainty};
+pub(super) use work::{RawForce, RawMilling, RawWork};
 
 use serde::Deserialize;
 #[cfg(feature = "schema")]
@@ -76,14 +78,16 @@ pub(super) struct RawCell {
     /// Your own machining postures and loads: the task index chooses postures for the
     /// deflection predicted there.
     pub task: Option<At<Vec<At<RawTask>>>>,
+    /// What the robot works with along a path: tool tip, workpiece, load of the process.
+    pub work: Option<At<RawWork>>,
     /// The force sensor whose readings stand in tables of raw readings.
     pub sensor: Option<At<RawSensor>>,
     /// The laser tracker: where its readings' axes are, and how exact it is.
     pub tracker: Option<At<RawTracker>>,
     /// Standard uncertainty of what is common to the whole experiment and shows in no residual.
     pub uncertainty: Option<At<RawUncertainty>>,
-    /// Headings of measurement tables that another software writes: ours, with the unit that
-    /// the table has, = theirs.
+    /// Headings of measurement tables and paths that another software writes: ours, with the
+    /// unit that the table has, = theirs.
     pub columns: Option<At<RawColumns>>,
 }
 

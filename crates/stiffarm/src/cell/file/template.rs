@@ -164,6 +164,39 @@ posture_common_mm = 0
 # force_n = [-200, 150, 100]
 # axes = "base"
 # tip_mm = [150, 0, 200]
+
+# What the robot works with along a path. The tip frame in flange axes: its origin is the
+# contact point, its z the tool axis, out of the tool into the workpiece. The workpiece
+# frame in the base frame: the poses of a path are given in it. Turns about x, then y, then z.
+# [work]
+# tip_mm = [150, 0, 250]
+# tip_rpy_deg = [0, 0, 0]
+# workpiece_mm = [1500, 0, 600]
+# workpiece_rpy_deg = [0, 0, 0]
+
+# The load on the robot at the tip where the path's rows give none: either one force, in
+# axes = "base", "tool", "workpiece" or "path" (x the feed, z the tool axis) …
+# [work.force]
+# force_n = [-200, 150, 100]
+# moment_nm = [0, 0, 0]
+# axes = "path"
+
+# … or the mean load of a milling cut. direction: "up" (conventional: workpiece to the left
+# of the feed, seen from the spindle) or "down" (climb). Coefficients of cutter and material:
+# k_tc … of the chip's area in N/mm², k_te … of the edge's length in N/mm.
+# [work.milling]
+# teeth = 2
+# diameter_mm = 16
+# axial_depth_mm = 3
+# radial_depth_mm = 8
+# feed_per_tooth_mm = 0.1
+# direction = "down"
+# k_tc_n_per_mm2 = 800  # EDIT: of the order of aluminium alloys
+# k_rc_n_per_mm2 = 200
+# k_ac_n_per_mm2 = 100
+# k_te_n_per_mm = 20
+# k_re_n_per_mm = 20
+# k_ae_n_per_mm = 0
 "#,
         name = entry.name,
         key = entry.key,

@@ -6,7 +6,7 @@ use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 #[cfg(feature = "schema")]
 use {
-    crate::table::measurement_headings,
+    crate::table::own_headings,
     schemars::{JsonSchema, Schema, SchemaGenerator, json_schema},
     std::borrow::Cow,
 };
@@ -74,8 +74,8 @@ impl JsonSchema for RawColumns {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let mut schema = json_schema!({
             "type": "object",
-            "description": "Headings of measurement tables that another software writes: ours, with \
-                            the unit that the table has, = theirs.",
+            "description": "Headings of measurement tables and paths that another software writes: \
+                            ours, with the unit that the table has, = theirs.",
             "properties": {
                 "ignore": {
                     "type": "array",
@@ -93,7 +93,7 @@ impl JsonSchema for RawColumns {
         });
         let properties = schema.get_mut("properties");
         if let Some(properties) = properties.and_then(|p| p.as_object_mut()) {
-            for heading in measurement_headings(0) {
+            for heading in own_headings(0) {
                 let theirs = json_schema!({
                     "type": "string",
                     "description": "What the table calls this column, in any case.",

@@ -1,5 +1,9 @@
 //! The load at work: what the process puts on the tool tip, the contact point.
 
+mod milling;
+
+pub use milling::{CuttingCoefficients, Milling, MillingDirection};
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +58,8 @@ pub struct TipLoad {
 pub enum Process {
     /// The same load all along.
     Constant(TipLoad),
+    /// The mean load of a milling cut.
+    Milling(Milling),
 }
 
 impl Process {
@@ -61,6 +67,7 @@ impl Process {
     pub fn load(&self) -> TipLoad {
         match self {
             Process::Constant(load) => *load,
+            Process::Milling(milling) => milling.mean_load(),
         }
     }
 }

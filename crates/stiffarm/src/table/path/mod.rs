@@ -1,0 +1,23 @@
+//! Paths: `point` and the angles, poses or tool axes of the tip, with the load there.
+
+mod format;
+mod heading;
+mod read;
+mod size;
+mod write;
+
+pub use format::{PathFormat, PathKind};
+pub(super) use heading::known as known_paths;
+pub use read::read_path;
+pub use write::write_path;
+
+use crate::path::PathPoint;
+
+/// A path as it was read, and how it was written there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathTable {
+    /// The points in the order of the rows, targets in the base frame.
+    pub points: Vec<PathPoint>,
+    /// The columns, for [`write_path`].
+    pub format: PathFormat,
+}

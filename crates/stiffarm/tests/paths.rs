@@ -1,0 +1,635 @@
+//! Path tables: what is read, what is written, and how each slip is reported.
+
+#![cfg(feature = "files")]
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
+use proptest::prelude::*;
+use stiffarm::cell::Cell;
+use stiffarm::cell::file::parse_cell;
+use stiffarm::path::{PathPoint, Target};
+use stiffarm::process::{ForceAxes, TipLoad};
+use stiffarm::table::{PathFormat, PathKind, PathTable, read_path, write_path};
+
+type Check = Result<(), Box<dyn std::error::Error>>;
+
+/// A workpiece frame off every axis.
+const WORKPIECE: &str =
+    "[work]\nworkpiece_mm = [1500.5, -200, 612.25]\nworkpiece_rpy_deg = [10, -20, 35]\n";
+
+/// The COMAU arm and what else the cell says.
+fn cell_with(more: &str) -> Cell {
+    let text = format!(
+        "format = 1\nrobot.catalogue = 'comau-nj165-3.0'\n\
+         tool = {{ loading_point_mm = [200, 0, 250], measuring_point = [{{ name = '1', position_mm = [0, 0, 300] }}] }}\n\
+         load = {{ kind = 'measured' }}\n{more}"
+    );
+    parse_cell(&text, "cell.toml").unwrap()
+}
+
+fn read(text: &str, cell: &Cell) -> stiffarm::Result<PathTable> {
+    read_path(text.as_bytes(), "path.csv", cell, None)
+}
+
+const ANGLES: &str = "\
+point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,axes
+P1,12.5,-30,-100,0,45.25,0,100,-20.5,0,0,0,-3,base
+P2,12.75,-30,-100,0,45.25,0,,,,,,,
+P3,13,-30,-100,0,45.25,180,100,0,1e-3,1,2,3,workpiece
+";
+
+const POSES: &str = "\
+point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n,axes
+P1,1500,-200.5,600,180,0,0,100,-20.5,0,path
+P2,1510,-200.5,600,170,5.5,-30,,,,
+P3,1520,-200.5,600,0,90,0,100,0,5,tool
+";
+
+const TOOL_AXES: &str = "\
+x_mm,y_mm,z_mm,axis_x,axis_y,axis_z
+1500,-200.5,600,0,0,-1
+1510,-200.5,600,0,0.6,-0.8
+1520,-200.5,600,-1,0,0
+";
+
+#[test]
+fn angles_and_loads_of_the_rows() -> Check {
+    let cell = cell_with("");
+    let path = read(ANGLES, &cell)?;
+    assert_eq!(path.format.kind(), PathKind::Angles);
+    assert!(path.format.has_loads());
+    let [first, second, third] = &path.points[..] else {
+        panic!("three points");
+    };
+    assert_eq!((first.name.as_str(), first.line), ("P1", Some(2)));
+    let q = [12.5f64, -30.0, -100.0, 0.0, 45.25, 0.0].map(f64::to_radians);
+    assert_eq!(first.target, Target::Angles(q.to_vec()));
+    let load = TipLoad {
+        force: Vector3::new(100.0, -20.5, 0.0),
+        moment: Vector3::new(0.0, 0.0, -3.0),
+        axes: ForceAxes::Base,
+    };
+    assert_eq!(first.load, Some(load));
+    assert_eq!(
+        second.load, None,
+        "empty fields leave the load to the process"
+    );
+    assert_eq!(third.load.ok_or("no load")?.axes, ForceAxes::Workpiece);
+    assert_eq!(
+        write_path(&path.format, &path.points)?,
+        ANGLES.replace("1e-3", "0.001")
+    );
+
+    // Axes for the whole table, and a row that knows better.
+    let text = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n,axes\n\
+                0,0,-90,0,0,0,1,2,3,\n0,0,-90,0,0,0,1,2,3, Base \n";
+    let path = read_path(text.as_bytes(), "p.csv", &cell, Some(ForceAxes::Path))?;
+    let axes: Vec<_> = path
+        .points
+        .iter()
+        .map(|p| p.load.map(|load| load.axes))
+        .collect();
+    assert_eq!(axes, [Some(ForceAxes::Path), Some(ForceAxes::Base)]);
+    let names: Vec<_> = path
+        .points
+        .iter()
+        .map(|point| point.name.as_str())
+        .collect();
+    assert_eq!(names, ["1", "2"]);
+    Ok(())
+}
+
+#[test]
+fn poses_are_turns_about_x_then_y_then_z() -> Check {
+    let (roll, pitch, yaw) = (
+        170f64.to_radians(),
+        5.5f64.to_radians(),
+        -30f64.to_radians(),
+    );
+    // Written out: W, P, R of FANUC; C, B, A of KUKA.
+    let about_x = Matrix3::new(
+        1.0,
+        0.0,
+        0.0, //
+        0.0,
+        roll.cos(),
+        -roll.sin(), //
+        0.0,
+        roll.sin(),
+        roll.cos(),
+    );
+    let about_y = Matrix3::new(
+        pitch.cos(),
+        0.0,
+        pitch.sin(), //
+        0.0,
+        1.0,
+        0.0, //
+        -pitch.sin(),
+        0.0,
+        pitch.cos(),
+    );
+    let about_z = Matrix3::new(
+        yaw.cos(),
+        -yaw.sin(),
+        0.0, //
+        yaw.sin(),
+        yaw.cos(),
+        0.0, //
+        0.0,
+        0.0,
+        1.0,
+    );
+    let rotation = Rotation3::from_matrix_unchecked(about_z * about_y * about_x);
+    let local = Isometry3::from_parts(
+        Translation3::new(1.51, -0.2005, 0.6),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    );
+    for more in ["", WORKPIECE] {
+        let cell = cell_with(more);
+        let path = read(POSES, &cell)?;
+        let Target::Pose(pose) = path.points[1].target else {
+            panic!("a pose");
+        };
+        let expected = cell.work.workpiece * local;
+        let apart = (pose.translation.vector - expected.translation.vector).norm();
+        assert!(apart < 1e-15 && pose.rotation.angle_to(&expected.rotation) < 1e-15);
+        // At a pitch of 90° only yaw − roll counts: −0 of it here.
+        assert_eq!(write_path(&path.format, &path.points)?, POSES);
+    }
+    Ok(())
+}
+
+#[test]
+fn tool_axes_of_any_length() -> Check {
+    for more in ["", WORKPIECE] {
+        let cell = cell_with(more);
+        let path = read(TOOL_AXES, &cell)?;
+        let Target::Axis { position, axis } = &path.points[1].target else {
+            panic!("an axis");
+        };
+        let workpiece = &cell.work.workpiece;
+        let local = Vector3::new(1.51, -0.2005, 0.6);
+        let at = workpiece.rotation * local + workpiece.translation.vector;
+        assert!((position - at).norm() < 1e-15);
+        let expected = workpiece.rotation * Vector3::new(0.0, 0.6, -0.8);
+        assert!((axis.as_ref() - expected).norm() < 1e-15);
+        assert_eq!(write_path(&path.format, &path.points)?, TOOL_AXES);
+        let longer = TOOL_AXES.replace("0,0.6,-0.8", "0,6e3,-8e3");
+        assert_eq!(
+            write_path(&path.format, &read(&longer, &cell)?.points)?,
+            TOOL_AXES
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn the_same_path_in_other_units_headings_and_separators() -> Check {
+    let cell = cell_with("");
+    let plain = read(POSES, &cell)?;
+    let changed = [
+        POSES.replace(',', ";").replace('.', ","),
+        POSES.replace('\n', "\r\n"),
+        POSES.replace("x_mm,y_mm,z_mm", "X_mm, Y_mm ,z_MM"),
+        POSES
+            .replace("fx_n,fy_n,fz_n", "fx_kN,fy_kN,fz_kN")
+            .replace("100,-20.5,0,path", "0.1,-0.0205,0,path")
+            .replace("100,0,5,tool", "0.1,0,0.005,tool"),
+        POSES
+            .replace("x_mm,y_mm,z_mm", "x_m,y_m,z_m")
+            .replace("1500,-200.5,600", "1.5,-0.2005,0.6")
+            .replace("1510,-200.5,600", "1.51,-0.2005,0.6")
+            .replace("1520,-200.5,600", "1.52,-0.2005,0.6"),
+    ];
+    for text in &changed {
+        let path = read(text, &cell)?;
+        assert_eq!(path.points, plain.points, "{text}");
+    }
+    // Written in the units that were read.
+    let path = read(&changed[3], &cell)?;
+    assert_eq!(write_path(&path.format, &path.points)?, changed[3]);
+    let path = read(&changed[4], &cell)?;
+    assert_eq!(write_path(&path.format, &path.points)?, changed[4]);
+
+    // What another software calls its columns, and one that does not matter.
+    let cell = cell_with(
+        "[columns]\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'\nroll_deg = 'C'\npitch_deg = 'B'\nyaw_deg = 'A'\n\
+         point = 'N'\nignore = ['Speed']\n",
+    );
+    let text = "N,X,Y,Z,A,B,C,Speed\nP1,1500,-200.5,600,0,0,180,50\n";
+    let path = read(text, &cell)?;
+    assert_eq!(path.points[0].target, plain.points[0].target);
+    let written = write_path(&path.format, &path.points)?;
+    assert_eq!(written, "N,X,Y,Z,A,B,C\nP1,1500,-200.5,600,0,0,180\n");
+    Ok(())
+}
+
+#[test]
+fn a_path_is_written_in_other_columns() -> Check {
+    let cell = cell_with(WORKPIECE);
+    let table = read(POSES, &cell)?;
+    let q = vec![0.25f64.to_radians(), 0.0, -1.5, 0.0, 0.0, 1e-3];
+    let mut points = table.points.clone();
+    for point in &mut points {
+        point.target = Target::Angles(q.clone());
+    }
+    let format = table.format.clone().angles(&cell);
+    let text = write_path(&format, &points)?;
+    let (heading, rows) = text.split_once('\n').ok_or("no rows")?;
+    assert_eq!(
+        heading,
+        "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n,axes"
+    );
+    assert!(rows.starts_with("P1,0.25,0,"), "{rows}");
+    let again = read(&text, &cell)?;
+    assert_eq!(again.points, points, "the same to the last digit");
+    assert_eq!(again.format, format);
+
+    // Back to poses; a pose also has a tool axis.
+    let back = write_path(&format.poses(&cell), &table.points)?;
+    assert_eq!(back, POSES);
+    let format = table.format.clone().with_kind(PathKind::ToolAxes, &cell);
+    let text = write_path(&format, &table.points)?;
+    assert!(
+        text.starts_with("point,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,fx_n"),
+        "{text}"
+    );
+    assert!(text.contains("P1,1500,-200.5,600,0,0,-1,100"), "{text}");
+
+    // From nothing, and with loads.
+    let bare = PathFormat::new(PathKind::Poses, &cell);
+    assert!(!bare.has_loads());
+    let text = write_path(&bare, &table.points)?;
+    assert!(
+        text.starts_with("point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\nP1,1500,"),
+        "{text}"
+    );
+    let text = write_path(&bare.with_loads(&cell), &table.points)?;
+    assert!(
+        text.contains("P1,1500,-200.5,600,180,0,0,100,-20.5,0,0,0,0,path\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("P2,1510,-200.5,600,170,5.5,-30,,,,,,,\n"),
+        "{text}"
+    );
+    Ok(())
+}
+
+#[test]
+fn what_the_columns_cannot_hold_is_refused() -> Check {
+    let cell = cell_with("");
+    let (angles, poses, axes) = (
+        read(ANGLES, &cell)?,
+        read(POSES, &cell)?,
+        read(TOOL_AXES, &cell)?,
+    );
+    let no_axes = TOOL_AXES.replace("axis_z", "axis_z,fx_n,fy_n,fz_n");
+    let no_axes = no_axes
+        .replace("00,0,0,-1", "00,0,0,-1,1,2,3")
+        .replace("-0.8", "-0.8,1,2,3");
+    let no_axes = no_axes.replace("-1,0,0", "-1,0,0,1,2,3");
+    let no_axes = read_path(no_axes.as_bytes(), "p.csv", &cell, Some(ForceAxes::Tool))?;
+    let mut loaded = axes.points.clone();
+    loaded[0].load = angles.points[0].load;
+    let mut turned = poses.points.clone();
+    turned[0].load = angles.points[0].load;
+    let mut short = angles.points.clone();
+    short[1].target = Target::Angles(vec![0.0; 5]);
+    let mut report = String::new();
+    for (format, points) in [
+        (&angles.format, &poses.points),
+        (&poses.format, &angles.points),
+        (&poses.format, &axes.points),
+        (&axes.format, &angles.points),
+        (&angles.format, &short),
+        (&no_axes.format, &loaded),
+        (&poses.format, &turned),
+    ] {
+        let error = write_path(format, points).unwrap_err();
+        report += &format!("[{}] {error}\n\n", error.code().as_str());
+    }
+    insta::assert_snapshot!("path_writing", report);
+    Ok(())
+}
+
+/// What is replaced in which text by what.
+const SLIPS: &[(&str, &str, &str)] = &[
+    // The frame of forces.
+    (POSES, "path\nP2", "\nP2"),
+    (
+        TOOL_AXES,
+        "axis_z\n1500,-200.5,600,0,0,-1\n1510,-200.5,600,0,0.6,-0.8\n1520,-200.5,600,-1,0,0",
+        "axis_z,fx_n,fy_n,fz_n\n1500,-200.5,600,0,0,-1,,,\n1510,-200.5,600,0,0,-1,5,0,0",
+    ),
+    (POSES, "path\nP2", "paht\nP2"),
+    (POSES, "path\nP2", "world\nP2"),
+    (POSES, ",,,,", ",,,,wrokpiece"),
+    (POSES, "100,-20.5,0,path", "100,,0,path"),
+    (ANGLES, "0,0,-3,base", ",,,base"),
+    (POSES, "fx_n,fy_n,fz_n", "fx,fy,fz"),
+    (POSES, "fx_n,fy_n,fz_n", "fx_n,fy_n,force"),
+    (ANGLES, ",fx_n,fy_n,fz_n", ",remark,speed,feed"),
+    // What the rows say of the tip.
+    (POSES, "roll_deg,pitch_deg,yaw_deg", "q1_deg,q2_deg,q3_deg"),
+    (POSES, "fx_n,fy_n,fz_n", "axis_x,axis_y,axis_z"),
+    (
+        POSES,
+        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n",
+        "x_mm,y_mm,roll_deg,pitch_deg,yaw_deg",
+    ),
+    (
+        POSES,
+        "roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n",
+        "fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm",
+    ),
+    (
+        POSES,
+        "roll_deg,pitch_deg,yaw_deg",
+        "roll_deg,pitch_deg,yaw_rad",
+    ),
+    (POSES, "roll_deg,pitch_deg,yaw_deg", "roll,pitch,yaw"),
+    (POSES, "roll_deg,pitch_deg,yaw_deg", "a_deg,b_deg,c_deg"),
+    (POSES, "roll_deg,pitch_deg,yaw_deg", "W,P,R"),
+    (TOOL_AXES, "axis_x,axis_y,axis_z", "axis_x,axis_y,axis_y"),
+    (
+        TOOL_AXES,
+        "axis_x,axis_y,axis_z",
+        "axis_x_mm,axis_y_mm,axis_z_mm",
+    ),
+    (ANGLES, "q6_deg", "q7_deg"),
+    (ANGLES, ",q6_deg", ",state"),
+    (POSES, "point", "pionts"),
+    // Rows.
+    (POSES, "P2", "P1"),
+    (POSES, "P2", ""),
+    (POSES, "1510", "NaN"),
+    (POSES, "1510", ""),
+    (POSES, "1510", "inf"),
+    (POSES, "1510", "1510 mm"),
+    (TOOL_AXES, "0,0.6,-0.8", "0,0,0"),
+    (TOOL_AXES, "0,0.6,-0.8", "0,nan,1"),
+    (ANGLES, "P2,12.75", "P2,212.75"),
+    (
+        POSES,
+        "\nP1,1500,-200.5,600,180,0,0,100,-20.5,0,path\nP2,1510,-200.5,600,170,5.5,-30,,,,\nP3,1520,-200.5,600,0,90,0,100,0,5,tool",
+        "",
+    ),
+    // Units.
+    (
+        TOOL_AXES,
+        "1500,-200.5,600,0,0,-1\n1510,-200.5,600,0,0.6,-0.8\n1520,-200.5,600",
+        "1.5,-0.2005,0.6,0,0,-1\n1.51,-0.2005,0.6,0,0.6,-0.8\n1.52,-0.2005,0.6",
+    ),
+    (TOOL_AXES, "x_mm,y_mm,z_mm", "x_m,y_m,z_m"),
+    (TOOL_AXES, "x_mm,y_mm,z_mm", "x_in,y_in,z_in"),
+    (
+        TOOL_AXES,
+        "1500,-200.5,600,0,0,-1\n1510,-200.5,600,0,0.6,-0.8\n1520,-200.5,600",
+        "1.5e6,-2e5,6e5,0,0,-1\n1.51e6,-2e5,6e5,0,0.6,-0.8\n1.52e6,-2e5,6e5",
+    ),
+    // Columns that are missing.
+    (
+        POSES,
+        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n,axes",
+        "roll_deg,pitch_deg,yaw_deg",
+    ),
+    (
+        POSES,
+        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n,axes",
+        "fx_n,fy_n,fz_n",
+    ),
+    (
+        POSES,
+        "roll_deg,pitch_deg,yaw_deg,fx_n",
+        "roll_deg,pitch_deg,fx_n",
+    ),
+    (TOOL_AXES, "axis_x,axis_y,axis_z", "axis_x,axis_y"),
+    (POSES, "fx_n,fy_n,fz_n,axes", "fx_n,fy_n,axes"),
+    (POSES, "fx_n,fy_n,fz_n,axes", "mx_nm,my_nm,mz_nm,axes"),
+    (ANGLES, ",q6_deg", ""),
+    // Decimal commas.
+    (TOOL_AXES, "1510,-200.5", "1510,5,-200,5"),
+    (TOOL_AXES, "1510", "\"1510,5\""),
+];
+
+#[test]
+fn slips_in_a_path_table() -> Check {
+    let cell = cell_with("");
+    let mut report = String::new();
+    let mut note = |slip: &str, result: stiffarm::Result<PathTable>| {
+        let error = match result {
+            Ok(_) => panic!("accepted: {slip}"),
+            Err(error) => error,
+        };
+        report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
+    };
+    for (text, from, to) in SLIPS {
+        assert!(text.contains(from), "{from}");
+        let shown = match *to {
+            "" => format!("without {from}"),
+            to => to.to_string(),
+        };
+        note(
+            &shown.replace('\n', "; "),
+            read(&text.replacen(from, to, 1), &cell),
+        );
+    }
+    // A path in metres beside the origin of its own frame.
+    let metres = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n\
+                  0,0,0,0,0,-1\n0.3,0,0,0,0,-1\n0.3,0.2,0,0,0,-1\n";
+    note(
+        "metres in the workpiece frame",
+        read(metres, &cell_with(WORKPIECE)),
+    );
+    // The base frame need not be the robot's.
+    let mut aside = cell_with("");
+    let placed = Isometry3::translation(-2.0, 0.0, 0.5);
+    aside.setup.robot = aside.setup.robot.with_base(&placed);
+    note("metres beside the robot", read(metres, &aside));
+    insta::assert_snapshot!("path_slips", report);
+    Ok(())
+}
+
+#[test]
+fn small_paths_and_points_are_no_slips() -> Check {
+    let cell = cell_with(WORKPIECE);
+    // One hole, the same point under several loads, a small engraving.
+    for rows in [
+        "0,0,0\n0,0,-5\n0,0,-10\n",
+        "0,0,0\n0,0,0\n0,0,0\n0,0,0\n",
+        "0,0,0\n0.2,0,0\n",
+        "0,0,0\n2,0,0\n2,2,0\n0,2,0\n",
+    ] {
+        let rows = rows.replace('\n', ",0,0,-1\n");
+        let text = format!("x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n{rows}");
+        read(&text, &cell)?;
+        // The same in metres is no slip either.
+        let text =
+            "x_m,y_m,z_m,axis_x,axis_y,axis_z\n0,0,0,0,0,-1\n0.3,0,0,0,0,-1\n0.3,0.2,0,0,0,-1\n";
+        read(text, &cell)?;
+    }
+    Ok(())
+}
+
+/// Numbers of few decimals, as controllers show them, or of many.
+fn number(largest: f64) -> impl Strategy<Value = f64> {
+    let few = move |n: f64| (n * largest * 1e3).round() / 1e3;
+    prop_oneof![
+        (-1.0..1.0f64).prop_map(few),
+        -largest..largest,
+        Just(0.0),
+        Just(largest)
+    ]
+}
+
+fn vector(largest: f64) -> impl Strategy<Value = Vector3<f64>> {
+    [number(largest), number(largest), number(largest)].prop_map(Vector3::from)
+}
+
+fn load() -> impl Strategy<Value = Option<TipLoad>> {
+    let axes = prop::sample::select(ForceAxes::NAMES.map(|(_, axes)| axes).to_vec());
+    let load = (vector(1e3), vector(50.0), axes).prop_map(|(force, moment, axes)| TipLoad {
+        force,
+        moment,
+        axes,
+    });
+    prop::option::of(load)
+}
+
+/// Poses, many of them at or near a pitch of ±90° and half turns.
+fn pose() -> impl Strategy<Value = Target> {
+    let pitch = prop_oneof![
+        number(90.0),
+        Just(-90.0),
+        Just(90.0 - 1e-6),
+        Just(89.9),
+        (0.0..12.0f64).prop_map(|d| 90.0 - 10f64.powf(-d)),
+    ];
+    (vector(3.0), number(180.0), pitch, number(180.0)).prop_map(|(position, roll, pitch, yaw)| {
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_radians);
+        let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        Target::Pose(Isometry3::from_parts(
+            Translation3::from(position),
+            rotation,
+        ))
+    })
+}
+
+fn tool_axis() -> impl Strategy<Value = Target> {
+    let axis = vector(1.0).prop_map(|v| UnitVector3::try_new(v, 1e-3).unwrap_or(Vector3::z_axis()));
+    (vector(3.0), axis).prop_map(|(position, axis)| Target::Axis { position, axis })
+}
+
+fn angles() -> impl Strategy<Value = Target> {
+    // Within the limits of all joints.
+    let q = [
+        number(75.0),
+        number(45.0),
+        number(40.0),
+        number(180.0),
+        number(100.0),
+        number(180.0),
+    ];
+    q.prop_map(|q| {
+        let mut q = q.map(f64::to_radians);
+        q[2] -= 100f64.to_radians();
+        Target::Angles(q.to_vec())
+    })
+}
+
+fn path(target: impl Strategy<Value = Target>) -> impl Strategy<Value = Vec<PathPoint>> {
+    prop::collection::vec((target, load()), 1..6).prop_map(|points| {
+        let points = points.into_iter().enumerate();
+        let points = points.map(|(i, (target, load))| PathPoint {
+            name: format!("P{i}"),
+            line: Some(i + 2),
+            target,
+            load,
+        });
+        // Far from the base, or the size would be doubted.
+        let mut points: Vec<PathPoint> = points.collect();
+        match &mut points[0].target {
+            Target::Pose(pose) => pose.translation.vector.x = 1.5,
+            Target::Axis { position, .. } => position.x = 1.5,
+            Target::Angles(_) => {}
+        }
+        points
+    })
+}
+
+/// Writes, reads, compares, writes again.
+fn check(points: &[PathPoint], kind: PathKind, cell: &Cell) -> Result<(), TestCaseError> {
+    let format = PathFormat::new(kind, cell).with_loads(cell);
+    let text = write_path(&format, points).unwrap();
+    let table = read(&text, cell).unwrap();
+    prop_assert_eq!(&table.format, &format);
+    prop_assert_eq!(table.points.len(), points.len());
+    for (read, given) in table.points.iter().zip(points) {
+        prop_assert_eq!(&read.name, &given.name);
+        prop_assert_eq!(&read.load, &given.load);
+        match (&read.target, &given.target) {
+            (Target::Angles(read), Target::Angles(given)) => {
+                for (a, b) in read.iter().zip(given) {
+                    // Degrees do not reach every double; see `rad_to_shortest_deg`.
+                    prop_assert!((a - b).abs() <= 2.0 * f64::EPSILON * b.abs());
+                }
+            }
+            (Target::Pose(read), Target::Pose(given)) => {
+                let apart = (read.translation.vector - given.translation.vector).norm();
+                prop_assert!(apart < 1e-12, "{}", apart);
+                let turn = read.rotation.angle_to(&given.rotation);
+                prop_assert!(turn < 2e-11, "{}", turn);
+            }
+            (
+                Target::Axis {
+                    position: p,
+                    axis: a,
+                },
+                Target::Axis { position, axis },
+            ) => {
+                prop_assert!((p - position).norm() < 1e-12);
+                prop_assert!((a.as_ref() - axis.as_ref()).norm() < 2e-12);
+                prop_assert!((a.norm() - 1.0).abs() < 1e-15);
+            }
+            other => prop_assert!(false, "{:?}", other),
+        }
+    }
+    prop_assert_eq!(write_path(&table.format, &table.points).unwrap(), text);
+    Ok(())
+}
+
+/// The heading, and a row that every unit allows.
+fn few_rows(text: &str) -> String {
+    let heading = text.lines().next().unwrap_or_default();
+    format!("{heading}\nP0,1,2,3,0.1,0.2,0.3\n")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40000))]
+
+    #[test]
+    fn written_angles_are_read_and_written_again(points in path(angles())) {
+        check(&points, PathKind::Angles, &cell_with(""))?;
+    }
+
+    #[test]
+    fn written_poses_are_read_and_written_again(points in path(pose())) {
+        check(&points, PathKind::Poses, &cell_with(""))?;
+        check(&points, PathKind::Poses, &cell_with(WORKPIECE))?;
+        // In radians, metres and inches, too.
+        let cell = cell_with(WORKPIECE);
+        let text = write_path(&PathFormat::new(PathKind::Poses, &cell), &points).unwrap();
+        let text = text.replace("_deg", "_rad").replace("_mm", "_in");
+        let table = PathTable { points: points.clone(), ..read(&few_rows(&text), &cell).unwrap() };
+        let text = write_path(&table.format, &points).unwrap();
+        let again = read(&text, &cell).unwrap();
+        prop_assert_eq!(write_path(&again.format, &again.points).unwrap(), text);
+    }
+
+    #[test]
+    fn written_tool_axes_are_read_and_written_again(points in path(tool_axis())) {
+        check(&points, PathKind::ToolAxes, &cell_with(""))?;
+        check(&points, PathKind::ToolAxes, &cell_with(WORKPIECE))?;
+    }
+}
