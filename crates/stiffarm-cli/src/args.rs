@@ -3,10 +3,12 @@
 mod fit;
 mod measured;
 mod select;
+mod work;
 
 pub use fit::FitArgs;
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
+pub use work::{MapArgs, RegionArgs, Steps};
 
 use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
@@ -86,6 +88,9 @@ pub enum Command {
     /// Compare calculated with measured displacements at postures kept out of the identification
     #[command(after_help = examples::VALIDATE)]
     Validate(ValidateArgs),
+    /// Stiffness of the loaded tool over the workspace, and the best place for a workpiece
+    #[command(after_help = examples::MAP)]
+    Map(Box<MapArgs>),
     /// Maps of dexterity and of K_C's influence over joints 2 and 3, to choose zones for postures
     #[command(after_help = examples::ZONES)]
     Zones(ZonesArgs),
@@ -303,6 +308,10 @@ pub enum SchemaChoice {
     ResultIdentifyClamped,
     /// Output of `validate --json`
     ResultValidate,
+    /// Output of `map --json`
+    ResultMap,
+    /// Output of `map --place --json`
+    ResultMapPlace,
     /// Output of `zones --json`
     ResultZones,
     /// Output of `study --json`, and study.json

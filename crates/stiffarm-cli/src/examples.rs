@@ -57,6 +57,14 @@ pub const VALIDATE: &str = "Examples:
 
   Each posture predicted by the others, without a saved stiffness:
   $ stiffarm validate builtin:comau tracked.csv --folds all";
+pub const MAP: &str = "Examples:
+  A plane, the tool down, with picture and table:
+  $ stiffarm map builtin:comau k.json --plane z=800 --output-dir map
+
+  The turn about the tool axis free; a milling force; six planes of a box:
+  $ stiffarm map builtin:comau k.json --plane z=800 --steps 15 --free-turn=8
+  $ stiffarm map builtin:comau k.json --plane x=1800 --force-n 200,-300,100
+  $ stiffarm map builtin:comau prior --steps 9,9,6";
 pub const ZONES: &str = "Examples:
   $ stiffarm zones
   $ stiffarm zones builtin:comau-reference --steps 61 --output-dir zones";

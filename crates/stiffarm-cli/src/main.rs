@@ -10,6 +10,7 @@ mod interrupt;
 mod numbers;
 mod output;
 mod progress;
+mod saved;
 mod session;
 mod table;
 
@@ -52,6 +53,7 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Register(args) => commands::register::run(session, args),
         Command::Identify(args) => commands::identify::run(session, args),
         Command::Validate(args) => commands::validate::run(session, args),
+        Command::Map(args) => commands::map::run(session, args),
         Command::Zones(args) => commands::zones::run(session, args),
         Command::Robots(args) => commands::robots::run(session, args),
         Command::Schema(args) => commands::schema::run(session, args),

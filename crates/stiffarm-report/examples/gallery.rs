@@ -9,7 +9,9 @@
 use std::f64::consts::TAU;
 use std::{env, fs, io, path::PathBuf};
 
-use stiffarm_report::{Axis, Figure, Panel, Series, Style, render_svg};
+use stiffarm_report::{
+    Axis, Figure, Panel, PathCurvePoint, Series, Style, path_figure, render_svg,
+};
 
 const GROUPS: [&str; 4] = [
     "Group 1",
@@ -31,6 +33,7 @@ fn main() -> io::Result<()> {
         spread(),
         maps(),
         awkward(),
+        path(),
     ] {
         fs::write(
             folder.join(format!("{}.svg", figure.id)),
@@ -38,6 +41,23 @@ fn main() -> io::Result<()> {
         )?;
     }
     Ok(())
+}
+
+/// Deflection along a long path, before and after compensation.
+fn path() -> Figure {
+    let points: Vec<PathCurvePoint> = (0..5000)
+        .map(|i| {
+            let along_m = 3e-4 * i as f64;
+            let deflection_m = 4e-4 + 2e-4 * (6.0 * along_m).sin() + 2e-5 * wobble(i);
+            PathCurvePoint {
+                along_m,
+                deflection_m,
+                half_width_m: Some(0.08 * deflection_m),
+                left_m: Some(0.02 * deflection_m),
+            }
+        })
+        .collect();
+    path_figure(&points, Some(0.95))
 }
 
 /// A value between −1 and 1 that looks random and is the same every time.

@@ -89,7 +89,7 @@ pub struct Series {
     #[serde(deserialize_with = "null_as_nan")]
     pub y: Vec<f64>,
     /// Half lengths of symmetric vertical error bars, one per point (0 for
-    /// none), or empty.
+    /// none), or empty. Half widths of a [`Style::Band`].
     #[serde(default, deserialize_with = "null_as_nan")]
     pub error: Vec<f64>,
     /// Values of a [`Style::Map`], and the axis of its colour bar.
@@ -112,6 +112,8 @@ pub struct Colour {
 pub enum Style {
     /// Solid line with markers.
     Line,
+    /// Solid line without markers, for many points.
+    Curve,
     /// Dashed line without markers, e.g. theory next to a simulation.
     Dashed,
     /// Filled markers without a line.
@@ -130,8 +132,15 @@ pub enum Style {
     Hollow,
     /// Heat map: every point is the centre of a cell that reaches half-way to
     /// its neighbours and has the colour of its value. Cells without a value
-    /// are hatched; the series' label is their legend entry.
+    /// are hatched; the series' label is their legend entry. The maps of a panel
+    /// share one grid, and each has a grey of its own.
     Map,
+    /// Area between y − error and y + error around a curve without a line, e.g.
+    /// how sure it is.
+    Band,
+    /// Short straight pieces, from each even point to the one after it: axes
+    /// drawn on a map.
+    Strokes,
 }
 
 impl Axis {

@@ -7,10 +7,16 @@
 //! the same bytes for the same data.
 
 pub mod figure;
+mod map;
+mod path;
+mod placement;
 pub mod study;
 pub mod svg;
 mod zones;
 
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
+pub use map::{map_figure, map_table};
+pub use path::{PathCurvePoint, path_figure};
+pub use placement::{placement_figure, placement_table};
 pub use svg::{render_svg, series_colour};
 pub use zones::{zones_figure, zones_table};

@@ -6,9 +6,10 @@ use proptest::prelude::*;
 use roxmltree::{Document, Node};
 use stiffarm_report::{Axis, Figure, Panel, Scale, Series, Style, render_svg, series_colour};
 
-const STYLES: [Style; 9] = [
+const STYLES: [Style; 12] = [
     Style::Line,
     Style::Dashed,
+    Style::Curve,
     Style::Points,
     Style::Bars,
     Style::Box,
@@ -16,6 +17,8 @@ const STYLES: [Style; 9] = [
     Style::Path,
     Style::Hollow,
     Style::Map,
+    Style::Band,
+    Style::Strokes,
 ];
 
 fn panel(x: Axis, y: Axis, series: Vec<Series>) -> Panel {
@@ -378,6 +381,91 @@ fn the_colour_bar_follows_the_axis_and_has_room() {
             "{frames:?}"
         );
     }
+}
+
+#[test]
+fn maps_of_a_panel_share_a_grid_and_look_different_where_they_miss() {
+    // Values on the left, two kinds of missing cells on the right.
+    let mut panel = map(2, 4, Axis::linear("v", ""), |c, r| (c + 2 * r) as f64);
+    panel.series[0].label = String::new();
+    panel.x = Axis::linear("x", "deg").with_range(-0.5, 3.5);
+    let column = |label: &str, at: f64| {
+        let y: Vec<f64> = (0..4).map(f64::from).collect();
+        Series::new(label, Style::Map, vec![at; 4], y)
+    };
+    panel.series.push(column("forbidden", 2.0));
+    panel.series.push(column("unreachable", 3.0));
+    let svg = render_svg(&figure(vec![panel]));
+    check(&svg);
+    let document = Document::parse(&svg).unwrap();
+    let cells: Vec<(Node, [f64; 4])> = document
+        .descendants()
+        .filter(|n| n.attribute("shape-rendering").is_some())
+        .flat_map(|n| rectangles(&n).into_iter().map(move |r| (n, r)))
+        .collect();
+    let fill = |n: &Node| n.attribute("fill").unwrap().to_string();
+    let of = |colour: &str| cells.iter().filter(|(n, _)| fill(n) == colour).count();
+    // Four cells each, and the sample in the legend.
+    assert_eq!((of("#e2e2e2"), of("#f1f1f1")), (5, 5));
+    // All cells of the grid are of one width, those without a value too.
+    let widths: Vec<f64> = cells
+        .iter()
+        .filter(|(n, _)| ["#e2e2e2", "#f1f1f1"].contains(&fill(n).as_str()))
+        .take(4)
+        .map(|(_, [left, _, right, _])| right - left)
+        .collect();
+    let plot = document
+        .descendants()
+        .find(|n| n.has_tag_name("rect") && n.attribute("fill") == Some("none"))
+        .unwrap();
+    let expected = number(&plot, "width") / 4.0;
+    assert!(
+        widths.iter().all(|w| (w - expected).abs() < 0.05),
+        "{widths:?} {expected}"
+    );
+}
+
+#[test]
+fn bands_are_areas_and_strokes_are_pieces() {
+    let band = Series::new(
+        "band",
+        Style::Band,
+        vec![0.0, 1.0, 2.0],
+        vec![1.0, 2.0, 1.0],
+    )
+    .with_error(vec![0.5; 3]);
+    let strokes = Series::new(
+        "strokes",
+        Style::Strokes,
+        vec![0.0, 0.5, 1.0, 1.5],
+        vec![1.0, 1.2, 1.0, 1.2],
+    );
+    let panel = panel(
+        Axis::linear("x", ""),
+        Axis::linear("y", ""),
+        vec![band, strokes],
+    );
+    let svg = render_svg(&figure(vec![panel]));
+    check(&svg);
+    let document = Document::parse(&svg).unwrap();
+    let path = |wanted: &dyn Fn(&Node) -> bool| {
+        let mut found = document
+            .descendants()
+            .filter(|n| n.has_tag_name("path") && wanted(n));
+        found.next().unwrap().attribute("d").unwrap().to_string()
+    };
+    let area = path(&|n| n.attribute("fill-opacity").is_some());
+    assert_eq!(
+        (area.matches('L').count(), area.matches('M').count()),
+        (5, 1)
+    );
+    let pieces = path(&|n| n.attribute("stroke-width") == Some("1.2"));
+    assert_eq!(
+        (pieces.matches('L').count(), pieces.matches('M').count()),
+        (2, 2)
+    );
+    // The axis has room for the whole band.
+    assert!(!texts(&svg).iter().any(|t| t.contains("beyond")));
 }
 
 #[test]

@@ -29,6 +29,7 @@ pub mod inverse;
 mod jobs;
 pub mod kinematics;
 pub mod load;
+pub mod map;
 pub mod measurement;
 pub mod observation;
 pub mod optimise;

@@ -7,6 +7,7 @@ pub mod evaluate;
 pub mod identify;
 pub mod init;
 pub mod man;
+pub mod map;
 pub mod register;
 pub mod robots;
 pub mod schema;

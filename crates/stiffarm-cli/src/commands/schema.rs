@@ -1,6 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{check, evaluate, identify, register, select, simulate, study, validate, zones};
+use super::{check, evaluate, identify, map, register, select, simulate, study, validate, zones};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
 use crate::session::Session;
@@ -11,6 +11,7 @@ use stiffarm::Result;
 use stiffarm::cell::file::cell_schema;
 use stiffarm::check::CellCheck;
 use stiffarm::clamped::ClampedIdentification;
+use stiffarm::map::{Placement, StiffnessMap};
 use stiffarm::registration::RegistrationRecord;
 use stiffarm::simulate::Simulation;
 use stiffarm::study::Study;
@@ -41,6 +42,8 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
             of::<identify::clamped::Options, ClampedIdentification>("identify --clamped")
         }
         SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),
+        SchemaChoice::ResultMap => of::<map::Options, StiffnessMap>("map"),
+        SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultStudy => of::<study::Options, Study>("study"),
     };

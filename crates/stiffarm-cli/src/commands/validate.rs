@@ -1,16 +1,14 @@
 //! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
 //! postures kept out of the identification, or fold by fold without any.
 
-mod saved;
-
 use super::identify::readings::displacements;
 use super::identify::{check_names, confidence};
 use crate::args::{Folds, ValidateArgs};
 use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
+use crate::saved::Saved;
 use crate::session::Session;
 use crate::table::{Align, Table, green, red, title, yellow};
-use saved::{Saved, saved};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::cell::Cell;
@@ -88,15 +86,14 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
         );
     }
     let mut named = session.read_cell(&args.cell)?;
-    let (file, bytes) = session.read("stiffness", stiffness)?;
-    let saved = saved(&bytes, &named.cell).map_err(|e| e.file(&file))?;
+    let saved = session.read_stiffness(stiffness, &named.cell)?;
     let measured = measured(session, args, &mut named.cell)?;
     let cell = &named.cell;
     let model = args.model.into();
     let tolerance = args.tolerance_mm.map(mm_to_m);
     let result = validate_with(cell, &saved.predictor, &measured, model, tolerance)?;
     let envelope = session.envelope("validate", None, options(args, None), &result);
-    let same_cell = saved.cell.is_none() || saved.cell.as_ref() == envelope.inputs.get("cell");
+    let same_cell = !saved.is_of_another_cell(envelope.inputs.get("cell"));
     session.show(&envelope, || {
         named.line() + &notes(&saved, same_cell, &result) + &table(&result)
     })?;

@@ -188,6 +188,18 @@ impl Canvas {
         ));
     }
 
+    /// A closed shape without an edge.
+    pub(super) fn area(&mut self, corners: &[Point], fill: &str, opacity: f64) {
+        let mut data = String::new();
+        for (i, p) in corners.iter().enumerate() {
+            push(&mut data, if i == 0 { 'M' } else { 'L' }, *p);
+        }
+        self.raw(&format!(
+            r#"<path d="{data}Z" fill="{fill}" fill-opacity="{}"/>"#,
+            num(opacity)
+        ));
+    }
+
     pub(super) fn circle(&mut self, c: Point, r: f64, fill: &str, stroke: Stroke) {
         self.raw(&format!(
             r#"<circle cx="{}" cy="{}" r="{}" fill="{fill}" stroke="{}" stroke-width="{}"/>"#,

@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::look::Looks;
 use super::map;
-use super::marks::MARKER;
+use super::marks::{FAINT, MARKER, STROKE};
 use super::plan::SMALL;
 use super::text;
 use crate::figure::{Figure, Style};
@@ -44,7 +44,8 @@ impl Legend {
             if styles.len() > 1 {
                 styles.retain(|s| *s != Style::Hollow);
             }
-            styles.sort_by_key(|s| !matches!(s, Style::Bars | Style::Box | Style::Map));
+            let area = |s: &Style| matches!(s, Style::Bars | Style::Box | Style::Map | Style::Band);
+            styles.sort_by_key(|s| !area(s));
         }
         let (places, rows) = arrange(&entries, width);
         Self {
@@ -119,7 +120,7 @@ fn sample(canvas: &mut Canvas, looks: &Looks, label: &str, style: Style, left: P
             canvas.path(&[ends.to_vec()], line(1.5));
             look.marker(canvas, centre, MARKER, false);
         }
-        Style::Dashed => canvas.path(&[ends.to_vec()], line(1.5)),
+        Style::Dashed | Style::Curve => canvas.path(&[ends.to_vec()], line(1.5)),
         Style::Outline => canvas.path(&[ends.to_vec()], line(1.1)),
         Style::Points => look.marker(canvas, centre, MARKER, false),
         Style::Hollow => look.marker(canvas, centre, MARKER, true),
@@ -146,7 +147,19 @@ fn sample(canvas: &mut Canvas, looks: &Looks, label: &str, style: Style, left: P
                 w: KEY - 8.0,
                 h: 13.0,
             };
-            map::missing(canvas, swatch);
+            map::missing(canvas, swatch, look);
+        }
+        Style::Band => {
+            let swatch = Rect {
+                x: left.0,
+                y: left.1 - 6.5,
+                w: KEY,
+                h: 13.0,
+            };
+            canvas.rect(swatch, look.colour, FAINT, Stroke::solid("none", 0.0));
+        }
+        Style::Strokes => {
+            canvas.path(&[ends.to_vec()], line(STROKE[0]));
         }
     }
 }

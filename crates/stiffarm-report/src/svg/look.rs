@@ -5,7 +5,7 @@
 //! too starts from the label, and moves on within a figure when another label
 //! of the same colour already uses it.
 
-use super::canvas::{Canvas, Point, Rect, Stroke};
+use super::canvas::{Canvas, INK, Point, Rect, Stroke};
 use crate::figure::{Figure, Style};
 
 /// The Okabe–Ito colours without yellow, which is too faint on white.
@@ -82,16 +82,20 @@ enum Family {
     Areas,
     Outlines,
     Maps,
+    Bands,
+    Strokes,
 }
 
 fn family(style: Style) -> Family {
     match style {
-        Style::Line | Style::Points | Style::Path => Family::Marks,
+        Style::Line | Style::Curve | Style::Points | Style::Path => Family::Marks,
         Style::Hollow => Family::Hollow,
         Style::Dashed => Family::Dashes,
         Style::Bars | Style::Box => Family::Areas,
         Style::Outline => Family::Outlines,
         Style::Map => Family::Maps,
+        Style::Band => Family::Bands,
+        Style::Strokes => Family::Strokes,
     }
 }
 
@@ -135,7 +139,7 @@ fn place(label: &str) -> usize {
 pub(super) struct Look {
     pub colour: &'static str,
     pub dash: &'static str,
-    variant: usize,
+    pub variant: usize,
 }
 
 /// The looks of all series of a figure.
@@ -152,8 +156,11 @@ impl Looks {
             if entries.iter().any(|(l, k, _)| l == label && *k == kind) {
                 continue;
             }
-            let variant = if kind == Family::Outlines {
-                entries.iter().filter(|(_, k, _)| *k == kind).count()
+            let variant = if matches!(kind, Family::Outlines | Family::Maps) {
+                // Maps without a legend entry have a value everywhere.
+                let counts = |l: &str| kind == Family::Outlines || !l.is_empty();
+                let same = entries.iter().filter(|(l, k, _)| *k == kind && counts(l));
+                same.count()
             } else {
                 let base = place(label);
                 let taken = |v: usize| {
@@ -182,6 +189,12 @@ impl Looks {
             Family::Outlines => Look {
                 colour: GREY,
                 dash: OUTLINE_DASHES[variant % OUTLINE_DASHES.len()],
+                variant,
+            },
+            // On a map only black is told apart from every colour.
+            Family::Strokes => Look {
+                colour: INK,
+                dash: "",
                 variant,
             },
             Family::Dashes => Look {

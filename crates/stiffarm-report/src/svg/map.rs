@@ -6,11 +6,11 @@
 
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::data;
-use super::look::hatch;
+use super::look::{Look, hatch};
 use super::marks::{Frame, Trace};
 use super::plan::{ColourPlan, NORMAL, SMALL, TICK_GAP};
 use super::scale::Extent;
-use crate::figure::Series;
+use crate::figure::{Panel, Series, Style};
 use std::collections::BTreeMap;
 
 /// Viridis at nine equal steps (S. van der Walt, N. Smith; CC0).
@@ -27,29 +27,54 @@ const VIRIDIS: [[u8; 3]; 9] = [
 ];
 /// Colours that are told apart; more would only make the file larger.
 const LEVELS: usize = 64;
-/// Fill and hatch of cells without a value.
-const MISSING: [&str; 2] = ["#e2e2e2", "#a0a0a0"];
+/// Fill of cells without a value, and colour and directions of their hatch, for
+/// the maps of a panel one after the other.
+const MISSING: [(&str, &str, &[(f64, f64)]); 4] = [
+    ("#e2e2e2", "#a0a0a0", &[(1.0, -1.0)]),
+    ("#f1f1f1", "#f1f1f1", &[]),
+    ("#cdcdcd", "#8c8c8c", &[(1.0, -1.0), (1.0, 1.0)]),
+    ("#f6f6f6", "#b4b4b4", &[(1.0, 1.0)]),
+];
 /// Distance between the plot area and the colour bar, and the bar's width.
 pub(super) const BAR_GAP: f64 = 9.0;
 pub(super) const BAR: f64 = 11.0;
 /// Length of a tick mark.
 const TICK: f64 = 4.0;
 
+/// The grid that the maps of a panel share.
+pub(super) struct Grid {
+    columns: Steps,
+    rows: Steps,
+}
+
+impl Grid {
+    pub(super) fn of(frame: &Frame, panel: &Panel) -> Self {
+        let maps = panel.series.iter().filter(|s| s.style == Style::Map);
+        let all: Vec<Point> = maps.flat_map(|s| places(frame, s)).flatten().collect();
+        Self {
+            columns: Steps::of(all.iter().map(|p| p.0), frame.area.w),
+            rows: Steps::of(all.iter().map(|p| p.1), frame.area.h),
+        }
+    }
+}
+
+/// Where the points of a series are, `None` where one cannot be drawn.
+fn places(frame: &Frame, series: &Series) -> Vec<Option<Point>> {
+    let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
+    let place = |d: &Option<data::Datum>| d.as_ref().map(|d| frame.place(d));
+    points.iter().map(place).collect()
+}
+
 /// Draws the cells of a map. `extent` is that of the colour bar.
 pub(super) fn draw(
     canvas: &mut Canvas,
     frame: &Frame,
-    series: &Series,
+    Grid { columns, rows }: &Grid,
+    (series, look): (&Series, Look),
     extent: Option<&Extent>,
     trace: &mut Trace,
 ) {
-    let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
-    let places: Vec<Option<Point>> = points
-        .iter()
-        .map(|d| d.as_ref().map(|d| frame.place(d)))
-        .collect();
-    let columns = Steps::of(places.iter().flatten().map(|p| p.0), frame.area.w);
-    let rows = Steps::of(places.iter().flatten().map(|p| p.1), frame.area.h);
+    let places = places(frame, series);
     // Level of each cell, `None` without a value; the last of equal places counts.
     let mut cells: BTreeMap<(usize, usize), Option<usize>> = BTreeMap::new();
     for (i, place) in places.iter().enumerate() {
@@ -82,17 +107,20 @@ pub(super) fn draw(
     for (level, rects) in shapes {
         match level {
             Some(level) => canvas.cells(&rects, &colour(level)),
-            None => rects.iter().for_each(|rect| missing(canvas, *rect)),
+            None => rects.iter().for_each(|rect| missing(canvas, *rect, look)),
         }
     }
 }
 
 /// The look of a cell without a value.
-pub(super) fn missing(canvas: &mut Canvas, rect: Rect) {
-    canvas.cells(&[rect], MISSING[0]);
+pub(super) fn missing(canvas: &mut Canvas, rect: Rect, look: Look) {
+    let (fill, ink, directions) = MISSING[look.variant % MISSING.len()];
+    canvas.cells(&[rect], fill);
     let mut lines = Vec::new();
-    hatch(rect, (1.0, -1.0), &mut lines);
-    canvas.path(&lines, Stroke::solid(MISSING[1], 0.7));
+    for direction in directions {
+        hatch(rect, *direction, &mut lines);
+    }
+    canvas.path(&lines, Stroke::solid(ink, 0.7));
 }
 
 /// Draws the colour bar to the right of the plot area.

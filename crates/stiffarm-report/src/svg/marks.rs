@@ -92,8 +92,10 @@ pub(super) fn draw(
     let line = |canvas: &mut Canvas, width| canvas.path(&frame.runs(&places), stroke(width));
     let visible = |p: &&Point| frame.area.contains(**p);
     match series.style {
+        Style::Band => return band(canvas, frame, &points, look, trace),
+        Style::Strokes => return strokes(canvas, frame, &places, look, trace),
         Style::Outline => return line(canvas, 1.1),
-        Style::Dashed => {
+        Style::Dashed | Style::Curve => {
             line(canvas, 1.5);
             trace.marks.extend(places.iter().flatten().filter(visible));
             return;
@@ -123,6 +125,59 @@ pub(super) fn draw(
             look.marker(canvas, *p, MARKER, series.style == Style::Hollow);
         }
     }
+}
+
+/// Opacity of a band, and of its sample in the legend.
+pub(super) const FAINT: f64 = 0.22;
+/// Widths of a stroke and of the white rim that sets it off.
+pub(super) const STROKE: [f64; 2] = [1.2, 2.6];
+
+/// The area between the ends of the error bars, cut at the frame; a gap in the
+/// points is one in the band.
+fn band(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    points: &[Option<Datum>],
+    look: Look,
+    trace: &mut Trace,
+) {
+    for run in points.split(Option::is_none) {
+        let end = |d: &Datum, y: f64| {
+            let place = (frame.px(d.x), frame.py(y));
+            frame.area.clamp(place)
+        };
+        let run = || run.iter().flatten();
+        let upper = run().map(|d| end(d, d.y + d.error));
+        let lower = run().rev().map(|d| end(d, d.y - d.error));
+        let corners: Vec<Point> = upper.chain(lower).collect();
+        if corners.len() > 2 {
+            canvas.area(&corners, look.colour, FAINT);
+        }
+    }
+    for d in points.iter().flatten() {
+        trace.add(&frame.area, frame.place(d));
+    }
+}
+
+/// Pieces from each even point to the one after it.
+fn strokes(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    places: &[Option<Point>],
+    look: Look,
+    trace: &mut Trace,
+) {
+    let mut pieces: Vec<Vec<Point>> = Vec::new();
+    for pair in places.chunks_exact(2) {
+        if let [Some(a), Some(b)] = pair
+            && let Some((a, b)) = frame.area.clip(*a, *b)
+        {
+            pieces.push(vec![a, b]);
+            trace.marks.push(a);
+        }
+    }
+    canvas.path(&pieces, Stroke::solid("#ffffff", STROKE[1]));
+    canvas.path(&pieces, Stroke::solid(look.colour, STROKE[0]));
 }
 
 /// An error bar at a horizontal place. An end beyond the frame has no cap, so

@@ -34,13 +34,15 @@ pub(super) fn draw(
     grid(canvas, &frame, panel, plan);
     let mut trace = Trace::default();
     // From the background to the foreground, whatever the order of the data.
-    let layers: [&[Style]; 5] = [
-        &[Style::Map],
+    let layers: [&[Style]; 6] = [
+        &[Style::Map, Style::Band],
+        &[Style::Strokes],
         &[Style::Outline],
         &[Style::Bars, Style::Box],
-        &[Style::Dashed],
+        &[Style::Dashed, Style::Curve],
         &[Style::Line, Style::Path, Style::Points, Style::Hollow],
     ];
+    let cells = map::Grid::of(&frame, panel);
     for layer in layers {
         if layer.contains(&Style::Bars) {
             areas::draw(canvas, &frame, panel, looks, &mut trace);
@@ -49,12 +51,12 @@ pub(super) fn draw(
             continue;
         }
         for series in panel.series.iter().filter(|s| layer.contains(&s.style)) {
+            let look = looks.look(&series.label, series.style);
             if series.style == Style::Map {
                 let extent = plan.colour.as_ref().map(|colour| &colour.extent);
-                map::draw(canvas, &frame, series, extent, &mut trace);
+                map::draw(canvas, &frame, &cells, (series, look), extent, &mut trace);
                 continue;
             }
-            let look = looks.look(&series.label, series.style);
             marks::draw(canvas, &frame, series, look, &mut trace);
         }
     }

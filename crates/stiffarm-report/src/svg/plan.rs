@@ -122,7 +122,10 @@ pub(super) fn suitable_height(panel: &Panel, width: f64, usual: f64) -> f64 {
     }
     let (x, y, _) = natural(panel);
     let ratio = (y.hi - y.lo) / (x.hi - x.lo);
-    width * ratio.clamp(0.5, 1.2)
+    // A map must not end in the middle of its panel.
+    let has_map = panel.series.iter().any(|s| s.style == Style::Map);
+    let [low, high] = if has_map { [0.25, 2.0] } else { [0.5, 1.2] };
+    width * ratio.clamp(low, high)
 }
 
 impl Plan {

@@ -14,3 +14,4 @@ pub use predictor::{CommonError, FittedNoise, Predictor, Spread};
 
 pub(crate) use arm::motion;
 pub(crate) use band::Bands;
+pub(crate) use cartesian::principal_axes;

@@ -1,10 +1,16 @@
-//! A joint stiffness that was saved.
+//! The joint stiffness that a command works with: saved by `identify`, or the
+//! cell's prior.
 
+use crate::session::Session;
 use serde_json::Value;
+use stiffarm::budget::Budget;
 use stiffarm::cell::Cell;
 use stiffarm::identify::Estimates;
 use stiffarm::predict::{FittedNoise, Predictor};
 use stiffarm::{Code, Error, Result};
+
+/// Stands for the cell's prior stiffness where a file name could stand.
+const PRIOR: &str = "prior";
 
 /// A stiffness as `identify` saved it.
 pub struct Saved {
@@ -14,13 +20,64 @@ pub struct Saved {
     pub postures: Vec<String>,
     /// SHA-256 of the cell it was identified in.
     pub cell: Option<String>,
+    /// Name of the file, or `prior`.
+    pub name: String,
+}
+
+impl Saved {
+    /// The cell's prior stiffness, without covariance.
+    fn prior(cell: &Cell) -> Result<Self> {
+        Ok(Saved {
+            predictor: Predictor::from_stiffness(cell, cell.require_prior()?)?,
+            postures: Vec::new(),
+            cell: None,
+            name: PRIOR.to_string(),
+        })
+    }
+
+    /// Where the stiffness comes from, as a line below the cell's.
+    pub fn line(&self) -> String {
+        let errors = &self.predictor.common;
+        let with = match (&self.predictor.spread, errors.is_empty()) {
+            (Some(_), false) => "covariance and common-mode errors",
+            (Some(_), true) => "covariance",
+            (None, _) => "no covariance",
+        };
+        match self.name == PRIOR {
+            true => {
+                "stiffness: the cell's prior, which says nothing about how sure it is\n".to_string()
+            }
+            false => format!("stiffness: {} (with {with})\n", self.name),
+        }
+    }
+
+    /// True where the stiffness was identified in another version of the cell
+    /// whose hash is `cell`.
+    pub fn is_of_another_cell(&self, cell: Option<&String>) -> bool {
+        self.cell.is_some() && self.cell.as_ref() != cell
+    }
+}
+
+impl Session {
+    /// Reads a joint stiffness of `cell`: a result of `identify`, a bare list,
+    /// or `prior` for the cell's own (a file of that name is `./prior`).
+    ///
+    /// # Errors
+    /// A file that cannot be read, anything wrong with it, or a cell without prior.
+    pub fn read_stiffness(&self, from: &str, cell: &Cell) -> Result<Saved> {
+        if from == PRIOR {
+            return Saved::prior(cell);
+        }
+        let (name, bytes) = self.read("stiffness", from)?;
+        saved(&bytes, &name, cell).map_err(|e| e.file(&name))
+    }
 }
 
 /// The stiffness in a result of `identify`, or in a bare list.
 ///
 /// # Errors
 /// Anything wrong with the file.
-pub fn saved(bytes: &[u8], cell: &Cell) -> Result<Saved> {
+fn saved(bytes: &[u8], name: &str, cell: &Cell) -> Result<Saved> {
     let json: Value = serde_json::from_slice(bytes).map_err(|e| {
         let error = fault("This is not JSON.".to_string());
         if e.line() > 0 {
@@ -45,12 +102,13 @@ pub fn saved(bytes: &[u8], cell: &Cell) -> Result<Saved> {
             .filter_map(|p| p["posture"].as_str().map(String::from))
             .collect(),
         cell: json["inputs"]["cell"].as_str().map(String::from),
+        name: name.to_string(),
     })
 }
 
-/// The saved estimates with their covariance and further terms. A result that
-/// was written by hand or by another version may lack the covariance; further
-/// terms must not go missing.
+/// The saved estimates with their covariance, further terms and common-mode
+/// errors. A result that was written by hand or by another version may lack the
+/// covariance; further terms must not go missing.
 fn predictor(result: &Value, stiffness: &[f64], cell: &Cell) -> Result<Predictor> {
     match serde_json::from_value::<Estimates>(result.clone()) {
         Ok(estimates) => {
@@ -58,7 +116,16 @@ fn predictor(result: &Value, stiffness: &[f64], cell: &Cell) -> Result<Predictor
                 residual_std: result["residual_std_m"].as_f64(),
                 posture_common_std: result["posture_common_std_m"].as_f64(),
             };
-            Predictor::from_estimates(cell, &estimates, noise)
+            let predictor = Predictor::from_estimates(cell, &estimates, noise)?;
+            // `null` after --brief, missing for a clamped arm.
+            match serde_json::from_value::<Option<Budget>>(result["budget"].clone()) {
+                Ok(Some(budget)) => Ok(predictor.with_budget(&budget)),
+                Ok(None) => Ok(predictor),
+                Err(e) => Err(
+                    fault(format!("The common-mode errors cannot be read: {e}."))
+                        .key("result.budget"),
+                ),
+            }
         }
         Err(_) if result["extra"].as_array().is_none_or(Vec::is_empty) => {
             Predictor::from_stiffness(cell, stiffness)

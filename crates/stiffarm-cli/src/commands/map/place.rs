@@ -1,0 +1,179 @@
+//! `stiffarm map --place`: the best place for a workpiece.
+
+use super::{head, region::Region, sides, write_folder};
+use crate::args::MapArgs;
+use crate::commands::finding_line;
+use crate::files::check_folder;
+use crate::numbers::{coarse_mm, optional, percent};
+use crate::output::Exit;
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::table::{Align, Table, title};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::map::{PlaceOptions, Placed, Placement, Status, place};
+use stiffarm::table::read_path;
+use stiffarm::units::deg_to_rad;
+use stiffarm::{Code, Error, Result};
+use stiffarm_report::{placement_figure, placement_table, render_svg};
+
+/// Files of the folder.
+const FILES: [&str; 2] = ["placement.svg", "placement.csv"];
+/// Turns about a free tool axis.
+const FREE_TURNS: usize = 12;
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// Lower corner of the box for the workpiece's origin, base frame \[m\].
+    pub lower_m: [f64; 3],
+    /// Upper corner \[m\].
+    pub upper_m: [f64; 3],
+    /// Places along x, y, z in the first round.
+    pub steps: [usize; 3],
+    /// Turns of the workpiece about the base's z \[deg\].
+    pub yaw_deg: Vec<f64>,
+    /// Finer rounds.
+    pub refine: u8,
+    /// Turns about the tool axis, tried where the path leaves it free.
+    pub free_turns: usize,
+}
+
+/// Searches the best place.
+pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
+    if let Some(yaw) = args.place.yaw_deg.iter().find(|yaw| !yaw.is_finite()) {
+        return Err(Error::new(Code::Usage, format!("{yaw}° is no turn.")).key("--yaw-deg"));
+    }
+    let named = session.read_cell(&args.cell)?;
+    let cell = &named.cell;
+    if let Some(folder) = &args.output_dir {
+        check_folder(folder, FILES, args.force)?;
+    }
+    let saved = session.read_stiffness(&args.stiffness, cell)?;
+    let (name, bytes) = session.read("path", path)?;
+    let table = read_path(&bytes, &name, cell, args.place.axes.map(Into::into))?;
+    let region = Region::of_places(cell, &args.region)?;
+    let options = PlaceOptions {
+        lower: region.lower,
+        upper: region.upper,
+        steps: region.steps,
+        yaws: args.place.yaw_deg.iter().copied().map(deg_to_rad).collect(),
+        free_turns: args.tool.free_turn.unwrap_or(FREE_TURNS),
+        refinements: usize::from(args.place.refine),
+    };
+    let progress = Progress::new(session, "placing");
+    let result =
+        progress.watch(|control| place(cell, &saved.predictor, &table.points, &options, control));
+    drop(progress);
+    let result = result.map_err(|e| match e.place().line {
+        Some(_) => e.file(&name),
+        None => e,
+    })?;
+    let said = Options {
+        lower_m: options.lower,
+        upper_m: options.upper,
+        steps: options.steps,
+        yaw_deg: args.place.yaw_deg.clone(),
+        refine: args.place.refine,
+        free_turns: options.free_turns,
+    };
+    let envelope = session.envelope("map", None, said, &result);
+    let pictures = || {
+        [
+            render_svg(&placement_figure(&result)),
+            placement_table(&result).csv(),
+        ]
+    };
+    let written = write_folder(session, args, FILES, pictures)?;
+    session.show(&envelope, || {
+        let places = [0, 1, 2].map(|axis| [options.lower[axis], options.upper[axis]]);
+        let shown: [&[f64]; 3] = std::array::from_fn(|axis| match options.steps[axis] {
+            1 => &places[axis][..1],
+            _ => &places[axis][..],
+        });
+        head(&named, &saved, envelope.inputs.get("cell"))
+            + &format!("places: {}\n", sides(shown))
+            + &words(&result)
+            + &written
+    })?;
+    Ok(Exit::finding(result.best.is_none()))
+}
+
+fn words(result: &Placement) -> String {
+    let tried = result.candidates.len();
+    let works = |status| {
+        result
+            .candidates
+            .iter()
+            .filter(|c| c.status == status)
+            .count()
+    };
+    let mut out = format!(
+        "path: {} points, {} of them searched at {tried} places",
+        result.point_count, result.searched_points
+    );
+    let others: Vec<String> = [
+        Status::Forbidden,
+        Status::OutsideJointLimits,
+        Status::Unreachable,
+        Status::Discontinuous,
+    ]
+    .iter()
+    .map(|status| (works(*status), status.describe()))
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!("{count} {what}"))
+    .collect();
+    out += &match others.is_empty() {
+        true => ".\n".to_string(),
+        false => format!(
+            "; {} work, {}.\n",
+            works(Status::Reachable),
+            others.join(", ")
+        ),
+    };
+    out += &title("Deflection along the whole path");
+    let mut table = Table::new([
+        "place",
+        "x [mm]",
+        "y [mm]",
+        "z [mm]",
+        "yaw [deg]",
+        "RMS [µm]",
+        "largest [µm]",
+        "at point",
+    ]);
+    table.align(7, Align::Left);
+    let mut row = |name: &str, placed: &Placed| {
+        let mut fields = vec![name.to_string()];
+        fields.extend(placed.position_m.map(coarse_mm));
+        fields.push(placed.yaw_deg.to_string());
+        fields.push(optional(placed.deflection_rms_m.map(|v| 1e6 * v), 4));
+        fields.push(optional(placed.deflection_max_m.map(|v| 1e6 * v), 4));
+        let point = placed.deflection_max_point.as_ref();
+        fields.push(point.map_or_else(|| placed.status.describe().to_string(), String::clone));
+        table.row(fields);
+    };
+    row("given", &result.given);
+    if let Some(best) = &result.best {
+        row("best", best);
+    }
+    out += &table.to_string();
+    if let Some(gain) = result.gain.filter(|gain| *gain > 1.0) {
+        out += &format!(
+            "The best place saves {} % of the deflection.\n",
+            percent(1.0 - 1.0 / gain)
+        );
+    }
+    if let Some(best) = &result.best {
+        let [x, y, z] = best.position_m.map(coarse_mm);
+        let [roll, pitch, yaw] = best.rpy_deg.map(|a| (a * 1e6).round() / 1e6 + 0.0);
+        out += &format!(
+            "\nfor the cell:\n[work]\nworkpiece_mm = [{x}, {y}, {z}]\nworkpiece_rpy_deg = [{roll}, {pitch}, {yaw}]\n"
+        );
+    }
+    out += "\n";
+    for finding in &result.findings {
+        out += &finding_line(finding);
+    }
+    out
+}

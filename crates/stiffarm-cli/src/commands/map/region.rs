@@ -1,0 +1,131 @@
+//! The part of the workspace that a map or a search is about.
+
+use crate::args::{RegionArgs, Steps};
+use stiffarm::Result;
+use stiffarm::cell::Cell;
+use stiffarm::kinematics::Frames;
+use stiffarm::units::mm_to_m;
+use stiffarm::{Code, Error};
+
+/// Nodes along the longest side.
+const LINE: usize = 61;
+const BOX: usize = 31;
+const PLACES: usize = 11;
+/// Planes of a box across z.
+const PLANES: usize = 6;
+/// Corners of a region by the arm's reach are multiples of this \[m\].
+const ROUND: f64 = 0.1;
+
+/// A box with its nodes along x, y, z.
+pub struct Region {
+    /// Lower corner \[m\].
+    pub lower: [f64; 3],
+    /// Upper corner \[m\].
+    pub upper: [f64; 3],
+    /// Nodes.
+    pub steps: [usize; 3],
+}
+
+impl Region {
+    /// The region of a map.
+    ///
+    /// # Errors
+    /// An upside-down box.
+    pub fn of_map(cell: &Cell, args: &RegionArgs) -> Result<Self> {
+        let (lower, upper) = corners(cell, args)?;
+        let is_box = (0..3).all(|axis| lower[axis] < upper[axis]);
+        let steps = match args.steps {
+            None if is_box => {
+                let [x, y, _] = proportional(lower, upper, BOX);
+                [x, y, PLANES]
+            }
+            None => proportional(lower, upper, LINE),
+            Some(steps) => counted(lower, upper, steps),
+        };
+        Ok(Region {
+            lower,
+            upper,
+            steps,
+        })
+    }
+
+    /// The region for the origin of a workpiece: the plane through the given place
+    /// unless something else is asked for.
+    ///
+    /// # Errors
+    /// An upside-down box.
+    pub fn of_places(cell: &Cell, args: &RegionArgs) -> Result<Self> {
+        let (mut lower, mut upper) = corners(cell, args)?;
+        if args.plane.is_none() && args.from_mm.is_none() {
+            let height = cell.work.workpiece.translation.vector.z;
+            (lower[2], upper[2]) = (height, height);
+        }
+        let steps = args.steps.unwrap_or(Steps::Longest(PLACES));
+        Ok(Region {
+            lower,
+            upper,
+            steps: counted(lower, upper, steps),
+        })
+    }
+}
+
+fn corners(cell: &Cell, args: &RegionArgs) -> Result<([f64; 3], [f64; 3])> {
+    let (mut lower, mut upper) = match (args.from_mm, args.to_mm) {
+        (Some(from), Some(to)) => (from.map(mm_to_m), to.map(mm_to_m)),
+        _ => within_reach(cell),
+    };
+    if let Some(plane) = args.plane {
+        (lower[plane.axis], upper[plane.axis]) = (mm_to_m(plane.mm), mm_to_m(plane.mm));
+    }
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        if lower[axis] > upper[axis] {
+            return Err(Error::new(
+                Code::Usage,
+                format!("The region is upside down: --from-mm is above --to-mm along {name}."),
+            )
+            .key("--from-mm")
+            .hint("give the lower corner with --from-mm and the upper one with --to-mm"));
+        }
+    }
+    Ok((lower, upper))
+}
+
+/// The cell's box for tool points, else the cube about the shoulder that the
+/// stretched arm reaches, above the floor where there is one.
+fn within_reach(cell: &Cell) -> ([f64; 3], [f64; 3]) {
+    if let Some([lower, upper]) = cell.limits.tool_box {
+        return (lower.into(), upper.into());
+    }
+    let robot = &cell.setup.robot;
+    let frames = Frames::at_serial_angles(robot, &vec![0.0; robot.joint_count()]);
+    let origins = frames.origins();
+    let tip = frames.point(&cell.work.tip(&cell.setup.tool).translation.vector);
+    let ends = origins.iter().skip(1).chain([&tip]);
+    let reach: f64 = origins.iter().zip(ends).map(|(a, b)| (b - a).norm()).sum();
+    let centre = origins.first().copied().unwrap_or_default();
+    let [x, y, z]: [f64; 3] = centre.into();
+    let low = |v: f64| ((v - reach) / ROUND).floor() * ROUND;
+    let high = |v: f64| ((v + reach) / ROUND).ceil() * ROUND;
+    let floor = cell.limits.floor.unwrap_or(f64::NEG_INFINITY);
+    (
+        [low(x), low(y), low(z).max(floor)],
+        [high(x), high(y), high(z).max(floor)],
+    )
+}
+
+fn counted(lower: [f64; 3], upper: [f64; 3], steps: Steps) -> [usize; 3] {
+    match steps {
+        Steps::Longest(longest) => proportional(lower, upper, longest),
+        Steps::Each(each) => each,
+    }
+}
+
+/// Nodes about equally far from each other, `longest` along the longest side.
+fn proportional(lower: [f64; 3], upper: [f64; 3], longest: usize) -> [usize; 3] {
+    let sides: [f64; 3] = std::array::from_fn(|axis| upper[axis] - lower[axis]);
+    let most = sides.iter().copied().fold(0.0, f64::max);
+    sides.map(|side| match side > 0.0 && longest > 1 {
+        true => ((longest - 1) as f64 * side / most).round().max(1.0) as usize + 1,
+        false => 1,
+    })
+}

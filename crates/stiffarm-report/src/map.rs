@@ -1,0 +1,383 @@
+//! Stiffness maps as figures and a table.
+
+use crate::study::{Cell, Table};
+use crate::{Axis, Figure, Panel, Series, Style};
+use stiffarm::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
+
+/// Ratio of the largest to the smallest value from which on a colour bar is
+/// logarithmic.
+const WIDE: f64 = 10.0;
+/// Most planes of a box.
+const PLANES: usize = 9;
+/// Most strokes along the longer side of a plane.
+const STROKES: usize = 16;
+/// Length of a stroke in the plane, of the distance to the next one.
+const STROKE: f64 = 0.8;
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+/// What is not reachable, in the order of the legend.
+const REFUSED: [Status; 3] = [
+    Status::Forbidden,
+    Status::Unreachable,
+    Status::OutsideJointLimits,
+];
+
+/// One quantity of a map.
+struct Quantity {
+    /// Heading of its panel.
+    title: String,
+    /// Colour bar or vertical axis.
+    axis: Axis,
+    /// Its value at a node, in the unit of the axis.
+    value: fn(&NodeValues) -> Option<f64>,
+}
+
+/// A plane of the map: where it lies along the axis across it.
+struct Plane {
+    across: usize,
+    at: usize,
+    horizontal: usize,
+    vertical: usize,
+}
+
+impl Plane {
+    /// The map's nodes in it, by rows.
+    fn nodes<'m>(&self, map: &'m StiffnessMap) -> Vec<&'m MapNode> {
+        let axes = map.axes();
+        let mut nodes = Vec::new();
+        for row in 0..axes[self.vertical].len() {
+            for column in 0..axes[self.horizontal].len() {
+                let mut at = [0; 3];
+                at[self.across] = self.at;
+                at[self.vertical] = row;
+                at[self.horizontal] = column;
+                nodes.push(&map.nodes[map.index(at)]);
+            }
+        }
+        nodes
+    }
+}
+
+/// The map in pictures. Of a plane: deflection per newton, stiffness along the
+/// map's direction, and the stiffness of the softest direction with strokes along
+/// it (as long as it lies in the plane). Of a box: up to nine of its planes with
+/// the deflection per newton. Of a line: all three along it.
+pub fn map_figure(map: &StiffnessMap) -> Figure {
+    let axes = map.axes();
+    let long: Vec<usize> = (0..3).filter(|axis| axes[*axis].len() > 1).collect();
+    let quantities = quantities(map);
+    let (columns, panels) = match long[..] {
+        [_, _, _] => planes(map, &quantities[0]),
+        [horizontal, vertical] => {
+            let plane = Plane {
+                across: 3 - horizontal - vertical,
+                at: 0,
+                horizontal,
+                vertical,
+            };
+            let panels = quantities.iter().enumerate();
+            let panels = panels
+                .map(|(i, quantity)| panel(map, &plane, quantity, quantity.title.clone(), i == 2));
+            (3, panels.collect())
+        }
+        _ => {
+            let axis = long.first().copied().unwrap_or(0);
+            let panels = quantities.iter().map(|quantity| line(map, axis, quantity));
+            (3, panels.collect())
+        }
+    };
+    Figure {
+        id: "map".into(),
+        title: title(map),
+        caption: caption(map),
+        columns,
+        panels,
+    }
+}
+
+fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
+    let scaled = |label: &str, unit: &str, range: Option<MapRange>| match range {
+        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log(label, unit),
+        _ => Axis::linear(label, unit),
+    };
+    [
+        Quantity {
+            title: "deflection under the load".into(),
+            axis: scaled("deflection per newton", "µm/N", map.deflection_per_newton_m),
+            value: |v| Some(1e6 * v.deflection_per_newton_m),
+        },
+        Quantity {
+            title: format!("stiffness along {}", vector(map.direction)),
+            axis: scaled("stiffness", "N/µm", map.stiffness_n_per_m),
+            value: |v| v.stiffness_n_per_m.map(|k| 1e-6 * k),
+        },
+        Quantity {
+            title: "softest direction".into(),
+            axis: scaled("stiffness along it", "N/µm", map.softest_n_per_m),
+            value: |v| v.softest.stiffness_n_per_m.map(|k| 1e-6 * k),
+        },
+    ]
+}
+
+/// Components to two digits, without zeros behind the point.
+fn vector(v: [f64; 3]) -> String {
+    let parts = v.map(|c| ((c * 100.0).round() / 100.0 + 0.0).to_string());
+    format!("({})", parts.join(", ")).replace('-', "−")
+}
+
+fn title(map: &StiffnessMap) -> String {
+    let axes = map.axes();
+    let fixed: Vec<String> = (0..3)
+        .filter(|axis| axes[*axis].len() == 1)
+        .map(|axis| format!("{} = {} mm", AXES[axis], millimetres(axes[axis][0])))
+        .collect();
+    match fixed.is_empty() {
+        true => "Deflection of the tool tip under load".to_string(),
+        false => format!("Stiffness of the tool tip at {}", fixed.join(", ")),
+    }
+}
+
+fn caption(map: &StiffnessMap) -> String {
+    let force = map.force_n.map(|f| (f * 100.0).round() / 100.0);
+    let column = [0, 1, 2].map(|i| map.rotation[i][2]);
+    let turn = match map.free_turn {
+        Some(turns) => format!(", the best of {turns} turns about it"),
+        None => String::new(),
+    };
+    format!(
+        "Deflection per newton under a force of {} N on the robot at the tip, stiffness along {}, and stiffness \
+         along the softest direction, over the position of the tip in the base frame. Tool axis {}{turn}; at each \
+         place the posture that bends least. {} of {} places are reachable.",
+        vector(force),
+        vector(map.direction),
+        vector(column),
+        map.counts.reachable,
+        map.nodes.len()
+    )
+}
+
+fn millimetres(m: f64) -> String {
+    ((1e4 * m).round() / 10.0 + 0.0).to_string()
+}
+
+/// Planes of a box across its axis of fewest nodes, with one colour bar for all.
+fn planes(map: &StiffnessMap, quantity: &Quantity) -> (usize, Vec<Panel>) {
+    let axes = map.axes();
+    // Of equals the last: planes of z lie as the floor does.
+    let across = (0..3).rev().min_by_key(|axis| axes[*axis].len());
+    let across = across.unwrap_or(2);
+    let [horizontal, vertical] = match across {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    };
+    let all = axes[across].len();
+    let count = all.min(PLANES);
+    let places = (0..count).map(|i| match count {
+        1 => 0,
+        _ => i * (all - 1) / (count - 1),
+    });
+    let mut axis = quantity.axis.clone();
+    let values = map.nodes.iter().filter_map(|n| n.values.as_ref());
+    let values: Vec<f64> = values.filter_map(quantity.value).collect();
+    let ends = values.iter().fold([f64::INFINITY, 0.0], |[low, high], v| {
+        [v.min(low), v.max(high)]
+    });
+    if ends[0] < ends[1] {
+        axis = axis.with_range(ends[0], ends[1]);
+    }
+    let quantity = Quantity {
+        title: quantity.title.clone(),
+        axis,
+        value: quantity.value,
+    };
+    let panels = places.map(|at| {
+        let plane = Plane {
+            across,
+            at,
+            horizontal,
+            vertical,
+        };
+        let title = format!("{} = {} mm", AXES[across], millimetres(axes[across][at]));
+        panel(map, &plane, &quantity, title, false)
+    });
+    let panels: Vec<Panel> = panels.collect();
+    let columns = match panels.len() {
+        4 => 2,
+        n => n.min(3),
+    };
+    (columns, panels)
+}
+
+/// One plane with one quantity.
+fn panel(
+    map: &StiffnessMap,
+    plane: &Plane,
+    quantity: &Quantity,
+    title: String,
+    strokes: bool,
+) -> Panel {
+    let nodes = plane.nodes(map);
+    let place = |node: &MapNode, axis: usize| 1e3 * node.position_m[axis];
+    let places = |nodes: &[&MapNode]| -> [Vec<f64>; 2] {
+        [plane.horizontal, plane.vertical]
+            .map(|axis| nodes.iter().map(|n| place(n, axis)).collect())
+    };
+    let is_reached = |node: &&MapNode| node.status == Status::Reachable;
+    let reached: Vec<&MapNode> = nodes.iter().copied().filter(is_reached).collect();
+    let [x, y] = places(&reached);
+    let values = reached.iter().filter_map(|n| n.values.as_ref());
+    let values = values.map(|v| (quantity.value)(v).unwrap_or(f64::NAN));
+    let mut series = vec![
+        Series::new("", Style::Map, x, y).with_colour(quantity.axis.clone(), values.collect()),
+    ];
+    for status in REFUSED {
+        let refused = nodes.iter().copied().filter(|n| n.status == status);
+        let [x, y] = places(&refused.collect::<Vec<_>>());
+        if !x.is_empty() {
+            series.push(Series::new(status.describe(), Style::Map, x, y));
+        }
+    }
+    if strokes {
+        series.push(directions(map, plane));
+    }
+    let best = map.extremes.map(|e| &map.nodes[e.best]);
+    if let Some(best) = best.filter(|best| nodes.iter().any(|n| std::ptr::eq(*n, *best))) {
+        let [x, y] = places(&[best]);
+        series.push(Series::new("bends least", Style::Hollow, x, y));
+    }
+    let axis = |axis: usize| fitted(AXES[axis], map.axes()[axis]);
+    Panel {
+        title,
+        x: axis(plane.horizontal),
+        y: axis(plane.vertical),
+        series,
+        equal_aspect: true,
+    }
+}
+
+/// Strokes along the softest direction, on a grid of their own.
+fn directions(map: &StiffnessMap, plane: &Plane) -> Series {
+    let axes = map.axes();
+    let [columns, rows] = [plane.horizontal, plane.vertical].map(|axis| axes[axis].len());
+    let every = columns.max(rows).div_ceil(STROKES).max(1);
+    let spacing = |axis: usize| {
+        let steps = axes[axis];
+        1e3 * (steps[steps.len() - 1] - steps[0]) / (steps.len() - 1) as f64
+    };
+    let distance = spacing(plane.horizontal).min(spacing(plane.vertical)) * every as f64;
+    let half = 0.5 * STROKE * distance;
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for (i, node) in plane.nodes(map).into_iter().enumerate() {
+        let (row, column) = (i / columns, i % columns);
+        let Some(values) = &node.values else { continue };
+        if row % every != every / 2 || column % every != every / 2 {
+            continue;
+        }
+        for side in [-half, half] {
+            let end =
+                |axis: usize| 1e3 * node.position_m[axis] + side * values.softest.direction[axis];
+            x.push(end(plane.horizontal));
+            y.push(end(plane.vertical));
+        }
+    }
+    Series::new(
+        "softest direction, its part in the plane",
+        Style::Strokes,
+        x,
+        y,
+    )
+}
+
+/// A quantity along a line.
+fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
+    let values = map.nodes.iter().map(|node| {
+        let value = node.values.as_ref().and_then(quantity.value);
+        value.unwrap_or(f64::NAN)
+    });
+    // A gap is said by the legend, not by a count of lost values.
+    let pairs = map.axes()[axis].iter().zip(values);
+    let kept: Vec<(f64, f64)> = pairs
+        .filter(|(_, value)| value.is_finite())
+        .map(|(at, value)| (1e3 * at, value))
+        .collect();
+    let (x, y) = kept.into_iter().unzip();
+    Panel {
+        title: quantity.title.clone(),
+        x: Axis::linear(AXES[axis], "mm"),
+        y: quantity.axis.clone(),
+        series: vec![Series::new("", Style::Points, x, y)],
+        equal_aspect: false,
+    }
+}
+
+/// An axis in millimetres that ends where the outermost cells end.
+pub(crate) fn fitted(name: &str, metres: &[f64]) -> Axis {
+    let axis = Axis::linear(name, "mm");
+    let last = metres.len().saturating_sub(1);
+    if last == 0 {
+        return axis;
+    }
+    let half = 0.5 * (metres[last] - metres[0]) / last as f64;
+    axis.with_range(1e3 * (metres[0] - half), 1e3 * (metres[last] + half))
+}
+
+/// One row per node: x slowest, z fastest.
+pub fn map_table(map: &StiffnessMap) -> Table {
+    let mut headings: Vec<String> = [
+        "x_mm",
+        "y_mm",
+        "z_mm",
+        "status",
+        "reason",
+        "distance_mm",
+        "deflection_um_per_n",
+        "deflection_um",
+        "half_width_um",
+        "stiffness_n_per_um",
+        "softest_n_per_um",
+        "softest_x",
+        "softest_y",
+        "softest_z",
+        "k_jn",
+        "turn_deg",
+    ]
+    .map(String::from)
+    .to_vec();
+    let joints = map.nodes.iter().find_map(|n| n.values.as_ref());
+    let joints = joints.map_or(0, |v| v.q_deg.len());
+    headings.extend((1..=joints).map(|j| format!("q{j}_deg")));
+    let micro = |v: Option<f64>| Cell::Number(v.map(|v| 1e6 * v));
+    let rows = map.nodes.iter().map(|node| {
+        let values = node.values.as_ref();
+        let softest = values.map(|v| v.softest);
+        let stiffness = |k: Option<f64>| Cell::Number(k.map(|k| 1e-6 * k));
+        let mut row: Vec<Cell> = node.position_m.map(|p| shortest_mm(p).into()).to_vec();
+        row.extend([
+            node.status.describe().into(),
+            node.reason.clone().unwrap_or_default().into(),
+            Cell::Number(node.distance_m.map(|d| 1e3 * d)),
+            micro(values.map(|v| v.deflection_per_newton_m)),
+            micro(values.map(|v| v.deflection_m)),
+            micro(values.and_then(|v| v.half_width_m)),
+            stiffness(values.and_then(|v| v.stiffness_n_per_m)),
+            stiffness(softest.and_then(|s| s.stiffness_n_per_m)),
+        ]);
+        row.extend([0, 1, 2].map(|i| Cell::Number(softest.map(|s| s.direction[i]))));
+        row.push(values.and_then(|v| v.k_jn).into());
+        row.push(values.and_then(|v| v.turn_deg).into());
+        row.extend((0..joints).map(|j| Cell::Number(values.map(|v| v.q_deg[j]))));
+        row
+    });
+    Table {
+        id: "map".into(),
+        caption: "Stiffness and deflection of the tip over the workspace.".into(),
+        headings,
+        rows: rows.collect(),
+    }
+}
+
+/// Metres in millimetres, to a nanometre.
+pub(crate) fn shortest_mm(m: f64) -> f64 {
+    (1e9 * m).round() / 1e6 + 0.0
+}

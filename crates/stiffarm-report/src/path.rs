@@ -1,0 +1,130 @@
+//! Deflection along a path, before and after compensation, as a figure.
+
+use crate::{Axis, Figure, Panel, Series, Style};
+
+/// Most points that are drawn of a curve.
+const DRAWN: usize = 400;
+
+/// One point of a path, along its length.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PathCurvePoint {
+    /// Length of the path up to it \[m\].
+    pub along_m: f64,
+    /// Deflection without compensation \[m\].
+    pub deflection_m: f64,
+    /// Half width of the deflection's band \[m\].
+    pub half_width_m: Option<f64>,
+    /// What is left after compensation with its band: the error is below it at the
+    /// confidence of the bands \[m\].
+    pub left_m: Option<f64>,
+}
+
+/// Deflection along a path with its band (`confidence` as a fraction) and, where
+/// the points have it, what compensation leaves on a logarithmic scale below.
+///
+/// Of a long path the smallest and the largest value of each piece are drawn, so
+/// that no extreme is lost. Where the path has no length, points are numbered.
+pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure {
+    let moves = points.iter().any(|p| p.along_m > 0.0);
+    let along: Vec<f64> = match moves {
+        true => points.iter().map(|p| 1e3 * p.along_m).collect(),
+        false => (1..=points.len()).map(|i| i as f64).collect(),
+    };
+    let x = || match moves {
+        true => Axis::linear("way along the path", "mm"),
+        false => Axis::linear("point of the path", ""),
+    };
+    let curve = |value: &dyn Fn(&PathCurvePoint) -> Option<f64>| {
+        let values: Vec<Option<f64>> = points.iter().map(|p| value(p).map(|v| 1e3 * v)).collect();
+        thinned(&values)
+            .into_iter()
+            .filter_map(|i| Some((i, along[i], values[i]?)))
+            .collect::<Vec<(usize, f64, f64)>>()
+    };
+    let series = |label: &str, style, curve: &[(usize, f64, f64)]| {
+        let (x, y) = curve.iter().map(|(_, x, y)| (*x, *y)).unzip();
+        Series::new(label, style, x, y)
+    };
+    let deflection = curve(&|p| Some(p.deflection_m));
+    let mut first = Vec::new();
+    let widths: Option<Vec<f64>> = deflection
+        .iter()
+        .map(|(i, ..)| points[*i].half_width_m.map(|w| 1e3 * w))
+        .collect();
+    let level = confidence.map_or_else(
+        || "its band".to_string(),
+        |c| format!("its {} % band", (1000.0 * c).round() / 10.0),
+    );
+    if let Some(widths) = widths {
+        let band = series(
+            &format!("without compensation, {level}"),
+            Style::Band,
+            &deflection,
+        );
+        first.push(band.with_error(widths));
+    }
+    first.push(series("without compensation", Style::Curve, &deflection));
+    let panel = |title: &str, x, y, series| Panel {
+        title: title.into(),
+        x,
+        y,
+        series,
+        equal_aspect: false,
+    };
+    let mut panels = vec![panel("", x(), Axis::linear("deflection", "mm"), first)];
+    let left = curve(&|p| p.left_m);
+    if !left.is_empty() {
+        panels.push(panel(
+            "",
+            x(),
+            Axis::log("error of the path", "mm"),
+            vec![
+                series("without compensation", Style::Curve, &deflection),
+                series(
+                    "left after compensation, with its band",
+                    Style::Curve,
+                    &left,
+                ),
+            ],
+        ));
+    }
+    Figure {
+        id: "path".into(),
+        title: match panels.len() {
+            1 => "Deflection along the path".into(),
+            _ => "Deflection along the path, and what compensation leaves".into(),
+        },
+        caption: format!(
+            "Deflection of the tool tip along the path of {} points{}.",
+            points.len(),
+            match panels.len() {
+                1 => "",
+                _ => ", and the error that is left after compensation",
+            }
+        ),
+        columns: 1,
+        panels,
+    }
+}
+
+/// Indices of a curve to draw: of each piece its first, smallest and largest value.
+fn thinned(values: &[Option<f64>]) -> Vec<usize> {
+    let count = values.len();
+    if count <= DRAWN {
+        return (0..count).collect();
+    }
+    let pieces = DRAWN / 3;
+    let mut kept = Vec::with_capacity(DRAWN + 1);
+    for piece in 0..pieces {
+        let range = piece * count / pieces..(piece + 1) * count / pieces;
+        let size = |i: &usize| values[*i].unwrap_or(f64::NAN);
+        let known = || range.clone().filter(|i| values[*i].is_some());
+        kept.extend(range.clone().next());
+        kept.extend(known().min_by(|a, b| size(a).total_cmp(&size(b))));
+        kept.extend(known().max_by(|a, b| size(a).total_cmp(&size(b))));
+    }
+    kept.push(count - 1);
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}

@@ -1,0 +1,70 @@
+//! Stiffness over a region of the workspace, and the best place for a workpiece.
+//!
+//! A map holds the tip at the nodes of a grid, with one orientation, under one
+//! load. Each node has the posture that bends least among those that the arm,
+//! its limits and the cell's limits allow.
+
+mod follow;
+mod node;
+mod options;
+mod placement;
+mod prepared;
+mod reach;
+mod result;
+
+pub use node::{MapNode, NodeValues, Status};
+pub use options::MapOptions;
+pub use placement::{PlaceOptions, Placed, Placement, PlacementCandidate, place};
+pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
+
+use crate::cell::Cell;
+use crate::error::Result;
+use crate::jobs::in_order_watched;
+use crate::optimise::Control;
+use crate::predict::{ArmAtWork, Bands, Predictor};
+use node::evaluate;
+use reach::Reach;
+
+/// Maps what the tip does over the grid of `options`.
+///
+/// Stiffness is that of the loaded springs without K_C, the tip being free to
+/// turn; deflections are those of the exact equilibrium under the map's load. The
+/// values of a node are those that [`predict`](crate::predict::predict()) gives for
+/// its posture.
+///
+/// A node is allowed to the arm where a posture lies within the machine's limits
+/// and the cell's, which hold for the tip, the cell's tool points, the flange and
+/// the wrist; the rope's length is left out, for there is no rope at work.
+///
+/// # Errors
+/// A grid that is no grid, or larger than [`MapOptions::MOST`]; a load without
+/// force; an unknown without positive value; a load that buckles the arm;
+/// interrupted.
+pub fn stiffness_map(
+    cell: &Cell,
+    predictor: &Predictor,
+    options: &MapOptions,
+    control: Control<'_>,
+) -> Result<StiffnessMap> {
+    let axes = options.axes()?;
+    let arm = ArmAtWork::new(cell, predictor)?;
+    let bands = Bands::new(predictor, 0.0)?;
+    let reach = Reach::new(cell, &arm);
+    let mut positions = Vec::with_capacity(axes.iter().map(Vec::len).product());
+    for x in &axes[0] {
+        for y in &axes[1] {
+            positions.extend(axes[2].iter().map(|z| [*x, *y, *z]));
+        }
+    }
+    let rotations = options.rotations();
+    let nodes = in_order_watched(&positions, "mapping", control, |(_, position)| {
+        evaluate(&reach, bands.as_ref(), options, &rotations, *position)
+    })?;
+    Ok(result::summarise(
+        cell,
+        options,
+        axes,
+        nodes,
+        bands.map(|b| b.confidence),
+    ))
+}

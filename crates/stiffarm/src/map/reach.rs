@@ -1,0 +1,222 @@
+//! Which postures may hold the tip at a pose.
+
+use super::Status;
+use crate::cell::{Cell, LimitMargin, Limits};
+use crate::error::Result;
+use crate::findings::length;
+use crate::inverse::{InverseKinematics, Outcome};
+use crate::load::Wrench;
+use crate::observation::{PostureTerms, Setup};
+use crate::predict::ArmAtWork;
+use crate::tool::NamedPoint;
+use crate::units::rad_to_deg;
+use nalgebra::{Isometry3, Vector3};
+
+/// Deflections that differ by less than this share are equal: the two postures
+/// of a wrist bend alike but for rounding.
+const EQUAL: f64 = 1e-9;
+
+/// The better of two: what bends less, of equals what is farther from the limits.
+pub(super) fn is_better(size: f64, strain: f64, than: (f64, f64)) -> bool {
+    let (least, least_strain) = than;
+    match (size - least).abs() <= EQUAL * least {
+        true => strain < least_strain,
+        false => size < least,
+    }
+}
+
+/// The first value that is the smallest but for rounding.
+pub(super) fn first_smallest(values: impl Iterator<Item = (usize, f64)> + Clone) -> Option<usize> {
+    let least = values.clone().map(|(_, v)| v).fold(f64::INFINITY, f64::min);
+    let mut values = values;
+    let found = values.find(|(_, v)| v - least <= EQUAL * least.abs());
+    found.map(|(i, _)| i)
+}
+
+/// Why a posture, or a pose, is not allowed.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Refusal {
+    pub status: Status,
+    /// The sentence's part after "because".
+    pub reason: String,
+    /// How far: metres of an unreachable or forbidden pose.
+    pub distance: Option<f64>,
+    /// Of several refusals the one that lacks least is told.
+    excess: f64,
+}
+
+impl Refusal {
+    /// The nearer miss of two: what comes closest to being allowed.
+    pub(super) fn nearer(self, other: Option<Refusal>) -> Refusal {
+        match other {
+            Some(other) if other.rank() <= self.rank() => other,
+            _ => self,
+        }
+    }
+
+    /// Forbidden postures exist and are within the machine's limits; those outside
+    /// the limits at least exist.
+    fn rank(&self) -> (u8, f64) {
+        let kind = match self.status {
+            Status::Reachable => 0,
+            Status::Forbidden => 1,
+            Status::OutsideJointLimits => 2,
+            Status::Discontinuous => 3,
+            Status::Unreachable => 4,
+        };
+        (kind, self.excess)
+    }
+
+    /// A path that no branch goes along.
+    pub(super) fn discontinuous() -> Self {
+        Refusal {
+            status: Status::Discontinuous,
+            reason: "the posture cannot be followed: a singular posture, or another branch, lies between"
+                .to_string(),
+            distance: None,
+            excess: 0.0,
+        }
+    }
+}
+
+/// The arm with everything that forbids a posture.
+pub(super) struct Reach<'a> {
+    pub arm: &'a ArmAtWork,
+    pub inverse: InverseKinematics,
+    pub characteristic_length: Option<f64>,
+    /// The cell's tool points with the tip among them.
+    setup: Setup,
+    /// The cell's limits without the rope's length.
+    limits: Limits,
+    flange_in_tip: Isometry3<f64>,
+}
+
+impl<'a> Reach<'a> {
+    pub(super) fn new(cell: &Cell, arm: &'a ArmAtWork) -> Self {
+        let mut setup = cell.setup.clone();
+        if cell.work.tip.is_some() {
+            setup.tool.measuring_points.push(NamedPoint {
+                name: "tip".to_string(),
+                position: arm.tip().translation.vector,
+            });
+        }
+        Reach {
+            arm,
+            inverse: InverseKinematics::new(arm.robot()),
+            characteristic_length: cell.characteristic_length,
+            setup,
+            limits: Limits {
+                rope_length: None,
+                ..cell.limits.clone()
+            },
+            flange_in_tip: arm.tip().inverse(),
+        }
+    }
+
+    /// Pose of the flange with the tip at `tip`, base frame.
+    pub(super) fn flange(&self, tip: &Isometry3<f64>) -> Isometry3<f64> {
+        tip * self.flange_in_tip
+    }
+
+    /// The postures with the tip at `tip`, within the machine's limits or not, or
+    /// why there are none.
+    pub(super) fn postures(
+        &self,
+        tip: &Isometry3<f64>,
+    ) -> Result<std::result::Result<Vec<Vec<f64>>, Refusal>> {
+        Ok(match self.inverse.solve(&self.flange(tip))? {
+            Outcome::Reachable(branches) => Ok(branches.into_iter().map(|b| b.q).collect()),
+            Outcome::Unreachable(away) => Err(Refusal {
+                status: Status::Unreachable,
+                reason: match away.rotation_rad > 0.0 {
+                    true => "the arm does not reach this orientation".to_string(),
+                    false => format!("{} out of the arm's reach", length(away.distance_m)),
+                },
+                distance: Some(away.distance_m),
+                excess: away.distance_m,
+            }),
+        })
+    }
+
+    /// Why the posture `q` is not allowed, if it is not.
+    pub(super) fn refusal(&self, q: &[f64]) -> Result<Option<Refusal>> {
+        match self.outside(q) {
+            Some(refusal) => Ok(Some(refusal)),
+            None => self.forbidden(q),
+        }
+    }
+
+    /// How near `q` comes to the machine's limits: 0 in their middle, 1 at them.
+    pub(super) fn strain(&self, q: &[f64]) -> f64 {
+        let joints = self.arm.robot().joints().iter();
+        let share = joints.zip(q).map(|(joint, q)| {
+            let [low, high] = joint.limits;
+            let half = 0.5 * (high - low);
+            match half.is_finite() && half > 0.0 {
+                true => (q - 0.5 * (low + high)).abs() / half,
+                false => 0.0,
+            }
+        });
+        share.fold(0.0, f64::max)
+    }
+
+    /// The joint that leaves the machine's limits most.
+    pub(super) fn outside(&self, q: &[f64]) -> Option<Refusal> {
+        let robot = self.arm.robot();
+        robot.outside_limits(q)?;
+        let excess = |(j, angle): (usize, &f64)| {
+            let [low, high] = robot.joints()[j].limits;
+            (j, (low - angle).max(angle - high))
+        };
+        let (joint, excess) = q
+            .iter()
+            .enumerate()
+            .map(excess)
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(Refusal {
+            status: Status::OutsideJointLimits,
+            reason: format!(
+                "{} would leave its limits by {:.1}°",
+                robot.joints()[joint].name,
+                rad_to_deg(excess)
+            ),
+            distance: None,
+            excess,
+        })
+    }
+
+    /// The cell's limit that is violated most.
+    pub(super) fn forbidden(&self, q: &[f64]) -> Result<Option<Refusal>> {
+        if self.limits.is_empty() {
+            return Ok(None);
+        }
+        let unloaded = Wrench::force(Vector3::zeros());
+        let terms = PostureTerms::new(&self.setup, q, Some(&unloaded))?;
+        let mut margins = vec![0.0; self.limits.count(&self.setup)];
+        self.limits
+            .evaluate(&self.setup, &terms, &mut margins, None);
+        if margins.iter().all(|margin| *margin >= 0.0) {
+            return Ok(None);
+        }
+        // Names only for those that need words.
+        let smallest = self.limits.smallest(&self.setup, &terms);
+        let violated = smallest.filter(|margin| margin.margin < 0.0);
+        Ok(violated.map(
+            |LimitMargin {
+                 kind,
+                 point,
+                 margin,
+             }| Refusal {
+                status: Status::Forbidden,
+                reason: format!(
+                    "its {} violates {} by {}",
+                    point.strip_suffix(" tip").map_or(point.as_str(), |_| "tip"),
+                    kind.describe(),
+                    length(-margin)
+                ),
+                distance: Some(-margin),
+                excess: -margin,
+            },
+        ))
+    }
+}
