@@ -76,7 +76,7 @@ def fail(text):
     sys.exit(2)
 
 
-def inside_environment():
+def inside_environment(script=__file__):
     """True in the virtual environment with the pinned packages; makes it where it is missing."""
     python = ENVIRONMENT / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     stamp = ENVIRONMENT / "requirements.sha256"
@@ -100,7 +100,7 @@ def inside_environment():
         stamp.write_text(wanted)
     if Path(sys.prefix).resolve() == ENVIRONMENT.resolve():
         return True
-    command = [str(python), str(Path(__file__).resolve()), *sys.argv[1:]]
+    command = [str(python), str(Path(script).resolve()), *sys.argv[1:]]
     if os.name == "nt":
         sys.exit(subprocess.run(command, check=False).returncode)
     os.execv(command[0], command)

@@ -35,6 +35,7 @@ pub mod observation;
 pub mod optimise;
 pub mod path;
 pub mod posture;
+pub mod posture_path;
 pub mod predict;
 pub mod process;
 pub mod reduction;

@@ -1,0 +1,127 @@
+//! Commands that work on paths of the tool tip.
+
+use super::measured::ModelChoice;
+use clap::{Args, ValueEnum};
+use stiffarm::process::ForceAxes;
+
+/// The path, its loads and its postures.
+#[derive(Debug, Clone, Args)]
+pub struct PathArgs {
+    /// Axes of the forces in the path, where it has no column axes, and of --force-n
+    #[arg(long, value_name = "AXES")]
+    pub axes: Option<AxesChoice>,
+    /// Force on the robot's tip [N] where the path has none [default: the cell's [work]]
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
+    pub force_n: Vec<f64>,
+    /// Moment about the tip [N·m], with --force-n
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, requires = "force_n")]
+    pub moment_nm: Vec<f64>,
+    /// Standard uncertainty of the load at work [%]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub load_uncertainty_percent: f64,
+    /// Posture that the first one should be near [deg] [default: the branch that bends least]
+    #[arg(long, value_name = "Q1,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pub start_deg: Vec<f64>,
+    /// Largest change of a joint from one point to the next [deg]; more is a jump
+    #[arg(long, value_name = "X", default_value_t = 30.0)]
+    pub max_step_deg: f64,
+    /// The turn about the tool axis is free: take the postures that bend least
+    #[arg(long)]
+    pub free_turn: bool,
+    /// Turns about the tool axis that are tried at each point
+    #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u16).range(1..=3600))]
+    pub turns: u16,
+}
+
+#[derive(Debug, Args)]
+pub struct PredictArgs {
+    /// Cell file
+    pub cell: String,
+    /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's
+    #[arg(value_name = "STIFFNESS.json")]
+    pub stiffness: String,
+    /// Path or postures [default: the tasks of the cell]
+    #[arg(value_name = "PATH.csv")]
+    pub path: Option<String>,
+    /// How the loads and postures of the path are found.
+    #[command(flatten)]
+    pub along: PathArgs,
+    /// The cell's own [load] at its loading point instead of a load at the tip
+    #[arg(long, conflicts_with_all = ["force_n", "axes", "free_turn"])]
+    pub cell_load: bool,
+    /// How the deflection is calculated
+    #[arg(long, default_value = "equilibrium")]
+    pub model: ModelChoice,
+    /// Also the Cartesian stiffness matrix, with and without K_C, and its principal axes
+    #[arg(long)]
+    pub matrix: bool,
+    /// Write the deflections of all points to this table
+    #[arg(long, value_name = "predicted.csv")]
+    pub output: Option<String>,
+    /// Draw the deflection along the path with its band
+    #[arg(long, value_name = "predicted.svg")]
+    pub figure: Option<String>,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CompensateArgs {
+    /// Cell file
+    pub cell: String,
+    /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's
+    #[arg(value_name = "STIFFNESS.json")]
+    pub stiffness: String,
+    /// Path that the loaded tool should follow
+    #[arg(value_name = "PATH.csv")]
+    pub path: String,
+    /// How the loads and postures of the path are found.
+    #[command(flatten)]
+    pub along: PathArgs,
+    /// Write the path to command to this table, in the columns of the path
+    #[arg(long, value_name = "commanded.csv")]
+    pub output: Option<String>,
+    /// What the table holds [default: what the path holds]
+    #[arg(long, value_name = "WHAT", requires = "output")]
+    pub write: Option<WriteChoice>,
+    /// Draw the deflection along the path before and after
+    #[arg(long, value_name = "compensated.svg")]
+    pub figure: Option<String>,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Axes of a load at work.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum AxesChoice {
+    /// The robot's base
+    Base,
+    /// The tip frame
+    Tool,
+    /// The workpiece frame of the cell
+    Workpiece,
+    /// x the feed, z the tool axis
+    Path,
+}
+
+impl From<AxesChoice> for ForceAxes {
+    fn from(choice: AxesChoice) -> Self {
+        match choice {
+            AxesChoice::Base => ForceAxes::Base,
+            AxesChoice::Tool => ForceAxes::Tool,
+            AxesChoice::Workpiece => ForceAxes::Workpiece,
+            AxesChoice::Path => ForceAxes::Path,
+        }
+    }
+}
+
+/// What a commanded path holds.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum WriteChoice {
+    /// Controller angles
+    Angles,
+    /// Poses of the tip
+    Poses,
+}

@@ -1,0 +1,212 @@
+//! `stiffarm compensate`: the path to command so that the loaded tool follows
+//! the nominal one.
+
+use super::finding_line;
+use super::identify::confidence;
+use super::predict::{curve, largest_first};
+use crate::args::{CompensateArgs, WriteChoice};
+use crate::files::{Target, check_one_stdout, write_all};
+use crate::numbers::{mm, significant};
+use crate::output::Exit;
+use crate::path::{Followed, PathOptions};
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::table::{Align, Table, title};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::cell::Cell;
+use stiffarm::compensate::{CompensateOptions, Compensation, PointCompensation, compensate};
+use stiffarm::findings::Severity;
+use stiffarm::path::{PathPoint, Target as Aim};
+use stiffarm::posture_path::PosturePathSummary;
+use stiffarm::predict::{ArmAtWork, Predictor};
+use stiffarm::table::{PathFormat, PathKind, write_path};
+use stiffarm::units::deg_to_rad;
+use stiffarm::Result;
+use stiffarm_report::{path_figure, render_svg};
+
+/// Rows of the table on the terminal.
+const SHOWN: usize = 12;
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// The path, its loads and postures.
+    #[serde(flatten)]
+    pub path: PathOptions,
+}
+
+/// The commands and how the postures were found.
+#[derive(Serialize, JsonSchema)]
+pub struct Compensated {
+    /// The compensation.
+    #[serde(flatten)]
+    pub compensation: Compensation,
+    /// The postures of the nominal path.
+    pub postures: PosturePathSummary,
+}
+
+/// Compensates.
+pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
+    let output = args.output.as_deref().map(|p| Target::new(p, args.force)).transpose()?;
+    let figure = args.figure.as_deref().map(|p| Target::new(p, args.force)).transpose()?;
+    check_one_stdout(session, &[output.as_ref(), figure.as_ref()])?;
+    let named = session.read_cell(&args.cell)?;
+    let cell = &named.cell;
+    let saved = session.read_stiffness(&args.stiffness, cell)?;
+    let options = CompensateOptions {
+        load_uncertainty: args.along.load_uncertainty()?,
+        measured_up_to: saved.largest_displacement,
+    };
+    let progress = Progress::new(session, "compensating the path");
+    let followed =
+        session.follow_path(&args.path, cell, &saved.predictor, &args.along, &progress)?;
+    let result = progress
+        .watch(|control| compensate(cell, &saved.predictor, &followed.postures, &options, control))
+        .map_err(|e| match e.place().line {
+            Some(_) => e.file(&followed.name),
+            None => e,
+        })?;
+    drop(progress);
+    let mut files = Vec::new();
+    let on_stdout = [&output, &figure].iter().any(|t| t.as_ref().is_some_and(Target::is_stdout));
+    if let Some(target) = output {
+        let text = commanded(cell, &saved.predictor, &followed, &result, args.write)?;
+        files.push((target, text));
+    }
+    if let Some(target) = figure {
+        let points = result.points.iter();
+        let curve = curve(
+            points.map(|p| (p.uncompensated_m, p.band.map(|b| b.size_m[3]), Some(p.residual_m))),
+            &followed.postures,
+            cell,
+        );
+        files.push((target, render_svg(&path_figure(&curve))));
+    }
+    write_all(session, &files)?;
+    let described = Options {
+        path: args.along.described(),
+    };
+    let result = Compensated {
+        compensation: result,
+        postures: followed.summary.clone(),
+    };
+    let envelope = session.envelope("compensate", None, described, &result);
+    let other = saved.is_of_another_cell(envelope.inputs.get("cell"));
+    if on_stdout {
+        return Ok(exit(&result));
+    }
+    session.show(&envelope, || {
+        let mut out = named.line() + &saved.line() + &followed.line();
+        if other {
+            out += "note: the stiffness was identified with another version of this cell\n";
+        }
+        out + &table(&result.compensation) + &notes(&result) + &wrote(args)
+    })?;
+    Ok(exit(&result))
+}
+
+fn exit(result: &Compensated) -> Exit {
+    let all = result.compensation.findings.iter().chain(&result.postures.findings);
+    Exit::finding(all.clone().any(|f| f.severity == Severity::Serious))
+}
+
+fn wrote(args: &CompensateArgs) -> String {
+    let files = [&args.output, &args.figure];
+    let names: Vec<&str> = files.into_iter().flatten().map(String::as_str).collect();
+    match names.is_empty() {
+        true => "\n`--output commanded.csv` writes the path to command.\n".to_string(),
+        false => format!("\nwrote {}\n", names.join(" and ")),
+    }
+}
+
+/// The path to command, in the columns of the path or as `write` says.
+fn commanded(
+    cell: &Cell,
+    predictor: &Predictor,
+    followed: &Followed,
+    result: &Compensation,
+    write: Option<WriteChoice>,
+) -> Result<String> {
+    let read: &PathFormat = &followed.table.format;
+    let format = match write {
+        None => read.clone(),
+        Some(WriteChoice::Angles) => read.angles(cell),
+        Some(WriteChoice::Poses) => read.poses(cell),
+    };
+    let arm = ArmAtWork::new(cell, predictor)?;
+    let points: Vec<PathPoint> = followed
+        .table
+        .points
+        .iter()
+        .zip(&result.points)
+        .map(|(point, found)| {
+            let q: Vec<f64> = found.command_deg.iter().copied().map(deg_to_rad).collect();
+            PathPoint {
+                target: match format.kind() {
+                    PathKind::Angles => Aim::Angles(q),
+                    _ => Aim::Pose(arm.tip_pose(&q)),
+                },
+                ..point.clone()
+            }
+        })
+        .collect();
+    write_path(&format, &points)
+}
+
+fn table(result: &Compensation) -> String {
+    let rows = largest_first(&result.points, |p| p.correction_size_m, SHOWN);
+    let mut out = match rows.len() < result.points.len() {
+        true => title(&format!("The {SHOWN} largest corrections [mm]")),
+        false => title("Corrections [mm]"),
+    };
+    let mut headings = vec!["point", "without", "correction x", "y", "z", "left by the model"];
+    let band = result.confidence.map(|c| format!("± {} %", confidence(c)));
+    headings.extend(band.as_deref());
+    let mut table = Table::new(headings);
+    table.align(0, Align::Left);
+    for PointCompensation {
+        point,
+        uncompensated_m,
+        correction_m: c,
+        residual_m,
+        band,
+        ..
+    } in rows
+    {
+        let mut row = vec![point.clone(), mm(*uncompensated_m)];
+        row.extend(c.iter().map(|v| mm(*v)));
+        row.push(tiny(*residual_m));
+        row.extend(band.map(|b| mm(b.size_m[3])));
+        table.row(row);
+    }
+    out += &table.to_string();
+    out += &format!(
+        "\nWithout compensation: deflection RMS {} mm, largest {} mm.\nWith it, by the same model: RMS {} mm, largest {} mm.\n",
+        mm(result.uncompensated_rms_m),
+        mm(result.uncompensated_max_m),
+        tiny(result.residual_rms_m),
+        tiny(result.residual_max_m)
+    );
+    if let (Some(error), Some(factor)) = (result.error_rms_m, result.expected_factor) {
+        out += &format!(
+            "Expected on the arm, as far as the bands know: RMS {} mm, {} times less than without.\n",
+            mm(error),
+            significant(factor, 2)
+        );
+    }
+    out
+}
+
+/// Lengths far below what anybody measures.
+fn tiny(m: f64) -> String {
+    match m < 1e-9 {
+        true => "< 1e-6".to_string(),
+        false => mm(m),
+    }
+}
+
+fn notes(result: &Compensated) -> String {
+    let all = result.postures.findings.iter().chain(&result.compensation.findings);
+    all.map(finding_line).collect()
+}

@@ -1,0 +1,203 @@
+//! What predict and compensate share: a path, its loads and its postures.
+
+use crate::args::PathArgs;
+use crate::numbers::significant;
+use crate::progress::Progress;
+use crate::session::Session;
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::cell::Cell;
+use stiffarm::inverse::InverseKinematics;
+use stiffarm::path::LoadedPosture;
+use stiffarm::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
+use stiffarm::predict::{ArmAtWork, Predictor};
+use stiffarm::process::{ForceAxes, TipLoad};
+use stiffarm::table::{PathTable, read_path};
+use stiffarm::units::{deg_to_rad, percent_to_fraction};
+use stiffarm::{Code, Error, Result};
+use nalgebra::Vector3;
+
+/// Options of the result that concern the path.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PathOptions {
+    /// Axes of the forces in the path and of the load below.
+    pub axes: Option<ForceAxes>,
+    /// Force where the path has none \[N\].
+    pub force_n: Option<[f64; 3]>,
+    /// Moment where the path has none \[N·m\].
+    pub moment_nm: Option<[f64; 3]>,
+    /// Standard uncertainty of the load \[%\].
+    pub load_uncertainty_percent: f64,
+    /// Posture to start near \[deg\].
+    pub start_deg: Option<Vec<f64>>,
+    /// Largest change of a joint from point to point \[deg\].
+    pub max_step_deg: f64,
+    /// Whether the turn about the tool axis was free.
+    pub free_turn: bool,
+    /// Turns about the tool axis that were tried.
+    pub turns: u16,
+}
+
+impl PathArgs {
+    /// The options as the result holds them.
+    pub fn described(&self) -> PathOptions {
+        let three = |v: &[f64]| <[f64; 3]>::try_from(v).ok();
+        PathOptions {
+            axes: self.axes.map(ForceAxes::from),
+            force_n: three(&self.force_n),
+            moment_nm: three(&self.moment_nm),
+            load_uncertainty_percent: self.load_uncertainty_percent,
+            start_deg: (!self.start_deg.is_empty()).then(|| self.start_deg.clone()),
+            max_step_deg: self.max_step_deg,
+            free_turn: self.free_turn,
+            turns: self.turns,
+        }
+    }
+
+    /// Relative standard uncertainty of the load.
+    ///
+    /// # Errors
+    /// A negative number, or one that is not finite.
+    pub fn load_uncertainty(&self) -> Result<f64> {
+        let percent = self.load_uncertainty_percent;
+        match percent.is_finite() && percent >= 0.0 {
+            true => Ok(percent_to_fraction(percent)),
+            false => Err(usage(
+                "--load-uncertainty-percent",
+                format!("{percent} % is no uncertainty: a number of 0 or above is needed."),
+            )),
+        }
+    }
+
+    /// The load of the command line, if there is one.
+    fn load(&self) -> Result<Option<TipLoad>> {
+        if self.force_n.is_empty() {
+            return Ok(None);
+        }
+        let Some(axes) = self.axes else {
+            let error = usage("--force-n", "The force has no frame.".to_string());
+            return Err(error.hint("say its axes: --axes base, tool, workpiece or path"));
+        };
+        Ok(Some(TipLoad {
+            force: vector("--force-n", &self.force_n)?,
+            moment: match self.moment_nm.is_empty() {
+                true => Vector3::zeros(),
+                false => vector("--moment-nm", &self.moment_nm)?,
+            },
+            axes: axes.into(),
+        }))
+    }
+
+    /// Options of the search for postures; the load of the command line comes
+    /// before that of the cell.
+    ///
+    /// # Errors
+    /// Anything wrong with the numbers of the command line.
+    pub fn posture_options(&self, cell: &Cell) -> Result<PosturePathOptions> {
+        let joints = cell.setup.robot.joint_count();
+        if !self.start_deg.is_empty()
+            && (self.start_deg.len() != joints || self.start_deg.iter().any(|a| !a.is_finite()))
+        {
+            return Err(usage(
+                "--start-deg",
+                format!("The start needs {joints} angles in degrees, one per joint."),
+            ));
+        }
+        if !(self.max_step_deg.is_finite() && self.max_step_deg > 0.0) {
+            return Err(usage(
+                "--max-step-deg",
+                format!("{}° is no step: an angle above 0° is needed.", self.max_step_deg),
+            ));
+        }
+        let process = match self.load()? {
+            Some(load) => Some(load),
+            None => cell.work.process.as_ref().map(|p| p.load()),
+        };
+        let start = self.start_deg.iter().copied().map(deg_to_rad).collect();
+        Ok(PosturePathOptions {
+            start: (!self.start_deg.is_empty()).then_some(start),
+            largest_step: deg_to_rad(self.max_step_deg),
+            free_turn: self.free_turn,
+            turns: usize::from(self.turns),
+            process,
+            workpiece: cell.work.workpiece,
+        })
+    }
+}
+
+fn usage(key: &str, message: String) -> Error {
+    Error::new(Code::Usage, message).key(key)
+}
+
+fn vector(key: &str, values: &[f64]) -> Result<Vector3<f64>> {
+    match values {
+        [x, y, z] if values.iter().all(|v| v.is_finite()) => Ok(Vector3::new(*x, *y, *z)),
+        _ => Err(usage(key, "Three numbers are needed: x,y,z.".to_string())),
+    }
+}
+
+/// A path with its postures.
+pub struct Followed {
+    /// The path as it was read.
+    pub table: PathTable,
+    /// Its name.
+    pub name: String,
+    /// Postures with their loads.
+    pub postures: Vec<LoadedPosture>,
+    /// How they were found.
+    pub summary: PosturePathSummary,
+}
+
+impl Followed {
+    /// Line about the path below those of cell and stiffness.
+    pub fn line(&self) -> String {
+        let count = match self.postures.len() {
+            1 => "1 point".to_string(),
+            count => format!("{count} points"),
+        };
+        let origin = match self.summary.origin {
+            Origin::Given => "joint angles as given",
+            Origin::ClosedForm => "postures by inverse kinematics in closed form",
+            Origin::Numeric => "postures by inverse kinematics, iterated",
+        };
+        format!(
+            "path: {} ({count}; {origin}, largest step of a joint {}°)\n",
+            self.name,
+            significant(self.summary.largest_step_deg, 3)
+        )
+    }
+}
+
+impl Session {
+    /// Reads a path and finds its postures.
+    ///
+    /// # Errors
+    /// A file that cannot be read, anything wrong with its table, and what
+    /// [`posture_path`] refuses.
+    pub fn follow_path(
+        &self,
+        from: &str,
+        cell: &Cell,
+        predictor: &Predictor,
+        args: &PathArgs,
+        progress: &Progress,
+    ) -> Result<Followed> {
+        let options = args.posture_options(cell)?;
+        let (name, bytes) = self.read("path", from)?;
+        let table = read_path(&bytes, &name, cell, args.axes.map(ForceAxes::from))?;
+        let arm = ArmAtWork::new(cell, predictor)?;
+        let inverse = InverseKinematics::new(&cell.setup.robot);
+        let (postures, summary) = progress
+            .watch(|control| posture_path(&arm, &inverse, &table.points, &options, control))
+            .map_err(|e| match e.place().line {
+                Some(_) => e.file(&name),
+                None => e,
+            })?;
+        Ok(Followed {
+            table,
+            name,
+            postures,
+            summary,
+        })
+    }
+}

@@ -1,0 +1,399 @@
+//! Paths with a free turn about the tool axis: the cheapest way through the
+//! turns and branches of all points.
+
+use super::{Search, change, turned};
+use crate::error::{Code, Error, Result};
+use crate::inverse::{Method, Outcome};
+use crate::jobs::in_order_watched;
+use crate::load::Wrench;
+use crate::optimise::Control;
+use crate::path::feed_axes;
+use crate::process::ForceAxes;
+use nalgebra::Isometry3;
+use std::f64::consts::{PI, TAU};
+
+/// Most points at which turns are chosen; between them they are interpolated.
+const KNOTS: usize = 400;
+/// Cost of a radian squared between two knots, in the mean squared deflection of
+/// the best postures: half a radian costs a tenth of a point's share, so that
+/// large motions are made only where they pay, and in many small steps.
+const SMOOTH: f64 = 0.4;
+/// Finer grids about the way found, and turns on either side of it.
+const REFINEMENTS: usize = 3;
+const BESIDE: i32 = 4;
+/// Full turns of joints that are kept at a node.
+const FULL_TURNS: usize = 4;
+
+/// The way found.
+pub(super) struct Found {
+    pub(super) q: Vec<Vec<f64>>,
+    /// Turns about the tool axis \[rad\].
+    pub(super) turns: Vec<f64>,
+}
+
+/// A posture that may be taken at a knot.
+#[derive(Debug, Clone)]
+struct Node {
+    q: Vec<f64>,
+    /// Turn about the tool axis \[rad\].
+    turn: f64,
+    /// Squared deflection \[m²\].
+    cost: f64,
+}
+
+/// Postures with the tip at `poses` up to a turn about z. `given` is a way that
+/// is known, which the result may not be worse than at the knots.
+pub(super) fn postures(
+    search: &Search<'_>,
+    poses: &[Isometry3<f64>],
+    given: Option<&[Vec<f64>]>,
+    control: Control<'_>,
+) -> Result<Found> {
+    let knots = knots(poses);
+    let feeds = feed_axes(poses);
+    let wrench = |i: usize, tip: &Isometry3<f64>| wrench(search, i, tip, &feeds);
+    let count = search.options.turns.max(1);
+    let spacing = TAU / count as f64;
+    let closed = search.inverse.method() == Method::ClosedForm;
+    let mut layers: Vec<Vec<Node>> = match closed {
+        true => in_order_watched(&knots, "turns about the tool axis", control, |(_, &i)| {
+            let mut layer = Vec::new();
+            for k in 0..count {
+                let turn = wrapped(k as f64 * spacing);
+                let tip = turned(&poses[i], turn);
+                if let Outcome::Reachable(branches) = search
+                    .inverse
+                    .solve(&search.flange(&tip))
+                    .map_err(|e| search.at(i, e))?
+                {
+                    let load = wrench(i, &tip)?;
+                    for branch in branches {
+                        add(search, &mut layer, &branch.q, turn, &load)?;
+                    }
+                }
+            }
+            Ok(layer)
+        })?,
+        false => swept(search, poses, &knots, spacing, count, &wrench, control)?,
+    };
+    if let Some(given) = given {
+        for (layer, &i) in layers.iter_mut().zip(&knots) {
+            let load = wrench(i, &poses[i])?;
+            let cost = search.deflection(&given[i], &load)?.powi(2);
+            layer.push(Node {
+                q: given[i].clone(),
+                turn: 0.0,
+                cost,
+            });
+        }
+    }
+    for (layer, &i) in layers.iter().zip(&knots) {
+        if layer.is_empty() {
+            // Some turn was tried: say why the first one fails.
+            let flange = search.flange(&poses[i]);
+            let middle: Vec<f64> = search
+                .arm
+                .robot()
+                .joints()
+                .iter()
+                .map(|j| j.limits[0])
+                .collect();
+            let error = search.inverse.nearest(&flange, &middle).err();
+            let error = error.unwrap_or_else(|| {
+                Error::new(
+                    Code::OutsideLimits,
+                    "no turn about the tool axis is within the limits.",
+                )
+            });
+            return Err(search.named(i, &error));
+        }
+    }
+    let least = layers
+        .iter()
+        .map(|l| l.iter().map(|n| n.cost).fold(f64::INFINITY, f64::min));
+    let smooth = SMOOTH * least.sum::<f64>() / layers.len() as f64;
+    let mut way = cheapest(search, &layers, &knots, smooth, control)?;
+    let mut finer = spacing;
+    for _ in 0..REFINEMENTS {
+        finer /= f64::from(BESIDE);
+        let around: Vec<(usize, Node)> = knots.iter().copied().zip(way.iter().cloned()).collect();
+        layers = in_order_watched(&around, "finer turns", control, |(_, (i, node))| {
+            let mut layer = vec![node.clone()];
+            for side in -BESIDE..=BESIDE {
+                let turn = node.turn + f64::from(side) * finer;
+                let tip = turned(&poses[*i], turn);
+                // Where the branch ends nearby there is nothing to refine.
+                let Ok(q) = search.inverse.follow(&search.flange(&tip), &node.q) else {
+                    continue;
+                };
+                if side != 0 && search.arm.robot().outside_limits(&q).is_none() {
+                    let cost = search.deflection(&q, &wrench(*i, &tip)?)?.powi(2);
+                    layer.push(Node { q, turn, cost });
+                }
+            }
+            Ok(layer)
+        })?;
+        way = cheapest(search, &layers, &knots, smooth, control)?;
+    }
+    between(search, poses, &knots, &way)
+}
+
+/// The points at which turns are chosen: all, or so many evenly along the path.
+fn knots(poses: &[Isometry3<f64>]) -> Vec<usize> {
+    let count = poses.len();
+    if count <= KNOTS {
+        return (0..count).collect();
+    }
+    let mut along = vec![0.0];
+    for pair in poses.windows(2) {
+        let step = (pair[1].translation.vector - pair[0].translation.vector).norm();
+        // A turn on the spot is a way, too.
+        let step = step + 1e-3 * pair[0].rotation.angle_to(&pair[1].rotation);
+        along.push(along[along.len() - 1] + step);
+    }
+    let length = along[count - 1];
+    let mut knots: Vec<usize> = (0..KNOTS)
+        .map(|k| along.partition_point(|s| *s < length * k as f64 / (KNOTS - 1) as f64))
+        .map(|i| i.min(count - 1))
+        .collect();
+    knots[0] = 0;
+    knots[KNOTS - 1] = count - 1;
+    knots.dedup();
+    knots
+}
+
+/// The load of point `i` with the tip at `tip`; the feed does not depend on the turn.
+fn wrench(
+    search: &Search<'_>,
+    i: usize,
+    tip: &Isometry3<f64>,
+    feeds: &[Option<nalgebra::Rotation3<f64>>],
+) -> Result<Wrench> {
+    let point = &search.points[i];
+    let load = point.load.as_ref().or(search.options.process.as_ref());
+    if let (Some(load), Some(axes)) = (load, &feeds[i])
+        && load.axes == ForceAxes::Path
+    {
+        return Ok(Wrench {
+            force: axes * load.force,
+            moment: axes * load.moment,
+        });
+    }
+    let one = crate::path::tip_wrenches(
+        std::slice::from_ref(point),
+        std::slice::from_ref(tip),
+        search.options.process.as_ref(),
+        &search.options.workpiece,
+    )?;
+    Ok(one[0])
+}
+
+/// Adds the full turns of `q` that are within the limits.
+fn add(
+    search: &Search<'_>,
+    layer: &mut Vec<Node>,
+    q: &[f64],
+    turn: f64,
+    load: &Wrench,
+) -> Result<()> {
+    let mut turns = search.inverse.turns_within_limits(q);
+    if turns.is_empty() {
+        return Ok(());
+    }
+    let joints = search.arm.robot().joints();
+    let far = |q: &Vec<f64>| -> f64 {
+        let ranges = q.iter().zip(joints);
+        let from_middle = ranges.map(|(a, j)| (a - 0.5 * (j.limits[0] + j.limits[1])).abs());
+        from_middle.fold(0.0, f64::max)
+    };
+    turns.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    let cost = search.deflection(&turns[0], load)?.powi(2);
+    for q in turns.into_iter().take(FULL_TURNS) {
+        layer.push(Node { q, turn, cost });
+    }
+    Ok(())
+}
+
+/// Nodes of an arm without closed form: postures of the first knot, swept over
+/// the turns and then from knot to knot.
+fn swept(
+    search: &Search<'_>,
+    poses: &[Isometry3<f64>],
+    knots: &[usize],
+    spacing: f64,
+    count: usize,
+    wrench: &dyn Fn(usize, &Isometry3<f64>) -> Result<Wrench>,
+    control: Control<'_>,
+) -> Result<Vec<Vec<Node>>> {
+    let inside = |q: &[f64]| search.arm.robot().outside_limits(q).is_none();
+    let step = |i: usize, turn: f64, from: &[f64]| -> Result<Option<Node>> {
+        let tip = turned(&poses[i], turn);
+        let Ok(q) = search.inverse.follow(&search.flange(&tip), from) else {
+            return Ok(None);
+        };
+        if !inside(&q) || change(from, &q).1 > search.options.largest_step {
+            return Ok(None);
+        }
+        let cost = search.deflection(&q, &wrench(i, &tip)?)?.powi(2);
+        Ok(Some(Node { q, turn, cost }))
+    };
+    let mut first: Vec<Node> = Vec::new();
+    for q in search.branches(0, &poses[0])?.iter().filter(|q| inside(q)) {
+        for sign in [1.0, -1.0] {
+            let mut from = q.clone();
+            for k in 0..=count / 2 {
+                let Some(node) = step(0, sign * k as f64 * spacing, &from)? else {
+                    break;
+                };
+                from.clone_from(&node.q);
+                first.push(node);
+            }
+        }
+    }
+    let mut layers = vec![first];
+    for (k, &i) in knots.iter().enumerate().skip(1) {
+        if control.stopped() {
+            return Err(Error::new(Code::Interrupted, "Interrupted."));
+        }
+        let mut layer = Vec::new();
+        for node in &layers[k - 1] {
+            layer.extend(step(i, node.turn, &node.q)?);
+        }
+        layers.push(layer);
+        control.report("turns about the tool axis", k, knots.len());
+    }
+    Ok(layers)
+}
+
+/// The cheapest way through the layers without a jump.
+fn cheapest(
+    search: &Search<'_>,
+    layers: &[Vec<Node>],
+    knots: &[usize],
+    smooth: f64,
+    control: Control<'_>,
+) -> Result<Vec<Node>> {
+    let mut sums: Vec<f64> = layers[0]
+        .iter()
+        .map(|n| n.cost + from_start(search, n))
+        .collect();
+    let mut back: Vec<Vec<u32>> = vec![Vec::new()];
+    for (k, pair) in layers.windows(2).enumerate() {
+        if control.stopped() {
+            return Err(Error::new(Code::Interrupted, "Interrupted."));
+        }
+        let (from, to) = (&pair[0], &pair[1]);
+        // Neighbours in the first joint: only these can be near in all of them.
+        let mut order: Vec<u32> = (0..from.len() as u32).collect();
+        let first = |a: &u32| from[*a as usize].q[0];
+        order.sort_by(|a, b| first(a).total_cmp(&first(b)));
+        let reach = search.options.largest_step;
+        let indices: Vec<usize> = (0..to.len()).collect();
+        let steps = crate::jobs::in_order(&indices, |(_, &b)| {
+            let node = &to[b];
+            let begin = order.partition_point(|a| first(a) < node.q[0] - reach);
+            let mut best = (f64::INFINITY, u32::MAX);
+            for &a in order[begin..]
+                .iter()
+                .take_while(|a| first(a) <= node.q[0] + reach)
+            {
+                let sum = sums[a as usize];
+                if sum >= best.0 {
+                    continue;
+                }
+                let before = &from[a as usize].q;
+                if change(before, &node.q).1 > reach {
+                    continue;
+                }
+                let way: f64 = before
+                    .iter()
+                    .zip(&node.q)
+                    .map(|(a, b)| (a - b).powi(2))
+                    .sum();
+                let total = sum + smooth * way;
+                if total < best.0 {
+                    best = (total, a);
+                }
+            }
+            Ok((best.0 + node.cost, best.1))
+        })?;
+        sums = steps.iter().map(|s| s.0).collect();
+        back.push(steps.into_iter().map(|s| s.1).collect());
+        if sums.iter().all(|s| s.is_infinite()) {
+            let (before, i) = (knots[k], knots[k + 1]);
+            let message = format!(
+                "From point {} to {} every posture jumps, whatever the turn about the tool axis.",
+                search.points[before].name, search.points[i].name
+            );
+            let error = Error::new(Code::InvalidValue, message)
+                .hint("give more points between these two, or allow larger steps");
+            return Err(search.at(i, error));
+        }
+    }
+    let mut at = (0..sums.len())
+        .min_by(|a, b| sums[*a].total_cmp(&sums[*b]))
+        .unwrap_or(0);
+    let mut way = Vec::with_capacity(layers.len());
+    for (layer, back) in layers.iter().zip(&back).rev() {
+        way.push(layer[at].clone());
+        at = back.get(at).map_or(0, |a| *a as usize);
+    }
+    way.reverse();
+    Ok(way)
+}
+
+/// Keeps the first posture near the wanted one, where one is.
+fn from_start(search: &Search<'_>, node: &Node) -> f64 {
+    match &search.options.start {
+        Some(start) if change(start, &node.q).1 > PI / 2.0 => f64::MAX / 4.0,
+        _ => 0.0,
+    }
+}
+
+/// All points: turns interpolated between the knots, postures followed.
+fn between(
+    search: &Search<'_>,
+    poses: &[Isometry3<f64>],
+    knots: &[usize],
+    way: &[Node],
+) -> Result<Found> {
+    let mut found = Found {
+        q: vec![way[0].q.clone()],
+        turns: vec![way[0].turn],
+    };
+    for (pair, nodes) in knots.windows(2).zip(way.windows(2)) {
+        let (start, end) = (pair[0], pair[1]);
+        // The short way round.
+        let arc = wrapped(nodes[1].turn - nodes[0].turn);
+        for i in start + 1..end {
+            let share = (i - start) as f64 / (end - start) as f64;
+            let turn = nodes[0].turn + share * arc;
+            let last = &found.q[i - 1];
+            let q = search
+                .inverse
+                .follow(&search.flange(&turned(&poses[i], turn)), last)
+                .map_err(|e| search.named(i, &e))?;
+            if search.arm.robot().outside_limits(&q).is_some()
+                || change(last, &q).1 > search.options.largest_step
+            {
+                let error = Error::new(
+                    Code::OutsideLimits,
+                    "between two points with postures that suit, the arm meets a limit or jumps.",
+                )
+                .hint("give the path in parts, or with fewer points");
+                return Err(search.named(i, &error));
+            }
+            found.q.push(q);
+            found.turns.push(turn);
+        }
+        found.q.push(nodes[1].q.clone());
+        found.turns.push(nodes[1].turn);
+    }
+    Ok(found)
+}
+
+/// An angle in (−π, π].
+fn wrapped(angle: f64) -> f64 {
+    let turn = angle.rem_euclid(TAU);
+    if turn > PI { turn - TAU } else { turn }
+}

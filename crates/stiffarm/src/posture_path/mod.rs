@@ -1,0 +1,365 @@
+//! Postures along a path: one branch of the arm without a jump, and, where the
+//! turn about the tool axis is free, the postures that bend least.
+//!
+//! The idea to spend a free turn on stiffness is that of Y. Guo, H. Dong, Y. Ke,
+//! *Stiffness-oriented posture optimization in robotic machining applications*,
+//! Robot. Comput.-Integr. Manuf. 35, 2015, 69–76, doi:10.1016/j.rcim.2015.02.006.
+//! They maximise the volume of a stiffness ellipsoid point by point; here the
+//! deflection under the load of each point is minimised along the whole path.
+
+mod free_turn;
+mod tracks;
+
+use crate::error::{Code, Error, Result};
+use crate::findings::{Finding, Severity, length, percent};
+use crate::identify::rms;
+use crate::index::dexterity::condition_number;
+use crate::inverse::{InverseKinematics, Method, Outcome};
+use crate::jobs::in_order_watched;
+use crate::kinematics::Frames;
+use crate::load::Wrench;
+use crate::optimise::Control;
+use crate::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
+use crate::predict::ArmAtWork;
+use crate::process::TipLoad;
+use crate::units::{deg_to_rad, rad_to_deg};
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// k(J_N), Eq. (21) at a length of 1 m, above which a posture is called singular:
+/// the wrist is within about a degree of straight then.
+const NEARLY_SINGULAR: f64 = 60.0;
+/// Points named in a sentence about several.
+const NAMED: usize = 5;
+
+/// How to find the postures of a path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PosturePathOptions {
+    /// Posture \[rad\] that the first one should be near; without one the branch
+    /// that bends least is taken.
+    pub start: Option<Vec<f64>>,
+    /// Largest change of a joint from one point to the next \[rad\]: more is a jump.
+    pub largest_step: f64,
+    /// Whether the turn about the tool axis is free where the path gives it, too.
+    pub free_turn: bool,
+    /// Turns about the tool axis that are tried at each point.
+    pub turns: usize,
+    /// The load where the path's points have none.
+    pub process: Option<TipLoad>,
+    /// Pose of the workpiece frame in the base frame \[m\].
+    pub workpiece: Isometry3<f64>,
+}
+
+impl Default for PosturePathOptions {
+    fn default() -> Self {
+        PosturePathOptions {
+            start: None,
+            largest_step: deg_to_rad(30.0),
+            free_turn: false,
+            turns: 72,
+            process: None,
+            workpiece: Isometry3::identity(),
+        }
+    }
+}
+
+/// The postures of a path, with what is to be known about them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PosturePathSummary {
+    /// Where the postures come from.
+    pub origin: Origin,
+    /// Largest change of a joint from one point to the next \[deg\].
+    pub largest_step_deg: f64,
+    /// RMS of the deflections, linear model \[m\].
+    pub deflection_rms_m: f64,
+    /// The same of the path as given, where its turn was freed and it can be
+    /// followed as it is.
+    pub given_rms_m: Option<f64>,
+    /// Turn about the tool axis at each point, from the given one or, where only
+    /// the axis is given, from one carried along without twist \[deg\].
+    pub turn_deg: Option<Vec<f64>>,
+    /// What to know, in sentences.
+    pub findings: Vec<Finding>,
+}
+
+/// Where postures come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// The path gives the joint angles.
+    Given,
+    /// Inverse kinematics in closed form.
+    ClosedForm,
+    /// Inverse kinematics by iteration.
+    Numeric,
+}
+
+/// What all steps of the search share.
+struct Search<'a> {
+    arm: &'a ArmAtWork,
+    inverse: &'a InverseKinematics,
+    points: &'a [PathPoint],
+    options: &'a PosturePathOptions,
+}
+
+/// Finds the postures of `points`.
+///
+/// Without a free turn all branches of the first pose are followed along the
+/// path; the one nearest to `options.start`, or else the one that bends least,
+/// is taken. With a free turn the turns and branches of all points form a graph
+/// whose cheapest way, by the squares of the deflections, is found by dynamic
+/// programming and refined between the turns tried. Deflections of the search
+/// are those of the linear model.
+///
+/// # Errors
+/// Each with the line of the point: a pose that the arm does not reach, one that
+/// it reaches outside its limits only, a jump that cannot be avoided; a load in
+/// the axes of the path where there is no feed; interrupted.
+pub fn posture_path(
+    arm: &ArmAtWork,
+    inverse: &InverseKinematics,
+    points: &[PathPoint],
+    options: &PosturePathOptions,
+    control: Control<'_>,
+) -> Result<(Vec<LoadedPosture>, PosturePathSummary)> {
+    if points.is_empty() {
+        return Err(Error::new(Code::TooFewData, "The path has no points."));
+    }
+    let search = Search {
+        arm,
+        inverse,
+        points,
+        options,
+    };
+    let free = options.free_turn
+        || points
+            .iter()
+            .any(|p| matches!(p.target, Target::Axis { .. }));
+    let given: Option<Vec<Vec<f64>>> = points
+        .iter()
+        .map(|p| match &p.target {
+            Target::Angles(q) => Some(q.clone()),
+            _ => None,
+        })
+        .collect();
+    let poses = poses(arm, points);
+    let origin = match (&given, free, inverse.method()) {
+        (Some(_), false, _) => Origin::Given,
+        (_, _, Method::ClosedForm) => Origin::ClosedForm,
+        (_, _, Method::Numeric) => Origin::Numeric,
+    };
+    let mut given_rms = None;
+    let mut turn_deg = None;
+    let q = match (given, free) {
+        (Some(q), false) => q,
+        (None, false) => tracks::postures(&search, &poses, control)?,
+        (given, true) => {
+            let axis_only = points
+                .iter()
+                .any(|p| matches!(p.target, Target::Axis { .. }));
+            let as_given = match given {
+                Some(q) => Some(q),
+                // Whoever frees the turn may do so because it cannot be kept.
+                None if !axis_only => match tracks::postures(&search, &poses, control) {
+                    Err(error) if error.code() == Code::Interrupted => return Err(error),
+                    other => other.ok(),
+                },
+                None => None,
+            };
+            if let Some(q) = &as_given {
+                let wrenches = search.wrenches(&poses)?;
+                let sizes = search.deflections(q, &wrenches)?;
+                given_rms = Some(rms(&sizes));
+            }
+            let found = free_turn::postures(&search, &poses, as_given.as_deref(), control)?;
+            turn_deg = Some(found.turns.iter().map(|t| rad_to_deg(*t)).collect());
+            found.q
+        }
+    };
+    let tips: Vec<Isometry3<f64>> = q.iter().map(|q| arm.tip_pose(q)).collect();
+    let wrenches = search.wrenches(&tips)?;
+    let sizes = search.deflections(&q, &wrenches)?;
+    let mut summary = PosturePathSummary {
+        origin,
+        largest_step_deg: rad_to_deg(largest_step(&q)),
+        deflection_rms_m: rms(&sizes),
+        given_rms_m: given_rms,
+        turn_deg,
+        findings: Vec::new(),
+    };
+    summary.findings = findings(&search, &q, &summary);
+    let postures = points
+        .iter()
+        .zip(q)
+        .zip(wrenches)
+        .map(|((point, q), wrench)| LoadedPosture {
+            name: point.name.clone(),
+            line: point.line,
+            q,
+            wrench,
+        })
+        .collect();
+    Ok((postures, summary))
+}
+
+/// Tip poses of all points, base frame \[m\]; where only the axis is given, x is
+/// carried from point to point without twist about it.
+fn poses(arm: &ArmAtWork, points: &[PathPoint]) -> Vec<Isometry3<f64>> {
+    let mut last = Vector3::x();
+    points
+        .iter()
+        .map(|point| {
+            let pose = match &point.target {
+                Target::Angles(q) => arm.tip_pose(q),
+                Target::Pose(pose) => *pose,
+                Target::Axis { position, axis } => {
+                    Isometry3::from_parts((*position).into(), about(axis, &last))
+                }
+            };
+            last = pose.rotation * Vector3::x();
+            pose
+        })
+        .collect()
+}
+
+/// Axes with z along `axis` and x as near as possible to `x`.
+fn about(axis: &UnitVector3<f64>, x: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let across = |v: &Vector3<f64>| (v - axis.as_ref() * axis.dot(v)).try_normalize(1e-6);
+    let x = [*x, Vector3::x(), Vector3::y()].iter().find_map(across);
+    let x = x.unwrap_or_else(Vector3::z);
+    let axes = Matrix3::from_columns(&[x, axis.cross(&x), axis.into_inner()]);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
+}
+
+/// `pose` turned about its own z by `turn` \[rad\].
+fn turned(pose: &Isometry3<f64>, turn: f64) -> Isometry3<f64> {
+    pose * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
+}
+
+/// Largest change of a joint from one posture to the next \[rad\].
+fn largest_step(q: &[Vec<f64>]) -> f64 {
+    q.windows(2)
+        .map(|pair| change(&pair[0], &pair[1]).1)
+        .fold(0.0, f64::max)
+}
+
+/// The joint that changes most, and by how much \[rad\].
+fn change(from: &[f64], to: &[f64]) -> (usize, f64) {
+    let changes = from.iter().zip(to).map(|(a, b)| (b - a).abs());
+    changes.enumerate().fold(
+        (0, 0.0),
+        |most, (j, c)| if c > most.1 { (j, c) } else { most },
+    )
+}
+
+impl Search<'_> {
+    fn flange(&self, tip: &Isometry3<f64>) -> Isometry3<f64> {
+        tip * self.arm.tip().inverse()
+    }
+
+    fn wrenches(&self, tips: &[Isometry3<f64>]) -> Result<Vec<Wrench>> {
+        tip_wrenches(
+            self.points,
+            tips,
+            self.options.process.as_ref(),
+            &self.options.workpiece,
+        )
+    }
+
+    /// Sizes of the deflections by the linear model \[m\].
+    fn deflections(&self, q: &[Vec<f64>], wrenches: &[Wrench]) -> Result<Vec<f64>> {
+        let jobs: Vec<(&Vec<f64>, &Wrench)> = q.iter().zip(wrenches).collect();
+        in_order_watched(&jobs, "bending", Control::default(), |(i, (q, wrench))| {
+            self.deflection(q, wrench).map_err(|e| self.at(i, e))
+        })
+    }
+
+    fn deflection(&self, q: &[f64], wrench: &Wrench) -> Result<f64> {
+        let terms = self.arm.terms(q, wrench)?;
+        Ok(self.arm.linear(&terms).fixed_rows::<3>(0).norm())
+    }
+
+    /// Postures of point `i` at the tip pose `tip`, inside and outside the limits.
+    fn branches(&self, i: usize, tip: &Isometry3<f64>) -> Result<Vec<Vec<f64>>> {
+        match self
+            .inverse
+            .solve(&self.flange(tip))
+            .map_err(|e| self.at(i, e))?
+        {
+            Outcome::Reachable(branches) => Ok(branches.into_iter().map(|b| b.q).collect()),
+            Outcome::Unreachable(far) => Err(self.named(i, &far.error(self.arm.robot()))),
+        }
+    }
+
+    /// `error` with the line of point `i`.
+    fn at(&self, i: usize, error: Error) -> Error {
+        match self.points[i].line {
+            Some(line) => error.line(line, None),
+            None => error,
+        }
+    }
+
+    /// `error` in a sentence that names point `i`, with its line.
+    fn named(&self, i: usize, error: &Error) -> Error {
+        let message = format!("Point {}: {}", self.points[i].name, error.message());
+        let named = Error::new(error.code(), message);
+        let named = match error.hint_text() {
+            Some(hint) => named.hint(hint),
+            None => named,
+        };
+        self.at(i, named)
+    }
+}
+
+fn findings(search: &Search<'_>, q: &[Vec<f64>], summary: &PosturePathSummary) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let singular: Vec<String> = q
+        .iter()
+        .zip(search.points)
+        .filter(|(q, _)| {
+            let frames = Frames::new(search.arm.robot(), q);
+            let tip = frames.point(&search.arm.tip().translation.vector);
+            condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR)
+        })
+        .map(|(_, point)| match point.line {
+            Some(line) => format!("{} (line {line})", point.name),
+            None => point.name.clone(),
+        })
+        .collect();
+    if !singular.is_empty() {
+        let shown = singular[..singular.len().min(NAMED)].join(", ");
+        let more = match singular.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let (points, are) = match singular.len() {
+            1 => ("point", "is"),
+            _ => ("points", "are"),
+        };
+        out.push(Finding::new(
+            "singular-posture",
+            Severity::Caution,
+            "path",
+            format!(
+                "The postures at {points} {shown}{more} {are} singular or nearly so: in one direction the tool hardly moves, \
+                 whatever the joints do, and a controller may stop there."
+            ),
+        ));
+    }
+    if let Some(given) = summary.given_rms_m {
+        let gain = 1.0 - summary.deflection_rms_m / given;
+        let sentence = match given > 0.0 && gain > 0.0 {
+            true => format!(
+                "Turning about the tool axis lowers the RMS deflection by {}, from {} to {}.",
+                percent(gain),
+                length(given),
+                length(summary.deflection_rms_m)
+            ),
+            false => "Turning about the tool axis does not lower the deflection.".to_string(),
+        };
+        out.push(Finding::new("free-turn", Severity::Note, "path", sentence));
+    }
+    out
+}

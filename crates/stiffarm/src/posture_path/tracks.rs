@@ -1,0 +1,147 @@
+//! Paths whose poses are given: each branch of the first pose followed along.
+
+use super::{Search, change};
+use crate::error::{Code, Error, Result};
+use crate::identify::rms;
+use crate::inverse::Method;
+use crate::jobs::in_order_watched;
+use crate::optimise::Control;
+use crate::units::rad_to_deg;
+use nalgebra::Isometry3;
+
+/// Where and why a branch could not be followed.
+struct Broken {
+    /// Points that it came along.
+    length: usize,
+    why: Error,
+}
+
+/// Postures with the tip at `poses`.
+pub(super) fn postures(
+    search: &Search<'_>,
+    poses: &[Isometry3<f64>],
+    control: Control<'_>,
+) -> Result<Vec<Vec<f64>>> {
+    let closed = search.inverse.method() == Method::ClosedForm;
+    // All branches of all poses, or of the first one.
+    let solved = if closed { poses } else { &poses[..1] };
+    let layers = in_order_watched(solved, "inverse kinematics", control, |(i, pose)| {
+        search.branches(i, pose)
+    })?;
+    let mut starts: Vec<Vec<Vec<f64>>> = layers[0]
+        .iter()
+        .map(|q| search.inverse.turns_within_limits(q))
+        .filter(|turns| !turns.is_empty())
+        .collect();
+    if starts.is_empty() {
+        let error = search
+            .inverse
+            .nearest(&search.flange(&poses[0]), &layers[0][0])
+            .err()
+            .unwrap_or_else(|| Error::new(Code::OutsideLimits, "No posture is within the limits."));
+        return Err(search.named(0, &error));
+    }
+    if let Some(near) = &search.options.start {
+        // Nearest branch first, of each the nearest turns first.
+        let far = |q: &Vec<f64>| change(near, q).1;
+        for turns in &mut starts {
+            turns.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        }
+        starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
+    }
+    let wrenches = search.wrenches(poses)?;
+    let mut broken: Option<Broken> = None;
+    let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
+    for turns in &starts {
+        for start in turns {
+            if control.stopped() {
+                return Err(Error::new(Code::Interrupted, "Interrupted."));
+            }
+            match follow(search, poses, closed.then_some(&layers), start) {
+                Ok(track) => {
+                    if search.options.start.is_some() {
+                        return Ok(track);
+                    }
+                    let cost = rms(&search.deflections(&track, &wrenches)?);
+                    if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                        best = Some((cost, track));
+                    }
+                    // Other turns of the same branch bend alike.
+                    break;
+                }
+                Err(other) => {
+                    if broken.as_ref().is_none_or(|b| other.length > b.length) {
+                        broken = Some(other);
+                    }
+                }
+            }
+        }
+    }
+    match (best, broken) {
+        (Some((_, track)), _) => Ok(track),
+        (None, Some(broken)) => Err(broken.why),
+        (None, None) => Err(Error::new(Code::Internal, "There was no branch to follow.")),
+    }
+}
+
+/// Follows the branch that begins at `start`.
+fn follow(
+    search: &Search<'_>,
+    poses: &[Isometry3<f64>],
+    layers: Option<&Vec<Vec<Vec<f64>>>>,
+    start: &[f64],
+) -> Result<Vec<Vec<f64>>, Broken> {
+    let mut track = Vec::with_capacity(poses.len());
+    track.push(start.to_vec());
+    for (i, pose) in poses.iter().enumerate().skip(1) {
+        let last = &track[i - 1];
+        let next = match layers {
+            Some(layers) => nearest(search, &layers[i], last),
+            None => iterated(search, pose, last),
+        };
+        let stuck = |why: Error| Broken { length: i, why };
+        let Some(next) = next else {
+            let error = Error::new(
+                Code::OutsideLimits,
+                "the branch that was followed to here ends at a limit of the machine, or at the edge of its reach.",
+            )
+            .hint("start with another posture, or leave the turn about the tool axis free");
+            return Err(stuck(search.named(i, &error)));
+        };
+        let (j, step) = change(last, &next);
+        if step > search.options.largest_step {
+            return Err(stuck(jump(search, i, j, step)));
+        }
+        track.push(next);
+    }
+    Ok(track)
+}
+
+/// The posture among `branches`, with turns within the limits, nearest to `last`.
+fn nearest(search: &Search<'_>, branches: &[Vec<f64>], last: &[f64]) -> Option<Vec<f64>> {
+    let near = branches
+        .iter()
+        .filter_map(|q| search.inverse.turns_near(q, last));
+    near.min_by(|a, b| change(last, a).1.total_cmp(&change(last, b).1))
+}
+
+/// The posture that iterations from `last` lead to, if it is within the limits.
+fn iterated(search: &Search<'_>, pose: &Isometry3<f64>, last: &[f64]) -> Option<Vec<f64>> {
+    let q = search.inverse.follow(&search.flange(pose), last).ok()?;
+    search.arm.robot().outside_limits(&q).is_none().then_some(q)
+}
+
+/// A joint jumps on the way to point `i`.
+fn jump(search: &Search<'_>, i: usize, j: usize, step: f64) -> Error {
+    let joint = &search.arm.robot().joints()[j].name;
+    let message = format!(
+        "From point {} to {} {joint} would jump by {:.1}°: the points are far apart, or the path passes a singular posture.",
+        search.points[i - 1].name,
+        search.points[i].name,
+        rad_to_deg(step)
+    );
+    let error = Error::new(Code::InvalidValue, message).hint(
+        "give more points between these two, leave the turn about the tool axis free, or allow larger steps",
+    );
+    search.at(i, error)
+}
