@@ -2,11 +2,13 @@
 
 mod fit;
 mod measured;
+mod path;
 mod select;
 mod work;
 
 pub use fit::FitArgs;
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
+pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
 pub use work::{MapArgs, RegionArgs, Steps};
 
@@ -26,7 +28,8 @@ use std::path::PathBuf;
     after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
                   cells     builtin:comau (the default cell), builtin:comau-reference, builtin:fanuc-r2000ic\n  \
                   postures  builtin:comau-group1\n  \
-                  pairs     builtin:example-pairs\n\n\
+                  pairs     builtin:example-pairs\n  \
+                  paths     builtin:comau-contour\n\n\
                   Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \
                   still printed), 2 bad input or usage, 3 a fault of the program, 130 interrupted (the best result \
                   so far is written)."
@@ -88,6 +91,12 @@ pub enum Command {
     /// Compare calculated with measured displacements at postures kept out of the identification
     #[command(after_help = examples::VALIDATE)]
     Validate(ValidateArgs),
+    /// How far the loaded tool bends away at postures or along a path, and how sure that is
+    #[command(after_help = examples::PREDICT)]
+    Predict(Box<PredictArgs>),
+    /// The path to command so that the loaded tool follows the nominal one
+    #[command(after_help = examples::COMPENSATE)]
+    Compensate(Box<CompensateArgs>),
     /// Stiffness of the loaded tool over the workspace, and the best place for a workpiece
     #[command(after_help = examples::MAP)]
     Map(Box<MapArgs>),
@@ -308,6 +317,10 @@ pub enum SchemaChoice {
     ResultIdentifyClamped,
     /// Output of `validate --json`
     ResultValidate,
+    /// Output of `predict --json`
+    ResultPredict,
+    /// Output of `compensate --json`
+    ResultCompensate,
     /// Output of `map --json`
     ResultMap,
     /// Output of `map --place --json`

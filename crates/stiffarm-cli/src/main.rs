@@ -9,6 +9,7 @@ mod input;
 mod interrupt;
 mod numbers;
 mod output;
+mod path;
 mod progress;
 mod saved;
 mod session;
@@ -53,6 +54,8 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Register(args) => commands::register::run(session, args),
         Command::Identify(args) => commands::identify::run(session, args),
         Command::Validate(args) => commands::validate::run(session, args),
+        Command::Predict(args) => commands::predict::run(session, args),
+        Command::Compensate(args) => commands::compensate::run(session, args),
         Command::Map(args) => commands::map::run(session, args),
         Command::Zones(args) => commands::zones::run(session, args),
         Command::Robots(args) => commands::robots::run(session, args),

@@ -15,7 +15,9 @@ use stiffarm::process::{ForceAxes, TipLoad};
 use stiffarm::table::{PathTable, read_path};
 use stiffarm::units::{deg_to_rad, percent_to_fraction};
 use stiffarm::{Code, Error, Result};
-use nalgebra::Vector3;
+
+/// Turns about the tool axis that are tried where a path gives the axis alone.
+const TURNS: usize = 72;
 
 /// Options of the result that concern the path.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -32,25 +34,21 @@ pub struct PathOptions {
     pub start_deg: Option<Vec<f64>>,
     /// Largest change of a joint from point to point \[deg\].
     pub max_step_deg: f64,
-    /// Whether the turn about the tool axis was free.
-    pub free_turn: bool,
-    /// Turns about the tool axis that were tried.
-    pub turns: u16,
+    /// Turns about the tool axis that were tried; `null` where it was not freed.
+    pub free_turn: Option<u16>,
 }
 
 impl PathArgs {
     /// The options as the result holds them.
     pub fn described(&self) -> PathOptions {
-        let three = |v: &[f64]| <[f64; 3]>::try_from(v).ok();
         PathOptions {
             axes: self.axes.map(ForceAxes::from),
-            force_n: three(&self.force_n),
-            moment_nm: three(&self.moment_nm),
+            force_n: self.force_n,
+            moment_nm: self.moment_nm,
             load_uncertainty_percent: self.load_uncertainty_percent,
             start_deg: (!self.start_deg.is_empty()).then(|| self.start_deg.clone()),
             max_step_deg: self.max_step_deg,
             free_turn: self.free_turn,
-            turns: self.turns,
         }
     }
 
@@ -71,19 +69,16 @@ impl PathArgs {
 
     /// The load of the command line, if there is one.
     fn load(&self) -> Result<Option<TipLoad>> {
-        if self.force_n.is_empty() {
+        let Some(force) = self.force_n else {
             return Ok(None);
-        }
+        };
         let Some(axes) = self.axes else {
             let error = usage("--force-n", "The force has no frame.".to_string());
             return Err(error.hint("say its axes: --axes base, tool, workpiece or path"));
         };
         Ok(Some(TipLoad {
-            force: vector("--force-n", &self.force_n)?,
-            moment: match self.moment_nm.is_empty() {
-                true => Vector3::zeros(),
-                false => vector("--moment-nm", &self.moment_nm)?,
-            },
+            force: force.into(),
+            moment: self.moment_nm.unwrap_or_default().into(),
             axes: axes.into(),
         }))
     }
@@ -106,7 +101,10 @@ impl PathArgs {
         if !(self.max_step_deg.is_finite() && self.max_step_deg > 0.0) {
             return Err(usage(
                 "--max-step-deg",
-                format!("{}° is no step: an angle above 0° is needed.", self.max_step_deg),
+                format!(
+                    "{}° is no step: an angle above 0° is needed.",
+                    self.max_step_deg
+                ),
             ));
         }
         let process = match self.load()? {
@@ -117,8 +115,8 @@ impl PathArgs {
         Ok(PosturePathOptions {
             start: (!self.start_deg.is_empty()).then_some(start),
             largest_step: deg_to_rad(self.max_step_deg),
-            free_turn: self.free_turn,
-            turns: usize::from(self.turns),
+            free_turn: self.free_turn.is_some(),
+            turns: self.free_turn.map_or(TURNS, usize::from),
             process,
             workpiece: cell.work.workpiece,
         })
@@ -127,13 +125,6 @@ impl PathArgs {
 
 fn usage(key: &str, message: String) -> Error {
     Error::new(Code::Usage, message).key(key)
-}
-
-fn vector(key: &str, values: &[f64]) -> Result<Vector3<f64>> {
-    match values {
-        [x, y, z] if values.iter().all(|v| v.is_finite()) => Ok(Vector3::new(*x, *y, *z)),
-        _ => Err(usage(key, "Three numbers are needed: x,y,z.".to_string())),
-    }
 }
 
 /// A path with its postures.

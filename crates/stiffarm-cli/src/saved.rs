@@ -20,6 +20,8 @@ pub struct Saved {
     pub postures: Vec<String>,
     /// SHA-256 of the cell it was identified in.
     pub cell: Option<String>,
+    /// RMS displacement of the posture that moved most in the identification \[m\].
+    pub largest_displacement: Option<f64>,
     /// Name of the file, or `prior`.
     pub name: String,
 }
@@ -31,6 +33,7 @@ impl Saved {
             predictor: Predictor::from_stiffness(cell, cell.require_prior()?)?,
             postures: Vec::new(),
             cell: None,
+            largest_displacement: None,
             name: PRIOR.to_string(),
         })
     }
@@ -95,8 +98,12 @@ fn saved(bytes: &[u8], name: &str, cell: &Cell) -> Result<Saved> {
     let postures = result
         .and_then(|r| r["postures"].as_array().cloned())
         .unwrap_or_default();
+    let displacements = postures
+        .iter()
+        .filter_map(|p| p["displacement_rms_m"].as_f64());
     Ok(Saved {
         predictor,
+        largest_displacement: displacements.fold(None, |most, d| Some(d.max(most.unwrap_or(d)))),
         postures: postures
             .iter()
             .filter_map(|p| p["posture"].as_str().map(String::from))

@@ -1,5 +1,5 @@
-//! Built-in cells, posture groups and point pairs: `builtin:comau`,
-//! `builtin:comau-group1`, `builtin:example-pairs`, ….
+//! Built-in cells, posture groups, point pairs and paths: `builtin:comau`,
+//! `builtin:comau-group1`, `builtin:example-pairs`, `builtin:comau-contour`.
 //!
 //! The files lie in `data/cells`, sources in their comments.
 
@@ -35,6 +35,11 @@ const PAIRS: [(&str, &str); 1] = [(
     include_str!("../data/cells/example-pairs.csv"),
 )];
 
+const PATHS: [(&str, &str); 1] = [(
+    "comau-contour",
+    include_str!("../data/cells/comau-contour.csv"),
+)];
+
 /// Names of the built-in cells; the first is the default cell.
 pub fn cell_names() -> Vec<&'static str> {
     CELLS.iter().map(|(name, _)| *name).collect()
@@ -50,9 +55,14 @@ pub fn pairs_names() -> Vec<&'static str> {
     PAIRS.iter().map(|(name, _)| *name).collect()
 }
 
+/// Names of the built-in paths.
+pub fn path_names() -> Vec<&'static str> {
+    PATHS.iter().map(|(name, _)| *name).collect()
+}
+
 /// All built-in names, cells first.
 pub fn names() -> Vec<&'static str> {
-    [cell_names(), postures_names(), pairs_names()].concat()
+    [cell_names(), postures_names(), pairs_names(), path_names()].concat()
 }
 
 /// Text of a built-in `cell.toml`; `name` without [`PREFIX`].
@@ -68,6 +78,11 @@ pub fn postures_text(name: &str) -> Option<&'static str> {
 /// Text of a built-in table of point pairs; `name` without [`PREFIX`].
 pub fn pairs_text(name: &str) -> Option<&'static str> {
     text(&PAIRS, name)
+}
+
+/// Text of a built-in path; `name` without [`PREFIX`].
+pub fn path_text(name: &str) -> Option<&'static str> {
+    text(&PATHS, name)
 }
 
 /// A built-in cell; `name` without [`PREFIX`].

@@ -1,8 +1,8 @@
 //! Commands that work on paths of the tool tip.
 
 use super::measured::ModelChoice;
+use super::work::{AxesChoice, Triple, triple};
 use clap::{Args, ValueEnum};
-use stiffarm::process::ForceAxes;
 
 /// The path, its loads and its postures.
 #[derive(Debug, Clone, Args)]
@@ -11,26 +11,30 @@ pub struct PathArgs {
     #[arg(long, value_name = "AXES")]
     pub axes: Option<AxesChoice>,
     /// Force on the robot's tip [N] where the path has none [default: the cell's [work]]
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
-    pub force_n: Vec<f64>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub force_n: Option<Triple>,
     /// Moment about the tip [N·m], with --force-n
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, requires = "force_n")]
-    pub moment_nm: Vec<f64>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "force_n")]
+    pub moment_nm: Option<Triple>,
     /// Standard uncertainty of the load at work [%]
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     pub load_uncertainty_percent: f64,
     /// Posture that the first one should be near [deg] [default: the branch that bends least]
-    #[arg(long, value_name = "Q1,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "Q1,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
     pub start_deg: Vec<f64>,
     /// Largest change of a joint from one point to the next [deg]; more is a jump
     #[arg(long, value_name = "X", default_value_t = 30.0)]
     pub max_step_deg: f64,
-    /// The turn about the tool axis is free: take the postures that bend least
-    #[arg(long)]
-    pub free_turn: bool,
-    /// Turns about the tool axis that are tried at each point
-    #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u16).range(1..=3600))]
-    pub turns: u16,
+    /// The turn about the tool axis is free: try N of them at each point and take the postures that
+    /// bend least [default: 72]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "72", require_equals = true,
+          value_parser = clap::value_parser!(u16).range(1..=3600))]
+    pub free_turn: Option<u16>,
 }
 
 #[derive(Debug, Args)]
@@ -91,30 +95,6 @@ pub struct CompensateArgs {
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
-}
-
-/// Axes of a load at work.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum AxesChoice {
-    /// The robot's base
-    Base,
-    /// The tip frame
-    Tool,
-    /// The workpiece frame of the cell
-    Workpiece,
-    /// x the feed, z the tool axis
-    Path,
-}
-
-impl From<AxesChoice> for ForceAxes {
-    fn from(choice: AxesChoice) -> Self {
-        match choice {
-            AxesChoice::Base => ForceAxes::Base,
-            AxesChoice::Tool => ForceAxes::Tool,
-            AxesChoice::Workpiece => ForceAxes::Workpiece,
-            AxesChoice::Path => ForceAxes::Path,
-        }
-    }
 }
 
 /// What a commanded path holds.

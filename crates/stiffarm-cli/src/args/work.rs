@@ -150,7 +150,7 @@ fn number(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|v: &f64| v.is_finite())
 }
 
-fn triple(text: &str) -> Result<Triple, String> {
+pub(super) fn triple(text: &str) -> Result<Triple, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
     numbers
         .and_then(|v| v.try_into().ok())

@@ -14,6 +14,7 @@ use crate::session::Session;
 use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::Result;
 use stiffarm::cell::Cell;
 use stiffarm::compensate::{CompensateOptions, Compensation, PointCompensation, compensate};
 use stiffarm::findings::Severity;
@@ -22,7 +23,6 @@ use stiffarm::posture_path::PosturePathSummary;
 use stiffarm::predict::{ArmAtWork, Predictor};
 use stiffarm::table::{PathFormat, PathKind, write_path};
 use stiffarm::units::deg_to_rad;
-use stiffarm::Result;
 use stiffarm_report::{path_figure, render_svg};
 
 /// Rows of the table on the terminal.
@@ -48,8 +48,16 @@ pub struct Compensated {
 
 /// Compensates.
 pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
-    let output = args.output.as_deref().map(|p| Target::new(p, args.force)).transpose()?;
-    let figure = args.figure.as_deref().map(|p| Target::new(p, args.force)).transpose()?;
+    let output = args
+        .output
+        .as_deref()
+        .map(|p| Target::new(p, args.force))
+        .transpose()?;
+    let figure = args
+        .figure
+        .as_deref()
+        .map(|p| Target::new(p, args.force))
+        .transpose()?;
     check_one_stdout(session, &[output.as_ref(), figure.as_ref()])?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
@@ -62,14 +70,24 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let followed =
         session.follow_path(&args.path, cell, &saved.predictor, &args.along, &progress)?;
     let result = progress
-        .watch(|control| compensate(cell, &saved.predictor, &followed.postures, &options, control))
+        .watch(|control| {
+            compensate(
+                cell,
+                &saved.predictor,
+                &followed.postures,
+                &options,
+                control,
+            )
+        })
         .map_err(|e| match e.place().line {
             Some(_) => e.file(&followed.name),
             None => e,
         })?;
     drop(progress);
     let mut files = Vec::new();
-    let on_stdout = [&output, &figure].iter().any(|t| t.as_ref().is_some_and(Target::is_stdout));
+    let on_stdout = [&output, &figure]
+        .iter()
+        .any(|t| t.as_ref().is_some_and(Target::is_stdout));
     if let Some(target) = output {
         let text = commanded(cell, &saved.predictor, &followed, &result, args.write)?;
         files.push((target, text));
@@ -77,11 +95,18 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     if let Some(target) = figure {
         let points = result.points.iter();
         let curve = curve(
-            points.map(|p| (p.uncompensated_m, p.band.map(|b| b.size_m[3]), Some(p.residual_m))),
+            points.map(|p| {
+                let half = p.band.map(|b| b.size_m[3]);
+                (
+                    p.uncompensated_m,
+                    half,
+                    Some(p.residual_m + half.unwrap_or_default()),
+                )
+            }),
             &followed.postures,
             cell,
         );
-        files.push((target, render_svg(&path_figure(&curve))));
+        files.push((target, render_svg(&path_figure(&curve, result.confidence))));
     }
     write_all(session, &files)?;
     let described = Options {
@@ -107,7 +132,11 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
 }
 
 fn exit(result: &Compensated) -> Exit {
-    let all = result.compensation.findings.iter().chain(&result.postures.findings);
+    let all = result
+        .compensation
+        .findings
+        .iter()
+        .chain(&result.postures.findings);
     Exit::finding(all.clone().any(|f| f.severity == Severity::Serious))
 }
 
@@ -131,8 +160,8 @@ fn commanded(
     let read: &PathFormat = &followed.table.format;
     let format = match write {
         None => read.clone(),
-        Some(WriteChoice::Angles) => read.angles(cell),
-        Some(WriteChoice::Poses) => read.poses(cell),
+        Some(WriteChoice::Angles) => read.clone().angles(cell),
+        Some(WriteChoice::Poses) => read.clone().poses(cell),
     };
     let arm = ArmAtWork::new(cell, predictor)?;
     let points: Vec<PathPoint> = followed
@@ -160,7 +189,14 @@ fn table(result: &Compensation) -> String {
         true => title(&format!("The {SHOWN} largest corrections [mm]")),
         false => title("Corrections [mm]"),
     };
-    let mut headings = vec!["point", "without", "correction x", "y", "z", "left by the model"];
+    let mut headings = vec![
+        "point",
+        "without",
+        "correction x",
+        "y",
+        "z",
+        "left by the model",
+    ];
     let band = result.confidence.map(|c| format!("± {} %", confidence(c)));
     headings.extend(band.as_deref());
     let mut table = Table::new(headings);
@@ -207,6 +243,10 @@ fn tiny(m: f64) -> String {
 }
 
 fn notes(result: &Compensated) -> String {
-    let all = result.postures.findings.iter().chain(&result.compensation.findings);
+    let all = result
+        .postures
+        .findings
+        .iter()
+        .chain(&result.compensation.findings);
     all.map(finding_line).collect()
 }

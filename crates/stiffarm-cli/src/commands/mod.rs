@@ -1,6 +1,7 @@
 //! One file per command: read, call the library, write.
 
 pub mod check;
+pub mod compensate;
 pub mod completions;
 pub mod docs;
 pub mod evaluate;
@@ -8,6 +9,7 @@ pub mod identify;
 pub mod init;
 pub mod man;
 pub mod map;
+pub mod predict;
 pub mod register;
 pub mod robots;
 pub mod schema;

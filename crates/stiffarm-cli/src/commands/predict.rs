@@ -55,8 +55,16 @@ pub struct Predicted {
 
 /// Predicts.
 pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
-    let output = args.output.as_deref().map(|p| Target::new(p, args.force)).transpose()?;
-    let figure = args.figure.as_deref().map(|p| Target::new(p, args.force)).transpose()?;
+    let output = args
+        .output
+        .as_deref()
+        .map(|p| Target::new(p, args.force))
+        .transpose()?;
+    let figure = args
+        .figure
+        .as_deref()
+        .map(|p| Target::new(p, args.force))
+        .transpose()?;
     check_one_stdout(session, &[output.as_ref(), figure.as_ref()])?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = session.read_stiffness(&args.stiffness, &named.cell)?;
@@ -79,7 +87,10 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         }
         Some(path) if args.cell_load => {
             let (name, postures) = under_cell_load(session, path, &named.cell)?;
-            let line = format!("postures: {name} ({}), the cell's load at its loading point\n", postures.len());
+            let line = format!(
+                "postures: {name} ({}), the cell's load at its loading point\n",
+                postures.len()
+            );
             (postures, None, line, Some(name))
         }
         Some(path) => {
@@ -97,7 +108,9 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
             _ => e,
         })?;
     drop(progress);
-    let on_stdout = [&output, &figure].iter().any(|t| t.as_ref().is_some_and(Target::is_stdout));
+    let on_stdout = [&output, &figure]
+        .iter()
+        .any(|t| t.as_ref().is_some_and(Target::is_stdout));
     let mut files = Vec::new();
     if let Some(target) = output {
         files.push((target, csv(&prediction)));
@@ -105,7 +118,11 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     if let Some(target) = figure {
         let points = prediction.points.iter();
         let values = points.map(|p| (p.deflection_m, p.band.map(|b| b.size_m[3]), None));
-        files.push((target, render_svg(&path_figure(&curve(values, &postures, cell)))));
+        let curve = curve(values, &postures, cell);
+        files.push((
+            target,
+            render_svg(&path_figure(&curve, prediction.confidence)),
+        ));
     }
     write_all(session, &files)?;
     let described = Options {
@@ -128,15 +145,24 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
             out += "note: the stiffness was identified with another version of this cell\n";
         }
         out += &table(&result.prediction);
-        for point in result.prediction.points.iter().filter(|_| args.matrix).take(MATRICES) {
+        for point in result
+            .prediction
+            .points
+            .iter()
+            .filter(|_| args.matrix)
+            .take(MATRICES)
+        {
             out += &matrices(point);
         }
         let of_path = result.postures.iter().flat_map(|p| &p.findings);
         for finding in of_path.chain(&result.prediction.findings) {
             out += &finding_line(finding);
         }
-        let names: Vec<&str> =
-            [&args.output, &args.figure].into_iter().flatten().map(String::as_str).collect();
+        let names: Vec<&str> = [&args.output, &args.figure]
+            .into_iter()
+            .flatten()
+            .map(String::as_str)
+            .collect();
         if !names.is_empty() {
             out += &format!("\nwrote {}\n", names.join(" and "));
         }
@@ -149,7 +175,9 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
 fn tasks(cell: &Cell) -> Result<(nalgebra::Isometry3<f64>, Vec<LoadedPosture>)> {
     let tasks = cell.require_tasks().map_err(|e| {
         let hint = "give a path, or add [[task]] to the cell";
-        Error::new(e.code(), "There is no path, and the cell has no tasks.").key("task").hint(hint)
+        Error::new(e.code(), "There is no path, and the cell has no tasks.")
+            .key("task")
+            .hint(hint)
     })?;
     if let Some(other) = tasks.iter().find(|task| task.tip != tasks[0].tip) {
         let message = format!(
@@ -235,7 +263,7 @@ pub fn curve(
     postures
         .iter()
         .zip(values)
-        .map(|(posture, (deflection_m, half_width_m, residual_m))| {
+        .map(|(posture, (deflection_m, half_width_m, left_m))| {
             let position = at(posture);
             along += last.map_or(0.0, |last: nalgebra::Vector3<f64>| (position - last).norm());
             last = Some(position);
@@ -243,7 +271,7 @@ pub fn curve(
                 along_m: along,
                 deflection_m,
                 half_width_m,
-                residual_m,
+                left_m,
             }
         })
         .collect()
@@ -255,7 +283,9 @@ fn table(result: &Prediction) -> String {
         true => title(&format!("The {SHOWN} largest deflections of the tip [mm]")),
         false => title("Deflection of the tip [mm]"),
     };
-    let mut headings: Vec<String> = ["point", "force [N]", "x", "y", "z", "size"].map(String::from).into();
+    let mut headings: Vec<String> = ["point", "force [N]", "x", "y", "z", "size"]
+        .map(String::from)
+        .into();
     if let Some(level) = result.confidence {
         headings.push(format!("± {} %", confidence(level)));
         headings.extend(["statistical", "common", "load"].map(String::from));
@@ -284,7 +314,10 @@ fn table(result: &Prediction) -> String {
     };
     out += if largest.is_empty() { "\n" } else { &largest };
     if let Some(error) = result.error_rms_m {
-        out += &format!("RMS error that the bands stand for, all axes together: {} mm.\n", mm(error));
+        out += &format!(
+            "RMS error that the bands stand for, all axes together: {} mm.\n",
+            mm(error)
+        );
     }
     out
 }
@@ -300,7 +333,10 @@ fn matrices(point: &PointPrediction) -> String {
     else {
         return String::new();
     };
-    let mut out = title(&format!("Principal axes of the translational stiffness at {}", point.point));
+    let mut out = title(&format!(
+        "Principal axes of the translational stiffness at {}",
+        point.point
+    ));
     let mut axes = Table::new(["axis", "stiffness [N/mm]", "x", "y", "z"]);
     for (name, axis) in ["softest", "middle", "stiffest"].iter().zip(principal) {
         let stiffness = axis.stiffness_n_per_m.map(|k| k / 1e3);
@@ -309,8 +345,14 @@ fn matrices(point: &PointPrediction) -> String {
         axes.row(row);
     }
     out += &axes.to_string();
-    for (what, matrix) in [("K, Eq. (2)", matrix), ("K with K_C of this load", matrix_with_k_c)] {
-        out += &title(&format!("{what} at {} [N/mm, N/mrad; N·m/mm, N·m/mrad]", point.point));
+    for (what, matrix) in [
+        ("K, Eq. (2)", matrix),
+        ("K with K_C of this load", matrix_with_k_c),
+    ] {
+        out += &title(&format!(
+            "{what} at {} [N/mm, N/mrad; N·m/mm, N·m/mrad]",
+            point.point
+        ));
         match matrix {
             None => out += "none: the posture is singular\n",
             Some(rows) => {
@@ -333,8 +375,23 @@ fn csv(result: &Prediction) -> String {
     let mut heading: Vec<String> = vec!["point".to_string()];
     heading.extend((1..=joints).map(|j| format!("q{j}_deg")));
     let columns = [
-        "tip_x_mm", "tip_y_mm", "tip_z_mm", "fx_n", "fy_n", "fz_n", "mx_nm", "my_nm", "mz_nm", "dx_mm", "dy_mm",
-        "dz_mm", "turn_x_deg", "turn_y_deg", "turn_z_deg", "deflection_mm", "linear_difference_mm",
+        "tip_x_mm",
+        "tip_y_mm",
+        "tip_z_mm",
+        "fx_n",
+        "fy_n",
+        "fz_n",
+        "mx_nm",
+        "my_nm",
+        "mz_nm",
+        "dx_mm",
+        "dy_mm",
+        "dz_mm",
+        "turn_x_deg",
+        "turn_y_deg",
+        "turn_z_deg",
+        "deflection_mm",
+        "linear_difference_mm",
     ];
     heading.extend(columns.map(String::from));
     let has_band = result.points.iter().any(|p| p.band.is_some());
@@ -349,7 +406,13 @@ fn csv(result: &Prediction) -> String {
         let mut row = vec![quoted(&point.point)];
         row.extend(point.q_deg.iter().map(f64::to_string));
         row.extend(point.tip_m.iter().map(|v| length(*v)));
-        row.extend(point.force_n.iter().chain(&point.moment_nm).map(f64::to_string));
+        row.extend(
+            point
+                .force_n
+                .iter()
+                .chain(&point.moment_nm)
+                .map(f64::to_string),
+        );
         row.extend(point.shift_m.iter().map(|v| length(*v)));
         row.extend(point.turn_rad.iter().map(|v| rad_to_deg(*v).to_string()));
         row.extend([point.deflection_m, point.linear_difference_m].map(length));

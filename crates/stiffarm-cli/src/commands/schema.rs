@@ -1,6 +1,9 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{check, evaluate, identify, map, register, select, simulate, study, validate, zones};
+use super::{
+    check, compensate, evaluate, identify, map, predict, register, select, simulate, study,
+    validate, zones,
+};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
 use crate::session::Session;
@@ -42,6 +45,10 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
             of::<identify::clamped::Options, ClampedIdentification>("identify --clamped")
         }
         SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),
+        SchemaChoice::ResultPredict => of::<predict::Options, predict::Predicted>("predict"),
+        SchemaChoice::ResultCompensate => {
+            of::<compensate::Options, compensate::Compensated>("compensate")
+        }
         SchemaChoice::ResultMap => of::<map::Options, StiffnessMap>("map"),
         SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
