@@ -606,7 +606,7 @@ fn few_rows(text: &str) -> String {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40000))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
     fn written_angles_are_read_and_written_again(points in path(angles())) {
