@@ -62,6 +62,10 @@ pub struct Validation {
     pub component_rms_m: f64,
     /// RMS norm of the measured displacements \[m\].
     pub displacement_rms_m: f64,
+    /// How many times smaller the errors would have been, had these displacements
+    /// been compensated as calculated: RMS displacement over RMS δb. Between
+    /// postures and loads like these, on this arm.
+    pub compensation_factor: Option<f64>,
     /// Expected δb if the cell's noise were the only error, 2σ·sqrt(2/π) \[m\].
     pub noise_expectation_m: f64,
     /// Tolerance on the largest δb \[m\], where given.
@@ -258,14 +262,16 @@ fn summarise(
         .map(|p| Vector3::from(p.measured_m).norm())
         .collect();
     let largest = deviations.iter().copied().fold(0.0, f64::max);
+    let (deviation, displacement) = (rms(&deviations), rms(&norms));
     // Mean of the norm of three independent normal components.
     let sigma = (cell.noise.displacement_variance() + cell.noise.posture_common_std.powi(2)).sqrt();
     Validation {
         model,
-        deviation_rms_m: rms(&deviations),
+        deviation_rms_m: deviation,
         deviation_max_m: largest,
         component_rms_m: rms(&components),
-        displacement_rms_m: rms(&norms),
+        displacement_rms_m: displacement,
+        compensation_factor: (deviation > 0.0).then(|| displacement / deviation),
         noise_expectation_m: 2.0 * sigma * std::f64::consts::FRAC_2_PI.sqrt(),
         tolerance_m,
         passed: tolerance_m.map(|t| largest <= t),

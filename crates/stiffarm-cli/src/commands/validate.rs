@@ -282,6 +282,12 @@ fn table(result: &Validation) -> String {
         mm(result.deviation_rms_m),
         mm(result.deviation_max_m)
     );
+    if let Some(factor) = result.compensation_factor {
+        out += &format!(
+            "Had these displacements been compensated as calculated, the errors would have been {} times smaller.\n",
+            significant(factor, 3)
+        );
+    }
     if result.folds.is_some() {
         out += &format!(
             "RMS of its components {} mm, to be held beside the residual RMS of the identification.\n",

@@ -17,7 +17,7 @@ const PALETTE: [&str; 7] = [
 const GREY: &str = "#8a8a8a";
 
 /// Labels with a fixed place in the palette, without trailing parentheses.
-const KNOWN: [(&str, usize); 9] = [
+const KNOWN: [(&str, usize); 11] = [
     ("Group 1", 0),
     ("Group 2", 1),
     ("Group 3", 2),
@@ -27,6 +27,8 @@ const KNOWN: [(&str, usize); 9] = [
     ("true", 6),
     ("predicted", 4),
     ("nominal", 5),
+    ("without compensation", 1),
+    ("left after compensation", 0),
 ];
 
 const MARKERS: [Marker; 7] = [

@@ -15,9 +15,9 @@ use std::f64::consts::{PI, TAU};
 /// Most points at which turns are chosen; between them they are interpolated.
 const KNOTS: usize = 400;
 /// Cost of a radian squared between two knots, in the mean squared deflection of
-/// the best postures: half a radian costs a tenth of a point's share, so that
+/// the best postures: half a radian costs as much as a whole point, so that
 /// large motions are made only where they pay, and in many small steps.
-const SMOOTH: f64 = 0.4;
+const SMOOTH: f64 = 4.0;
 /// Finer grids about the way found, and turns on either side of it.
 const REFINEMENTS: usize = 3;
 const BESIDE: i32 = 4;
@@ -200,13 +200,7 @@ fn add(
     if turns.is_empty() {
         return Ok(());
     }
-    let joints = search.arm.robot().joints();
-    let far = |q: &Vec<f64>| -> f64 {
-        let ranges = q.iter().zip(joints);
-        let from_middle = ranges.map(|(a, j)| (a - 0.5 * (j.limits[0] + j.limits[1])).abs());
-        from_middle.fold(0.0, f64::max)
-    };
-    turns.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
     let cost = search.deflection(&turns[0], load)?.powi(2);
     for q in turns.into_iter().take(FULL_TURNS) {
         layer.push(Node { q, turn, cost });

@@ -293,6 +293,14 @@ impl Search<'_> {
         }
     }
 
+    /// How far the joint that is farthest from the middle of its limits is from it \[rad\].
+    fn off_centre(&self, q: &[f64]) -> f64 {
+        let ranges = q.iter().zip(self.arm.robot().joints());
+        ranges
+            .map(|(a, j)| (a - 0.5 * (j.limits[0] + j.limits[1])).abs())
+            .fold(0.0, f64::max)
+    }
+
     /// `error` with the line of point `i`.
     fn at(&self, i: usize, error: Error) -> Error {
         match self.points[i].line {

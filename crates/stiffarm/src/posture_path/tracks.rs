@@ -41,6 +41,10 @@ pub(super) fn postures(
             .unwrap_or_else(|| Error::new(Code::OutsideLimits, "No posture is within the limits."));
         return Err(search.named(0, &error));
     }
+    // Full turns in the middle of the limits leave most room to wind on.
+    for turns in &mut starts {
+        turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
+    }
     if let Some(near) = &search.options.start {
         // Nearest branch first, of each the nearest turns first.
         let far = |q: &Vec<f64>| change(near, q).1;
