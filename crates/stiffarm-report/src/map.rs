@@ -107,7 +107,7 @@ fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
             value: |v| Some(1e6 * v.deflection_per_newton_m),
         },
         Quantity {
-            title: format!("stiffness along {}", vector(map.direction)),
+            title: format!("stiffness along {}", direction_words(map)),
             axis: scaled("stiffness", "N/µm", map.stiffness_n_per_m),
             value: |v| v.stiffness_n_per_m.map(|k| 1e-6 * k),
         },
@@ -117,6 +117,19 @@ fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
             value: |v| v.softest.stiffness_n_per_m.map(|k| 1e-6 * k),
         },
     ]
+}
+
+/// The map's direction: the force, an axis, or its components.
+fn direction_words(map: &StiffnessMap) -> String {
+    let axis = map.direction.iter().position(|c| c.abs() > 1.0 - 1e-9);
+    let size = map.force_n.iter().map(|f| f * f).sum::<f64>().sqrt();
+    let dot = |(a, b): (&f64, &f64)| a * b / size;
+    let cosine: f64 = map.direction.iter().zip(&map.force_n).map(dot).sum();
+    match axis {
+        Some(axis) => AXES[axis].to_string(),
+        None if cosine.abs() > 1.0 - 1e-9 => "the force".to_string(),
+        None => vector(map.direction),
+    }
 }
 
 /// Components to two digits, without zeros behind the point.

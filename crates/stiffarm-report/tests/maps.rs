@@ -13,7 +13,7 @@ use stiffarm::predict::Predictor;
 use stiffarm::process::{ForceAxes, TipLoad};
 use stiffarm_report::{
     Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure,
-    placement_table, render_svg,
+    placement_table, render_svg, series_colour,
 };
 
 fn cell() -> (Cell, Predictor) {
@@ -230,6 +230,12 @@ fn a_path_keeps_its_extremes_when_it_is_thinned() {
     }
     let left = &figure.panels[1].series[1];
     assert!(left.y.iter().any(|y| (y - 1e-6).abs() < 1e-18));
+    let colours = figure.panels[1]
+        .series
+        .iter()
+        .map(|s| series_colour(&s.label));
+    let colours: Vec<_> = colours.collect();
+    assert_ne!(colours[0], colours[1]);
     // Without bands, without compensation, without a length.
     let bare: Vec<PathCurvePoint> = (0..5)
         .map(|i| PathCurvePoint {

@@ -27,13 +27,37 @@ const VIRIDIS: [[u8; 3]; 9] = [
 ];
 /// Colours that are told apart; more would only make the file larger.
 const LEVELS: usize = 64;
-/// Fill of cells without a value, and colour and directions of their hatch, for
-/// the maps of a panel one after the other.
-const MISSING: [(&str, &str, &[(f64, f64)]); 4] = [
-    ("#e2e2e2", "#a0a0a0", &[(1.0, -1.0)]),
-    ("#f1f1f1", "#f1f1f1", &[]),
-    ("#cdcdcd", "#8c8c8c", &[(1.0, -1.0), (1.0, 1.0)]),
-    ("#f6f6f6", "#b4b4b4", &[(1.0, 1.0)]),
+/// The look of cells without a value.
+struct Missing {
+    fill: &'static str,
+    /// Colour of the hatch.
+    ink: &'static str,
+    /// Its directions.
+    hatch: &'static [(f64, f64)],
+}
+
+/// Those of the maps of a panel, one after the other.
+const MISSING: [Missing; 4] = [
+    Missing {
+        fill: "#e2e2e2",
+        ink: "#a0a0a0",
+        hatch: &[(1.0, -1.0)],
+    },
+    Missing {
+        fill: "#f1f1f1",
+        ink: "#f1f1f1",
+        hatch: &[],
+    },
+    Missing {
+        fill: "#cdcdcd",
+        ink: "#8c8c8c",
+        hatch: &[(1.0, -1.0), (1.0, 1.0)],
+    },
+    Missing {
+        fill: "#f6f6f6",
+        ink: "#b4b4b4",
+        hatch: &[(1.0, 1.0)],
+    },
 ];
 /// Distance between the plot area and the colour bar, and the bar's width.
 pub(super) const BAR_GAP: f64 = 9.0;
@@ -114,13 +138,13 @@ pub(super) fn draw(
 
 /// The look of a cell without a value.
 pub(super) fn missing(canvas: &mut Canvas, rect: Rect, look: Look) {
-    let (fill, ink, directions) = MISSING[look.variant % MISSING.len()];
-    canvas.cells(&[rect], fill);
+    let kind = &MISSING[look.variant % MISSING.len()];
+    canvas.cells(&[rect], kind.fill);
     let mut lines = Vec::new();
-    for direction in directions {
+    for direction in kind.hatch {
         hatch(rect, *direction, &mut lines);
     }
-    canvas.path(&lines, Stroke::solid(ink, 0.7));
+    canvas.path(&lines, Stroke::solid(kind.ink, 0.7));
 }
 
 /// Draws the colour bar to the right of the plot area.

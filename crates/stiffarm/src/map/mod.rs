@@ -11,6 +11,7 @@ mod placement;
 mod prepared;
 mod reach;
 mod result;
+mod search;
 
 pub use node::{MapNode, NodeValues, Status};
 pub use options::MapOptions;

@@ -1,27 +1,20 @@
 //! The best place for a workpiece: where a given path under given loads bends
 //! the arm least.
 
-use super::follow::{Stopped, follow};
 use super::node::Status;
-use super::options::{check_turns, grid, turns};
-use super::prepared::Prepared;
-use super::reach::{Reach, Refusal, is_better};
+use super::options::{check_turns, grid};
 use super::result::{no_band, place_words, unknown_limits};
+use super::search::{Place, Search};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length};
-use crate::identify::rms;
 use crate::jobs::in_order_watched;
-use crate::load::Wrench;
 use crate::optimise::Control;
-use crate::path::{PathPoint, Target};
+use crate::path::PathPoint;
 use crate::predict::{ArmAtWork, Predictor};
-use crate::units::{deg_to_rad, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use crate::units::deg_to_rad;
 use serde::{Deserialize, Serialize};
 
-/// Points of a path that a search looks at.
-const SEARCHED_POINTS: usize = 200;
 /// Best candidates that are tried on the whole path before giving up.
 const TRIED: usize = 20;
 
@@ -218,13 +211,6 @@ pub fn place(
     Ok(out)
 }
 
-/// A place of the workpiece.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    position: [f64; 3],
-    yaw: f64,
-}
-
 /// A grid of places.
 struct Region {
     lower: [f64; 3],
@@ -284,210 +270,6 @@ fn ranked(candidates: &[PlacementCandidate]) -> Vec<usize> {
         of(a).total_cmp(&of(b))
     });
     order
-}
-
-/// What every place shares.
-struct Search<'a> {
-    reach: Reach<'a>,
-    given: &'a Isometry3<f64>,
-    points: &'a [PathPoint],
-    /// The path for each turn about the tool axis \[rad\], whole and thinned.
-    turned: Vec<(f64, Prepared, Prepared)>,
-    kept: Vec<usize>,
-    has_free_turn: bool,
-}
-
-/// What goes along the path at a place.
-struct Along {
-    turn: f64,
-    path: Vec<Vec<f64>>,
-    wrenches: Vec<Wrench>,
-    sizes: Vec<f64>,
-}
-
-impl<'a> Search<'a> {
-    fn new(
-        cell: &'a Cell,
-        arm: &'a ArmAtWork,
-        points: &'a [PathPoint],
-        options: &PlaceOptions,
-    ) -> Result<Self> {
-        // A turn at the first point is carried along to the others.
-        let has_free_turn = matches!(points[0].target, Target::Axis { .. });
-        let count = has_free_turn.then_some(options.free_turns);
-        let mut kept = Vec::new();
-        let mut turned = Vec::new();
-        for turn in turns(count) {
-            let whole = Prepared::new(cell, arm, points, turn)?;
-            if kept.is_empty() {
-                kept = whole.evenly(SEARCHED_POINTS);
-            }
-            let thinned = whole.thinned(&kept);
-            turned.push((turn, whole, thinned));
-        }
-        Ok(Search {
-            reach: Reach::new(cell, arm),
-            given: &cell.work.workpiece,
-            points,
-            turned,
-            kept,
-            has_free_turn,
-        })
-    }
-
-    /// Pose of the workpiece at `place`.
-    fn workpiece(&self, place: &Place) -> Isometry3<f64> {
-        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), place.yaw);
-        Isometry3::from_parts(
-            Translation3::from(place.position),
-            yaw * self.given.rotation,
-        )
-    }
-
-    /// The branch that bends least at `place`, or what stops the one that gets
-    /// farthest.
-    fn along(
-        &self,
-        place: &Place,
-        path: fn(&(f64, Prepared, Prepared)) -> &Prepared,
-    ) -> Result<std::result::Result<Along, Stopped>> {
-        let workpiece = self.workpiece(place);
-        let mut best: Option<((f64, f64), Along)> = None;
-        let mut farthest: Option<Stopped> = None;
-        let mut stop = |stopped: Stopped| {
-            let farther = |f: &Stopped| stopped.at > f.at;
-            if farthest.as_ref().is_none_or(farther) {
-                farthest = Some(stopped);
-            }
-        };
-        for entry in &self.turned {
-            let (poses, wrenches) = path(entry).at(&workpiece);
-            let starts = match self.reach.postures(&poses[0])? {
-                Ok(starts) => starts,
-                Err(refusal) => {
-                    stop(Stopped { at: 0, refusal });
-                    continue;
-                }
-            };
-            for start in starts {
-                let path = match follow(&self.reach, &poses, &start)? {
-                    Ok(path) => path,
-                    Err(stopped) => {
-                        stop(stopped);
-                        continue;
-                    }
-                };
-                let sizes = self.linear(&path, &wrenches)?;
-                let size = rms(&sizes);
-                let strains = path.iter().map(|q| self.reach.strain(q));
-                let strain = strains.fold(0.0, f64::max);
-                if best
-                    .as_ref()
-                    .is_none_or(|(than, _)| is_better(size, strain, *than))
-                {
-                    let along = Along {
-                        turn: entry.0,
-                        path,
-                        wrenches: wrenches.clone(),
-                        sizes,
-                    };
-                    best = Some(((size, strain), along));
-                }
-            }
-        }
-        Ok(match (best, farthest) {
-            (Some((_, along)), _) => Ok(along),
-            (None, Some(stopped)) => Err(stopped),
-            // A pose has postures or a refusal.
-            (None, None) => Err(Stopped {
-                at: 0,
-                refusal: Refusal::discontinuous(),
-            }),
-        })
-    }
-
-    /// Deflections by the linear model \[m\].
-    fn linear(&self, path: &[Vec<f64>], wrenches: &[Wrench]) -> Result<Vec<f64>> {
-        let arm = self.reach.arm;
-        let pairs = path.iter().zip(wrenches);
-        pairs
-            .map(|(q, wrench)| {
-                let terms = arm.terms(q, wrench)?;
-                Ok(arm.linear(&terms).fixed_rows::<3>(0).norm())
-            })
-            .collect()
-    }
-
-    /// The thinned path at `place`.
-    fn candidate(&self, round: usize, place: &Place) -> Result<PlacementCandidate> {
-        let along = self.along(place, |(_, _, thinned)| thinned)?;
-        let mut out = PlacementCandidate {
-            round,
-            position_m: place.position,
-            yaw_deg: rad_to_shortest_deg(place.yaw),
-            status: Status::Reachable,
-            deflection_rms_m: None,
-            deflection_max_m: None,
-            reason: None,
-            point: None,
-        };
-        match along {
-            Ok(along) => {
-                out.deflection_rms_m = Some(rms(&along.sizes));
-                out.deflection_max_m = Some(along.sizes.iter().copied().fold(0.0, f64::max));
-            }
-            Err(stopped) => {
-                out.status = stopped.refusal.status;
-                out.reason = Some(stopped.refusal.reason);
-                out.point = Some(self.points[self.kept[stopped.at]].name.clone());
-            }
-        }
-        Ok(out)
-    }
-
-    /// The whole path at `place`, by the exact equilibrium.
-    fn whole(&self, place: &Place) -> Result<Placed> {
-        let workpiece = self.workpiece(place);
-        let along = self.along(place, |(_, whole, _)| whole)?;
-        let mut out = Placed {
-            position_m: place.position,
-            rpy_deg: roll_pitch_yaw(&workpiece.rotation).map(rad_to_shortest_deg),
-            yaw_deg: rad_to_shortest_deg(place.yaw),
-            turn_deg: None,
-            status: Status::Reachable,
-            reason: None,
-            point: None,
-            deflection_rms_m: None,
-            deflection_max_m: None,
-            deflection_max_point: None,
-            start_deg: None,
-        };
-        match along {
-            Ok(along) => {
-                let mut sizes = Vec::with_capacity(along.path.len());
-                for (q, wrench) in along.path.iter().zip(&along.wrenches) {
-                    let bent = self.reach.arm.bend(q, wrench)?;
-                    sizes.push(bent.displacement.fixed_rows::<3>(0).norm());
-                }
-                let pairs = sizes.iter().zip(self.points);
-                let largest = pairs.reduce(|a, b| if b.0 > a.0 { b } else { a });
-                out.turn_deg = self.has_free_turn.then(|| rad_to_deg(along.turn));
-                out.deflection_rms_m = Some(rms(&sizes));
-                out.deflection_max_m = largest.map(|(size, _)| *size);
-                out.deflection_max_point = largest.map(|(_, point)| point.name.clone());
-                out.start_deg = along
-                    .path
-                    .first()
-                    .map(|q| q.iter().map(|q| rad_to_shortest_deg(*q)).collect());
-            }
-            Err(stopped) => {
-                out.status = stopped.refusal.status;
-                out.reason = Some(stopped.refusal.reason);
-                out.point = Some(self.points[stopped.at].name.clone());
-            }
-        }
-        Ok(out)
-    }
 }
 
 fn findings(cell: &Cell, predictor: &Predictor, result: &Placement) -> Vec<Finding> {
