@@ -29,7 +29,7 @@ use std::path::PathBuf;
                   cells     builtin:comau (the default cell), builtin:comau-reference, builtin:fanuc-r2000ic\n  \
                   postures  builtin:comau-group1\n  \
                   pairs     builtin:example-pairs\n  \
-                  paths     builtin:comau-contour\n\n\
+                  paths     builtin:contour\n\n\
                   Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \
                   still printed), 2 bad input or usage, 3 a fault of the program, 130 interrupted (the best result \
                   so far is written)."

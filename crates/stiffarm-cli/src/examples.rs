@@ -59,25 +59,25 @@ pub const VALIDATE: &str = "Examples:
   $ stiffarm validate builtin:comau tracked.csv --folds all";
 pub const PREDICT: &str = "Examples:
   At the tasks of the cell, and round a contour with the cell's milling force:
-  $ stiffarm predict builtin:comau k.json
-  $ stiffarm predict builtin:comau k.json builtin:comau-contour --figure bend.svg
-
-  With the stiffness matrices; the turn about the tool axis free:
   $ stiffarm predict builtin:comau k.json --matrix
-  $ stiffarm predict builtin:comau k.json builtin:comau-contour --free-turn=24
+  $ stiffarm predict builtin:comau k.json builtin:contour --figure bend.svg
 
-  A force on the command line, known to 10 %; all points as a table:
-  $ stiffarm predict builtin:comau k.json builtin:comau-contour --axes base \\
-      --force-n 0,0,300 --load-uncertainty-percent 10 --output bend.csv
+  The turn about the tool axis free, for the postures that bend least:
+  $ stiffarm predict builtin:comau k.json builtin:contour --free-turn=24
+
+  A load known to 10 %, and all points as a table; a force in the feed:
+  $ stiffarm predict builtin:comau k.json builtin:contour --output bend.csv \\
+      --load-uncertainty-percent 10
+  $ stiffarm predict builtin:comau k.json builtin:contour --axes path \\
+      --force-n -300,100,0
 
   Under the load of the identification, at its postures:
   $ stiffarm predict builtin:comau k.json plan.csv --cell-load";
 pub const COMPENSATE: &str = "Examples:
   The path to command, in the columns of the path or as joint angles:
-  $ stiffarm compensate builtin:comau k.json builtin:comau-contour \\
-      --output commanded.csv --figure compensated.svg
-  $ stiffarm compensate builtin:comau k.json builtin:comau-contour \\
-      --free-turn=24 --output angles.csv --write angles";
+  $ stiffarm compensate builtin:comau k.json builtin:contour --output go.csv
+  $ stiffarm compensate builtin:comau k.json builtin:contour --free-turn=24 \\
+      --output angles.csv --write angles --figure compensated.svg";
 pub const MAP: &str = "Examples:
   A plane, the tool down, with picture and table:
   $ stiffarm map builtin:comau k.json --plane z=800 --output-dir map

@@ -1,5 +1,5 @@
 //! Built-in cells, posture groups, point pairs and paths: `builtin:comau`,
-//! `builtin:comau-group1`, `builtin:example-pairs`, `builtin:comau-contour`.
+//! `builtin:comau-group1`, `builtin:example-pairs`, `builtin:contour`.
 //!
 //! The files lie in `data/cells`, sources in their comments.
 
@@ -35,10 +35,7 @@ const PAIRS: [(&str, &str); 1] = [(
     include_str!("../data/cells/example-pairs.csv"),
 )];
 
-const PATHS: [(&str, &str); 1] = [(
-    "comau-contour",
-    include_str!("../data/cells/comau-contour.csv"),
-)];
+const PATHS: [(&str, &str); 1] = [("contour", include_str!("../data/cells/contour.csv"))];
 
 /// Names of the built-in cells; the first is the default cell.
 pub fn cell_names() -> Vec<&'static str> {

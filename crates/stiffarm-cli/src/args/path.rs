@@ -17,7 +17,12 @@ pub struct PathArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "force_n")]
     pub moment_nm: Option<Triple>,
     /// Standard uncertainty of the load at work [%]
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     pub load_uncertainty_percent: f64,
     /// Posture that the first one should be near [deg] [default: the branch that bends least]
     #[arg(
@@ -28,7 +33,12 @@ pub struct PathArgs {
     )]
     pub start_deg: Vec<f64>,
     /// Largest change of a joint from one point to the next [deg]; more is a jump
-    #[arg(long, value_name = "X", default_value_t = 30.0)]
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 30.0,
+        allow_negative_numbers = true
+    )]
     pub max_step_deg: f64,
     /// The turn about the tool axis is free: try N of them at each point and take the postures that
     /// bend least [default: 72]

@@ -31,6 +31,9 @@ const SHOWN: usize = 12;
 /// Postures whose stiffness matrices are printed.
 const MATRICES: usize = 2;
 
+/// Entries of a matrix below this share of the largest are rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
 pub struct Options {
@@ -357,9 +360,13 @@ fn matrices(point: &PointPrediction) -> String {
             None => out += "none: the posture is singular\n",
             Some(rows) => {
                 let mut table = Table::new(["", "x", "y", "z", "about x", "about y", "about z"]);
+                let largest = rows.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
                 for (name, row) in ["Fx", "Fy", "Fz", "Mx", "My", "Mz"].iter().zip(rows) {
                     // Newtons per millimetre and per milliradian alike.
-                    let values = row.iter().map(|v| significant(v / 1e3, 5));
+                    let values = row.iter().map(|v| match v.abs() < ROUNDING * largest {
+                        true => "0".to_string(),
+                        false => significant(v / 1e3, 5),
+                    });
                     table.row(std::iter::once((*name).to_string()).chain(values));
                 }
                 out += &table.to_string();

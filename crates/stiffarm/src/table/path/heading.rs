@@ -72,11 +72,19 @@ pub(super) struct PathColumns {
 impl PathColumns {
     pub(super) fn of(table: &Table<'_>, cell: &Cell) -> Result<Self> {
         let joints = cell.setup.robot.joint_count();
-        let contents = contents(joints);
-        let known = known(joints);
+        let mut contents = contents(joints);
+        // A table of postures is a path, too: its names stand under `posture`.
+        contents.push((Content::Name, Known::name("posture")));
+        let known: Vec<Known> = contents.iter().map(|(_, known)| known.clone()).collect();
         let found = table
             .check_heading(&known, joints)
             .map_err(|error| controller_angles(table, error))?;
+        let names = [found.get("point"), found.get("posture")];
+        if let [Some(_), Some(second)] = names {
+            let message = "The table has both points and postures as names.";
+            let error = table.heading_error(Some(second.at), Code::Conflict, message);
+            return Err(error.hint("keep one of them"));
+        }
         let kind = kind(table, &found, joints)?;
         let all = |group: &[Known], hint: &str| found.all(group, hint);
         let (angles, position, orientation) = match kind {
@@ -117,7 +125,7 @@ impl PathColumns {
         format.sort_by_key(|(at, _)| *at);
         Ok(PathColumns {
             kind,
-            point: found.get("point"),
+            point: names.into_iter().flatten().next(),
             angles,
             position,
             orientation,
