@@ -85,7 +85,10 @@ pub const MAP: &str = "Examples:
   The turn about the tool axis free; a milling force; six planes of a box:
   $ stiffarm map builtin:comau k.json --plane z=800 --steps 15 --free-turn=8
   $ stiffarm map builtin:comau k.json --plane x=1800 --force-n 200,-300,100
-  $ stiffarm map builtin:comau prior --steps 9,9,6";
+  $ stiffarm map builtin:comau prior --steps 9,9,6
+
+  The best place for the workpiece of a path:
+  $ stiffarm map builtin:comau k.json --place builtin:contour --steps 9";
 pub const ZONES: &str = "Examples:
   $ stiffarm zones
   $ stiffarm zones builtin:comau-reference --steps 61 --output-dir zones";

@@ -1,13 +1,16 @@
 //! What predict and compensate share: a path, its loads and its postures.
 
 use crate::args::PathArgs;
+use crate::files::{Target, check_one_stdout, write_all};
 use crate::numbers::significant;
 use crate::progress::Progress;
 use crate::session::Session;
+use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::cell::Cell;
 use stiffarm::inverse::InverseKinematics;
+use stiffarm::kinematics::Frames;
 use stiffarm::path::LoadedPosture;
 use stiffarm::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
 use stiffarm::predict::{ArmAtWork, Predictor};
@@ -15,6 +18,7 @@ use stiffarm::process::{ForceAxes, TipLoad};
 use stiffarm::table::{PathTable, read_path};
 use stiffarm::units::{deg_to_rad, percent_to_fraction};
 use stiffarm::{Code, Error, Result};
+use stiffarm_report::PathCurvePoint;
 
 /// Turns about the tool axis that are tried where a path gives the axis alone.
 const TURNS: usize = 72;
@@ -191,4 +195,85 @@ impl Session {
             summary,
         })
     }
+}
+
+/// The table and the picture of a command about a path.
+pub struct Outputs {
+    table: Option<Target>,
+    figure: Option<Target>,
+}
+
+impl Outputs {
+    /// Checks both places before any work.
+    ///
+    /// # Errors
+    /// As [`Target::new`] and [`check_one_stdout`].
+    pub fn new(
+        session: &Session,
+        table: Option<&str>,
+        figure: Option<&str>,
+        force: bool,
+    ) -> Result<Self> {
+        let target = |path: Option<&str>| path.map(|path| Target::new(path, force)).transpose();
+        let (table, figure) = (target(table)?, target(figure)?);
+        check_one_stdout(session, &[table.as_ref(), figure.as_ref()])?;
+        Ok(Outputs { table, figure })
+    }
+
+    /// Writes what was asked for; true where it went to standard output.
+    ///
+    /// # Errors
+    /// A text that cannot be made, or a file that cannot be written.
+    pub fn write(
+        self,
+        session: &Session,
+        table: impl FnOnce() -> Result<String>,
+        figure: impl FnOnce() -> String,
+    ) -> Result<bool> {
+        let mut files = Vec::new();
+        if let Some(target) = self.table {
+            files.push((target, table()?));
+        }
+        if let Some(target) = self.figure {
+            files.push((target, figure()));
+        }
+        write_all(session, &files)?;
+        Ok(files.iter().any(|(target, _)| target.is_stdout()))
+    }
+}
+
+/// The `count` largest, in the order of the path.
+pub fn largest_first<P>(points: &[P], size: impl Fn(&P) -> f64, count: usize) -> Vec<&P> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|a, b| size(&points[*b]).total_cmp(&size(&points[*a])));
+    order.truncate(count);
+    order.sort_unstable();
+    order.into_iter().map(|i| &points[i]).collect()
+}
+
+/// Values along the path for the figure.
+pub fn curve(
+    values: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
+    postures: &[LoadedPosture],
+    cell: &Cell,
+) -> Vec<PathCurvePoint> {
+    let tip = cell.work.tip(&cell.setup.tool).translation.vector;
+    let at = |posture: &LoadedPosture| Frames::new(&cell.setup.robot, &posture.q).point(&tip);
+    let mut along = 0.0;
+    let mut last = None;
+    postures
+        .iter()
+        .zip(values)
+        .map(|(posture, (deflection_m, half_width_m, left_m))| {
+            let position = at(posture);
+            along += last.map_or(0.0, |last: Vector3<f64>| (position - last).norm());
+            last = Some(position);
+            PathCurvePoint {
+                along_m: along,
+                deflection_m,
+                half_width_m,
+                left_m,
+            }
+        })
+        .collect()
 }

@@ -149,7 +149,8 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
         1e3 * summary.deflection_rms_m,
         summary.largest_step_deg
     );
-    assert_eq!(summary.given_rms_m, Some(given.deflection_rms_m));
+    let as_given = summary.given_rms_m.unwrap();
+    assert!((as_given / given.deflection_rms_m - 1.0).abs() < 1e-9);
     assert!(summary.deflection_rms_m < 0.98 * given.deflection_rms_m);
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
     assert_continuous(&cell, &found, free.largest_step);

@@ -3,12 +3,10 @@
 
 use super::finding_line;
 use super::identify::confidence;
-use super::predict::{curve, largest_first};
 use crate::args::{CompensateArgs, WriteChoice};
-use crate::files::{Target, check_one_stdout, write_all};
 use crate::numbers::{mm, significant};
 use crate::output::Exit;
-use crate::path::{Followed, PathOptions};
+use crate::path::{Followed, Outputs, PathOptions, curve, largest_first};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::{Align, Table, title};
@@ -48,17 +46,12 @@ pub struct Compensated {
 
 /// Compensates.
 pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
-    let output = args
-        .output
-        .as_deref()
-        .map(|p| Target::new(p, args.force))
-        .transpose()?;
-    let figure = args
-        .figure
-        .as_deref()
-        .map(|p| Target::new(p, args.force))
-        .transpose()?;
-    check_one_stdout(session, &[output.as_ref(), figure.as_ref()])?;
+    let outputs = Outputs::new(
+        session,
+        args.output.as_deref(),
+        args.figure.as_deref(),
+        args.force,
+    )?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = session.read_stiffness(&args.stiffness, cell)?;
@@ -84,31 +77,20 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
             None => e,
         })?;
     drop(progress);
-    let mut files = Vec::new();
-    let on_stdout = [&output, &figure]
-        .iter()
-        .any(|t| t.as_ref().is_some_and(Target::is_stdout));
-    if let Some(target) = output {
-        let text = commanded(cell, &saved.predictor, &followed, &result, args.write)?;
-        files.push((target, text));
-    }
-    if let Some(target) = figure {
-        let points = result.points.iter();
-        let curve = curve(
-            points.map(|p| {
-                let half = p.band.map(|b| b.size_m[3]);
-                (
-                    p.uncompensated_m,
-                    half,
-                    Some(p.residual_m + half.unwrap_or_default()),
-                )
-            }),
-            &followed.postures,
-            cell,
-        );
-        files.push((target, render_svg(&path_figure(&curve, result.confidence))));
-    }
-    write_all(session, &files)?;
+    let figure = || {
+        let values = result.points.iter().map(|p| {
+            let half = p.band.map(|b| b.size_m[3]);
+            (
+                p.uncompensated_m,
+                half,
+                Some(p.residual_m + half.unwrap_or_default()),
+            )
+        });
+        let curve = curve(values, &followed.postures, cell);
+        render_svg(&path_figure(&curve, result.confidence))
+    };
+    let table = || commanded(cell, &saved.predictor, &followed, &result, args.write);
+    let on_stdout = outputs.write(session, table, figure)?;
     let described = Options {
         path: args.along.described(),
     };
@@ -126,7 +108,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         if other {
             out += "note: the stiffness was identified with another version of this cell\n";
         }
-        out + &table(&result.compensation) + &notes(&result) + &wrote(args)
+        out + &corrections(&result.compensation) + &notes(&result) + &wrote(args)
     })?;
     Ok(exit(&result))
 }
@@ -183,7 +165,7 @@ fn commanded(
     write_path(&format, &points)
 }
 
-fn table(result: &Compensation) -> String {
+fn corrections(result: &Compensation) -> String {
     let rows = largest_first(&result.points, |p| p.correction_size_m, SHOWN);
     let mut out = match rows.len() < result.points.len() {
         true => title(&format!("The {SHOWN} largest corrections [mm]")),
