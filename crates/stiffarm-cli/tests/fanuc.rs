@@ -69,7 +69,7 @@ fn the_measured_fanuc_is_identified() {
     assert!(share < 0.5, "{share}");
 
     // Each posture predicted from the other 42; a joint that tilts predicts better.
-    let component_rms_mm = |terms: &str| {
+    let left_out = |terms: &str| {
         let line = format!("validate builtin:fanuc-r2000ic fanuc.csv --folds all{terms}");
         let ran = folder.run(&format!("{line} --json"));
         let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
@@ -81,9 +81,16 @@ fn the_measured_fanuc_is_identified() {
         // The readings scatter as the residuals say, whatever their cause.
         let inside = band["inside"].as_f64().unwrap() / band["components"].as_f64().unwrap();
         assert!((0.9..=0.99).contains(&inside), "{inside}");
-        value["result"]["component_rms_m"].as_f64().unwrap() * 1e3
+        let factor = value["result"]["compensation_factor"].as_f64().unwrap();
+        (
+            value["result"]["component_rms_m"].as_f64().unwrap() * 1e3,
+            factor,
+        )
     };
-    let (axes, tilt) = (component_rms_mm(""), component_rms_mm(" --terms tilt3"));
+    let (axes, of_axes) = left_out("");
+    let (tilt, of_tilt) = left_out(" --terms tilt3");
+    println!("compensation factor: {of_axes:.2}, with tilt of joint 3 {of_tilt:.2}");
+    assert!((of_axes - 4.26).abs() < 5e-3 && (of_tilt - 5.49).abs() < 5e-3);
     println!("leave one out: {axes:.4} mm, with tilt of joint 3 {tilt:.4} mm");
     assert!((axes - 0.2339).abs() < 5e-5, "{axes}");
     assert!((tilt - 0.1813).abs() < 5e-5, "{tilt}");

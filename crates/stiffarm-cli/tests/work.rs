@@ -205,9 +205,6 @@ fn a_wrist_held_straight_is_named_with_its_row() {
     );
     let line = "predict builtin:comau k.json straight.csv --axes base --force-n 0,0,300";
     let shown = folder.ok(line);
-    assert!(
-        shown.contains("The postures at point 2 (line 3) is singular")
-            || shown.contains("point 2 (line 3)"),
-        "{shown}"
-    );
+    let named = "The posture at point 2 (line 3) is singular";
+    assert!(shown.contains(named), "{shown}");
 }

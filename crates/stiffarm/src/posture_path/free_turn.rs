@@ -87,26 +87,12 @@ pub(super) fn postures(
             });
         }
     }
-    for (layer, &i) in layers.iter().zip(&knots) {
-        if layer.is_empty() {
-            // Some turn was tried: say why the first one fails.
-            let flange = search.flange(&poses[i]);
-            let middle: Vec<f64> = search
-                .arm
-                .robot()
-                .joints()
-                .iter()
-                .map(|j| j.limits[0])
-                .collect();
-            let error = search.inverse.nearest(&flange, &middle).err();
-            let error = error.unwrap_or_else(|| {
-                Error::new(
-                    Code::OutsideLimits,
-                    "no turn about the tool axis is within the limits.",
-                )
-            });
-            return Err(search.named(i, &error));
-        }
+    if let Some((_, &i)) = layers
+        .iter()
+        .zip(&knots)
+        .find(|(layer, _)| layer.is_empty())
+    {
+        return Err(blocked(search, poses, i));
     }
     let least = layers
         .iter()
@@ -136,6 +122,18 @@ pub(super) fn postures(
         way = cheapest(search, &layers, &knots, smooth, control)?;
     }
     between(search, poses, &knots, &way)
+}
+
+/// Why point `i` has no posture whatever the turn: what the first turn says.
+fn blocked(search: &Search<'_>, poses: &[Isometry3<f64>], i: usize) -> Error {
+    let joints = search.arm.robot().joints().iter();
+    let middle: Vec<f64> = joints.map(|j| 0.5 * (j.limits[0] + j.limits[1])).collect();
+    let first = search.inverse.nearest(&search.flange(&poses[i]), &middle);
+    let error = first.err().unwrap_or_else(|| {
+        let message = "no turn about the tool axis is within the limits.";
+        Error::new(Code::OutsideLimits, message)
+    });
+    search.named(i, &error)
 }
 
 /// The points at which turns are chosen: all, or so many evenly along the path.

@@ -174,8 +174,20 @@ pub fn posture_path(
                 given_rms = Some(rms(&sizes));
             }
             let found = free_turn::postures(&search, &poses, as_given.as_deref(), control)?;
-            turn_deg = Some(found.turns.iter().map(|t| rad_to_deg(*t)).collect());
-            found.q
+            let tips: Vec<Isometry3<f64>> = found.q.iter().map(|q| arm.tip_pose(q)).collect();
+            let sizes = search.deflections(&found.q, &search.wrenches(&tips)?)?;
+            match as_given {
+                // A price on joint motion, or the interpolation between knots, may cost
+                // more than the turn gains.
+                Some(q) if given_rms.is_some_and(|given| rms(&sizes) >= given) => {
+                    turn_deg = Some(vec![0.0; q.len()]);
+                    q
+                }
+                _ => {
+                    turn_deg = Some(found.turns.iter().map(|t| rad_to_deg(*t)).collect());
+                    found.q
+                }
+            }
         }
     };
     let tips: Vec<Isometry3<f64>> = q.iter().map(|q| arm.tip_pose(q)).collect();
@@ -342,16 +354,16 @@ fn findings(search: &Search<'_>, q: &[Vec<f64>], summary: &PosturePathSummary) -
             0 => String::new(),
             more => format!(" and {more} more"),
         };
-        let (points, are) = match singular.len() {
-            1 => ("point", "is"),
-            _ => ("points", "are"),
+        let (postures, are) = match singular.len() {
+            1 => ("posture at point", "is"),
+            _ => ("postures at points", "are"),
         };
         out.push(Finding::new(
             "singular-posture",
             Severity::Caution,
             "path",
             format!(
-                "The postures at {points} {shown}{more} {are} singular or nearly so: in one direction the tool hardly moves, \
+                "The {postures} {shown}{more} {are} singular or nearly so: in one direction the tool hardly moves, \
                  whatever the joints do, and a controller may stop there."
             ),
         ));
