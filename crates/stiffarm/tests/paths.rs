@@ -277,6 +277,26 @@ fn a_path_is_written_in_other_columns() -> Check {
 }
 
 #[test]
+fn european_tables_go_out_as_they_came_in() -> Check {
+    let cell = cell_with("");
+    let text = "point;x_mm;y_mm;z_mm;roll_deg;pitch_deg;yaw_deg;fx_kn;fy_kn;fz_kn;axes\n\
+                \"a;b\";1500,5;0;900;180;0;0;0,125;0;-0,5;base\n\
+                c,d;1520;-0,25;900;180;0;10,5;;;;\n";
+    let table = read(text, &cell)?;
+    assert_eq!(write_path(&table.format, &table.points)?, text);
+    let tabs = text
+        .replace(',', ".")
+        .replace(';', "\t")
+        .replace("a\tb", "a b");
+    let table = read(&tabs, &cell)?;
+    assert_eq!(
+        write_path(&table.format, &table.points)?,
+        tabs.replace('"', "")
+    );
+    Ok(())
+}
+
+#[test]
 fn what_the_columns_cannot_hold_is_refused() -> Check {
     let cell = cell_with("");
     let (angles, poses, axes) = (

@@ -62,6 +62,8 @@ pub(super) struct Table<'a> {
     /// What a reader who misses a column should know, for example that only
     /// the first sheet is read.
     pub(super) aside: Option<String>,
+    /// What separates the columns of a text.
+    pub(super) delimiter: char,
 }
 
 /// Where a column stands, and its unit if it has one.
@@ -118,7 +120,17 @@ impl<'a> Table<'a> {
                 .cloned()
                 .collect(),
             aside: None,
+            delimiter: ',',
         }
+    }
+
+    /// True where decimals are written with a comma, in columns that it does not separate.
+    pub(super) fn has_decimal_commas(&self) -> bool {
+        let mut fields = self.rows.iter().flat_map(|row| &row.fields);
+        self.delimiter != ','
+            && fields.any(|field| {
+                field.text.replacen(',', ".", 1).parse::<f64>().is_ok() && field.text.contains(',')
+            })
     }
 
     /// The rows, each with one field per column. The heading is checked

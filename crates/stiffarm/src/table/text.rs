@@ -74,7 +74,9 @@ impl<'a> Table<'a> {
         };
         let heading = row(heading_line, heading, delimiter);
         let rows = lines.map(|(line, text)| row(line, text, delimiter));
-        Ok(Table::new(file, style, heading, rows.collect(), foreign))
+        let mut table = Table::new(file, style, heading, rows.collect(), foreign);
+        table.delimiter = delimiter;
+        Ok(table)
     }
 }
 

@@ -79,6 +79,10 @@ pub struct PathFormat {
     pub(super) workpiece: Isometry3<f64>,
     /// Axes of loads in a table without the column `axes`.
     pub(super) axes: Option<ForceAxes>,
+    /// What separates the columns.
+    pub(super) separator: char,
+    /// Whether decimals have a comma.
+    pub(super) decimal_commas: bool,
 }
 
 impl PathFormat {
@@ -92,6 +96,8 @@ impl PathFormat {
             kind,
             workpiece: cell.work.workpiece,
             axes: None,
+            separator: ',',
+            decimal_commas: false,
         }
     }
 

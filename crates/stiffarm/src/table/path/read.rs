@@ -94,6 +94,8 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
         kind: columns.kind,
         workpiece: cell.work.workpiece,
         axes,
+        separator: table.delimiter,
+        decimal_commas: table.has_decimal_commas(),
     };
     Ok(PathTable { points, format })
 }

@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::path::{PathPoint, Target};
 use crate::process::{ForceAxes, TipLoad};
 use crate::table::quantity::{Unit, rounded};
-use crate::table::write::line;
+use crate::table::write::separated;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 const AXIS_DECIMALS: i32 = 12;
 
 /// A path in the columns of `format`, which [`read_path`](super::read_path)
-/// reads: in its order and units, LF, commas. Targets are in the base frame, as
+/// reads: in its order and units, with its separator and decimal sign, LF. Targets are in the base frame, as
 /// everywhere; a load is carried over where the table has columns for it, and
 /// where it is `None` its fields stay empty.
 ///
@@ -29,6 +29,7 @@ const AXIS_DECIMALS: i32 = 12;
 /// table has no column for.
 pub fn write_path(format: &PathFormat, points: &[PathPoint]) -> Result<String> {
     let headings: Vec<String> = format.columns.iter().map(|c| c.heading.clone()).collect();
+    let line = |fields: &[String]| separated(fields, format.separator);
     let mut text = line(&headings);
     let mut fields = Vec::with_capacity(headings.len());
     for point in points {
@@ -36,7 +37,13 @@ pub fn write_path(format: &PathFormat, points: &[PathPoint]) -> Result<String> {
         check_load(format, point)?;
         fields.clear();
         let columns = format.columns.iter();
-        fields.extend(columns.map(|column| field(column, point, &target)));
+        fields.extend(columns.map(|column| {
+            let text = field(column, point, &target);
+            match (column.content, format.decimal_commas) {
+                (Content::Name | Content::Axes, _) | (_, false) => text,
+                (_, true) => text.replace('.', ","),
+            }
+        }));
         text += &line(&fields);
     }
     Ok(text)
