@@ -61,27 +61,33 @@ pub fn tip_wrenches(
     process: Option<&TipLoad>,
     workpiece: &Isometry3<f64>,
 ) -> Result<Vec<Wrench>> {
-    let mut feeds: Option<Vec<Option<Rotation3<f64>>>> = None;
-    let mut wrenches = Vec::with_capacity(points.len());
-    for (i, (point, pose)) in points.iter().zip(poses).enumerate() {
-        let Some(load) = point.load.as_ref().or(process) else {
-            wrenches.push(Wrench::force(Vector3::zeros()));
-            continue;
-        };
-        let axes = match load.axes {
-            ForceAxes::Base => Rotation3::identity(),
-            ForceAxes::Tool => pose.rotation.to_rotation_matrix(),
-            ForceAxes::Workpiece => workpiece.rotation.to_rotation_matrix(),
-            ForceAxes::Path => {
-                feeds.get_or_insert_with(|| feed_axes(poses))[i].ok_or_else(|| no_feed(point))?
-            }
-        };
-        wrenches.push(Wrench {
-            force: axes * load.force,
-            moment: axes * load.moment,
-        });
-    }
-    Ok(wrenches)
+    let feeds = feed_axes(poses);
+    let all = points.iter().zip(poses).zip(&feeds);
+    all.map(|((point, pose), feed)| tip_wrench(point, pose, feed.as_ref(), process, workpiece))
+        .collect()
+}
+
+/// The same of one point with its feed axes.
+pub(crate) fn tip_wrench(
+    point: &PathPoint,
+    pose: &Isometry3<f64>,
+    feed: Option<&Rotation3<f64>>,
+    process: Option<&TipLoad>,
+    workpiece: &Isometry3<f64>,
+) -> Result<Wrench> {
+    let Some(load) = point.load.as_ref().or(process) else {
+        return Ok(Wrench::force(Vector3::zeros()));
+    };
+    let axes = match load.axes {
+        ForceAxes::Base => Rotation3::identity(),
+        ForceAxes::Tool => pose.rotation.to_rotation_matrix(),
+        ForceAxes::Workpiece => workpiece.rotation.to_rotation_matrix(),
+        ForceAxes::Path => *feed.ok_or_else(|| no_feed(point))?,
+    };
+    Ok(Wrench {
+        force: axes * load.force,
+        moment: axes * load.moment,
+    })
 }
 
 fn no_feed(point: &PathPoint) -> Error {

@@ -5,6 +5,7 @@
 
 mod frames;
 
+pub(crate) use frames::tip_wrench;
 pub use frames::{feed_axes, tip_wrenches};
 
 use crate::error::Error;

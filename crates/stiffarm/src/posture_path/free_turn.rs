@@ -7,8 +7,7 @@ use crate::inverse::{Method, Outcome};
 use crate::jobs::in_order_watched;
 use crate::load::Wrench;
 use crate::optimise::Control;
-use crate::path::feed_axes;
-use crate::process::ForceAxes;
+use crate::path::{feed_axes, tip_wrench};
 use nalgebra::Isometry3;
 use std::f64::consts::{PI, TAU};
 
@@ -51,7 +50,17 @@ pub(super) fn postures(
 ) -> Result<Found> {
     let knots = knots(poses);
     let feeds = feed_axes(poses);
-    let wrench = |i: usize, tip: &Isometry3<f64>| wrench(search, i, tip, &feeds);
+    // The feed does not depend on the turn.
+    let wrench = |i: usize, tip: &Isometry3<f64>| {
+        let (process, workpiece) = (search.options.process.as_ref(), &search.options.workpiece);
+        tip_wrench(
+            &search.points[i],
+            tip,
+            feeds[i].as_ref(),
+            process,
+            workpiece,
+        )
+    };
     let count = search.options.turns.max(1);
     let spacing = TAU / count as f64;
     let closed = search.inverse.method() == Method::ClosedForm;
@@ -158,32 +167,6 @@ fn knots(poses: &[Isometry3<f64>]) -> Vec<usize> {
     knots[KNOTS - 1] = count - 1;
     knots.dedup();
     knots
-}
-
-/// The load of point `i` with the tip at `tip`; the feed does not depend on the turn.
-fn wrench(
-    search: &Search<'_>,
-    i: usize,
-    tip: &Isometry3<f64>,
-    feeds: &[Option<nalgebra::Rotation3<f64>>],
-) -> Result<Wrench> {
-    let point = &search.points[i];
-    let load = point.load.as_ref().or(search.options.process.as_ref());
-    if let (Some(load), Some(axes)) = (load, &feeds[i])
-        && load.axes == ForceAxes::Path
-    {
-        return Ok(Wrench {
-            force: axes * load.force,
-            moment: axes * load.moment,
-        });
-    }
-    let one = crate::path::tip_wrenches(
-        std::slice::from_ref(point),
-        std::slice::from_ref(tip),
-        search.options.process.as_ref(),
-        &search.options.workpiece,
-    )?;
-    Ok(one[0])
 }
 
 /// Adds the full turns of `q` that are within the limits.
