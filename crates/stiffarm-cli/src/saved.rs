@@ -6,7 +6,7 @@ use serde_json::Value;
 use stiffarm::budget::Budget;
 use stiffarm::cell::Cell;
 use stiffarm::identify::Estimates;
-use stiffarm::predict::{FittedNoise, Predictor};
+use stiffarm::predictor::{FittedNoise, Predictor};
 use stiffarm::{Code, Error, Result};
 
 /// Stands for the cell's prior stiffness where a file name could stand.

@@ -10,7 +10,7 @@ use support::Folder;
 
 fn cell() -> Cell {
     let text = stiffarm::builtin::cell_text("comau").unwrap();
-    stiffarm::cell::file::parse_cell(text, "comau").unwrap()
+    stiffarm::cell_file::parse_cell(text, "comau").unwrap()
 }
 
 /// Group 1 pushed up and down against a fixture.

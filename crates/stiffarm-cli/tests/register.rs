@@ -5,7 +5,7 @@ mod support;
 
 use insta::assert_snapshot;
 use serde_json::Value;
-use stiffarm::registration::read_registration;
+use stiffarm::registration_file::read_registration;
 use support::{Folder, redact, rounded};
 
 const HEADING: &str = "name,tracker_x_mm,tracker_y_mm,tracker_z_mm,base_x_mm,base_y_mm,base_z_mm";

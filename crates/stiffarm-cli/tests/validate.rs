@@ -41,7 +41,7 @@ fn saved_further_terms_are_used_and_not_lost() {
     let folder = measured();
     // A result with a further term, as the library writes it.
     let cell = stiffarm::builtin::cell_text("comau").unwrap();
-    let cell = stiffarm::cell::file::parse_cell(cell, "comau").unwrap();
+    let cell = stiffarm::cell_file::parse_cell(cell, "comau").unwrap();
     let table = folder.read("simulated.csv");
     let data = stiffarm::table::read_displacements(table.as_bytes(), "simulated.csv", &cell, None)
         .unwrap();

@@ -4,12 +4,12 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use roxmltree::Document;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
-use stiffarm::cell::file::parse_cell;
+use stiffarm::cell_file::parse_cell;
 use stiffarm::load::Wrench;
 use stiffarm::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
 use stiffarm::optimise::Control;
 use stiffarm::path::{PathPoint, Target};
-use stiffarm::predict::Predictor;
+use stiffarm::predictor::Predictor;
 use stiffarm::process::{ForceAxes, TipLoad};
 use stiffarm_report::{
     Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure,

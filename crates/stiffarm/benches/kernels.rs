@@ -12,7 +12,8 @@ use stiffarm::information::Factor;
 use stiffarm::inverse::InverseKinematics;
 use stiffarm::kinematics::Frames;
 use stiffarm::observation::{Rows, observation_matrix};
-use stiffarm::optimise::{Control, Options, with_characteristic_length};
+use stiffarm::optimise::{Control, Options};
+use stiffarm::characteristic_length::with_characteristic_length;
 use stiffarm::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
 
 fn cell(name: &str) -> Cell {

@@ -16,7 +16,8 @@ use stiffarm::compensate::{CompensateOptions, compensate};
 use stiffarm::load::Wrench;
 use stiffarm::optimise::Control;
 use stiffarm::path::LoadedPosture;
-use stiffarm::predict::{PredictOptions, Predictor, predict};
+use stiffarm::predict::{PredictOptions, predict};
+use stiffarm::predictor::Predictor;
 
 /// Repeats of each measurement; the median counts.
 const REPEATS: usize = 5;

@@ -7,7 +7,8 @@
 use std::time::{Duration, Instant};
 use stiffarm::builtin;
 use stiffarm::index::{Index, IndexFunction};
-use stiffarm::optimise::{Control, with_characteristic_length};
+use stiffarm::optimise::Control;
+use stiffarm::characteristic_length::with_characteristic_length;
 use stiffarm::select::{GlobalOptions, select_watched};
 
 /// Time spent on one rate.

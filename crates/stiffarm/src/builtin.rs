@@ -4,7 +4,7 @@
 //! The files lie in `data/cells`, sources in their comments.
 
 use crate::cell::Cell;
-use crate::cell::file::parse_cell;
+use crate::cell_file::parse_cell;
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::posture::Posture;
 use crate::robot::Robot;

@@ -13,13 +13,18 @@ pub mod budget;
 #[cfg(feature = "files")]
 pub mod builtin;
 pub mod cell;
+#[cfg(feature = "files")]
+pub mod cell_file;
 pub mod certificate;
+pub mod characteristic_length;
 pub mod check;
 pub mod clamped;
 pub mod compensate;
 pub mod coverage;
+pub mod dexterity;
 pub mod diagnose;
 pub mod error;
+pub mod experiment;
 pub mod findings;
 pub mod identify;
 pub mod index;
@@ -37,9 +42,12 @@ pub mod path;
 pub mod posture;
 pub mod posture_path;
 pub mod predict;
+pub mod predictor;
 pub mod process;
 pub mod reduction;
 pub mod registration;
+#[cfg(feature = "files")]
+pub mod registration_file;
 pub mod robot;
 mod sample;
 pub mod sanity;

@@ -150,7 +150,7 @@ pub fn cartesian_stiffness(
     stiffness: &[f64],
     correction: Option<&DMatrix<f64>>,
 ) -> Result<Option<Matrix6<f64>>> {
-    if crate::index::dexterity::condition_number(frames, p, 1.0).is_none() {
+    if crate::dexterity::condition_number(frames, p, 1.0).is_none() {
         return Ok(None);
     }
     Ok(cartesian_compliance(robot, frames, p, stiffness, correction)?.try_inverse())

@@ -6,7 +6,7 @@
 use proptest::prelude::*;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
-use stiffarm::cell::file::{parse_cell, parse_cell_bytes, template};
+use stiffarm::cell_file::{parse_cell, parse_cell_bytes, template};
 use stiffarm::load::{Load, Wrench};
 use stiffarm::measurement::{MeasuredPosture, ReadingTable};
 use stiffarm::posture::Posture;

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
 use stiffarm::cell::Columns;
-use stiffarm::cell::file::{
+use stiffarm::cell_file::{
     measurements_template, parse_cell, parse_cell_bytes, postures_template, template,
 };
 use stiffarm::instruments::{Mount, Tracker, Uncertainty};
@@ -891,7 +891,7 @@ fn bytes_that_are_not_utf8() {
 mod schema {
     use serde_json::Value;
     use stiffarm::builtin;
-    use stiffarm::cell::file::{cell_schema, template};
+    use stiffarm::cell_file::{cell_schema, template};
 
     type Check = Result<(), Box<dyn std::error::Error>>;
 

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
-use stiffarm::cell::file::parse_cell;
+use stiffarm::cell_file::parse_cell;
 use stiffarm::check::{CellCheck, SAMPLES, check};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::index::evaluate;

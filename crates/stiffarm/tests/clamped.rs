@@ -21,7 +21,7 @@ use stiffarm::kinematics::Frames;
 use stiffarm::load::{Load, Wrench};
 use stiffarm::observation::{ExtraTerm, PostureTerms};
 use stiffarm::posture::Posture;
-use stiffarm::predict::Predictor;
+use stiffarm::predictor::Predictor;
 use stiffarm::robot::{DhConvention, DhRow, Robot};
 use stiffarm::stiffness::{displacement_between, linear_displacement};
 use stiffarm::table::{read_clamped, write_clamped};

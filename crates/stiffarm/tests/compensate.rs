@@ -16,7 +16,8 @@ use stiffarm::observation::ExtraTerm;
 use stiffarm::optimise::Control;
 use stiffarm::path::LoadedPosture;
 use stiffarm::posture::Posture;
-use stiffarm::predict::{ArmAtWork, Predictor};
+use stiffarm::predict::ArmAtWork;
+use stiffarm::predictor::Predictor;
 use stiffarm::tool::SeriesCompliance;
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {

@@ -12,10 +12,7 @@ use stiffarm::measurement::{PostureReadings, ReadingTable, Role, StateReadings, 
 use stiffarm::observation::PostureTerms;
 use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::registration::{PointPair, register};
-use stiffarm::simulate::{
-    BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
-    TrackerNoise, experiment,
-};
+use stiffarm::experiment::{BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment};
 use stiffarm::stiffness::equilibrium_displacement;
 use stiffarm::tool::{NamedPoint, SeriesCompliance};
 

@@ -16,7 +16,8 @@ use stiffarm::map::{
 use stiffarm::observation::PostureTerms;
 use stiffarm::optimise::Control;
 use stiffarm::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
-use stiffarm::predict::{ArmAtWork, PredictOptions, Prediction, Predictor, Spread, predict};
+use stiffarm::predict::{ArmAtWork, PredictOptions, Prediction, predict};
+use stiffarm::predictor::{Predictor, Spread};
 use stiffarm::process::{ForceAxes, Process, TipLoad};
 
 fn down() -> UnitQuaternion<f64> {

@@ -5,7 +5,7 @@
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use proptest::prelude::*;
 use stiffarm::cell::Cell;
-use stiffarm::cell::file::parse_cell;
+use stiffarm::cell_file::parse_cell;
 use stiffarm::path::{PathPoint, Target};
 use stiffarm::process::{ForceAxes, TipLoad};
 use stiffarm::table::{PathFormat, PathKind, PathTable, read_path, write_path};

@@ -16,7 +16,8 @@ use stiffarm::observation::{ExtraTerm, PostureTerms};
 use stiffarm::optimise::Control;
 use stiffarm::path::LoadedPosture;
 use stiffarm::posture::Posture;
-use stiffarm::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, Predictor, predict};
+use stiffarm::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, predict};
+use stiffarm::predictor::Predictor;
 use stiffarm::stiffness::{Model, cartesian_stiffness, equilibrium, stiffness_correction};
 use stiffarm::tool::SeriesCompliance;
 use stiffarm::validate::simulate_measurements;
@@ -376,7 +377,7 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
             let change = Vector3::from(shifted.shift_m) - Vector3::from(point.shift_m);
             let one = Predictor {
                 spread: None,
-                common: vec![stiffarm::predict::CommonError {
+                common: vec![stiffarm::predictor::CommonError {
                     name: error.name.clone(),
                     parts: vec![part.clone()],
                 }],

@@ -10,7 +10,7 @@ mod workbook;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiffarm::cell::Cell;
-use stiffarm::cell::file::parse_cell;
+use stiffarm::cell_file::parse_cell;
 use stiffarm::load::Wrench;
 use stiffarm::measurement::{
     PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,

@@ -17,9 +17,7 @@ use stiffarm::load::{Load, Wrench};
 use stiffarm::measurement::{Displacement, MeasuredPosture, Reading, ReadingTable, Target};
 use stiffarm::observation::PostureTerms;
 use stiffarm::reduction::{Clock, ReduceOptions, Reduction, reduce};
-use stiffarm::simulate::{
-    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise,
-};
+use stiffarm::experiment::{BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise};
 use stiffarm::tool::NamedPoint;
 
 /// Tracker anywhere, sensor turned and shifted, weights, offsets, drift, servo

@@ -11,7 +11,7 @@ use stiffarm::findings::Severity;
 use stiffarm::measurement::Target;
 use stiffarm::posture::Posture;
 use stiffarm::reduction::reduce;
-use stiffarm::simulate::{Experiment, ForceRecord, TrackerNoise, experiment};
+use stiffarm::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
 
 /// Postures of an arm whose geometry is wrong as real ones are, none of them
 /// mistyped: how often is one left out?

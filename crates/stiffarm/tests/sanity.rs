@@ -15,9 +15,7 @@ use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
 use stiffarm::sanity::{Cause, Sanity, Suspicion, inspect};
 use stiffarm::select::{StartKind, random_group};
-use stiffarm::simulate::{
-    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,
-};
+use stiffarm::experiment::{BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment};
 use stiffarm::units::{mm_to_m, rad_to_deg};
 
 /// The default cell with a turned flange sensor.

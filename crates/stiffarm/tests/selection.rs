@@ -12,7 +12,8 @@ use proptest::prelude::*;
 use stiffarm::cell::Cell;
 use stiffarm::index::{Index, IndexFunction, dexterity, evaluate};
 use stiffarm::kinematics::Frames;
-use stiffarm::optimise::{Control, Options, Termination, characteristic_length};
+use stiffarm::optimise::{Control, Options, Termination};
+use stiffarm::characteristic_length::characteristic_length;
 use stiffarm::select::{Selection, StartKind, random_group, select_from, smallest_margin};
 
 fn select(cell: &Cell, index: Index, start: &[Vec<f64>]) -> Selection {

@@ -6,7 +6,7 @@
 use proptest::prelude::*;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
-use stiffarm::cell::file::parse_cell;
+use stiffarm::cell_file::parse_cell;
 use stiffarm::load::Wrench;
 use stiffarm::measurement::{Displacement, MeasuredPosture};
 use stiffarm::posture::Posture;

@@ -15,7 +15,7 @@ use stiffarm::load::Wrench;
 use stiffarm::measurement::MeasuredPosture;
 use stiffarm::observation::{ExtraTerm, PostureTerms};
 use stiffarm::posture::{Posture, PostureGroup};
-use stiffarm::predict::Predictor;
+use stiffarm::predictor::Predictor;
 use stiffarm::validate::{
     Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
 };

@@ -15,7 +15,7 @@ use stiffarm::posture::Posture;
 use stiffarm::reduction::{ReduceOptions, reduce};
 use stiffarm::sanity::inspect;
 use stiffarm::select::{StartKind, random_group};
-use stiffarm::simulate::{DisplacementModel, Experiment, experiment};
+use stiffarm::experiment::{DisplacementModel, Experiment, experiment};
 
 fn pose(dice: &mut Dice, reach: f64) -> Isometry3<f64> {
     let mut number = || dice.between(-1.0, 1.0);

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use stiffarm::Code;
 use stiffarm::cell::Cell;
-use stiffarm::index::dexterity::condition_number;
+use stiffarm::dexterity::condition_number;
 use stiffarm::kinematics::Frames;
 use stiffarm::load::{Axes, Load, Wrench};
 use stiffarm::observation::PostureTerms;

@@ -18,7 +18,8 @@ use stiffarm::compensate::{CompensateOptions, Compensation, PointCompensation, c
 use stiffarm::findings::Severity;
 use stiffarm::path::{PathPoint, Target as Aim};
 use stiffarm::posture_path::PosturePathSummary;
-use stiffarm::predict::{ArmAtWork, Predictor};
+use stiffarm::predict::ArmAtWork;
+use stiffarm::predictor::Predictor;
 use stiffarm::table::{PathFormat, PathKind, write_path};
 use stiffarm::units::deg_to_rad;
 use stiffarm_report::{path_figure, render_svg};

@@ -25,7 +25,7 @@ use stiffarm::cell::Cell;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::index::Index;
 use stiffarm::observation::PostureTerms;
-use stiffarm::optimise::with_characteristic_length;
+use stiffarm::characteristic_length::with_characteristic_length;
 use stiffarm::posture::Posture;
 use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 

@@ -11,7 +11,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
-use stiffarm::cell::file::cell_schema;
+use stiffarm::cell_file::cell_schema;
 use stiffarm::check::CellCheck;
 use stiffarm::clamped::ClampedIdentification;
 use stiffarm::map::{Placement, StiffnessMap};

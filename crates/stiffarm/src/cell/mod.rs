@@ -1,10 +1,8 @@
 //! A robot cell: what is measured, within which bounds, how exactly.
 //!
-//! Values only; reading and writing `cell.toml` is in [`mod@file`].
+//! Values only; reading and writing `cell.toml` is in [`crate::cell_file`].
 
 mod columns;
-#[cfg(feature = "files")]
-pub mod file;
 mod limits;
 mod task;
 
@@ -125,7 +123,7 @@ impl Cell {
     ///
     /// # Errors
     /// The cell leaves the length open;
-    /// [`with_characteristic_length`](crate::optimise::with_characteristic_length) computes it.
+    /// [`with_characteristic_length`](crate::characteristic_length::with_characteristic_length) computes it.
     pub fn require_characteristic_length(&self) -> Result<f64> {
         self.characteristic_length.ok_or_else(|| {
             Error::new(

@@ -1,6 +1,6 @@
 //! All indices and the expected errors of one group of postures.
 
-use super::dexterity;
+use crate::dexterity;
 use crate::cell::{Cell, task_rows};
 use crate::error::{Code, Error, Result};
 use crate::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};

@@ -3,7 +3,7 @@
 
 use super::Index;
 use super::criterion::Criterion;
-use super::dexterity::require_six_joints;
+use crate::dexterity::require_six_joints;
 use super::kernel::{Kernel, Wanted};
 use crate::cell::{Cell, task_matrix};
 use crate::error::Result;

@@ -1,7 +1,7 @@
 //! Indices of a group of postures: the paper's, the literature's and ours.
 
 pub(crate) mod criterion;
-pub mod dexterity;
+
 mod error_bound;
 mod evaluate;
 mod function;

@@ -22,7 +22,8 @@ use crate::cell::Cell;
 use crate::error::Result;
 use crate::jobs::in_order_watched;
 use crate::optimise::Control;
-use crate::predict::{ArmAtWork, Bands, Predictor};
+use crate::predict::{ArmAtWork, Bands};
+use crate::predictor::Predictor;
 use node::evaluate;
 use reach::Reach;
 

@@ -11,7 +11,8 @@ use crate::findings::{Finding, Severity, length};
 use crate::jobs::in_order_watched;
 use crate::optimise::Control;
 use crate::path::PathPoint;
-use crate::predict::{ArmAtWork, Predictor};
+use crate::predict::ArmAtWork;
+use crate::predictor::Predictor;
 use crate::units::deg_to_rad;
 use serde::{Deserialize, Serialize};
 

@@ -1,11 +1,9 @@
 //! Bounded, constrained minimisation behind one function, and the
 //! characteristic length, which is the result of such a minimisation.
 
-mod length;
 mod slsqp;
 pub(crate) mod smooth;
 
-pub use length::{CharacteristicLength, characteristic_length, with_characteristic_length};
 pub use slsqp::{Evaluation, Options, Problem, Solution, minimise};
 
 use serde::{Deserialize, Serialize};

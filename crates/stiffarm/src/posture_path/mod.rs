@@ -13,7 +13,7 @@ mod tracks;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length, percent};
 use crate::identify::rms;
-use crate::index::dexterity::condition_number;
+use crate::dexterity::condition_number;
 use crate::inverse::{InverseKinematics, Method, Outcome};
 use crate::jobs::in_order_watched;
 use crate::kinematics::Frames;

@@ -1,7 +1,7 @@
 //! The arm at work: what a load at the tool tip does to it, exactly and to
 //! first order, and how that depends on the identified compliances.
 
-use super::Predictor;
+use crate::predictor::Predictor;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::kinematics::Frames;

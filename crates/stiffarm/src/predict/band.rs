@@ -1,6 +1,6 @@
 //! How sure a predicted deflection is.
 
-use super::Predictor;
+use crate::predictor::Predictor;
 use crate::error::Result;
 use crate::identify::quantile;
 use nalgebra::{DMatrix, Matrix3, Vector3};

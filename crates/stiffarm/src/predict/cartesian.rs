@@ -2,7 +2,7 @@
 
 use super::ArmAtWork;
 use crate::error::Result;
-use crate::index::dexterity::condition_number;
+use crate::dexterity::condition_number;
 use crate::load::Wrench;
 use crate::observation::PostureTerms;
 use crate::stiffness::{corrected, stiffness_correction};

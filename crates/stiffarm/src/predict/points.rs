@@ -1,7 +1,8 @@
 //! Deflection at postures or along a path.
 
 use super::band::Bands;
-use super::{ArmAtWork, CartesianStiffness, Predictor, TipBand};
+use super::{ArmAtWork, CartesianStiffness, TipBand};
+use crate::predictor::Predictor;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length, percent};

@@ -18,15 +18,11 @@
 //! pairs nobody can tell which one is wrong.
 
 mod before;
-#[cfg(feature = "files")]
-mod file;
 mod fit;
 mod record;
 mod remarks;
 mod suspects;
 
-#[cfg(feature = "files")]
-pub use file::read_registration;
 pub use record::RegistrationRecord;
 
 use crate::error::{Code, Error, Result};

@@ -194,7 +194,7 @@ mod tests {
     use super::*;
     use crate::builtin;
     use crate::index::Index;
-    use crate::optimise::with_characteristic_length;
+    use crate::characteristic_length::with_characteristic_length;
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
     #[test]

@@ -1,12 +1,7 @@
 //! Monte Carlo simulation of an identification with tracker noise, Section IV.A.
 
-mod experiment;
 mod model_errors;
 
-pub use experiment::{
-    BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
-    TrackerNoise, experiment,
-};
 pub use model_errors::ModelErrors;
 
 use crate::cell::{Cell, Noise};

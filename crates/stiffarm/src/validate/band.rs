@@ -4,7 +4,7 @@ use super::{PointDeviation, Validation};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::identify::{Block, MeasuredSystem, RowLabel};
-use crate::predict::Predictor;
+use crate::predictor::Predictor;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,7 @@ use crate::identify::{
     IdentifyOptions, assumptions, check, folds, measured_system, prediction_error,
 };
 use crate::measurement::MeasuredPosture;
-use crate::predict::Predictor;
+use crate::predictor::Predictor;
 use nalgebra::Vector3;
 
 /// Validates without postures kept out: the postures are left out fold by fold,

@@ -15,7 +15,7 @@ use crate::identify::{Weights, known_displacement, measured_system, rms};
 use crate::measurement::{Displacement, MeasuredPosture};
 use crate::observation::PostureTerms;
 use crate::posture::Posture;
-use crate::predict::Predictor;
+use crate::predictor::Predictor;
 use crate::simulate::draw_noise;
 use crate::stiffness::{displacement_between, equilibrium, joint_compliance, linear_displacement};
 use crate::streams::run_rng;

@@ -10,9 +10,7 @@ use stiffarm::measurement::{MeasuredPosture, Reading, ReadingTable};
 use stiffarm::observation::PostureTerms;
 use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::reduction::{ReduceOptions, Reduction, reduce};
-use stiffarm::simulate::{
-    BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment,
-};
+use stiffarm::experiment::{BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment};
 use stiffarm::tool::NamedPoint;
 
 /// What the controllers give way per torque \[rad/(N·m)\].

@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, Limits};
 use crate::error::Result;
-use crate::index::dexterity;
+use crate::dexterity;
 use crate::information::symmetric_eigen;
 use crate::load::{Axes, Load};
 use crate::observation::PostureTerms;

@@ -1,10 +1,10 @@
 //! The characteristic length: the L that minimises the smallest attainable
 //! k(J_N) over the joint bounds (Angeles' definition; the paper gives no L).
 
-use super::{Control, Evaluation, Options, Problem, minimise};
+use crate::optimise::{Control, Evaluation, Options, Problem, minimise};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::index::dexterity::{log_condition_gradient, require_six_joints};
+use crate::dexterity::{log_condition_gradient, require_six_joints};
 use crate::kinematics::Frames;
 use sobol_burley::sample;
 

@@ -1,6 +1,6 @@
 //! A saved registration.
 
-use super::{Registration, RegistrationRecord};
+use crate::registration::{Registration, RegistrationRecord};
 use crate::error::{Code, Error, Result};
 use serde_json::Value;
 

@@ -13,11 +13,11 @@ use {
 
 /// The entries in the order of the file.
 #[derive(Debug)]
-pub(in crate::cell::file) struct RawColumns(pub(in crate::cell::file) Vec<(Text, At<RawColumn>)>);
+pub(in crate::cell_file) struct RawColumns(pub(in crate::cell_file) Vec<(Text, At<RawColumn>)>);
 
 /// One heading of another software, or a list of them.
 #[derive(Debug)]
-pub(in crate::cell::file) enum RawColumn {
+pub(in crate::cell_file) enum RawColumn {
     One(String),
     Several(Vec<Text>),
 }
