@@ -2,12 +2,12 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use roxmltree::Document;
+use stiffarm::Control;
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
 use stiffarm::cell_file::parse_cell;
 use stiffarm::load::Wrench;
 use stiffarm::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
-use stiffarm::optimise::Control;
 use stiffarm::path::{PathPoint, Target};
 use stiffarm::predictor::Predictor;
 use stiffarm::process::{ForceAxes, TipLoad};

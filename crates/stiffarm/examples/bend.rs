@@ -11,10 +11,10 @@
 use nalgebra::Vector3;
 use std::fmt::Write as _;
 use std::time::Instant;
+use stiffarm::Control;
 use stiffarm::builtin;
 use stiffarm::compensate::{CompensateOptions, compensate};
 use stiffarm::load::Wrench;
-use stiffarm::optimise::Control;
 use stiffarm::path::LoadedPosture;
 use stiffarm::predict::{PredictOptions, predict};
 use stiffarm::predictor::Predictor;

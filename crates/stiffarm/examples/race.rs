@@ -5,10 +5,10 @@
 //! `cargo run --release -p stiffarm --example race -- --seconds 10 --seed 1 --threads 2 [--no-costs]`
 
 use std::time::{Duration, Instant};
+use stiffarm::Control;
 use stiffarm::builtin;
-use stiffarm::index::{Index, IndexFunction};
-use stiffarm::optimise::Control;
 use stiffarm::characteristic_length::with_characteristic_length;
+use stiffarm::index::{Index, IndexFunction};
 use stiffarm::select::{GlobalOptions, select_watched};
 
 /// Time spent on one rate.

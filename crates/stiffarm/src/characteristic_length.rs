@@ -1,11 +1,12 @@
 //! The characteristic length: the L that minimises the smallest attainable
 //! k(J_N) over the joint bounds (Angeles' definition; the paper gives no L).
 
-use crate::optimise::{Control, Evaluation, Options, Problem, minimise};
 use crate::cell::Cell;
-use crate::error::{Code, Error, Result};
 use crate::dexterity::{log_condition_gradient, require_six_joints};
+use crate::error::{Code, Error, Result};
 use crate::kinematics::Frames;
+use crate::numerics::control::Control;
+use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
 use sobol_burley::sample;
 
 /// Starts of the search; every start of the reference cell ends at the same L.

@@ -6,8 +6,8 @@
 //! J_N has no full rank and k(J_N) does not exist.
 
 use crate::error::{Code, Error, Result};
-use crate::information::{GRAM_ROUNDING, svd, symmetric_eigen};
 use crate::kinematics::Frames;
+use crate::numerics::information::{GRAM_ROUNDING, svd, symmetric_eigen};
 use crate::robot::Robot;
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3};
 

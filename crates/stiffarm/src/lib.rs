@@ -28,16 +28,14 @@ pub mod experiment;
 pub mod findings;
 pub mod identify;
 pub mod index;
-pub mod information;
 pub mod instruments;
 pub mod inverse;
-mod jobs;
 pub mod kinematics;
 pub mod load;
 pub mod map;
 pub mod measurement;
+mod numerics;
 pub mod observation;
-pub mod optimise;
 pub mod path;
 pub mod posture;
 pub mod posture_path;
@@ -49,12 +47,10 @@ pub mod registration;
 #[cfg(feature = "files")]
 pub mod registration_file;
 pub mod robot;
-mod sample;
 pub mod sanity;
 pub mod select;
 pub mod simulate;
 pub mod stiffness;
-mod streams;
 pub mod study;
 #[cfg(feature = "files")]
 pub mod table;
@@ -65,3 +61,10 @@ pub mod work;
 pub mod zones;
 
 pub use error::{Code, Error, Result};
+pub use numerics::control::{Control, Report, Stop, Termination};
+
+/// What this project's own tests and benches measure. No promise is made about it.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::numerics::{information, jobs, optimise, sample, streams};
+}

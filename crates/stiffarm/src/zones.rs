@@ -11,8 +11,8 @@
 //! a small influence.
 
 use crate::cell::Cell;
-use crate::error::{Code, Error, Result};
 use crate::dexterity::{condition_number, require_six_joints};
+use crate::error::{Code, Error, Result};
 use crate::observation::{PostureTerms, check_angles};
 use crate::stiffness::{linear_displacement, stiffness_correction};
 use crate::units::{deg_to_rad, rad_to_shortest_deg};

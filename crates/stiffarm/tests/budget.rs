@@ -4,15 +4,16 @@
 mod common;
 
 use nalgebra::{Matrix6, Rotation3, Vector3};
+use stiffarm::Control;
 use stiffarm::budget::{Budget, BudgetSource, budget};
 use stiffarm::cell::Cell;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Scale, fit, identify, profile};
 use stiffarm::index::Index;
 use stiffarm::instruments::{Mount, Sensor};
+use stiffarm::internals::optimise::Options;
 use stiffarm::load::{Load, Wrench};
 use stiffarm::measurement::MeasuredPosture;
 use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::optimise::{Control, Options};
 use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::select::select_from;
 use stiffarm::tool::SeriesCompliance;

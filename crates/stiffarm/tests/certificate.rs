@@ -17,9 +17,10 @@ use stiffarm::certificate::{
     Effort, PostureSpace, certify, certify_further, joint_efficiencies, optimal_design,
 };
 use stiffarm::index::{Index, evaluate};
+use stiffarm::internals::optimise::Options;
 use stiffarm::load::Load;
-use stiffarm::optimise::{Control, Options, Termination};
 use stiffarm::select::{StartKind, random_group, select_from};
+use stiffarm::{Control, Termination};
 
 /// tr(A G).
 fn slope(a: &DMatrix<f64>, g: &DMatrix<f64>) -> f64 {

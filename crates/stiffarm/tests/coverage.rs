@@ -11,6 +11,7 @@ mod page;
 
 use common::{random_group, reference_cell};
 use stiffarm::Code;
+use stiffarm::Control;
 use stiffarm::cell::Cell;
 use stiffarm::coverage::{
     Coverage, CoverageCase, Intervals, Outliers, Record, Truth, World, coverage, measured, records,
@@ -18,7 +19,6 @@ use stiffarm::coverage::{
 use stiffarm::error::Result;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter};
 use stiffarm::instruments::TrackerAccuracy;
-use stiffarm::optimise::Control;
 use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::select::{StartKind, random_group as draw_group};
 use stiffarm::simulate::ModelErrors;

@@ -5,6 +5,10 @@ mod common;
 use common::{group1, random::Dice, reference_cell};
 use nalgebra::{DVector, Isometry3, Vector3};
 use stiffarm::cell::Cell;
+use stiffarm::experiment::{
+    BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
+    TrackerNoise, experiment,
+};
 use stiffarm::instruments::{Mount, Sensor, TrackerAccuracy};
 use stiffarm::kinematics::Frames;
 use stiffarm::load::{Load, Wrench};
@@ -12,7 +16,6 @@ use stiffarm::measurement::{PostureReadings, ReadingTable, Role, StateReadings, 
 use stiffarm::observation::PostureTerms;
 use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::registration::{PointPair, register};
-use stiffarm::experiment::{BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment};
 use stiffarm::stiffness::equilibrium_displacement;
 use stiffarm::tool::{NamedPoint, SeriesCompliance};
 

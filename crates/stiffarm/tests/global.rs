@@ -17,11 +17,11 @@ use stiffarm::Code;
 use stiffarm::cell::Cell;
 use stiffarm::index::{Index, evaluate};
 use stiffarm::load::Load;
-use stiffarm::optimise::{Control, Termination};
 use stiffarm::select::{
     GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, curve, drop_postures,
     random_group, select_global, sensitivity,
 };
+use stiffarm::{Control, Termination};
 
 const NONE: &[Vec<f64>] = &[];
 

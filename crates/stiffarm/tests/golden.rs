@@ -15,7 +15,7 @@ use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
 use stiffarm::index::{dexterity, evaluate};
-use stiffarm::information::Factor;
+use stiffarm::internals::information::Factor;
 use stiffarm::kinematics::Frames;
 use stiffarm::measurement::{Displacement, MeasuredPosture};
 use stiffarm::observation::{PostureTerms, Rows, observation_matrix};

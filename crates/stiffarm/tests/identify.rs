@@ -5,6 +5,7 @@ mod common;
 
 use common::reference_cell;
 use nalgebra::{DVector, Vector3};
+use stiffarm::Control;
 use stiffarm::advise::next_posture;
 use stiffarm::cell::Cell;
 use stiffarm::identify::{
@@ -15,7 +16,6 @@ use stiffarm::index::{Index, evaluate};
 use stiffarm::kinematics::Frames;
 use stiffarm::measurement::{Displacement, MeasuredPosture};
 use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::optimise::Control;
 use stiffarm::posture::Posture;
 use stiffarm::select::{GlobalOptions, StartKind, random_group};
 use stiffarm::validate::{Model, simulate_measurements};

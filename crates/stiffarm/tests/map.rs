@@ -6,6 +6,7 @@ use common::{default_cell, random::Dice};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::Code;
+use stiffarm::Control;
 use stiffarm::cell::Cell;
 use stiffarm::inverse::InverseKinematics;
 use stiffarm::kinematics::Frames;
@@ -14,7 +15,6 @@ use stiffarm::map::{
     MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
 };
 use stiffarm::observation::PostureTerms;
-use stiffarm::optimise::Control;
 use stiffarm::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
 use stiffarm::predict::{ArmAtWork, PredictOptions, Prediction, predict};
 use stiffarm::predictor::{Predictor, Spread};

@@ -8,9 +8,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
 use stiffarm::Code;
+use stiffarm::Control;
 use stiffarm::cell::Cell;
 use stiffarm::inverse::InverseKinematics;
-use stiffarm::optimise::Control;
 use stiffarm::path::{LoadedPosture, PathPoint, Target};
 use stiffarm::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
 use stiffarm::predict::ArmAtWork;

@@ -8,12 +8,12 @@ use common::{
     default_cell, list, matrix, number, numbers, reference, reference_cell, relative_error,
 };
 use nalgebra::{DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
+use stiffarm::Control;
 use stiffarm::budget::budget;
 use stiffarm::cell::Cell;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
 use stiffarm::load::Wrench;
 use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::optimise::Control;
 use stiffarm::path::LoadedPosture;
 use stiffarm::posture::Posture;
 use stiffarm::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, predict};

@@ -10,6 +10,9 @@ use nalgebra::{DVector, Isometry3, Matrix3, Translation3, UnitQuaternion, Vector
 use proptest::prelude::*;
 use stiffarm::Code;
 use stiffarm::cell::Cell;
+use stiffarm::experiment::{
+    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise,
+};
 use stiffarm::findings::Severity;
 use stiffarm::instruments::{Mount, Sensor, TrackerAccuracy};
 use stiffarm::kinematics::Frames;
@@ -17,7 +20,6 @@ use stiffarm::load::{Load, Wrench};
 use stiffarm::measurement::{Displacement, MeasuredPosture, Reading, ReadingTable, Target};
 use stiffarm::observation::PostureTerms;
 use stiffarm::reduction::{Clock, ReduceOptions, Reduction, reduce};
-use stiffarm::experiment::{BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise};
 use stiffarm::tool::NamedPoint;
 
 /// Tracker anywhere, sensor turned and shifted, weights, offsets, drift, servo

@@ -7,6 +7,9 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 use stiffarm::builtin;
 use stiffarm::cell::{Cell, Limits};
+use stiffarm::experiment::{
+    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,
+};
 use stiffarm::findings::Severity;
 use stiffarm::instruments::{Mount, Sensor};
 use stiffarm::load::Load;
@@ -15,7 +18,6 @@ use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
 use stiffarm::sanity::{Cause, Sanity, Suspicion, inspect};
 use stiffarm::select::{StartKind, random_group};
-use stiffarm::experiment::{BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment};
 use stiffarm::units::{mm_to_m, rad_to_deg};
 
 /// The default cell with a turned flange sensor.

@@ -10,11 +10,13 @@ use common::random::Dice;
 use common::{cases, default_cell, group1, random_group as reference_group, reference_cell};
 use proptest::prelude::*;
 use stiffarm::cell::Cell;
-use stiffarm::index::{Index, IndexFunction, dexterity, evaluate};
-use stiffarm::kinematics::Frames;
-use stiffarm::optimise::{Control, Options, Termination};
 use stiffarm::characteristic_length::characteristic_length;
+use stiffarm::dexterity;
+use stiffarm::index::{Index, IndexFunction, evaluate};
+use stiffarm::internals::optimise::Options;
+use stiffarm::kinematics::Frames;
 use stiffarm::select::{Selection, StartKind, random_group, select_from, smallest_margin};
+use stiffarm::{Control, Termination};
 
 fn select(cell: &Cell, index: Index, start: &[Vec<f64>]) -> Selection {
     select_from(cell, index, start, Options::default(), Control::default()).unwrap()

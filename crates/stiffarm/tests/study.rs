@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stiffarm::builtin;
 use stiffarm::cell::Cell;
 use stiffarm::index::Index;
-use stiffarm::optimise::{Control, Termination};
 use stiffarm::posture::PostureGroup;
 use stiffarm::simulate::SimulationOptions;
 use stiffarm::study::{Study, StudyOptions, study};
+use stiffarm::{Control, Termination};
 
 fn cell() -> Cell {
     builtin::cell("comau").unwrap()

@@ -8,6 +8,7 @@ use common::default_cell;
 use common::random::Dice;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use stiffarm::cell::Cell;
+use stiffarm::experiment::{DisplacementModel, Experiment, experiment};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::identify::{IdentifyOptions, identify};
 use stiffarm::instruments::{Mount, Sensor};
@@ -15,7 +16,6 @@ use stiffarm::posture::Posture;
 use stiffarm::reduction::{ReduceOptions, reduce};
 use stiffarm::sanity::inspect;
 use stiffarm::select::{StartKind, random_group};
-use stiffarm::experiment::{DisplacementModel, Experiment, experiment};
 
 fn pose(dice: &mut Dice, reach: f64) -> Isometry3<f64> {
     let mut number = || dice.between(-1.0, 1.0);

@@ -22,10 +22,10 @@ pub mod zones;
 use crate::numbers;
 use crate::table::{Table, red, yellow};
 use stiffarm::cell::Cell;
+use stiffarm::characteristic_length::with_characteristic_length;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::index::Index;
 use stiffarm::observation::PostureTerms;
-use stiffarm::characteristic_length::with_characteristic_length;
 use stiffarm::posture::Posture;
 use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 

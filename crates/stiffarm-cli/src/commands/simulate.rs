@@ -10,8 +10,10 @@ use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::cell::Cell;
-use stiffarm::simulate::{GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate};
 use stiffarm::experiment::{Experiment, experiment};
+use stiffarm::simulate::{
+    GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
+};
 use stiffarm::table::{write_displacements, write_readings};
 use stiffarm::units::{deg_to_rad, m_to_mm, mm_to_m};
 use stiffarm::validate::{Model, simulate_measurements};

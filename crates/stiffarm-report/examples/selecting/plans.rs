@@ -1,12 +1,12 @@
 //! A group of postures and what it is worth, in the numbers of the page.
 
 use serde::Serialize;
+use stiffarm::Control;
 use stiffarm::Result;
 use stiffarm::cell::Cell;
 use stiffarm::index::{Index, Indices, evaluate};
-use stiffarm::information::Factor;
+use stiffarm::internals::information::Factor;
 use stiffarm::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::optimise::Control;
 use stiffarm::select::{GlobalOptions, StartKind, random_group, select_global};
 
 /// Relative standard error beyond which the first order understates.

@@ -3,6 +3,7 @@
 
 use crate::plans::{Band, Plan};
 use serde::Serialize;
+use stiffarm::Control;
 use stiffarm::Result;
 use stiffarm::cell::Cell;
 use stiffarm::certificate::{
@@ -10,7 +11,6 @@ use stiffarm::certificate::{
 };
 use stiffarm::index::Index;
 use stiffarm::load::Load;
-use stiffarm::optimise::Control;
 use stiffarm::select::{
     DesignedLoad, GlobalOptions, LoadDesign, drop_postures, select_global, space_filling,
 };

@@ -9,8 +9,8 @@ mod page;
 
 use cases::{Bench, Row};
 use std::path::Path;
+use stiffarm::Control;
 use stiffarm::coverage::{Coverage, Record, coverage};
-use stiffarm::optimise::Control;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let most = most()?;

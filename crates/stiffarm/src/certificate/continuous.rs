@@ -4,7 +4,7 @@
 use super::criterion::Criterion;
 use super::generation::Generation;
 use crate::error::{Code, Error, Result};
-use crate::optimise::{Control, Termination};
+use crate::numerics::control::{Control, Termination};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 

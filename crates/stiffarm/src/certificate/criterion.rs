@@ -2,7 +2,7 @@
 //! matrix into a bound on every design.
 
 use crate::error::{Code, Error, Result};
-use crate::information::symmetric_eigen;
+use crate::numerics::information::symmetric_eigen;
 use nalgebra::DMatrix;
 use nalgebra::linalg::Cholesky;
 

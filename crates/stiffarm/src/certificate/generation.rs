@@ -6,8 +6,8 @@ use super::criterion::{Criterion, Prepared, Tangent, trace_of_product};
 use super::weights::{WeightProblem, optimal_weights};
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
-use crate::information::{GRAM_ROUNDING, symmetric_eigen};
-use crate::optimise::Termination;
+use crate::numerics::control::Termination;
+use crate::numerics::information::{GRAM_ROUNDING, symmetric_eigen};
 use nalgebra::DMatrix;
 
 /// Points whose information differs by less than this share of the tolerance

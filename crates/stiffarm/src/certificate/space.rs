@@ -6,10 +6,11 @@ use super::criterion::trace_of_product;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::kernel::{Kernel, Wanted};
-use crate::information::posture_information;
-use crate::jobs::in_order;
+use crate::numerics::control::Control;
+use crate::numerics::information::posture_information;
+use crate::numerics::jobs::in_order;
+use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
 use crate::observation::{PostureTerms, check_angles};
-use crate::optimise::{Control, Evaluation, Options, Problem, minimise};
 use nalgebra::DMatrix;
 
 /// Violation of bounds \[rad\] or limits \[m\] that counts as met.

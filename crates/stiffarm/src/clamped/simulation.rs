@@ -3,13 +3,13 @@
 use super::ClampedPosture;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::information::svd;
 use crate::load::Wrench;
+use crate::numerics::information::svd;
+use crate::numerics::streams::run_rng;
 use crate::observation::{PostureTerms, check_angles};
 use crate::posture::Posture;
 use crate::simulate::normal;
 use crate::stiffness::joint_compliance;
-use crate::streams::run_rng;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 /// Singular values below this, relative to the largest, are zero: the arm

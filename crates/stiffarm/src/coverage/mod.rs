@@ -16,10 +16,10 @@ use crate::identify::{
     Estimator, IdentifyOptions, JointEstimate, Prepared, Scale, assumptions, estimates,
     interval_quantile, measured_system, resampled,
 };
-use crate::jobs::in_order;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order;
+use crate::numerics::streams::coverage_rng;
 use crate::posture::Posture;
-use crate::streams::coverage_rng;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -3,8 +3,8 @@
 use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, percent};
-use crate::jobs::in_order;
 use crate::measurement::MeasuredPosture;
+use crate::numerics::jobs::in_order;
 use crate::stiffness::second_order;
 use serde::{Deserialize, Serialize};
 

@@ -81,7 +81,7 @@ pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
         if torques.is_empty() {
             0.0
         } else {
-            crate::sample::median(&torques)
+            crate::numerics::sample::median(&torques)
         }
     };
     let mut out = Vec::new();

@@ -10,9 +10,9 @@ use crate::load::{Load, Wrench};
 use crate::measurement::{
     PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
 };
+use crate::numerics::streams::experiment_rng;
 use crate::posture::Posture;
 use crate::stiffness::joint_compliance;
-use crate::streams::experiment_rng;
 use crate::tool::NamedPoint;
 use arm::Arm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};

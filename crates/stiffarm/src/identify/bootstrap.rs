@@ -7,10 +7,10 @@ use super::system::MeasuredSystem;
 use super::{IdentifyOptions, assumptions, check, measured_system};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::jobs::in_order;
 use crate::measurement::MeasuredPosture;
-use crate::sample::{mean, quantile_of};
-use crate::streams::resample_rng;
+use crate::numerics::jobs::in_order;
+use crate::numerics::sample::{mean, quantile_of};
+use crate::numerics::streams::resample_rng;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 

@@ -3,7 +3,7 @@
 
 use super::solve::Solution;
 use super::system::MeasuredSystem;
-use crate::information::{Svd, svd};
+use crate::numerics::information::{Svd, svd};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

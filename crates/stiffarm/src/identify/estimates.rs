@@ -7,7 +7,7 @@ use super::system::MeasuredSystem;
 use super::{AngleEstimate, Combination, IdentifyOptions, NoiseSource, combinations};
 use crate::cell::Cell;
 use crate::error::Result;
-use crate::information::Factor;
+use crate::numerics::information::Factor;
 use crate::observation::ExtraTerm;
 use serde::{Deserialize, Serialize};
 

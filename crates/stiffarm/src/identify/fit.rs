@@ -6,8 +6,8 @@ use super::system::{MeasuredSystem, measured_system};
 use super::{IdentifyOptions, assumptions, check};
 use crate::cell::Cell;
 use crate::error::Result;
-use crate::information::Factor;
 use crate::measurement::MeasuredPosture;
+use crate::numerics::information::Factor;
 use nalgebra::DVector;
 
 /// A system with its estimate.

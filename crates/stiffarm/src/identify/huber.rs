@@ -1,7 +1,7 @@
 //! Huber's estimator on whole displacements.
 
 use crate::error::Result;
-use crate::information::Factor;
+use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -70,7 +70,7 @@ pub(super) fn huber(
             .zip(groups)
             .map(|(norm, g)| norm / of(&MEDIAN_NORMS, g.len()))
             .collect();
-        sigma = crate::sample::median(&scaled) / free.sqrt();
+        sigma = crate::numerics::sample::median(&scaled) / free.sqrt();
         if sigma <= 64.0 * f64::EPSILON * size {
             break;
         }

@@ -6,9 +6,9 @@ use super::system::MeasuredSystem;
 use super::{IdentifyOptions, assumptions, check, measured_system, rms};
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::information::ZERO_COLUMN;
-use crate::jobs::in_order;
 use crate::measurement::MeasuredPosture;
+use crate::numerics::information::ZERO_COLUMN;
+use crate::numerics::jobs::in_order;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 

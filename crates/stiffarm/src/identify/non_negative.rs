@@ -3,7 +3,7 @@
 //! subproblem by QR and SVD.
 
 use crate::error::{Code, Error, Result};
-use crate::information::{Factor, ZERO_COLUMN};
+use crate::numerics::information::{Factor, ZERO_COLUMN};
 use nalgebra::{DMatrix, DVector};
 
 /// Minimises ‖Ψx − Δ‖ with x_j ≥ 0 for j < `bounded`: the values, and which

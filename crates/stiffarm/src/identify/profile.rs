@@ -24,8 +24,8 @@ use super::{IdentifyOptions, estimate::estimate};
 use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, percent};
-use crate::jobs::in_order;
 use crate::measurement::MeasuredPosture;
+use crate::numerics::jobs::in_order;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,7 @@ use super::non_negative::non_negative;
 use super::system::MeasuredSystem;
 use super::whitened::Whitened;
 use crate::error::{Code, Error, Result};
-use crate::information::Factor;
+use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

@@ -3,7 +3,7 @@
 
 use super::system::MeasuredSystem;
 use crate::error::{Code, Error, Result};
-use crate::information::{Factor, svd};
+use crate::numerics::information::{Factor, svd};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 

@@ -2,8 +2,8 @@
 //! Works on packed lower triangles and allocates nothing once made.
 
 use super::Index;
-use crate::information::GRAM_ROUNDING;
-use crate::information::small::{
+use crate::numerics::information::GRAM_ROUNDING;
+use crate::numerics::information::small::{
     cholesky, eigen, inverse_from_lower, invert_lower, packed, symmetric_product,
 };
 

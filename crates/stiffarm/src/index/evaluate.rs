@@ -1,9 +1,9 @@
 //! All indices and the expected errors of one group of postures.
 
-use crate::dexterity;
 use crate::cell::{Cell, task_rows};
+use crate::dexterity;
 use crate::error::{Code, Error, Result};
-use crate::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
+use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use crate::observation::PostureTerms;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};

@@ -18,7 +18,7 @@ use super::kernel::Kernel;
 use super::minimax::{Minimax, Smoothed};
 use crate::cell::Cell;
 use crate::error::Result;
-use crate::information::small::packed;
+use crate::numerics::information::small::packed;
 use crate::observation::check_angles;
 
 /// An index of groups of a fixed number of postures, ready to be evaluated

@@ -3,9 +3,9 @@
 
 use super::Index;
 use super::criterion::Criterion;
-use crate::dexterity::require_six_joints;
 use super::kernel::{Kernel, Wanted};
 use crate::cell::{Cell, task_matrix};
+use crate::dexterity::require_six_joints;
 use crate::error::Result;
 
 /// What an index asks of a posture: units, weights, characteristic length.

@@ -18,8 +18,8 @@ mod unreachable;
 pub use unreachable::{Region, Unreachable};
 
 use crate::error::{Code, Error, Result};
-use crate::information::svd;
 use crate::kinematics::Frames;
+use crate::numerics::information::svd;
 use crate::observation::check_angles;
 use crate::robot::Robot;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};

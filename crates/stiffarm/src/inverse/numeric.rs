@@ -7,8 +7,8 @@
 //! written with A·Aᵀ, which is 6 × 6 for any number of joints and gives the
 //! smallest step where there are more than six.
 
-use crate::information::svd;
 use crate::kinematics::Frames;
+use crate::numerics::information::svd;
 use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 

@@ -20,8 +20,8 @@ pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
 
 use crate::cell::Cell;
 use crate::error::Result;
-use crate::jobs::in_order_watched;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order_watched;
 use crate::predict::{ArmAtWork, Bands};
 use crate::predictor::Predictor;
 use node::evaluate;

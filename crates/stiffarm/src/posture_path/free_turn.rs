@@ -4,9 +4,9 @@
 use super::{Search, change, turned};
 use crate::error::{Code, Error, Result};
 use crate::inverse::{Method, Outcome};
-use crate::jobs::in_order_watched;
 use crate::load::Wrench;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order_watched;
 use crate::path::{feed_axes, tip_wrench};
 use nalgebra::Isometry3;
 use std::f64::consts::{PI, TAU};
@@ -264,7 +264,7 @@ fn cheapest(
         order.sort_by(|a, b| first(a).total_cmp(&first(b)));
         let reach = search.options.largest_step;
         let indices: Vec<usize> = (0..to.len()).collect();
-        let steps = crate::jobs::in_order(&indices, |(_, &b)| {
+        let steps = crate::numerics::jobs::in_order(&indices, |(_, &b)| {
             let node = &to[b];
             let begin = order.partition_point(|a| first(a) < node.q[0] - reach);
             let mut best = (f64::INFINITY, u32::MAX);

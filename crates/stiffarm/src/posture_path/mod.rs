@@ -10,15 +10,15 @@
 mod free_turn;
 mod tracks;
 
+use crate::dexterity::condition_number;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length, percent};
 use crate::identify::rms;
-use crate::dexterity::condition_number;
 use crate::inverse::{InverseKinematics, Method, Outcome};
-use crate::jobs::in_order_watched;
 use crate::kinematics::Frames;
 use crate::load::Wrench;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order_watched;
 use crate::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
 use crate::predict::ArmAtWork;
 use crate::process::TipLoad;

@@ -4,8 +4,8 @@ use super::{Search, change};
 use crate::error::{Code, Error, Result};
 use crate::identify::rms;
 use crate::inverse::Method;
-use crate::jobs::in_order_watched;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order_watched;
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
 

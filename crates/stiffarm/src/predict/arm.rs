@@ -1,12 +1,12 @@
 //! The arm at work: what a load at the tool tip does to it, exactly and to
 //! first order, and how that depends on the identified compliances.
 
-use crate::predictor::Predictor;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::kinematics::Frames;
 use crate::load::{Load, Wrench};
 use crate::observation::{ExtraTerm, PostureTerms, Setup};
+use crate::predictor::Predictor;
 use crate::robot::Robot;
 use crate::stiffness::{compliance_of_springs, equilibrium_from};
 use crate::tool::{NamedPoint, Tool};

@@ -1,8 +1,8 @@
 //! Cartesian stiffness of the tip and its principal axes.
 
 use super::ArmAtWork;
-use crate::error::Result;
 use crate::dexterity::condition_number;
+use crate::error::Result;
 use crate::load::Wrench;
 use crate::observation::PostureTerms;
 use crate::stiffness::{corrected, stiffness_correction};

@@ -2,14 +2,14 @@
 
 use super::band::Bands;
 use super::{ArmAtWork, CartesianStiffness, TipBand};
-use crate::predictor::Predictor;
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length, percent};
 use crate::identify::rms;
-use crate::jobs::in_order_watched;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order_watched;
 use crate::path::LoadedPosture;
+use crate::predictor::Predictor;
 use crate::stiffness::Model;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};

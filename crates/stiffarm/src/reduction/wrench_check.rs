@@ -4,10 +4,10 @@
 use super::words::{length, median, postures};
 use crate::cell::Cell;
 use crate::findings::{Finding, Severity};
-use crate::information::{Svd, svd};
 use crate::kinematics::Frames;
 use crate::load::{Load, Wrench};
 use crate::measurement::{MeasuredPosture, WrenchColumns};
+use crate::numerics::information::{Svd, svd};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};

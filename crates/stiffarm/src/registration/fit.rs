@@ -1,6 +1,6 @@
 //! The rigid fit itself.
 
-use crate::information::{Svd, svd};
+use crate::numerics::information::{Svd, svd};
 use nalgebra::{
     DMatrix, Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };

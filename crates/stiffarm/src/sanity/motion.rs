@@ -4,12 +4,12 @@
 use super::rigid::is_spread;
 use super::shape::name_states;
 use super::{Cause, Suspicion, Work};
-use crate::information::Factor;
 use crate::kinematics::Frames;
 use crate::load::{Load, Wrench};
 use crate::measurement::Role;
+use crate::numerics::information::Factor;
+use crate::numerics::sample::median;
 use crate::observation::PostureTerms;
-use crate::sample::median;
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 
 /// Displacements below this many standard deviations say nothing of their sign.

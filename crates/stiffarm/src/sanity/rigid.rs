@@ -1,6 +1,6 @@
 //! Rigid fits of points, and the other orders in which points can be labelled.
 
-use crate::information::svd;
+use crate::numerics::information::svd;
 use crate::registration::rigid_transform;
 use nalgebra::{DMatrix, Isometry3, Vector3};
 

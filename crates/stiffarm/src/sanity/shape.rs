@@ -5,7 +5,7 @@
 use super::rigid::{Pair, best_rms, fit, is_spread, moved, orders};
 use super::sheet::State;
 use super::{Cause, Suspicion, Work};
-use crate::sample::median;
+use crate::numerics::sample::median;
 use nalgebra::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 

@@ -6,8 +6,8 @@ use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::load::Wrench;
 use crate::measurement::{Reading, ReadingTable, Role, Target, WrenchColumns};
+use crate::numerics::sample::median;
 use crate::observation::check_angles;
-use crate::sample::median;
 use nalgebra::Vector3;
 
 /// Standard deviations by which a repeat must lie off to be called stray.

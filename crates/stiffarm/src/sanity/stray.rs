@@ -7,8 +7,8 @@ use super::motion::{Move, moves};
 use super::rigid::moved;
 use super::shape::{exceeded_by, mean_shape, name_states, stray_distance};
 use super::{Cause, Suspicion, Work};
-use crate::information::Factor;
 use crate::measurement::Role;
+use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
 /// Chance by which the right candidate is rejected, and a wrong one let pass.

@@ -4,7 +4,7 @@ use super::global::{GlobalOptions, select_global};
 use crate::cell::Cell;
 use crate::error::{Code, Result};
 use crate::index::Index;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
 use serde::{Deserialize, Serialize};
 
 /// The best group of one size.

@@ -193,8 +193,8 @@ impl LoadDesign {
 mod tests {
     use super::*;
     use crate::builtin;
-    use crate::index::Index;
     use crate::characteristic_length::with_characteristic_length;
+    use crate::index::Index;
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
     #[test]

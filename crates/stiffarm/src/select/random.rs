@@ -2,8 +2,8 @@
 
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
+use crate::numerics::streams::group_rng;
 use crate::observation::PostureTerms;
-use crate::streams::group_rng;
 use rand::RngExt;
 
 /// Half-width of the wrist angles of a hand-picked-like group: 30°.

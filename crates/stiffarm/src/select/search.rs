@@ -4,8 +4,9 @@
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::{Index, IndexFunction};
+use crate::numerics::control::{Control, Termination};
+use crate::numerics::optimise::{Evaluation, Options, Problem, Solution, minimise};
 use crate::observation::PostureTerms;
-use crate::optimise::{Control, Evaluation, Options, Problem, Solution, Termination, minimise};
 
 /// Margin kept from hard limits so that rounding never crosses them \[m\].
 const LIMIT_GUARD: f64 = 5e-10;

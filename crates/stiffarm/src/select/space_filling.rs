@@ -18,8 +18,8 @@
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::load::Wrench;
+use crate::numerics::streams::group_rng;
 use crate::observation::PostureTerms;
-use crate::streams::group_rng;
 use nalgebra::Vector3;
 use rand::RngExt;
 use std::f64::consts::TAU;

@@ -8,14 +8,15 @@ mod verdict;
 pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 
 use crate::cell::Cell;
+use crate::characteristic_length::with_characteristic_length;
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::identify::{Estimator, Identification, IdentifyOptions, identify};
 use crate::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
-use crate::jobs::in_order;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order;
+use crate::numerics::optimise::Options;
 use crate::observation::{PostureTerms, Rows, observation_matrix};
-use crate::optimise::{Control, Options};
-use crate::characteristic_length::with_characteristic_length;
 use crate::posture::PostureGroup;
 use crate::select::{Selection, select_from};
 use crate::simulate::{Simulation, SimulationOptions, simulate};
@@ -371,7 +372,7 @@ fn bound_beside_expectation(
     let sigma = cell.noise.displacement_std();
     let lambda = psi.tr_mul(&(&psi * &h)).norm();
     let bound = error_bound(condition, 0.0, sigma * psi.norm() / lambda)?;
-    let trace = crate::information::Factor::new(&psi)?
+    let trace = crate::numerics::information::Factor::new(&psi)?
         .inverse_information()
         .trace();
     Ok((bound, sigma * trace.sqrt() / h.norm()))

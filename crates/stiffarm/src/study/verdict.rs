@@ -3,7 +3,7 @@
 use super::{INITIAL_GROUP, STUDY_INDICES, StartsOfKind, Study, StudyGroup};
 use crate::findings::{Finding, Severity, list, percent};
 use crate::index::Index;
-use crate::sample::mean;
+use crate::numerics::sample::mean;
 use crate::simulate::FIRST_ORDER_LIMIT;
 
 /// Fills in the recommendation and the findings.

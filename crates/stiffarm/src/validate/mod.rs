@@ -13,12 +13,12 @@ use crate::error::{Code, Error, Result};
 use crate::findings::Finding;
 use crate::identify::{Weights, known_displacement, measured_system, rms};
 use crate::measurement::{Displacement, MeasuredPosture};
+use crate::numerics::streams::run_rng;
 use crate::observation::PostureTerms;
 use crate::posture::Posture;
 use crate::predictor::Predictor;
 use crate::simulate::draw_noise;
 use crate::stiffness::{displacement_between, equilibrium, joint_compliance, linear_displacement};
-use crate::streams::run_rng;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

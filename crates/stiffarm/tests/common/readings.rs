@@ -3,6 +3,9 @@
 use super::{group1, reference_cell};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
 use stiffarm::cell::Cell;
+use stiffarm::experiment::{
+    BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment,
+};
 use stiffarm::findings::Finding;
 use stiffarm::instruments::{Mount, Sensor};
 use stiffarm::load::Wrench;
@@ -10,7 +13,6 @@ use stiffarm::measurement::{MeasuredPosture, Reading, ReadingTable};
 use stiffarm::observation::PostureTerms;
 use stiffarm::posture::{Posture, PostureGroup};
 use stiffarm::reduction::{ReduceOptions, Reduction, reduce};
-use stiffarm::experiment::{BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment};
 use stiffarm::tool::NamedPoint;
 
 /// What the controllers give way per torque \[rad/(N·m)\].

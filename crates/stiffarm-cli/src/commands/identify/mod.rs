@@ -17,6 +17,7 @@ use crate::table::{red, title, yellow};
 use readings::Reduced;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::Control;
 use stiffarm::advise::{Advice, next_posture};
 use stiffarm::budget::{Budget, budget};
 use stiffarm::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
@@ -28,7 +29,6 @@ use stiffarm::identify::{
 };
 use stiffarm::measurement::{MeasuredPosture, split_by_name};
 use stiffarm::observation::ExtraTerm;
-use stiffarm::optimise::Control;
 use stiffarm::select::GlobalOptions;
 use stiffarm::{Code, Error, Result};
 

@@ -7,9 +7,9 @@ use stiffarm::cell::Cell;
 use stiffarm::certificate::{
     Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
 };
-use stiffarm::optimise::{Control, Termination};
 use stiffarm::posture::Posture;
 use stiffarm::{Code, Result};
+use stiffarm::{Control, Termination};
 
 /// Searches behind the bound of each joint: fewer than behind the one of the
 /// index, or the six would take longer than the selection.

@@ -8,10 +8,10 @@ use crate::progress::Progress;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::Control;
 use stiffarm::cell::Cell;
 use stiffarm::certificate::{CertificateOptions, certify};
 use stiffarm::index::Index;
-use stiffarm::optimise::Control;
 use stiffarm::select::{CurvePoint, GlobalOptions, curve, select_global};
 use stiffarm::{Code, Result};
 

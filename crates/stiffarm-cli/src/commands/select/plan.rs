@@ -6,11 +6,12 @@ use crate::progress::Progress;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::HashSet;
+use stiffarm::Control;
 use stiffarm::Result;
 use stiffarm::cell::Cell;
 use stiffarm::certificate::{Certificate, JointEfficiency};
 use stiffarm::index::{GroupEvaluation, evaluate};
-use stiffarm::optimise::{Control, Options as OptimiserOptions};
+use stiffarm::internals::optimise::Options as OptimiserOptions;
 use stiffarm::posture::Posture;
 use stiffarm::select::{
     GlobalOptions, LoadDesign, Selection, Sensitivity, SensitivityOptions, select_from,

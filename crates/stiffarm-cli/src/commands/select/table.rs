@@ -7,8 +7,8 @@ use crate::commands::evaluate::undetermined;
 use crate::commands::{posture_remarks, posture_table};
 use crate::numbers::{coarse_mm, optional_percent, percent, significant};
 use crate::table::{Align, Table, title, yellow};
+use stiffarm::Termination;
 use stiffarm::index::{GroupEvaluation, expected_deviation};
-use stiffarm::optimise::Termination;
 use stiffarm::posture::Posture;
 use stiffarm::select::Selection;
 

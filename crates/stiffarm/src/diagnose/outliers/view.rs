@@ -9,8 +9,8 @@ use crate::identify::{
     Assumptions, Estimator, Fit, Fold, IdentifyOptions, MeasuredSystem, Prepared, Whitened, fit,
     folds, measured_system, prediction_error, rms,
 };
-use crate::information::Factor;
 use crate::measurement::MeasuredPosture;
+use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Level of each of the three families: displacements, postures, points.

@@ -236,7 +236,7 @@ impl LoadStates {
         }
         if let Some(width) = found(&self.hysteresis) {
             let shares: Vec<f64> = self.postures.iter().filter_map(|p| p.loop_share).collect();
-            let share = crate::sample::mean(&shares);
+            let share = crate::numerics::sample::mean(&shares);
             add(
                 "hysteresis",
                 format!(

@@ -4,8 +4,8 @@
 use crate::cell::Cell;
 use crate::error::Result;
 use crate::identify::{Block, Fit, RowLabel};
-use crate::information::Factor;
 use crate::measurement::MeasuredPosture;
+use crate::numerics::information::Factor;
 use crate::observation::PostureTerms;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,10 +1,10 @@
 //! What the kernel needs of a cell, computed once.
 
 use crate::cell::{Cell, Limits};
-use crate::error::Result;
 use crate::dexterity;
-use crate::information::symmetric_eigen;
+use crate::error::Result;
 use crate::load::{Axes, Load};
+use crate::numerics::information::symmetric_eigen;
 use crate::observation::PostureTerms;
 use nalgebra::{DMatrix, Isometry3, Matrix3, Vector3};
 

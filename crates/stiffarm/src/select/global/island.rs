@@ -7,7 +7,7 @@ use super::local::{Effort, Local};
 use super::pool::Pool;
 use crate::index::Index;
 use crate::index::criterion::Criterion;
-use crate::optimise::Control;
+use crate::numerics::control::Control;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

@@ -7,7 +7,7 @@ use crate::cell::Cell;
 use crate::error::Result;
 use crate::index::inputs::Given;
 use crate::index::{Index, IndexFunction};
-use crate::optimise::smooth::{SmoothOptions, minimise_smooth};
+use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::select::load_design::LoadDesign;
 
 /// Margin kept from every limit \[m\]: hundredths of a millimetre, so that the

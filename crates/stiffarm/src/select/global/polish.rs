@@ -6,7 +6,8 @@ use super::Plan;
 use crate::cell::Cell;
 use crate::error::Result;
 use crate::index::Index;
-use crate::optimise::{Control, Options, Solution};
+use crate::numerics::control::Control;
+use crate::numerics::optimise::{Options, Solution};
 use crate::select::search::Search;
 
 /// Variables beyond which its cost, which grows with their third power, is not

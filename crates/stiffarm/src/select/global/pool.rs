@@ -4,8 +4,8 @@
 use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::kernel::{Kernel, Wanted};
-use crate::optimise::smooth::{SmoothOptions, minimise_smooth};
-use crate::streams::candidate_rng;
+use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
+use crate::numerics::streams::candidate_rng;
 use rand::RngExt;
 
 /// Candidates wanted.

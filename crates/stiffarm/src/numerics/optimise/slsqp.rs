@@ -2,7 +2,7 @@
 //! least-squares programming (Kraft 1988, DFVLR-FB 88-28) with box bounds,
 //! inequality constraints and closed-form derivatives.
 
-use super::{Control, Termination};
+use crate::numerics::control::{Control, Termination};
 use basin::{
     BoxBounds, ConstraintSet, ConstraintSolveError, CostFunction, DenseMatrix, Executor, Gradient,
     NoLinearConstraints, NoNonlinearBlock, NonlinearBlock, NonlinearBlocks,

@@ -1,7 +1,7 @@
 //! Independent jobs on all cores, with results that do not depend on them.
 
 use crate::error::{Code, Error, Result};
-use crate::optimise::Control;
+use crate::numerics::control::Control;
 
 /// Maps `jobs` on all cores, results in the order of the jobs.
 pub(crate) fn in_order<J: Sync, T: Send>(

@@ -1,10 +1,4 @@
-//! Bounded, constrained minimisation behind one function, and the
-//! characteristic length, which is the result of such a minimisation.
-
-mod slsqp;
-pub(crate) mod smooth;
-
-pub use slsqp::{Evaluation, Options, Problem, Solution, minimise};
+//! How a caller watches and stops long work, and why a search ended.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,0 +1,10 @@
+//! Mathematics that knows nothing of robots but the error type: information
+//! matrices and their factorisation, minimisation, random streams, jobs on all
+//! cores, statistics of a sample.
+
+pub mod control;
+pub mod information;
+pub mod jobs;
+pub mod optimise;
+pub mod sample;
+pub mod streams;

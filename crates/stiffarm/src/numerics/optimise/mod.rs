@@ -1,0 +1,6 @@
+//! Bounded, constrained minimisation behind one function.
+
+mod slsqp;
+pub(crate) mod smooth;
+
+pub use slsqp::{Evaluation, Options, Problem, Solution, minimise};
