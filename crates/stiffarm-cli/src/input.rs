@@ -4,12 +4,12 @@ use crate::session::Session;
 use std::io::Read;
 use std::path::Path;
 use stiffarm::builtin;
-use stiffarm::cell::Cell;
 use stiffarm::cell_file::parse_cell_bytes;
-use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::robot::Robot;
 use stiffarm::reduction::ReduceOptions;
 use stiffarm::registration_file::read_registration;
-use stiffarm::robot::Robot;
 use stiffarm::table::{Measurements, read_measurements, read_postures, sha256_hex};
 use stiffarm::{Code, Error, Result};
 

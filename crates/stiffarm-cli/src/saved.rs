@@ -4,8 +4,8 @@
 use crate::session::Session;
 use serde_json::Value;
 use stiffarm::budget::Budget;
-use stiffarm::cell::Cell;
 use stiffarm::identify::Estimates;
+use stiffarm::model::cell::Cell;
 use stiffarm::predictor::{FittedNoise, Predictor};
 use stiffarm::{Code, Error, Result};
 

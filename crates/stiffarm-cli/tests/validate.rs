@@ -46,7 +46,7 @@ fn saved_further_terms_are_used_and_not_lost() {
     let data = stiffarm::table::read_displacements(table.as_bytes(), "simulated.csv", &cell, None)
         .unwrap();
     let options = stiffarm::identify::IdentifyOptions {
-        extra: vec![stiffarm::observation::ExtraTerm::JointTilt(2)],
+        extra: vec![stiffarm::model::observation::ExtraTerm::JointTilt(2)],
         ..Default::default()
     };
     let fit = stiffarm::identify::identify(&cell, &data, &options).unwrap();

@@ -7,14 +7,14 @@ use nalgebra::Translation3;
 use std::hint::black_box;
 use stiffarm::Control;
 use stiffarm::builtin;
-use stiffarm::cell::Cell;
 use stiffarm::characteristic_length::with_characteristic_length;
 use stiffarm::index::{Index, IndexFunction, Minimax, evaluate};
 use stiffarm::internals::information::Factor;
 use stiffarm::internals::optimise::Options;
-use stiffarm::inverse::InverseKinematics;
-use stiffarm::kinematics::Frames;
-use stiffarm::observation::{Rows, observation_matrix};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::inverse::InverseKinematics;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::observation::{Rows, observation_matrix};
 use stiffarm::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
 
 fn cell(name: &str) -> Cell {

@@ -14,8 +14,8 @@ use std::time::Instant;
 use stiffarm::Control;
 use stiffarm::builtin;
 use stiffarm::compensate::{CompensateOptions, compensate};
-use stiffarm::load::Wrench;
-use stiffarm::path::LoadedPosture;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::path::LoadedPosture;
 use stiffarm::predict::{PredictOptions, predict};
 use stiffarm::predictor::Predictor;
 

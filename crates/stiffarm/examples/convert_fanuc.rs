@@ -18,9 +18,9 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 use stiffarm::builtin;
-use stiffarm::load::Wrench;
-use stiffarm::measurement::{Displacement, MeasuredPosture};
-use stiffarm::posture::Posture;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::posture::Posture;
 use stiffarm::table::write_displacements;
 
 fn main() -> Result<(), Box<dyn Error>> {

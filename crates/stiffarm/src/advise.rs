@@ -1,16 +1,16 @@
 //! What to measure next: the posture that would help an identification most.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::{Identification, Verdict};
 use crate::index::{Index, evaluate};
-use crate::load::{Axes, Load, Wrench};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::load::{Axes, Load, Wrench};
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::PostureTerms;
+use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::numerics::information::symmetric_eigen;
 use crate::numerics::sample::median;
-use crate::observation::PostureTerms;
-use crate::posture::Posture;
 use crate::select::{GlobalOptions, select_global};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -3,11 +3,11 @@
 //!
 //! The files lie in `data/cells`, sources in their comments.
 
-use crate::cell::Cell;
 use crate::cell_file::parse_cell;
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::posture::Posture;
-use crate::robot::Robot;
+use crate::model::cell::Cell;
+use crate::model::posture::Posture;
+use crate::model::robot::Robot;
 use crate::table::read_postures;
 
 /// What stands before a built-in name where a file name could stand.

@@ -1,10 +1,10 @@
 //! The characteristic length: the L that minimises the smallest attainable
 //! k(J_N) over the joint bounds (Angeles' definition; the paper gives no L).
 
-use crate::cell::Cell;
-use crate::dexterity::{log_condition_gradient, require_six_joints};
 use crate::error::{Code, Error, Result};
-use crate::kinematics::Frames;
+use crate::model::cell::Cell;
+use crate::model::dexterity::{log_condition_gradient, require_six_joints};
+use crate::model::kinematics::Frames;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
 use sobol_burley::sample;

@@ -9,16 +9,16 @@
 //! beyond the joints; θ_loaded then solves for the pose that makes up for them.
 //! Whatever the way, the command is checked by the equilibrium from its side.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length, percent};
 use crate::identify::rms;
-use crate::kinematics::Frames;
-use crate::load::Wrench;
+use crate::model::cell::Cell;
+use crate::model::kinematics::Frames;
+use crate::model::load::Wrench;
+use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
 use crate::numerics::information::svd::svd;
 use crate::numerics::jobs::in_order_watched;
-use crate::path::LoadedPosture;
 use crate::predict::{ArmAtWork, Bands, TipBand, motion};
 use crate::predictor::Predictor;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
@@ -149,7 +149,7 @@ pub fn command(arm: &ArmAtWork, nominal: &[f64], wrench: &Wrench) -> Result<Comm
 fn reach(
     arm: &ArmAtWork,
     theta: &mut DVector<f64>,
-    terms: &mut crate::observation::PostureTerms,
+    terms: &mut crate::model::observation::PostureTerms,
     wrench: &Wrench,
     target: &Isometry3<f64>,
 ) -> Result<()> {

@@ -12,7 +12,6 @@ pub mod advise;
 pub mod budget;
 #[cfg(feature = "files")]
 pub mod builtin;
-pub mod cell;
 #[cfg(feature = "files")]
 pub mod cell_file;
 pub mod certificate;
@@ -21,43 +20,30 @@ pub mod check;
 pub mod clamped;
 pub mod compensate;
 pub mod coverage;
-pub mod dexterity;
 pub mod diagnose;
 pub mod error;
 pub mod experiment;
 pub mod findings;
 pub mod identify;
 pub mod index;
-pub mod instruments;
-pub mod inverse;
-pub mod kinematics;
-pub mod load;
 pub mod map;
-pub mod measurement;
+pub mod model;
 mod numerics;
-pub mod observation;
-pub mod path;
-pub mod posture;
 pub mod posture_path;
 pub mod predict;
 pub mod predictor;
-pub mod process;
 pub mod reduction;
 pub mod registration;
 #[cfg(feature = "files")]
 pub mod registration_file;
-pub mod robot;
 pub mod sanity;
 pub mod select;
 pub mod simulate;
-pub mod stiffness;
 pub mod study;
 #[cfg(feature = "files")]
 pub mod table;
-pub mod tool;
 pub mod units;
 pub mod validate;
-pub mod work;
 pub mod zones;
 
 pub use error::{Code, Error, Result};

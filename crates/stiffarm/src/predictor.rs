@@ -2,12 +2,12 @@
 //! and the noise that a fit saw.
 
 use crate::budget::Budget;
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::{
     Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
 };
-use crate::observation::ExtraTerm;
+use crate::model::cell::Cell;
+use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, DVector};
 
 /// How far predictions and readings may scatter.
@@ -69,7 +69,7 @@ impl Predictor {
     /// # Errors
     /// A wrong number of values, or one that is not above zero.
     pub fn from_stiffness(cell: &Cell, stiffness: &[f64]) -> Result<Self> {
-        crate::stiffness::joint_compliance(&cell.setup.robot, stiffness)?;
+        crate::model::stiffness::joint_compliance(&cell.setup.robot, stiffness)?;
         Ok(Predictor {
             values: DVector::from_iterator(stiffness.len(), stiffness.iter().map(|k| 1.0 / k)),
             extra: Vec::new(),

@@ -10,11 +10,11 @@
 //! computed with and without it differ. Good zones combine high dexterity with
 //! a small influence.
 
-use crate::cell::Cell;
-use crate::dexterity::{condition_number, require_six_joints};
 use crate::error::{Code, Error, Result};
-use crate::observation::{PostureTerms, check_angles};
-use crate::stiffness::{linear_displacement, stiffness_correction};
+use crate::model::cell::Cell;
+use crate::model::dexterity::{condition_number, require_six_joints};
+use crate::model::observation::{PostureTerms, check_angles};
+use crate::model::stiffness::{linear_displacement, stiffness_correction};
 use crate::units::{deg_to_rad, rad_to_shortest_deg};
 use serde::{Deserialize, Serialize};
 
@@ -130,7 +130,7 @@ struct Values {
 /// k(J_N) is taken at the TCP (measuring point 1) with the cell's
 /// characteristic length. K_C is Chen and Kao's for a constant base-frame
 /// wrench, that of the cell's load in each posture; what a rope's turning adds
-/// ([`rope_correction`](crate::stiffness::rope_correction)) is not in it.
+/// ([`rope_correction`](crate::model::stiffness::rope_correction)) is not in it.
 /// Displacements are those of the TCP by the linear model with the prior
 /// stiffness.
 ///

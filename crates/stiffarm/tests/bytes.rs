@@ -5,11 +5,11 @@
 
 use proptest::prelude::*;
 use stiffarm::builtin;
-use stiffarm::cell::Cell;
 use stiffarm::cell_file::{parse_cell, parse_cell_bytes, template};
-use stiffarm::load::{Load, Wrench};
-use stiffarm::measurement::{MeasuredPosture, ReadingTable};
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::{MeasuredPosture, ReadingTable};
+use stiffarm::model::posture::Posture;
 use stiffarm::table::{Measurements, read_displacements, read_measurements, read_postures};
 
 fn finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> bool {

@@ -7,17 +7,17 @@ mod common;
 
 use nalgebra::Vector3;
 use stiffarm::builtin;
-use stiffarm::cell::Cell;
-use stiffarm::cell::Columns;
 use stiffarm::cell_file::{
     measurements_template, parse_cell, parse_cell_bytes, postures_template, template,
 };
-use stiffarm::instruments::{Mount, Tracker, Uncertainty};
-use stiffarm::load::{Axes, Load};
-use stiffarm::observation::PostureTerms;
-use stiffarm::process::{MillingDirection, Process};
-use stiffarm::robot::catalogue;
-use stiffarm::work::Work;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::cell::Columns;
+use stiffarm::model::instruments::{Mount, Tracker, Uncertainty};
+use stiffarm::model::load::{Axes, Load};
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::process::{MillingDirection, Process};
+use stiffarm::model::robot::catalogue;
+use stiffarm::model::work::Work;
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
@@ -963,7 +963,7 @@ mod schema {
         for name in builtin::cell_names() {
             texts.push(builtin::cell_text(name).unwrap_or_default().to_string());
         }
-        for entry in stiffarm::robot::catalogue() {
+        for entry in stiffarm::model::robot::catalogue() {
             texts.push(template(entry.key)?);
         }
         for text in texts {

@@ -11,14 +11,14 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use stiffarm::Code;
-use stiffarm::cell::Cell;
 use stiffarm::certificate::{
     Certificate, CertificateOptions, ContinuousDesign, Criterion, DesignOptions, DesignSpace,
     Effort, PostureSpace, certify, certify_further, joint_efficiencies, optimal_design,
 };
 use stiffarm::index::{Index, evaluate};
 use stiffarm::internals::optimise::Options;
-use stiffarm::load::Load;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
 use stiffarm::select::{StartKind, random_group, select_from};
 use stiffarm::{Control, Termination};
 

@@ -10,20 +10,20 @@ use nalgebra::{
 use proptest::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use stiffarm::Code;
-use stiffarm::cell::Cell;
 use stiffarm::clamped::{
     ClampedPosture, ClampedSimulation, MotorMove, clamped_system, identify_clamped,
     simulate_clamped,
 };
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Verdict, Weights, identify};
-use stiffarm::instruments::{Mount, Sensor};
-use stiffarm::kinematics::Frames;
-use stiffarm::load::{Load, Wrench};
-use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::instruments::{Mount, Sensor};
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::posture::Posture;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::model::stiffness::{displacement_between, linear_displacement};
 use stiffarm::predictor::Predictor;
-use stiffarm::robot::{DhConvention, DhRow, Robot};
-use stiffarm::stiffness::{displacement_between, linear_displacement};
 use stiffarm::table::{read_clamped, write_clamped};
 use stiffarm::validate::{Model, simulate_measurements, validate_with};
 
@@ -483,7 +483,7 @@ fn a_known_series_compliance_is_not_the_joints() {
     let truth = plain.require_prior().unwrap();
     let mut cell = plain.clone();
     cell.setup.tool.series_compliance = Some(
-        stiffarm::tool::SeriesCompliance::from_stiffness(
+        stiffarm::model::tool::SeriesCompliance::from_stiffness(
             Vector3::new(0.0, 0.0, 0.05),
             [1e8, 1e8, 2e8],
             [3e5, 3e5, 4e5],

@@ -7,18 +7,18 @@ use common::random::Dice;
 use common::{default_cell, random_group};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
-use stiffarm::cell::Cell;
 use stiffarm::compensate::{CompensateOptions, command, compensate};
 use stiffarm::diagnose::diagnose;
 use stiffarm::identify::{IdentifyOptions, identify};
-use stiffarm::load::Wrench;
-use stiffarm::measurement::{Displacement, MeasuredPosture};
-use stiffarm::observation::ExtraTerm;
-use stiffarm::path::LoadedPosture;
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::ExtraTerm;
+use stiffarm::model::path::LoadedPosture;
+use stiffarm::model::posture::Posture;
+use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::predict::ArmAtWork;
 use stiffarm::predictor::Predictor;
-use stiffarm::tool::SeriesCompliance;
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {
@@ -159,7 +159,7 @@ fn measured(
     postures
         .map(|(i, q)| {
             let at_loading =
-                stiffarm::observation::PostureTerms::new(&cell.setup, q, None).unwrap();
+                stiffarm::model::observation::PostureTerms::new(&cell.setup, q, None).unwrap();
             let points = cell.setup.tool.measuring_points.iter().enumerate();
             MeasuredPosture {
                 posture: Posture {

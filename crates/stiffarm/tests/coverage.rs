@@ -12,14 +12,14 @@ mod page;
 use common::{random_group, reference_cell};
 use stiffarm::Code;
 use stiffarm::Control;
-use stiffarm::cell::Cell;
 use stiffarm::coverage::{
     Coverage, CoverageCase, Intervals, Outliers, Record, Truth, World, coverage, measured, records,
 };
 use stiffarm::error::Result;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter};
-use stiffarm::instruments::TrackerAccuracy;
-use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::instruments::TrackerAccuracy;
+use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::select::{StartKind, random_group as draw_group};
 use stiffarm::simulate::ModelErrors;
 

@@ -13,16 +13,16 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
-use stiffarm::cell::Cell;
 use stiffarm::diagnose::{
     Agreement, Diagnosis, OutlierKind, diagnose, joint_signals, load_states, noise_test, outliers,
     second_order_shares, try_terms,
 };
 use stiffarm::identify::{Estimator, IdentifyOptions, identify};
-use stiffarm::load::Load;
-use stiffarm::measurement::{Displacement, MeasuredPosture};
-use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::validate::{Model, calculated_displacements, simulate_measurements};
 
 /// Twelve postures: Group 1 and the random group.

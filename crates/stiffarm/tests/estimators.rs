@@ -7,16 +7,16 @@ use common::random::Dice;
 use common::{cases, random_group, reference_cell};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use proptest::prelude::*;
-use stiffarm::cell::Cell;
 use stiffarm::identify::{
     Assumptions, Block, Estimator, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared,
     PriorKnowledge, RowLabel, Scale, Solution, Verdict, Weights, Whitened, bootstrap, identify,
     measured_system,
 };
-use stiffarm::load::Wrench;
-use stiffarm::measurement::{Displacement, MeasuredPosture};
-use stiffarm::observation::PostureTerms;
-use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::posture::{Posture, PostureGroup};
 
 /// A random system of `postures` blocks with up to four displacements each,
 /// `states` of which share shifts in proportion to a load, and covariances

@@ -4,20 +4,20 @@ mod common;
 
 use common::{group1, random::Dice, reference_cell};
 use nalgebra::{DVector, Isometry3, Vector3};
-use stiffarm::cell::Cell;
 use stiffarm::experiment::{
     BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
     TrackerNoise, experiment,
 };
-use stiffarm::instruments::{Mount, Sensor, TrackerAccuracy};
-use stiffarm::kinematics::Frames;
-use stiffarm::load::{Load, Wrench};
-use stiffarm::measurement::{PostureReadings, ReadingTable, Role, StateReadings, Target};
-use stiffarm::observation::PostureTerms;
-use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::{PostureReadings, ReadingTable, Role, StateReadings, Target};
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::stiffness::equilibrium_displacement;
+use stiffarm::model::tool::{NamedPoint, SeriesCompliance};
 use stiffarm::registration::{PointPair, register};
-use stiffarm::stiffness::equilibrium_displacement;
-use stiffarm::tool::{NamedPoint, SeriesCompliance};
 
 fn cell_with_sensor() -> Cell {
     let mut cell = reference_cell();

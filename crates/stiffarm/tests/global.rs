@@ -14,9 +14,9 @@ use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use stiffarm::Code;
-use stiffarm::cell::Cell;
 use stiffarm::index::{Index, evaluate};
-use stiffarm::load::Load;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
 use stiffarm::select::{
     GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, curve, drop_postures,
     random_group, select_global, sensitivity,

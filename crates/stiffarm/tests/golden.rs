@@ -16,12 +16,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
 use stiffarm::index::{dexterity, evaluate};
 use stiffarm::internals::information::Factor;
-use stiffarm::kinematics::Frames;
-use stiffarm::measurement::{Displacement, MeasuredPosture};
-use stiffarm::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::posture::Posture;
-use stiffarm::robot::{DhConvention, DhRow, Robot, catalogue};
-use stiffarm::stiffness::{linear_displacement, stiffness_correction};
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
+use stiffarm::model::posture::Posture;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue};
+use stiffarm::model::stiffness::{linear_displacement, stiffness_correction};
 
 /// Agreement asked of everything that is not a finite difference.
 const TIGHT: f64 = 1e-9;

@@ -7,16 +7,16 @@ use common::reference_cell;
 use nalgebra::{DVector, Vector3};
 use stiffarm::Control;
 use stiffarm::advise::next_posture;
-use stiffarm::cell::Cell;
 use stiffarm::identify::{
     Estimator, Identification, IdentifyOptions, Verdict, Weights, identify, leave_one_out,
     measured_system,
 };
 use stiffarm::index::{Index, evaluate};
-use stiffarm::kinematics::Frames;
-use stiffarm::measurement::{Displacement, MeasuredPosture};
-use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::posture::Posture;
 use stiffarm::select::{GlobalOptions, StartKind, random_group};
 use stiffarm::validate::{Model, simulate_measurements};
 

@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, DVector, Isometry3, Translation3, UnitQuaternion, Vector
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use stiffarm::Code;
-use stiffarm::inverse::{Branch, InverseKinematics, Method, Outcome, Region, Unreachable};
-use stiffarm::kinematics::Frames;
-use stiffarm::robot::{DhConvention, DhRow, Robot, catalogue, find_in_catalogue};
+use stiffarm::model::inverse::{Branch, InverseKinematics, Method, Outcome, Region, Unreachable};
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue, find_in_catalogue};
 
 fn robot(key: &str) -> Robot {
     find_in_catalogue(key).unwrap().robot().unwrap()

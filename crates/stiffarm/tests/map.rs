@@ -7,18 +7,18 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::Code;
 use stiffarm::Control;
-use stiffarm::cell::Cell;
-use stiffarm::inverse::InverseKinematics;
-use stiffarm::kinematics::Frames;
-use stiffarm::load::Wrench;
 use stiffarm::map::{
     MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
 };
-use stiffarm::observation::PostureTerms;
-use stiffarm::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::inverse::InverseKinematics;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
+use stiffarm::model::process::{ForceAxes, Process, TipLoad};
 use stiffarm::predict::{ArmAtWork, PredictOptions, Prediction, predict};
 use stiffarm::predictor::{Predictor, Spread};
-use stiffarm::process::{ForceAxes, Process, TipLoad};
 
 fn down() -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(PI, 0.0, 0.0)

@@ -3,7 +3,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stiffarm::process::{
+use stiffarm::model::process::{
     CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad,
 };
 

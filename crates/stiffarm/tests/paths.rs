@@ -4,10 +4,10 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use proptest::prelude::*;
-use stiffarm::cell::Cell;
 use stiffarm::cell_file::parse_cell;
-use stiffarm::path::{PathPoint, Target};
-use stiffarm::process::{ForceAxes, TipLoad};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::path::{PathPoint, Target};
+use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::table::{PathFormat, PathKind, PathTable, read_path, write_path};
 
 type Check = Result<(), Box<dyn std::error::Error>>;

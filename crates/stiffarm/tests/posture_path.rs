@@ -9,13 +9,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
 use stiffarm::Code;
 use stiffarm::Control;
-use stiffarm::cell::Cell;
-use stiffarm::inverse::InverseKinematics;
-use stiffarm::path::{LoadedPosture, PathPoint, Target};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::inverse::InverseKinematics;
+use stiffarm::model::path::{LoadedPosture, PathPoint, Target};
+use stiffarm::model::process::{ForceAxes, TipLoad};
+use stiffarm::model::robot::{DhConvention, DhRow, Robot};
 use stiffarm::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
 use stiffarm::predict::ArmAtWork;
-use stiffarm::process::{ForceAxes, TipLoad};
-use stiffarm::robot::{DhConvention, DhRow, Robot};
 
 fn arm(cell: &Cell) -> ArmAtWork {
     ArmAtWork::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()

@@ -10,16 +10,16 @@ use common::{
 use nalgebra::{DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
 use stiffarm::budget::budget;
-use stiffarm::cell::Cell;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::load::Wrench;
-use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::path::LoadedPosture;
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::path::LoadedPosture;
+use stiffarm::model::posture::Posture;
+use stiffarm::model::stiffness::{Model, cartesian_stiffness, equilibrium, stiffness_correction};
+use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, predict};
 use stiffarm::predictor::Predictor;
-use stiffarm::stiffness::{Model, cartesian_stiffness, equilibrium, stiffness_correction};
-use stiffarm::tool::SeriesCompliance;
 use stiffarm::validate::simulate_measurements;
 
 fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
@@ -88,7 +88,7 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
         assert!(relative_error(k_c.as_slice(), matrix(&golden["k_c"]).as_slice()) < 1e-8);
         let stiffness = cell.require_prior().unwrap();
         let p = terms.measuring_points()[0];
-        let corrected = stiffarm::stiffness::linear_displacement(
+        let corrected = stiffarm::model::stiffness::linear_displacement(
             &cell.setup,
             &PostureTerms::new(&cell.setup, &q, None).unwrap(),
             &p,
@@ -254,7 +254,7 @@ fn tip_frame_of_the_cell_counts() {
     let q = &cell.tasks[0].q;
     let pose = arm.tip_pose(q);
     let flange = pose * offset.inverse();
-    let frames = stiffarm::kinematics::Frames::new(&cell.setup.robot, q);
+    let frames = stiffarm::model::kinematics::Frames::new(&cell.setup.robot, q);
     assert!((flange.translation.vector - frames.flange().translation.vector).norm() < 1e-14);
 }
 

@@ -8,20 +8,20 @@ use common::{cases, relative_error};
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
-use stiffarm::dexterity;
 use stiffarm::identify::{IdentifyOptions, NoiseSource, Weights, identify, measured_system};
 use stiffarm::index::{Index, error_bound, evaluate};
 use stiffarm::internals::information::{Factor, posture_information};
-use stiffarm::kinematics::Frames;
-use stiffarm::load::{Load, Wrench};
-use stiffarm::measurement::MeasuredPosture;
-use stiffarm::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::posture::{Posture, PostureGroup};
-use stiffarm::stiffness::{
+use stiffarm::model::dexterity;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::MeasuredPosture;
+use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::stiffness::{
     cartesian_compliance, cartesian_stiffness, equilibrium, equilibrium_displacement,
     joint_compliance, linear_displacement, rope_correction, stiffness_correction,
 };
-use stiffarm::tool::SeriesCompliance;
+use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::validate::{Model as Deflection, calculated_displacements, simulate_measurements};
 
 /// A random model with as many joints as asked, any load, any springs.
@@ -300,7 +300,7 @@ proptest! {
         match &mut moved.setup.load {
             Load::Rope { anchor, .. } => *anchor = (pose * nalgebra::Point3::from(*anchor)).coords,
             Load::Weight { direction, .. } => *direction = pose.rotation * *direction,
-            Load::Constant { wrench, axes: stiffarm::load::Axes::Base } => {
+            Load::Constant { wrench, axes: stiffarm::model::load::Axes::Base } => {
                 *wrench = Wrench {
                     force: pose.rotation * wrench.force,
                     moment: pose.rotation * wrench.moment,
@@ -309,7 +309,7 @@ proptest! {
             _ => {}
         }
         for task in &mut moved.tasks {
-            if task.axes == stiffarm::load::Axes::Base {
+            if task.axes == stiffarm::model::load::Axes::Base {
                 task.wrench = Wrench {
                     force: pose.rotation * task.wrench.force,
                     moment: pose.rotation * task.wrench.moment,

@@ -9,13 +9,13 @@ mod workbook;
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stiffarm::cell::Cell;
 use stiffarm::cell_file::parse_cell;
-use stiffarm::load::Wrench;
-use stiffarm::measurement::{
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::{
     PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
 };
-use stiffarm::posture::Posture;
+use stiffarm::model::posture::Posture;
 use stiffarm::table::{
     Measurements, SheetOptions, read_measurements, read_postures, read_readings, reading_sheet,
     write_readings,

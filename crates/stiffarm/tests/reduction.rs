@@ -9,18 +9,18 @@ use common::{cases, reference_cell};
 use nalgebra::{DVector, Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use stiffarm::Code;
-use stiffarm::cell::Cell;
 use stiffarm::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise,
 };
 use stiffarm::findings::Severity;
-use stiffarm::instruments::{Mount, Sensor, TrackerAccuracy};
-use stiffarm::kinematics::Frames;
-use stiffarm::load::{Load, Wrench};
-use stiffarm::measurement::{Displacement, MeasuredPosture, Reading, ReadingTable, Target};
-use stiffarm::observation::PostureTerms;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::{Displacement, MeasuredPosture, Reading, ReadingTable, Target};
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::tool::NamedPoint;
 use stiffarm::reduction::{Clock, ReduceOptions, Reduction, reduce};
-use stiffarm::tool::NamedPoint;
 
 /// Tracker anywhere, sensor turned and shifted, weights, offsets, drift, servo
 /// give, base motion, several load states.

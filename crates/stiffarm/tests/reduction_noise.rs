@@ -9,8 +9,8 @@ use common::reference_cell;
 use nalgebra::{Isometry3, Vector3};
 use stiffarm::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
 use stiffarm::findings::Severity;
-use stiffarm::measurement::Target;
-use stiffarm::posture::Posture;
+use stiffarm::model::measurement::Target;
+use stiffarm::model::posture::Posture;
 use stiffarm::reduction::reduce;
 
 /// Postures of an arm whose geometry is wrong as real ones are, none of them

@@ -6,16 +6,16 @@ use common::{group1, random::Dice};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 use stiffarm::builtin;
-use stiffarm::cell::{Cell, Limits};
 use stiffarm::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,
 };
 use stiffarm::findings::Severity;
-use stiffarm::instruments::{Mount, Sensor};
-use stiffarm::load::Load;
-use stiffarm::measurement::{ReadingTable, Target};
-use stiffarm::posture::{Posture, PostureGroup};
-use stiffarm::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
+use stiffarm::model::cell::{Cell, Limits};
+use stiffarm::model::instruments::{Mount, Sensor};
+use stiffarm::model::load::Load;
+use stiffarm::model::measurement::{ReadingTable, Target};
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
 use stiffarm::sanity::{Cause, Sanity, Suspicion, inspect};
 use stiffarm::select::{StartKind, random_group};
 use stiffarm::units::{mm_to_m, rad_to_deg};
@@ -442,10 +442,10 @@ fn force_sign_reversed() {
         panic!("the default cell pulls by a rope")
     };
     let pushed = Load::Constant {
-        wrench: stiffarm::load::Wrench::force(
+        wrench: stiffarm::model::load::Wrench::force(
             -(*anchor - Vector3::new(1.7, 0.0, 1.8)).normalize() * 500.0,
         ),
-        axes: stiffarm::load::Axes::Base,
+        axes: stiffarm::model::load::Axes::Base,
     };
     wrong.setup.load = pushed;
     let mut table = table;

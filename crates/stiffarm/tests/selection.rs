@@ -9,12 +9,12 @@ use common::groups::{limits_around, ln_index, violation};
 use common::random::Dice;
 use common::{cases, default_cell, group1, random_group as reference_group, reference_cell};
 use proptest::prelude::*;
-use stiffarm::cell::Cell;
 use stiffarm::characteristic_length::characteristic_length;
-use stiffarm::dexterity;
 use stiffarm::index::{Index, IndexFunction, evaluate};
 use stiffarm::internals::optimise::Options;
-use stiffarm::kinematics::Frames;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::dexterity;
+use stiffarm::model::kinematics::Frames;
 use stiffarm::select::{Selection, StartKind, random_group, select_from, smallest_margin};
 use stiffarm::{Control, Termination};
 

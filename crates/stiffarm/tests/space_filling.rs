@@ -7,9 +7,9 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use stiffarm::Code;
-use stiffarm::cell::Cell;
 use stiffarm::index::evaluate;
-use stiffarm::load::Load;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
 use stiffarm::select::{
     StartKind, joint_distance, random_group, smallest_distance, smallest_margin, space_filling,
 };

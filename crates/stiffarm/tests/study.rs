@@ -4,9 +4,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiffarm::builtin;
-use stiffarm::cell::Cell;
 use stiffarm::index::Index;
-use stiffarm::posture::PostureGroup;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::PostureGroup;
 use stiffarm::simulate::SimulationOptions;
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Control, Termination};

@@ -5,11 +5,11 @@
 
 use proptest::prelude::*;
 use stiffarm::builtin;
-use stiffarm::cell::Cell;
 use stiffarm::cell_file::parse_cell;
-use stiffarm::load::Wrench;
-use stiffarm::measurement::{Displacement, MeasuredPosture};
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::posture::Posture;
 use stiffarm::table::{
     displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
 };

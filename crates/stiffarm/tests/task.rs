@@ -9,15 +9,15 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use stiffarm::Control;
-use stiffarm::cell::{Cell, Task, task_matrix, task_rows};
 use stiffarm::index::{Index, IndexFunction, evaluate};
 use stiffarm::internals::information::Factor;
 use stiffarm::internals::optimise::Options;
-use stiffarm::kinematics::Frames;
-use stiffarm::load::{Axes, Load};
-use stiffarm::observation::{Rows, observation_matrix};
+use stiffarm::model::cell::{Cell, Task, task_matrix, task_rows};
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Axes, Load};
+use stiffarm::model::observation::{Rows, observation_matrix};
+use stiffarm::model::stiffness::equilibrium_displacement;
 use stiffarm::select::select_from;
-use stiffarm::stiffness::equilibrium_displacement;
 use stiffarm::{Code, Error};
 
 fn task_index<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> f64 {

@@ -7,14 +7,14 @@ use common::{group1, random_group, reference_cell};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
 use stiffarm::Code;
-use stiffarm::cell::Cell;
 use stiffarm::identify::{
     Estimator, IdentifyOptions, NoiseSource, identify, leave_one_out, measured_system,
 };
-use stiffarm::load::Wrench;
-use stiffarm::measurement::MeasuredPosture;
-use stiffarm::observation::{ExtraTerm, PostureTerms};
-use stiffarm::posture::{Posture, PostureGroup};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::MeasuredPosture;
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::predictor::Predictor;
 use stiffarm::validate::{
     Model, Validation, cross_validate, simulate_measurements, validate, validate_with,

@@ -4,7 +4,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 use stiffarm::cell_file::parse_cell;
-use stiffarm::process::{ForceAxes, Process};
+use stiffarm::model::process::{ForceAxes, Process};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

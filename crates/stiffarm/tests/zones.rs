@@ -6,11 +6,11 @@ use common::{cases, default_cell, random::Dice, reference_cell};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use stiffarm::Code;
-use stiffarm::cell::Cell;
-use stiffarm::dexterity::condition_number;
-use stiffarm::kinematics::Frames;
-use stiffarm::load::{Axes, Load, Wrench};
-use stiffarm::observation::PostureTerms;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::dexterity::condition_number;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Axes, Load, Wrench};
+use stiffarm::model::observation::PostureTerms;
 use stiffarm::zones::{ZoneMap, ZoneOptions, Zones, zones};
 
 fn options(steps: usize) -> ZoneOptions {

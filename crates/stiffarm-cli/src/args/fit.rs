@@ -3,8 +3,8 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Weights};
-use stiffarm::observation::ExtraTerm;
-use stiffarm::robot::Robot;
+use stiffarm::model::observation::ExtraTerm;
+use stiffarm::model::robot::Robot;
 use stiffarm::{Code, Error, Result};
 
 /// Options of a fit; what is not given stays at its default.

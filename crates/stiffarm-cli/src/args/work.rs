@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use stiffarm::process::ForceAxes;
+use stiffarm::model::process::ForceAxes;
 
 #[derive(Debug, Args)]
 pub struct MapArgs {

@@ -9,9 +9,9 @@ use crate::table::{Align, Table, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::cell::Cell;
 use stiffarm::findings::list;
 use stiffarm::index::{GroupEvaluation, Index, evaluate};
+use stiffarm::model::cell::Cell;
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]

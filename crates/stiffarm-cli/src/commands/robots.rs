@@ -7,7 +7,7 @@ use crate::session::Session;
 use crate::table::{Align, Table, title, yellow};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::robot::{CatalogueEntry, catalogue, find_in_catalogue};
+use stiffarm::model::robot::{CatalogueEntry, catalogue, find_in_catalogue};
 use stiffarm::units::rad_to_shortest_deg;
 
 #[derive(Serialize)]

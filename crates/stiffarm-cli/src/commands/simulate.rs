@@ -9,8 +9,8 @@ use crate::session::Session;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::cell::Cell;
 use stiffarm::experiment::{Experiment, experiment};
+use stiffarm::model::cell::Cell;
 use stiffarm::simulate::{
     GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
 };

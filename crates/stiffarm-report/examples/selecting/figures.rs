@@ -3,7 +3,7 @@
 use crate::novel::NovelIndex;
 use crate::plans::{Band, Plan};
 use crate::questions::CountPoint;
-use stiffarm::cell::Cell;
+use stiffarm::model::cell::Cell;
 use stiffarm::zones::Zones;
 use stiffarm_report::{Axis, Figure, Panel, Series, Style, zones_figure};
 

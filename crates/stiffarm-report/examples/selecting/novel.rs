@@ -5,9 +5,9 @@ use crate::plans::{Plan, quantiles};
 use serde::Serialize;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::cell::Cell;
 use stiffarm::index::Index;
 use stiffarm::internals::optimise::Options;
+use stiffarm::model::cell::Cell;
 use stiffarm::select::{StartKind, random_group, select_from};
 
 /// Initial groups of each kind for the local search.

@@ -3,10 +3,10 @@
 use serde::Serialize;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::cell::Cell;
 use stiffarm::index::{Index, Indices, evaluate};
 use stiffarm::internals::information::Factor;
-use stiffarm::observation::{PostureTerms, Rows, observation_matrix};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
 use stiffarm::select::{GlobalOptions, StartKind, random_group, select_global};
 
 /// Relative standard error beyond which the first order understates.

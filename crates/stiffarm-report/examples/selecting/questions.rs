@@ -5,12 +5,12 @@ use crate::plans::{Band, Plan};
 use serde::Serialize;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::cell::Cell;
 use stiffarm::certificate::{
     Certificate, CertificateOptions, JointEfficiency, certify, joint_efficiencies,
 };
 use stiffarm::index::Index;
-use stiffarm::load::Load;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
 use stiffarm::select::{
     DesignedLoad, GlobalOptions, LoadDesign, drop_postures, select_global, space_filling,
 };

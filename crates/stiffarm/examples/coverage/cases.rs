@@ -4,14 +4,14 @@ use crate::page::{BESIDE, EXACT, INEXACT, TWO_VARIANCE};
 use nalgebra::Vector3;
 use stiffarm::Control;
 use stiffarm::builtin;
-use stiffarm::cell::Cell;
 use stiffarm::coverage::{CoverageCase, Intervals, Outliers, Truth, World};
 use stiffarm::error::Result;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter, Weights};
 use stiffarm::index::Index;
-use stiffarm::instruments::TrackerAccuracy;
 use stiffarm::internals::optimise::Options;
-use stiffarm::posture::PostureGroup;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::instruments::TrackerAccuracy;
+use stiffarm::model::posture::PostureGroup;
 use stiffarm::select::{StartKind, random_group, select_from};
 use stiffarm::simulate::ModelErrors;
 

@@ -10,11 +10,11 @@
 
 mod sources;
 
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, list, percent};
 use crate::identify::{Fit, IdentifyOptions, fit};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use sources::{Part, Source, sources};

@@ -1,13 +1,13 @@
 //! The sources of common error and what each does to the displacements.
 
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::identify::{Fit, columns, known_displacement};
-use crate::instruments::Mount;
-use crate::load::{Load, Wrench};
-use crate::measurement::MeasuredPosture;
-use crate::observation::{ExtraTerm, PostureTerms, Setup};
-use crate::tool::SeriesCompliance;
+use crate::model::cell::Cell;
+use crate::model::instruments::Mount;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
+use crate::model::tool::SeriesCompliance;
 use nalgebra::{DVector, Matrix6, Rotation3, Vector3};
 
 /// Assumed where the cell says nothing.

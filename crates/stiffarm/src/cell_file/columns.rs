@@ -2,9 +2,9 @@
 
 use super::raw::{At, RawColumn, RawColumns, Text};
 use super::source::Source;
-use crate::cell::Columns;
 use crate::error::{Code, Result};
-use crate::robot::Robot;
+use crate::model::cell::Columns;
+use crate::model::robot::Robot;
 use crate::table::own_heading;
 
 /// The key of the headings that do not matter.

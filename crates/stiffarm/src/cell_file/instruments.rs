@@ -4,8 +4,8 @@
 use super::raw::{At, Number, Numbers, RawSensor, RawTracker, RawUncertainty, Text};
 use super::source::Source;
 use crate::error::{Code, Result, did_you_mean};
-use crate::instruments::{Mount, Sensor, Tracker, TrackerAccuracy, Uncertainty};
-use crate::load::Load;
+use crate::model::instruments::{Mount, Sensor, Tracker, TrackerAccuracy, Uncertainty};
+use crate::model::load::Load;
 use crate::units::{
     arcmin_to_rad, mm_to_m, mrad_to_rad, percent_to_fraction, um_to_m, urad_to_rad,
 };

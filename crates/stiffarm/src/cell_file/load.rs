@@ -3,8 +3,8 @@
 use super::raw::{At, RawLoad, Text};
 use super::source::Source;
 use crate::error::{Code, Result, did_you_mean};
-use crate::load::{Axes, Load, Wrench};
-use crate::robot::Robot;
+use crate::model::load::{Axes, Load, Wrench};
+use crate::model::robot::Robot;
 use crate::units::mm_to_m;
 use nalgebra::Vector3;
 use std::ops::Range;

@@ -24,8 +24,8 @@ mod work;
 pub use schema::cell_schema;
 pub use template::{measurements_template, postures_template, template};
 
-use crate::cell::Cell;
 use crate::error::Result;
+use crate::model::cell::Cell;
 use crate::table::decode;
 use source::Source;
 

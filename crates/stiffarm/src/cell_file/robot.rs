@@ -3,7 +3,7 @@
 use super::raw::{At, Numbers, RawBounds, RawRobot};
 use super::source::Source;
 use crate::error::{Code, Result};
-use crate::robot::{CatalogueEntry, DhConvention, DhRow, Robot, find_in_catalogue};
+use crate::model::robot::{CatalogueEntry, DhConvention, DhRow, Robot, find_in_catalogue};
 use crate::units::{deg_to_rad, mm_to_m, rad_to_shortest_deg};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 

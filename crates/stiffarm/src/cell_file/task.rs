@@ -4,11 +4,11 @@ use super::load::axes;
 use super::raw::{At, RawTask};
 use super::robot::angles;
 use super::source::Source;
-use crate::cell::Task;
 use crate::error::{Code, Result};
-use crate::load::{Axes, Wrench};
-use crate::robot::Robot;
-use crate::tool::Tool;
+use crate::model::cell::Task;
+use crate::model::load::{Axes, Wrench};
+use crate::model::robot::Robot;
+use crate::model::tool::Tool;
 use crate::units::mm_to_m;
 use nalgebra::Vector3;
 

@@ -1,10 +1,10 @@
 //! Commented files to start from: what `stiffarm init` writes.
 
 use super::convert::PAPER_VARIANCE_MM2;
-use crate::cell::Cell;
 use crate::error::Result;
-use crate::posture::Posture;
-use crate::robot::{CatalogueEntry, Robot, find_in_catalogue};
+use crate::model::cell::Cell;
+use crate::model::posture::Posture;
+use crate::model::robot::{CatalogueEntry, Robot, find_in_catalogue};
 use crate::table::{SheetOptions, reading_sheet, write_postures};
 use crate::units::rad_to_shortest_deg;
 

@@ -4,10 +4,12 @@ use super::instruments::choice;
 use super::raw::{At, Number, Numbers, RawForce, RawMilling, RawWork};
 use super::source::Source;
 use crate::error::{Code, Result};
-use crate::process::{CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad};
-use crate::tool::Tool;
+use crate::model::process::{
+    CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad,
+};
+use crate::model::tool::Tool;
+use crate::model::work::Work;
 use crate::units::{mm_to_m, n_per_mm_to_n_per_m, n_per_mm2_to_pa};
-use crate::work::Work;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.

@@ -3,14 +3,14 @@
 
 use super::continuous::{DesignSpace, Effort};
 use super::criterion::trace_of_product;
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::kernel::{Kernel, Wanted};
+use crate::model::cell::Cell;
+use crate::model::observation::{PostureTerms, check_angles};
 use crate::numerics::control::Control;
 use crate::numerics::information::posture_information;
 use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
-use crate::observation::{PostureTerms, check_angles};
 use nalgebra::DMatrix;
 
 /// Violation of bounds \[rad\] or limits \[m\] that counts as met.
@@ -457,7 +457,7 @@ impl Problem for Climb<'_, '_> {
 mod tests {
     use super::*;
     use crate::builtin;
-    use crate::cell::Limits;
+    use crate::model::cell::Limits;
 
     /// The default cell with a shift common to a posture's points, and springs
     /// that do not sit on the joint axes.

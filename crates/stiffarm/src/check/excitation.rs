@@ -1,12 +1,12 @@
 //! Joints that the load or the measuring points leave in the dark, with the reason.
 
 use super::JointExcitation;
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
-use crate::load::Load;
+use crate::model::cell::Cell;
+use crate::model::load::Load;
+use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
-use crate::observation::PostureTerms;
 use crate::units::m_to_mm;
 use nalgebra::DMatrix;
 

@@ -8,11 +8,11 @@
 mod excitation;
 mod slips;
 
-use crate::cell::{Cell, LimitKind};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
-use crate::load::{Load, Wrench};
-use crate::observation::{PostureTerms, check_angles};
+use crate::model::cell::{Cell, LimitKind};
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::{PostureTerms, check_angles};
 use crate::units::rad_to_shortest_deg;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! Numbers that are allowed but look like a slip of the unit.
 
-use crate::cell::Cell;
 use crate::findings::{Finding, Severity};
-use crate::load::Load;
-use crate::robot::catalogue;
+use crate::model::cell::Cell;
+use crate::model::load::Load;
+use crate::model::robot::catalogue;
 use crate::units::{m_to_mm, rad_to_deg};
 use nalgebra::Vector3;
 

@@ -1,10 +1,10 @@
 //! Friction of the gears, from loads that go up and down.
 
 use super::{ClampedPosture, Closure, give_per_spring};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::{MeasuredSystem, rms};
-use crate::observation::PostureTerms;
+use crate::model::cell::Cell;
+use crate::model::observation::PostureTerms;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 

@@ -2,13 +2,13 @@
 
 use super::friction::{JointFriction, friction};
 use super::{ClampedPosture, Closure, closures, system};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, list};
 use crate::identify::{
     Assumptions, Estimates, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared, Scale,
     Solution, Verdict, Weights, check, prior_knowledge, rms,
 };
+use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 
 /// Friction above this share of a joint's torque is named.

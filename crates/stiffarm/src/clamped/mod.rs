@@ -29,15 +29,15 @@ pub use friction::JointFriction;
 pub use identification::{ClampedIdentification, ClampedResidual, StateWeight, identify_clamped};
 pub use simulation::{ClampedSimulation, MotorMove, simulate_clamped};
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::{Block, MeasuredSystem, RowLabel, by_name, unknowns};
-use crate::kinematics::Frames;
-use crate::load::Wrench;
+use crate::model::cell::Cell;
+use crate::model::kinematics::Frames;
+use crate::model::load::Wrench;
+use crate::model::observation::{ExtraTerm, PostureTerms, check_angles};
+use crate::model::posture::Posture;
+use crate::model::robot::Robot;
 use crate::numerics::information::svd;
-use crate::observation::{ExtraTerm, PostureTerms, check_angles};
-use crate::posture::Posture;
-use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 
 /// Singular values of J C (SI units) below this, relative to the largest, count

@@ -1,15 +1,15 @@
 //! Simulated clamped experiments.
 
 use super::ClampedPosture;
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::load::Wrench;
+use crate::model::cell::Cell;
+use crate::model::load::Wrench;
+use crate::model::observation::{PostureTerms, check_angles};
+use crate::model::posture::Posture;
+use crate::model::stiffness::joint_compliance;
 use crate::numerics::information::svd;
 use crate::numerics::streams::run_rng;
-use crate::observation::{PostureTerms, check_angles};
-use crate::posture::Posture;
 use crate::simulate::normal;
-use crate::stiffness::joint_compliance;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 /// Singular values below this, relative to the largest, are zero: the arm

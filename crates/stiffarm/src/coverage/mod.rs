@@ -9,17 +9,17 @@ mod world;
 pub use table::{AdverseCoverage, Intervals, MeasuredCoverage, Record, measured, records};
 pub use world::{Outliers, Truth, World};
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::identify::{
     Estimator, IdentifyOptions, JointEstimate, Prepared, Scale, assumptions, estimates,
     interval_quantile, measured_system, resampled,
 };
+use crate::model::cell::Cell;
+use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::streams::coverage_rng;
-use crate::posture::Posture;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,13 +1,13 @@
 //! The simulated world: what displacements an experiment would have read.
 
 use super::{CoverageCase, Estimator};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::MeasuredSystem;
-use crate::load::Wrench;
-use crate::measurement::{Displacement, MeasuredPosture};
-use crate::observation::{ExtraTerm, PostureTerms};
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::load::Wrench;
+use crate::model::measurement::{Displacement, MeasuredPosture};
+use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::posture::Posture;
 use crate::simulate::{ModelErrors, normal};
 use nalgebra::{DVector, Matrix3, Vector3};
 use rand::RngExt;

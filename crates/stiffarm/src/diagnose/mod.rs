@@ -21,11 +21,11 @@ pub use signal::{CorrelatedPair, JointSignal, correlated_pairs, joint_signals};
 pub use states::{LoadStates, PooledStates, PostureStates, load_states};
 pub use terms::{TermTrial, TermTrials, try_terms};
 
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
 use crate::identify::{IdentifyOptions, LeaveOneOut, identify, leave_one_out};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
 
 /// A posture is named when the estimate of an unknown moves by more standard

@@ -1,11 +1,11 @@
 //! The residuals against the noise that the cell states: a χ² test in words.
 
 use super::tails::{LEVEL, chi_squared_tails};
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, probability};
 use crate::identify::{Estimator, IdentifyOptions, NoiseSource, fit};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
 
 /// Residuals this many times the noise come from the model.

@@ -1,11 +1,11 @@
 //! What the linear model leaves out: K_C and the equilibrium, posture by posture.
 
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, percent};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
+use crate::model::stiffness::second_order;
 use crate::numerics::jobs::in_order;
-use crate::stiffness::second_order;
 use serde::{Deserialize, Serialize};
 
 /// Share of the displacement above which the linear model is not enough.

@@ -1,12 +1,12 @@
 //! What each joint carries and how far it moves the tool, and which unknowns
 //! the data can hardly tell apart.
 
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, list, percent};
 use crate::identify::{Identification, IdentifyOptions, fit, rms};
-use crate::measurement::MeasuredPosture;
-use crate::observation::PostureTerms;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::PostureTerms;
 use serde::{Deserialize, Serialize};
 
 /// Correlation of two estimates above which they are named.

@@ -3,15 +3,15 @@
 //! Stat. Soc. B 36, 1974, 111–147, doi:10.1111/j.2517-6161.1974.tb00994.x).
 
 use super::tails::{LEVEL, two_sided};
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, list, percent};
 use crate::identify::{
     Identification, IdentifyOptions, JointEstimate, Verdict, identify, leave_one_out,
     measured_system,
 };
-use crate::measurement::MeasuredPosture;
-use crate::observation::ExtraTerm;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::ExtraTerm;
 use serde::{Deserialize, Serialize};
 
 /// The RMS must fall by this share for a term to be recommended.

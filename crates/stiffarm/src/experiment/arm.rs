@@ -1,14 +1,14 @@
 //! The simulated arm in one posture and load state, and what its sensor reports.
 
 use super::{DisplacementModel, Experiment, ForceRecord, normal3};
-use crate::cell::Cell;
 use crate::error::Result;
-use crate::instruments::{Mount, Sensor};
-use crate::kinematics::Frames;
-use crate::load::{Load, Wrench};
-use crate::observation::{PostureTerms, Setup};
-use crate::posture::Posture;
-use crate::stiffness::equilibrium;
+use crate::model::cell::Cell;
+use crate::model::instruments::{Mount, Sensor};
+use crate::model::kinematics::Frames;
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::posture::Posture;
+use crate::model::stiffness::equilibrium;
 use nalgebra::{DMatrix, DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 

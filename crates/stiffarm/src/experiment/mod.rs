@@ -3,17 +3,17 @@
 
 mod arm;
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::instruments::TrackerAccuracy;
-use crate::load::{Load, Wrench};
-use crate::measurement::{
+use crate::model::cell::Cell;
+use crate::model::instruments::TrackerAccuracy;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::{
     PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
 };
+use crate::model::posture::Posture;
+use crate::model::stiffness::joint_compliance;
+use crate::model::tool::NamedPoint;
 use crate::numerics::streams::experiment_rng;
-use crate::posture::Posture;
-use crate::stiffness::joint_compliance;
-use crate::tool::NamedPoint;
 use arm::Arm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -89,7 +89,7 @@ pub enum ForceRecord {
 pub enum DisplacementModel {
     /// Linear, Δ = ΨH with everything at the unloaded posture, Eq. (7).
     Linear,
-    /// The exact equilibrium ([`equilibrium`](crate::stiffness::equilibrium)); joint tilt, lost motion and
+    /// The exact equilibrium ([`equilibrium`](crate::model::stiffness::equilibrium)); joint tilt, lost motion and
     /// series compliance are added to it as in the linear model.
     Equilibrium,
 }

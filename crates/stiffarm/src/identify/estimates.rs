@@ -5,10 +5,10 @@ use super::estimate::{JointEstimate, Verdict, estimates, interval_quantile, stan
 use super::solve::{Estimator, Solution};
 use super::system::MeasuredSystem;
 use super::{AngleEstimate, Combination, IdentifyOptions, NoiseSource, combinations};
-use crate::cell::Cell;
 use crate::error::Result;
+use crate::model::cell::Cell;
+use crate::model::observation::ExtraTerm;
 use crate::numerics::information::Factor;
-use crate::observation::ExtraTerm;
 use serde::{Deserialize, Serialize};
 
 /// Values of the unknowns with what is known about them: the part of a result

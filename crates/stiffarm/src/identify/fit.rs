@@ -4,9 +4,9 @@
 use super::solve::{Assumptions, Estimator, Prepared, Solution};
 use super::system::{MeasuredSystem, measured_system};
 use super::{IdentifyOptions, assumptions, check};
-use crate::cell::Cell;
 use crate::error::Result;
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use crate::numerics::information::Factor;
 use nalgebra::DVector;
 

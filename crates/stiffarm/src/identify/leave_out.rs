@@ -4,9 +4,9 @@
 use super::solve::{Assumptions, Prepared, Solution};
 use super::system::MeasuredSystem;
 use super::{IdentifyOptions, assumptions, check, measured_system, rms};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use crate::numerics::information::ZERO_COLUMN;
 use crate::numerics::jobs::in_order;
 use nalgebra::DVector;

@@ -34,10 +34,10 @@ pub use system::{Block, MeasuredSystem, RowLabel, Weights, measured_system};
 pub(crate) use system::{by_name, columns, known_displacement, unknowns};
 pub use whitened::{Restricted, Whitened};
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::measurement::MeasuredPosture;
-use crate::observation::ExtraTerm;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::ExtraTerm;
 pub(crate) use estimate::{estimates, interval_quantile};
 use serde::{Deserialize, Serialize};
 

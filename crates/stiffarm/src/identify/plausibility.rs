@@ -2,8 +2,8 @@
 //! as values that no industrial robot has.
 
 use super::Identification;
-use crate::cell::Cell;
 use crate::findings::{Finding, Severity};
+use crate::model::cell::Cell;
 
 /// Ratio to the prior, for all joints alike, beyond which a unit is suspected.
 const SUSPICIOUS_RATIO: f64 = 100.0;

@@ -3,8 +3,8 @@
 use super::rms;
 use super::solve::Solution;
 use super::system::{MeasuredSystem, RowLabel};
-use crate::cell::Cell;
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

@@ -4,11 +4,11 @@
 //! by posture (all load states of a posture together), displacement by
 //! displacement, x, y, z.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::measurement::{Displacement, MeasuredPosture, row_count};
-use crate::observation::{ExtraTerm, PostureTerms};
-use crate::robot::Robot;
+use crate::model::cell::Cell;
+use crate::model::measurement::{Displacement, MeasuredPosture, row_count};
+use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::robot::Robot;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -265,7 +265,7 @@ pub(crate) fn known_displacement(
     let Some(give) = &measured.servo_give else {
         return Ok(known);
     };
-    crate::observation::check_angles(robot, give)?;
+    crate::model::observation::check_angles(robot, give)?;
     let theta = robot.coupling() * DVector::from_column_slice(give);
     for (a, point) in terms.measuring_points().iter().enumerate() {
         for (j, angle) in theta.iter().enumerate() {

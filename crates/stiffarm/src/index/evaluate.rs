@@ -1,10 +1,10 @@
 //! All indices and the expected errors of one group of postures.
 
-use crate::cell::{Cell, task_rows};
-use crate::dexterity;
 use crate::error::{Code, Error, Result};
+use crate::model::cell::{Cell, task_rows};
+use crate::model::dexterity;
+use crate::model::observation::PostureTerms;
 use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
-use crate::observation::PostureTerms;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,7 @@ pub struct Indices {
     /// σ·det(K⁻¹ΨᵀΨK⁻¹)^(−1/(2n)) (fraction).
     pub d: Option<f64>,
     /// RMS over the cell's tasks of the error of the predicted tip deflection,
-    /// σ·sqrt(tr(T (ΨᵀΨ)⁻¹)) with T of [`task_matrix`](crate::cell::task_matrix) \[m\].
+    /// σ·sqrt(tr(T (ΨᵀΨ)⁻¹)) with T of [`task_matrix`](crate::model::cell::task_matrix) \[m\].
     pub task: Option<f64>,
     /// (Π σ_i)^(1/n)/√m with m postures.
     pub o1: Option<f64>,

@@ -16,10 +16,10 @@ use super::criterion::{Criterion, Value};
 use super::inputs::{Given, Inputs, criterion};
 use super::kernel::Kernel;
 use super::minimax::{Minimax, Smoothed};
-use crate::cell::Cell;
 use crate::error::Result;
+use crate::model::cell::Cell;
+use crate::model::observation::check_angles;
 use crate::numerics::information::small::packed;
-use crate::observation::check_angles;
 
 /// An index of groups of a fixed number of postures, ready to be evaluated
 /// many times at the flat vector of all controller angles \[rad\].

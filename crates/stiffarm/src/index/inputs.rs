@@ -4,9 +4,9 @@
 use super::Index;
 use super::criterion::Criterion;
 use super::kernel::{Kernel, Wanted};
-use crate::cell::{Cell, task_matrix};
-use crate::dexterity::require_six_joints;
 use crate::error::Result;
+use crate::model::cell::{Cell, task_matrix};
+use crate::model::dexterity::require_six_joints;
 
 /// What an index asks of a posture: units, weights, characteristic length.
 #[derive(Debug, Clone)]

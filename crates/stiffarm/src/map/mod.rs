@@ -18,8 +18,8 @@ pub use options::MapOptions;
 pub use placement::{PlaceOptions, Placed, Placement, PlacementCandidate, place};
 pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
 
-use crate::cell::Cell;
 use crate::error::Result;
+use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::predict::{ArmAtWork, Bands};

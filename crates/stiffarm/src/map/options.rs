@@ -1,7 +1,7 @@
 //! What is mapped.
 
 use crate::error::{Code, Error, Result};
-use crate::load::Wrench;
+use crate::model::load::Wrench;
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 

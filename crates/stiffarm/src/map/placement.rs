@@ -5,12 +5,12 @@ use super::node::Status;
 use super::options::{check_turns, grid};
 use super::result::{no_band, place_words, unknown_limits};
 use super::search::{Place, Search};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length};
+use crate::model::cell::Cell;
+use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::path::PathPoint;
 use crate::predict::ArmAtWork;
 use crate::predictor::Predictor;
 use crate::units::deg_to_rad;
@@ -122,7 +122,7 @@ pub struct Placement {
 }
 
 /// Looks for the place of the workpiece where the path `points` (as it lies in
-/// [`Work::workpiece`](crate::work::Work::workpiece), base frame) bends the arm
+/// [`Work::workpiece`](crate::model::work::Work::workpiece), base frame) bends the arm
 /// least by the RMS of its deflections.
 ///
 /// At each place one branch of postures is followed along the path, from each

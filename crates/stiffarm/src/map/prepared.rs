@@ -1,12 +1,12 @@
 //! A path made ready to be placed anywhere.
 
 use super::options::about_tool_axis;
-use crate::cell::Cell;
 use crate::error::Result;
-use crate::load::Wrench;
-use crate::path::{PathPoint, Target, tip_wrenches};
+use crate::model::cell::Cell;
+use crate::model::load::Wrench;
+use crate::model::path::{PathPoint, Target, tip_wrenches};
+use crate::model::process::ForceAxes;
 use crate::predict::ArmAtWork;
-use crate::process::ForceAxes;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Loads of a path.

@@ -1,14 +1,14 @@
 //! Which postures may hold the tip at a pose.
 
 use super::Status;
-use crate::cell::{Cell, LimitMargin, Limits};
 use crate::error::Result;
 use crate::findings::length;
-use crate::inverse::{InverseKinematics, Outcome};
-use crate::load::Wrench;
-use crate::observation::{PostureTerms, Setup};
+use crate::model::cell::{Cell, LimitMargin, Limits};
+use crate::model::inverse::{InverseKinematics, Outcome};
+use crate::model::load::Wrench;
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::tool::NamedPoint;
 use crate::predict::ArmAtWork;
-use crate::tool::NamedPoint;
 use crate::units::rad_to_deg;
 use nalgebra::{Isometry3, Vector3};
 

@@ -3,8 +3,8 @@
 use super::node::{MapNode, Status};
 use super::options::{AXES, MapOptions};
 use super::reach::first_smallest;
-use crate::cell::Cell;
 use crate::findings::{Finding, Severity, length, percent};
+use crate::model::cell::Cell;
 use crate::units::m_to_mm;
 use serde::{Deserialize, Serialize};
 

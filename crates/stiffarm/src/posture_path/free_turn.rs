@@ -3,11 +3,11 @@
 
 use super::{Search, change, turned};
 use crate::error::{Code, Error, Result};
-use crate::inverse::{Method, Outcome};
-use crate::load::Wrench;
+use crate::model::inverse::{Method, Outcome};
+use crate::model::load::Wrench;
+use crate::model::path::{feed_axes, tip_wrench};
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::path::{feed_axes, tip_wrench};
 use nalgebra::Isometry3;
 use std::f64::consts::{PI, TAU};
 

@@ -10,18 +10,18 @@
 mod free_turn;
 mod tracks;
 
-use crate::dexterity::condition_number;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length, percent};
 use crate::identify::rms;
-use crate::inverse::{InverseKinematics, Method, Outcome};
-use crate::kinematics::Frames;
-use crate::load::Wrench;
+use crate::model::dexterity::condition_number;
+use crate::model::inverse::{InverseKinematics, Method, Outcome};
+use crate::model::kinematics::Frames;
+use crate::model::load::Wrench;
+use crate::model::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
+use crate::model::process::TipLoad;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
 use crate::predict::ArmAtWork;
-use crate::process::TipLoad;
 use crate::units::{deg_to_rad, rad_to_deg};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 use super::{Search, change};
 use crate::error::{Code, Error, Result};
 use crate::identify::rms;
-use crate::inverse::Method;
+use crate::model::inverse::Method;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::rad_to_deg;

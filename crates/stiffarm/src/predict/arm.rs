@@ -1,15 +1,15 @@
 //! The arm at work: what a load at the tool tip does to it, exactly and to
 //! first order, and how that depends on the identified compliances.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::kinematics::Frames;
-use crate::load::{Load, Wrench};
-use crate::observation::{ExtraTerm, PostureTerms, Setup};
+use crate::model::cell::Cell;
+use crate::model::kinematics::Frames;
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
+use crate::model::robot::Robot;
+use crate::model::stiffness::{compliance_of_springs, equilibrium_from};
+use crate::model::tool::{NamedPoint, Tool};
 use crate::predictor::Predictor;
-use crate::robot::Robot;
-use crate::stiffness::{compliance_of_springs, equilibrium_from};
-use crate::tool::{NamedPoint, Tool};
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// An arm with its springs, loaded at the tool tip unless

@@ -1,11 +1,11 @@
 //! Cartesian stiffness of the tip and its principal axes.
 
 use super::ArmAtWork;
-use crate::dexterity::condition_number;
 use crate::error::Result;
-use crate::load::Wrench;
-use crate::observation::PostureTerms;
-use crate::stiffness::{corrected, stiffness_correction};
+use crate::model::dexterity::condition_number;
+use crate::model::load::Wrench;
+use crate::model::observation::PostureTerms;
+use crate::model::stiffness::{corrected, stiffness_correction};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use serde::{Deserialize, Serialize};
 

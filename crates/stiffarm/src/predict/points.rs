@@ -2,15 +2,15 @@
 
 use super::band::Bands;
 use super::{ArmAtWork, CartesianStiffness, TipBand};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length, percent};
 use crate::identify::rms;
+use crate::model::cell::Cell;
+use crate::model::path::LoadedPosture;
+use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::path::LoadedPosture;
 use crate::predictor::Predictor;
-use crate::stiffness::Model;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -8,7 +8,7 @@ use super::series::{Pair, PostureSeries};
 use super::words::{length, postures_first};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, list};
-use crate::measurement::Role;
+use crate::model::measurement::Role;
 use crate::numerics::information::{Svd, svd};
 use crate::registration::rigid_transform;
 use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Vector3};

@@ -5,7 +5,7 @@ use super::series::{Clock, PostureSeries, Series};
 use super::words::{length, postures_first};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
-use crate::measurement::Role;
+use crate::model::measurement::Role;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -33,12 +33,12 @@ pub use series::Clock;
 pub use unloaded::{PointResidual, PostureResidual, UnloadedRegistration};
 pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
-use crate::load::Load;
-use crate::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::load::Load;
+use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
+use crate::model::posture::Posture;
 use base_motion::Motion;
 use nalgebra::{Isometry3, Matrix3};
 use serde::{Deserialize, Serialize};

@@ -2,9 +2,9 @@
 
 use super::series::PostureSeries;
 use super::words::length;
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
+use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 

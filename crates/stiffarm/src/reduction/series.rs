@@ -1,7 +1,7 @@
 //! The readings of one reflector in one posture: means of the load states, the
 //! drift between the states without load, and pairs of reference and load.
 
-use crate::measurement::{PostureReadings, Role, Target};
+use crate::model::measurement::{PostureReadings, Role, Target};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -323,7 +323,7 @@ fn clocks(posture: &PostureReadings) -> (Clock, f64, Vec<Vec<f64>>) {
     if readings().all(|r| r.time.is_some()) {
         let times = readings().filter_map(|r| r.time);
         let start = times.fold(f64::INFINITY, f64::min);
-        let of_state = |s: &crate::measurement::StateReadings| {
+        let of_state = |s: &crate::model::measurement::StateReadings| {
             let times = s.readings.iter().filter_map(|r| r.time);
             times.map(|t| t - start).collect()
         };

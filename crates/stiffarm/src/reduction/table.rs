@@ -1,9 +1,9 @@
 //! What a table of readings must fulfil before anything is computed from it.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::measurement::{PostureReadings, Reading, ReadingTable, StateReadings, Target};
-use crate::observation::check_angles;
+use crate::model::cell::Cell;
+use crate::model::measurement::{PostureReadings, Reading, ReadingTable, StateReadings, Target};
+use crate::model::observation::check_angles;
 use nalgebra::{Isometry3, Vector3};
 use std::collections::BTreeSet;
 

@@ -2,13 +2,13 @@
 
 use super::series::PostureSeries;
 use super::words::postures_first;
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
-use crate::instruments::Mount;
-use crate::kinematics::Frames;
-use crate::load::{Load, Wrench};
-use crate::measurement::{Role, StateReadings, WrenchColumns};
+use crate::model::cell::Cell;
+use crate::model::instruments::Mount;
+use crate::model::kinematics::Frames;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::{Role, StateReadings, WrenchColumns};
 use nalgebra::SVector;
 
 /// Wrench on the robot at the loading point, base axes, in the loaded state
@@ -16,7 +16,7 @@ use nalgebra::SVector;
 ///
 /// - With the cell's sensor: its readings are subtracted in its own axes, where
 ///   the tool's weight drops out, then turned and moved as
-///   [`Sensor::wrench_on_robot`](crate::instruments::Sensor::wrench_on_robot).
+///   [`Sensor::wrench_on_robot`](crate::model::instruments::Sensor::wrench_on_robot).
 /// - Without a sensor: the difference of the table's wrenches.
 /// - Forces without moments: a pure force through the loading point.
 /// - No forces: the force of the cell's rope or weight in that state less that

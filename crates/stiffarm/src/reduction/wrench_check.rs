@@ -2,11 +2,11 @@
 //! to a force through the loading point, and does its force point along the rope?
 
 use super::words::{length, median, postures};
-use crate::cell::Cell;
 use crate::findings::{Finding, Severity};
-use crate::kinematics::Frames;
-use crate::load::{Load, Wrench};
-use crate::measurement::{MeasuredPosture, WrenchColumns};
+use crate::model::cell::Cell;
+use crate::model::kinematics::Frames;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::{MeasuredPosture, WrenchColumns};
 use crate::numerics::information::{Svd, svd};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 
 use super::rigid::{Pair, fit, is_spread, misfit};
 use super::{Work, predicted};
-use crate::observation::Setup;
+use crate::model::observation::Setup;
 use nalgebra::{Isometry3, Vector3};
 
 /// Subsets of the postures that are tried as a start.

@@ -23,12 +23,12 @@ mod states;
 mod stray;
 mod words;
 
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::Finding;
-use crate::kinematics::Frames;
-use crate::measurement::ReadingTable;
-use crate::observation::Setup;
+use crate::model::cell::Cell;
+use crate::model::kinematics::Frames;
+use crate::model::measurement::ReadingTable;
+use crate::model::observation::Setup;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 use sheet::Sheet;

@@ -4,12 +4,12 @@
 use super::rigid::is_spread;
 use super::shape::name_states;
 use super::{Cause, Suspicion, Work};
-use crate::kinematics::Frames;
-use crate::load::{Load, Wrench};
-use crate::measurement::Role;
+use crate::model::kinematics::Frames;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::Role;
+use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
 use crate::numerics::sample::median;
-use crate::observation::PostureTerms;
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 
 /// Displacements below this many standard deviations say nothing of their sign.

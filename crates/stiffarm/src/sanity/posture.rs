@@ -6,7 +6,7 @@ use super::model::{exchanged, fitted};
 use super::rigid::orders;
 use super::sheet::Mean;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, states};
-use crate::observation::PostureTerms;
+use crate::model::observation::PostureTerms;
 use crate::units::rad_to_deg;
 use nalgebra::{DVector, Isometry3};
 

@@ -107,7 +107,7 @@ fn spread_agrees(work: &Work) -> bool {
         let state = work.sheet.at(at);
         let points: Vec<_> = state.points.iter().flatten().map(|m| m.position).collect();
         read.push(centre(&points));
-        let frames = crate::kinematics::Frames::new(&work.setup().robot, &state.q);
+        let frames = crate::model::kinematics::Frames::new(&work.setup().robot, &state.q);
         modelled.push(frames.flange().translation.vector);
     }
     let spread = |of: &[Vector3<f64>]| {

@@ -2,12 +2,12 @@
 //! that stray set aside, and corrections as faults are found.
 
 use super::{Cause, Suspicion};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::load::Wrench;
-use crate::measurement::{Reading, ReadingTable, Role, Target, WrenchColumns};
+use crate::model::cell::Cell;
+use crate::model::load::Wrench;
+use crate::model::measurement::{Reading, ReadingTable, Role, Target, WrenchColumns};
+use crate::model::observation::check_angles;
 use crate::numerics::sample::median;
-use crate::observation::check_angles;
 use nalgebra::Vector3;
 
 /// Standard deviations by which a repeat must lie off to be called stray.

@@ -7,7 +7,7 @@ use super::motion::{Move, moves};
 use super::rigid::moved;
 use super::shape::{exceeded_by, mean_shape, name_states, stray_distance};
 use super::{Cause, Suspicion, Work};
-use crate::measurement::Role;
+use crate::model::measurement::Role;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 

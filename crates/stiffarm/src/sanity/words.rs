@@ -1,8 +1,8 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
 use super::{Cause, Suspicion};
-use crate::cell::Cell;
 use crate::findings::{Finding, Severity, list};
+use crate::model::cell::Cell;
 use crate::units::m_to_mm;
 
 /// Misfit that a robot as delivered may have \[m\].
@@ -424,7 +424,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 (Some(_), _) =>
                     "the sensor reports the force by the robot where the cell says on it, or the other way round \
                      (sensor.reports), or its axes are turned",
-                (None, crate::load::Load::Measured) =>
+                (None, crate::model::load::Load::Measured) =>
                     "the forces are those by the robot instead of those on it",
                 _ => "the load's direction in the cell is wrong",
             }

@@ -1,9 +1,9 @@
 //! How many postures: the best value of an index against their number.
 
 use super::global::{GlobalOptions, select_global};
-use crate::cell::Cell;
 use crate::error::{Code, Result};
 use crate::index::Index;
+use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use serde::{Deserialize, Serialize};
 

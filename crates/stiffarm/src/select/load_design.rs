@@ -1,11 +1,11 @@
 //! Load parameters that are chosen together with the postures: the rope's
 //! anchor within a box and the loading point within a box on the tool.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::IndexFunction;
-use crate::load::Load;
-use crate::observation::Setup;
+use crate::model::cell::Cell;
+use crate::model::load::Load;
+use crate::model::observation::Setup;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

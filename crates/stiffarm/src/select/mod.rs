@@ -20,14 +20,14 @@ pub use worth::{Dropped, PostureWorth, drop_postures};
 pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use space_filling::{joint_distance, smallest_distance, space_filling};
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::index::{GroupEvaluation, Index, Indices, evaluate};
+use crate::model::cell::Cell;
+use crate::model::observation::{PostureTerms, check_angles};
+use crate::model::posture::PostureGroup;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::optimise::Options;
-use crate::observation::{PostureTerms, check_angles};
-use crate::posture::PostureGroup;
 use crate::units::rad_to_shortest_deg;
 use search::Search;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! Random initial groups, reproducible from a seed.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
+use crate::model::cell::Cell;
+use crate::model::observation::PostureTerms;
 use crate::numerics::streams::group_rng;
-use crate::observation::PostureTerms;
 use rand::RngExt;
 
 /// Half-width of the wrist angles of a hand-picked-like group: 30°.

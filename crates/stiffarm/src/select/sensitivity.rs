@@ -2,9 +2,9 @@
 //! tool points are not quite what was assumed.
 
 use super::global::{GlobalOptions, select_global};
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::index::{Index, IndexFunction};
+use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::streams::run_rng;
 use nalgebra::Vector3;

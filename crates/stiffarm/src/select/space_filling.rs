@@ -15,11 +15,11 @@
 //! mostly near the borders of what is feasible. It knows nothing of the load:
 //! whether it determines all joints well is for [`evaluate`](crate::index::evaluate) to say.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
-use crate::load::Wrench;
+use crate::model::cell::Cell;
+use crate::model::load::Wrench;
+use crate::model::observation::PostureTerms;
 use crate::numerics::streams::group_rng;
-use crate::observation::PostureTerms;
 use nalgebra::Vector3;
 use rand::RngExt;
 use std::f64::consts::TAU;

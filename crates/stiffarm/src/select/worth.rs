@@ -1,8 +1,8 @@
 //! What each posture of a group is worth, and which ones to leave out.
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::{Index, evaluate};
+use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 
 /// Subsets up to which all ways of leaving postures out are compared.

@@ -4,17 +4,17 @@ mod model_errors;
 
 pub use model_errors::ModelErrors;
 
-use crate::cell::{Cell, Noise};
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::index::evaluate;
+use crate::model::cell::{Cell, Noise};
+use crate::model::observation::{Rows, observation_matrix};
+use crate::model::posture::PostureGroup;
 use crate::numerics::control::Control;
 use crate::numerics::information::{Factor, whiten_posture};
 use crate::numerics::jobs::in_order;
 use crate::numerics::sample::{mean, median, standard_error};
 use crate::numerics::streams::run_rng;
-use crate::observation::{Rows, observation_matrix};
-use crate::posture::PostureGroup;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -1,11 +1,11 @@
 //! Errors of the model in a simulation: what the force reading, the pendant and
 //! the drawing of the tool get wrong perturbs Ψ itself, not only Δ.
 
-use crate::cell::Cell;
 use crate::error::Result;
-use crate::load::{Load, Wrench};
-use crate::observation::{PostureTerms, Setup};
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::posture::Posture;
 use nalgebra::{DVector, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -7,20 +7,20 @@ mod verdict;
 
 pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 
-use crate::cell::Cell;
 use crate::characteristic_length::with_characteristic_length;
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::identify::{Estimator, Identification, IdentifyOptions, identify};
 use crate::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
+use crate::model::cell::Cell;
+use crate::model::observation::{PostureTerms, Rows, observation_matrix};
+use crate::model::posture::PostureGroup;
+use crate::model::stiffness::second_order;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::Options;
-use crate::observation::{PostureTerms, Rows, observation_matrix};
-use crate::posture::PostureGroup;
 use crate::select::{Selection, select_from};
 use crate::simulate::{Simulation, SimulationOptions, simulate};
-use crate::stiffness::second_order;
 use crate::units::rad_to_shortest_deg;
 use crate::validate::{Model, Validation, simulate_measurements, validate};
 use nalgebra::DVector;
@@ -269,7 +269,7 @@ pub fn study(
         findings,
         tool_box_m: cell.limits.tool_box.map(|b| b.map(Into::into)),
         anchor_m: match cell.setup.load {
-            crate::load::Load::Rope { anchor, .. } => Some(anchor.into()),
+            crate::model::load::Load::Rope { anchor, .. } => Some(anchor.into()),
             _ => None,
         },
     };

@@ -1,15 +1,15 @@
 //! How the outcome depends on the initial group, and the classical group on q1.
 
 use super::study_indices;
-use crate::cell::Cell;
 use crate::error::{Code, Result};
 use crate::index::{Index, evaluate};
+use crate::model::cell::Cell;
+use crate::model::posture::PostureGroup;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::Options;
 use crate::numerics::sample::quantile_of;
 use crate::numerics::streams::run_rng;
-use crate::posture::PostureGroup;
 use crate::select::{StartKind, random_group, select_from, smallest_margin};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};

@@ -5,11 +5,11 @@ use super::heading::{Known, find_heading, stem};
 use super::path::known_paths;
 use super::postures::angles;
 use super::quantity::Quantity;
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::load::{Load, Wrench};
-use crate::measurement::WrenchColumns;
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::WrenchColumns;
+use crate::model::posture::Posture;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 

@@ -2,10 +2,10 @@
 
 use super::columns::{MeasurementColumns, Plan, Values};
 use super::grid::{Row, Table};
-use crate::cell::Cell;
 use crate::error::{Code, Result};
-use crate::measurement::{Displacement, MeasuredPosture, Target};
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::measurement::{Displacement, MeasuredPosture, Target};
+use crate::model::posture::Posture;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use std::collections::HashMap;
 

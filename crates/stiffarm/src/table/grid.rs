@@ -1,8 +1,8 @@
 //! A table as headings and rows, whatever file it came from.
 
 use super::quantity::Unit;
-use crate::cell::Columns;
 use crate::error::{Code, Error, Result};
+use crate::model::cell::Columns;
 
 /// Numbers beyond this are slips of the pen; see the cell file's limit.
 const LARGEST: f64 = 1e30;

@@ -4,10 +4,10 @@ use super::columns::Values;
 use super::displacements::displacements;
 use super::grid::Table;
 use super::readings::readings;
-use crate::cell::Cell;
 use crate::error::{Code, Result};
-use crate::measurement::{MeasuredPosture, ReadingTable};
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::measurement::{MeasuredPosture, ReadingTable};
+use crate::model::posture::Posture;
 
 /// What a measurement table held.
 #[derive(Debug, Clone, PartialEq)]

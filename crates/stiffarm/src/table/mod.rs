@@ -11,7 +11,7 @@
 //! heading ends in its unit: lengths `_mm`, `_m`, `_um` or `_in`, forces `_n` or
 //! `_kn`, moments `_nm` or `_nmm`, angles `_deg` or `_rad`, times `_s`, `_ms` or
 //! `_min`, the components of one quantity in one unit. Headings of another
-//! software are named in the cell file ([`Columns`](crate::cell::Columns)).
+//! software are named in the cell file ([`Columns`](crate::model::cell::Columns)).
 //!
 //! Written: UTF-8, LF, commas, and the shortest decimals that are read back as
 //! the same values: a written table, read and written again, is the same text.

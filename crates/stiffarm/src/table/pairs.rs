@@ -3,8 +3,8 @@
 use super::grid::{Column, Row, Table};
 use super::heading::Known;
 use super::quantity::Quantity;
-use crate::cell::Columns;
 use crate::error::{Code, Result};
+use crate::model::cell::Columns;
 use crate::registration::PointPair;
 use nalgebra::Vector3;
 use std::collections::HashMap;

@@ -2,10 +2,10 @@
 
 use super::grid::{Column, Row, Table};
 use super::heading::Known;
-use crate::cell::Columns;
 use crate::error::{Code, Result};
-use crate::posture::Posture;
-use crate::robot::Robot;
+use crate::model::cell::Columns;
+use crate::model::posture::Posture;
+use crate::model::robot::Robot;
 use crate::units::rad_to_shortest_deg;
 use std::collections::HashMap;
 

@@ -2,13 +2,13 @@
 
 use super::columns::{MeasurementColumns, Plan, Values};
 use super::grid::{Row, Table};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::load::{Load, Wrench};
-use crate::measurement::{
+use crate::model::cell::Cell;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::{
     PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
 };
-use crate::posture::Posture;
+use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
 use std::collections::HashMap;
 

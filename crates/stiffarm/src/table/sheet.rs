@@ -3,10 +3,10 @@
 use super::columns::Values;
 use super::displacements::DEFAULT_STATE;
 use super::write::{Layout, degrees, line};
-use crate::cell::Cell;
-use crate::load::Load;
-use crate::measurement::Role;
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::load::Load;
+use crate::model::measurement::Role;
+use crate::model::posture::Posture;
 
 /// What a sheet for raw readings asks for.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use super::grid::{Field, Row, Style, Table};
 use super::workbook;
-use crate::cell::Columns;
 use crate::error::{Code, Error, Result};
+use crate::model::cell::Columns;
 
 /// The bytes as text.
 ///

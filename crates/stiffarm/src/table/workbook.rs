@@ -4,8 +4,8 @@
 //! corner of a sheet would ask for more memory than there is.
 
 use super::grid::Table;
-use crate::cell::Columns;
 use crate::error::{Code, Error, Result};
+use crate::model::cell::Columns;
 
 /// How a ZIP archive begins, which an .xlsx is.
 const ZIP: &[u8] = b"PK\x03\x04";
@@ -48,8 +48,8 @@ use with_calamine::first_sheet;
 #[cfg(feature = "xlsx")]
 mod with_calamine {
     use super::HINT;
-    use crate::cell::Columns;
     use crate::error::{Code, Error, Result};
+    use crate::model::cell::Columns;
     use crate::table::grid::{Field, Row, Style, Table};
     use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
     use std::collections::BTreeMap;

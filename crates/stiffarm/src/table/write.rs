@@ -2,11 +2,11 @@
 
 use super::columns::Values;
 use super::postures::angle_names;
-use crate::cell::Cell;
-use crate::load::Wrench;
-use crate::measurement::{MeasuredPosture, Reading, ReadingTable, Target, WrenchColumns};
-use crate::observation::PostureTerms;
-use crate::posture::Posture;
+use crate::model::cell::Cell;
+use crate::model::load::Wrench;
+use crate::model::measurement::{MeasuredPosture, Reading, ReadingTable, Target, WrenchColumns};
+use crate::model::observation::PostureTerms;
+use crate::model::posture::Posture;
 use crate::units::{m_to_shortest_mm, rad_to_shortest_deg};
 use nalgebra::Vector3;
 

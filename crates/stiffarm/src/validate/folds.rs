@@ -1,12 +1,12 @@
 //! Cross-validation: each posture predicted by a fit without it.
 
 use super::{Model, Point, Validation, band, check_tolerance, summarise};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::identify::{
     IdentifyOptions, assumptions, check, folds, measured_system, prediction_error,
 };
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use crate::predictor::Predictor;
 use nalgebra::Vector3;
 

@@ -4,21 +4,23 @@
 mod band;
 mod folds;
 
-pub use crate::stiffness::Model;
+pub use crate::model::stiffness::Model;
 pub use band::{BandShare, PointBand};
 pub use folds::cross_validate;
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::Finding;
 use crate::identify::{Weights, known_displacement, measured_system, rms};
-use crate::measurement::{Displacement, MeasuredPosture};
+use crate::model::cell::Cell;
+use crate::model::measurement::{Displacement, MeasuredPosture};
+use crate::model::observation::PostureTerms;
+use crate::model::posture::Posture;
+use crate::model::stiffness::{
+    displacement_between, equilibrium, joint_compliance, linear_displacement,
+};
 use crate::numerics::streams::run_rng;
-use crate::observation::PostureTerms;
-use crate::posture::Posture;
 use crate::predictor::Predictor;
 use crate::simulate::draw_noise;
-use crate::stiffness::{displacement_between, equilibrium, joint_compliance, linear_displacement};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

@@ -11,11 +11,11 @@ pub mod readings;
 use nalgebra::{DMatrix, Isometry3, Vector3};
 use proptest::test_runner::{Config, RngSeed};
 use serde_json::Value;
-use stiffarm::cell::{Cell, Limits, Noise, Task};
-use stiffarm::load::{Axes, Load, Wrench};
-use stiffarm::observation::Setup;
-use stiffarm::robot::{DhConvention, DhRow, Robot};
-use stiffarm::tool::{NamedPoint, Tool};
+use stiffarm::model::cell::{Cell, Limits, Noise, Task};
+use stiffarm::model::load::{Axes, Load, Wrench};
+use stiffarm::model::observation::Setup;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::model::tool::{NamedPoint, Tool};
 
 /// The reference cell with its answers.
 pub fn reference() -> Value {

@@ -5,11 +5,11 @@
 
 use nalgebra::{DMatrix, Isometry3, SVD, Vector3};
 use num_dual::{Dual64, DualNum};
-use stiffarm::cell::{Cell, Limits, Noise, Task};
-use stiffarm::load::{Axes, Load};
-use stiffarm::observation::Setup;
-use stiffarm::robot::{DhConvention, DhRow, Robot};
-use stiffarm::tool::{NamedPoint, Tool};
+use stiffarm::model::cell::{Cell, Limits, Noise, Task};
+use stiffarm::model::load::{Axes, Load};
+use stiffarm::model::observation::Setup;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::model::tool::{NamedPoint, Tool};
 
 /// A real or dual number.
 pub trait Scalar: DualNum<Primitive = f64> + Copy {}

@@ -6,8 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use std::f64::consts::{FRAC_PI_2, PI};
-use stiffarm::cell::Task;
-use stiffarm::load::{Axes, Load, Wrench};
+use stiffarm::model::cell::Task;
+use stiffarm::model::load::{Axes, Load, Wrench};
 
 /// A seeded source of random choices.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use serde::Serialize;
 use stiffarm::clamped::{ClampedIdentification, ClampedPosture, identify_clamped};
 use stiffarm::findings::{Severity, list};
 use stiffarm::identify::{Estimator, NoiseSource, Verdict};
-use stiffarm::observation::ExtraTerm;
+use stiffarm::model::observation::ExtraTerm;
 use stiffarm::table::read_clamped;
 use stiffarm::units::{deg_to_rad, rad_to_deg};
 use stiffarm::{Code, Error, Result};

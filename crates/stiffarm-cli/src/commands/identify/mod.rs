@@ -27,8 +27,8 @@ use stiffarm::identify::{
     Bootstrap, Estimator, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
     bootstrap, identify, implausible_scale, profile,
 };
-use stiffarm::measurement::{MeasuredPosture, split_by_name};
-use stiffarm::observation::ExtraTerm;
+use stiffarm::model::measurement::{MeasuredPosture, split_by_name};
+use stiffarm::model::observation::ExtraTerm;
 use stiffarm::select::GlobalOptions;
 use stiffarm::{Code, Error, Result};
 

@@ -4,13 +4,13 @@ use super::Identified;
 use super::readings::marked;
 use crate::numbers::{mm, percent, significant, stiffness};
 use crate::table::{Table, red, title};
-use stiffarm::cell::Cell;
 use stiffarm::coverage::{Intervals, MeasuredCoverage, measured};
 use stiffarm::findings::list;
 use stiffarm::identify::{
     Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
 };
-use stiffarm::measurement::MeasuredPosture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::measurement::MeasuredPosture;
 
 /// Residuals this many times the expected noise hold more than noise.
 const MORE_THAN_NOISE: f64 = 1.5;

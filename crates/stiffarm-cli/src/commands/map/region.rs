@@ -2,8 +2,8 @@
 
 use crate::args::{RegionArgs, Steps};
 use stiffarm::Result;
-use stiffarm::cell::Cell;
-use stiffarm::kinematics::Frames;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::kinematics::Frames;
 use stiffarm::units::mm_to_m;
 use stiffarm::{Code, Error};
 

@@ -10,13 +10,13 @@ use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::cell::Cell;
-use stiffarm::load::{Axes, Wrench};
-use stiffarm::observation::PostureTerms;
-use stiffarm::path::LoadedPosture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::{Axes, Wrench};
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::path::LoadedPosture;
+use stiffarm::model::stiffness::Model;
 use stiffarm::posture_path::PosturePathSummary;
 use stiffarm::predict::{LoadPoint, PredictOptions, Prediction, predict};
-use stiffarm::stiffness::Model;
 use stiffarm::table::read_path;
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{path_figure, render_svg};
@@ -171,7 +171,7 @@ fn tasks(cell: &Cell) -> Result<(nalgebra::Isometry3<f64>, Vec<LoadedPosture>)> 
     tip.translation = tasks[0].tip.into();
     let robot = &cell.setup.robot;
     let postures = tasks.iter().map(|task| {
-        let frames = stiffarm::kinematics::Frames::new(robot, &task.q);
+        let frames = stiffarm::model::kinematics::Frames::new(robot, &task.q);
         let turn = |v| match task.axes {
             Axes::Base => v,
             Axes::Tool => frames.direction(&v),
@@ -199,7 +199,7 @@ fn under_cell_load(
     let table = read_path(&bytes, &name, cell, None)?;
     let mut postures = Vec::with_capacity(table.points.len());
     for point in table.points {
-        let stiffarm::path::Target::Angles(q) = point.target else {
+        let stiffarm::model::path::Target::Angles(q) = point.target else {
             return Err(Error::new(
                 Code::Unsupported,
                 "With --cell-load the postures must be joint angles.",

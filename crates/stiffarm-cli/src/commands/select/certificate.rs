@@ -3,11 +3,11 @@
 use super::{Job, postures_text, shown};
 use crate::numbers::significant;
 use crate::progress::Progress;
-use stiffarm::cell::Cell;
 use stiffarm::certificate::{
     Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
 };
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::Posture;
 use stiffarm::{Code, Result};
 use stiffarm::{Control, Termination};
 

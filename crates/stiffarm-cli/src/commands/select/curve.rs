@@ -9,9 +9,9 @@ use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Control;
-use stiffarm::cell::Cell;
 use stiffarm::certificate::{CertificateOptions, certify};
 use stiffarm::index::Index;
+use stiffarm::model::cell::Cell;
 use stiffarm::select::{CurvePoint, GlobalOptions, curve, select_global};
 use stiffarm::{Code, Result};
 

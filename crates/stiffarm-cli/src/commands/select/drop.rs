@@ -6,7 +6,7 @@ use crate::numbers::percent;
 use crate::table::{Align, Table, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::posture::Posture;
+use stiffarm::model::posture::Posture;
 use stiffarm::select::{Dropped, drop_postures};
 use stiffarm::{Code, Result};
 

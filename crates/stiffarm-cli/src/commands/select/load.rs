@@ -4,8 +4,8 @@ use crate::args::LoadArgs;
 use crate::numbers::coarse_mm;
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::cell::Cell;
-use stiffarm::load::Load;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
 use stiffarm::select::{DesignedLoad, LoadDesign};
 use stiffarm::units::mm_to_m;
 

@@ -8,11 +8,11 @@ use serde::Serialize;
 use std::collections::HashSet;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::cell::Cell;
 use stiffarm::certificate::{Certificate, JointEfficiency};
 use stiffarm::index::{GroupEvaluation, evaluate};
 use stiffarm::internals::optimise::Options as OptimiserOptions;
-use stiffarm::posture::Posture;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::Posture;
 use stiffarm::select::{
     GlobalOptions, LoadDesign, Selection, Sensitivity, SensitivityOptions, select_from,
     select_watched, sensitivity,

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::index::{GroupEvaluation, evaluate as evaluate_group};
-use stiffarm::posture::PostureGroup;
+use stiffarm::model::posture::PostureGroup;
 use stiffarm::select::{smallest_distance, smallest_margin, space_filling};
 use stiffarm::units::rad_to_shortest_deg;
 

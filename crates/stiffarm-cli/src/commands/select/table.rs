@@ -9,7 +9,7 @@ use crate::numbers::{coarse_mm, optional_percent, percent, significant};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
 use stiffarm::index::{GroupEvaluation, expected_deviation};
-use stiffarm::posture::Posture;
+use stiffarm::model::posture::Posture;
 use stiffarm::select::Selection;
 
 /// k(J_N) above which a posture counts as near a singularity.

@@ -14,11 +14,11 @@
 mod view;
 
 use super::noise::{NoiseTest, noise_test};
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, length_with_error, list, probability};
 use crate::identify::{Estimator, IdentifyOptions, NoiseSource};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use view::View;

@@ -2,14 +2,14 @@
 //! rest.
 
 use super::{Outlier, OutlierKind, PointFit, PostureFit};
-use crate::cell::Cell;
 use crate::diagnose::tails::{LEVEL, f_tail};
 use crate::error::Result;
 use crate::identify::{
     Assumptions, Estimator, Fit, Fold, IdentifyOptions, MeasuredSystem, Prepared, Whitened, fit,
     folds, measured_system, prediction_error, rms,
 };
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 

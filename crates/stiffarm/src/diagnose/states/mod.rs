@@ -14,11 +14,11 @@ mod series;
 
 use super::noise::{Agreement, NoiseTest};
 use super::tails::{LEVEL, chi_squared_tails, two_sided};
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, length_with_error, percent, probability};
 use crate::identify::{IdentifyOptions, fit};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
 use series::{Series, series};
 

@@ -1,12 +1,12 @@
 //! The load states of one posture, projected onto one direction, with lines and
 //! curves through them.
 
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::identify::{Block, Fit, RowLabel};
-use crate::measurement::MeasuredPosture;
+use crate::model::cell::Cell;
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
-use crate::observation::PostureTerms;
 use nalgebra::{DMatrix, DVector};
 
 /// States whose joint torques point this much alike belong to one line.

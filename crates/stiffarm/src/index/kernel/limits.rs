@@ -1,7 +1,7 @@
 //! Margins to the cell's limits with an augmented Lagrangian: value, and its
 //! derivative gathered as a force and a moment on the tool.
 //!
-//! Order of the margins: as in [`crate::cell::Limits::margins`].
+//! Order of the margins: as in [`crate::model::cell::Limits::margins`].
 
 use super::batch::Batch;
 use super::lanes::{Lanes, Vec3, WIDTH, ZERO, ZERO3, add, cross, dot, rotate, scale, sub};
@@ -150,7 +150,7 @@ pub(super) fn update_multipliers(batch: &mut Batch, lanes: usize) -> f64 {
 mod tests {
     use crate::builtin;
     use crate::index::kernel::{Kernel, Wanted};
-    use crate::observation::PostureTerms;
+    use crate::model::observation::PostureTerms;
 
     const WANTED: Wanted<'_> = Wanted {
         dexterity: None,

@@ -13,8 +13,8 @@ mod reverse;
 
 pub(crate) use model::Wanted;
 
-use crate::cell::Cell;
 use crate::error::Result;
+use crate::model::cell::Cell;
 use batch::Batch;
 use lanes::{Lanes, WIDTH};
 use model::{KernelLoad, Model};

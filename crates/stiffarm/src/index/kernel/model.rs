@@ -1,11 +1,11 @@
 //! What the kernel needs of a cell, computed once.
 
-use crate::cell::{Cell, Limits};
-use crate::dexterity;
 use crate::error::Result;
-use crate::load::{Axes, Load};
+use crate::model::cell::{Cell, Limits};
+use crate::model::dexterity;
+use crate::model::load::{Axes, Load};
+use crate::model::observation::PostureTerms;
 use crate::numerics::information::symmetric_eigen;
-use crate::observation::PostureTerms;
 use nalgebra::{DMatrix, Isometry3, Matrix3, Vector3};
 
 /// A rotation by rows and a shift: where a joint stands in the frame before it.

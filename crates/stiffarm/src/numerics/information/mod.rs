@@ -26,7 +26,7 @@ const MAX_ITERATIONS: usize = 1000;
 
 /// Information ΨᵀPΨ of one posture's block, n × n, where P = I − ρ 11ᵀ ⊗ I₃
 /// accounts for a shift common to the posture's points
-/// ([`crate::cell::Noise::common_weight`]); in units of 1/σ².
+/// ([`crate::model::cell::Noise::common_weight`]); in units of 1/σ².
 pub fn posture_information(block: &DMatrix<f64>, common_weight: f64) -> DMatrix<f64> {
     let mut information = block.tr_mul(block);
     if common_weight > 0.0 {

@@ -3,10 +3,10 @@
 //! index's kinks, the cell's limits as an augmented Lagrangian.
 
 use super::Plan;
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::index::inputs::Given;
 use crate::index::{Index, IndexFunction};
+use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::select::load_design::LoadDesign;
 

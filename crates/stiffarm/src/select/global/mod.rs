@@ -13,13 +13,13 @@ mod polish;
 mod pool;
 
 use super::{Selection, StartKind, no_result, smallest_margin};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::inputs::{Inputs, criterion};
 use crate::index::{Index, evaluate};
+use crate::model::cell::Cell;
+use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::chain_rng;
-use crate::observation::check_angles;
 use crate::units::rad_to_shortest_deg;
 use island::Island;
 use local::{Effort, Local};

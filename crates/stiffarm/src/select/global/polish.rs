@@ -3,9 +3,9 @@
 //! as constraints and so finds their corners exactly.
 
 use super::Plan;
-use crate::cell::Cell;
 use crate::error::Result;
 use crate::index::Index;
+use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Options, Solution};
 use crate::select::search::Search;

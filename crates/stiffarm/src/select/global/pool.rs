@@ -1,9 +1,9 @@
 //! Candidate postures inside bounds and limits, drawn once per selection, with
 //! their information and k(J_N).
 
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::index::kernel::{Kernel, Wanted};
+use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::numerics::streams::candidate_rng;
 use rand::RngExt;

@@ -1,8 +1,8 @@
 //! How a path stands in a table.
 
 use super::heading::contents;
-use crate::cell::Cell;
-use crate::process::ForceAxes;
+use crate::model::cell::Cell;
+use crate::model::process::ForceAxes;
 use crate::table::quantity::Unit;
 use nalgebra::Isometry3;
 

@@ -1,8 +1,8 @@
 //! The heading of a path: which columns it has, and what they say together.
 
 use super::format::{Content, FormatColumn, PathKind};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
+use crate::model::cell::Cell;
 use crate::table::columns::{force, moment};
 use crate::table::grid::{Column, Table};
 use crate::table::heading::{Found, Known, stem};

@@ -11,7 +11,7 @@ pub(super) use heading::known as known_paths;
 pub use read::read_path;
 pub use write::write_path;
 
-use crate::path::PathPoint;
+use crate::model::path::PathPoint;
 
 /// A path as it was read, and how it was written there.
 #[derive(Debug, Clone, PartialEq)]

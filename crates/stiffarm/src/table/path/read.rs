@@ -3,10 +3,10 @@
 use super::heading::PathColumns;
 use super::size::check_size;
 use super::{PathFormat, PathKind, PathTable};
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::path::{PathPoint, Target};
-use crate::process::{ForceAxes, TipLoad};
+use crate::model::cell::Cell;
+use crate::model::path::{PathPoint, Target};
+use crate::model::process::{ForceAxes, TipLoad};
 use crate::table::columns::vector;
 use crate::table::grid::{Column, Row, Table, normal};
 use crate::table::postures::angles;

@@ -1,10 +1,10 @@
 //! Positions whose size shows that they are in another unit.
 
 use super::heading::PathColumns;
-use crate::cell::Cell;
 use crate::error::{Code, Error, Result};
 use crate::findings::length;
-use crate::path::{PathPoint, Target};
+use crate::model::cell::Cell;
+use crate::model::path::{PathPoint, Target};
 use crate::table::grid::Table;
 use nalgebra::{Isometry3, Point3, Vector3};
 

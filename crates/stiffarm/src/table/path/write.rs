@@ -2,8 +2,8 @@
 
 use super::format::{Content, FormatColumn, PathFormat, PathKind};
 use crate::error::{Code, Error, Result};
-use crate::path::{PathPoint, Target};
-use crate::process::{ForceAxes, TipLoad};
+use crate::model::path::{PathPoint, Target};
+use crate::model::process::{ForceAxes, TipLoad};
 use crate::table::quantity::{Unit, rounded};
 use crate::table::write::separated;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};

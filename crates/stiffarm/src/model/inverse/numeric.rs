@@ -7,9 +7,9 @@
 //! written with A·Aᵀ, which is 6 × 6 for any number of joints and gives the
 //! smallest step where there are more than six.
 
-use crate::kinematics::Frames;
+use crate::model::kinematics::Frames;
+use crate::model::robot::Robot;
 use crate::numerics::information::svd;
-use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// Residual below which nothing is left to gain (of the arm's size, rad).

@@ -7,8 +7,8 @@ pub use readings::{
     PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
 };
 
-use crate::load::Wrench;
-use crate::posture::Posture;
+use crate::model::load::Wrench;
+use crate::model::posture::Posture;
 use nalgebra::{Matrix3, Vector3};
 
 /// One displacement of one measuring point, base axes.

@@ -6,7 +6,7 @@
 //! moves several controller angles, and turns are searched for together.
 
 use super::closed_form::wrapped;
-use crate::robot::Robot;
+use crate::model::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 

@@ -11,10 +11,10 @@ pub use limits::{LimitKind, LimitMargin, Limits};
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
-use crate::instruments::{Sensor, Tracker, Uncertainty};
-use crate::observation::Setup;
-use crate::posture::Posture;
-use crate::work::Work;
+use crate::model::instruments::{Sensor, Tracker, Uncertainty};
+use crate::model::observation::Setup;
+use crate::model::posture::Posture;
+use crate::model::work::Work;
 
 /// Measurement noise of a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]

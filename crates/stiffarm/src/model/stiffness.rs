@@ -7,10 +7,10 @@
 //! where it matters, [`equilibrium_displacement`] is the reference.
 
 use crate::error::{Code, Error, Result};
-use crate::kinematics::Frames;
-use crate::load::{Load, Wrench};
-use crate::observation::{PostureTerms, Setup};
-use crate::robot::Robot;
+use crate::model::kinematics::Frames;
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::robot::Robot;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
@@ -150,7 +150,7 @@ pub fn cartesian_stiffness(
     stiffness: &[f64],
     correction: Option<&DMatrix<f64>>,
 ) -> Result<Option<Matrix6<f64>>> {
-    if crate::dexterity::condition_number(frames, p, 1.0).is_none() {
+    if crate::model::dexterity::condition_number(frames, p, 1.0).is_none() {
         return Ok(None);
     }
     Ok(cartesian_compliance(robot, frames, p, stiffness, correction)?.try_inverse())

@@ -9,8 +9,8 @@ pub(crate) use frames::tip_wrench;
 pub use frames::{feed_axes, tip_wrenches};
 
 use crate::error::Error;
-use crate::load::Wrench;
-use crate::process::TipLoad;
+use crate::model::load::Wrench;
+use crate::model::process::TipLoad;
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 
 /// Where the tip should be, base frame.

@@ -18,10 +18,10 @@ mod unreachable;
 pub use unreachable::{Region, Unreachable};
 
 use crate::error::{Code, Error, Result};
-use crate::kinematics::Frames;
+use crate::model::kinematics::Frames;
+use crate::model::observation::check_angles;
+use crate::model::robot::Robot;
 use crate::numerics::information::svd;
-use crate::observation::check_angles;
-use crate::robot::Robot;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use closed_form::{ClosedForm, Theta};
 use nalgebra::{DMatrix, Isometry3, Matrix6, Vector6};

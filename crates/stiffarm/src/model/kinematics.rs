@@ -5,7 +5,7 @@
 //! serial angles θ. Derivatives use ∂c_i/∂θ_k = z_min(i,k) × c_max(i,k), where
 //! c_i is the linear part of column i.
 
-use crate::robot::Robot;
+use crate::model::robot::Robot;
 use nalgebra::{Isometry3, Matrix6xX, UnitQuaternion, Vector3};
 
 /// Axes and origins of all joints and the flange, in base axes \[m\].

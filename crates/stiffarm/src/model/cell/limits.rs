@@ -3,8 +3,8 @@
 //! Each limit is a margin in metres, positive inside, with its derivative, so
 //! that every optimiser can respect it during the search.
 
-use crate::load::Load;
-use crate::observation::{PostureTerms, Setup};
+use crate::model::load::Load;
+use crate::model::observation::{PostureTerms, Setup};
 use nalgebra::Vector3;
 
 /// Bounds in the base frame \[m\]; `None` leaves a limit out.
@@ -272,9 +272,9 @@ fn subject_names(setup: &Setup) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinematics::Frames;
-    use crate::robot::{DhConvention, DhRow, Robot};
-    use crate::tool::{NamedPoint, Tool};
+    use crate::model::kinematics::Frames;
+    use crate::model::robot::{DhConvention, DhRow, Robot};
+    use crate::model::tool::{NamedPoint, Tool};
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
     /// A tilted and shifted arm of `n` joints with general twists and a rope.

@@ -6,9 +6,9 @@
 //! J_N has no full rank and k(J_N) does not exist.
 
 use crate::error::{Code, Error, Result};
-use crate::kinematics::Frames;
+use crate::model::kinematics::Frames;
+use crate::model::robot::Robot;
 use crate::numerics::information::{GRAM_ROUNDING, svd, symmetric_eigen};
-use crate::robot::Robot;
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3};
 
 /// Relative size of the smallest singular value below which J_N counts as singular.
@@ -106,7 +106,7 @@ pub(crate) fn log_condition_gradient(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::{DhConvention, DhRow, Robot};
+    use crate::model::robot::{DhConvention, DhRow, Robot};
     use nalgebra::Isometry3;
 
     fn arm(n: usize) -> Robot {

@@ -1,6 +1,6 @@
 //! Loads and the wrench they put on the loading point.
 
-use crate::kinematics::Frames;
+use crate::model::kinematics::Frames;
 use nalgebra::Vector3;
 
 /// Force and moment at the loading point, base axes: W = \[F; M\], the wrench

@@ -9,10 +9,10 @@ mod extra;
 pub use extra::ExtraTerm;
 
 use crate::error::{Code, Error, Result};
-use crate::kinematics::Frames;
-use crate::load::{Load, Wrench};
-use crate::robot::Robot;
-use crate::tool::Tool;
+use crate::model::kinematics::Frames;
+use crate::model::load::{Load, Wrench};
+use crate::model::robot::Robot;
+use crate::model::tool::Tool;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 
 /// What is loaded and measured: robot, tool and load.

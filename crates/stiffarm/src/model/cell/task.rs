@@ -7,10 +7,10 @@
 
 use super::Cell;
 use crate::error::{Code, Error, Result};
-use crate::load::{Axes, Load, Wrench};
-use crate::observation::{PostureTerms, Setup};
-use crate::robot::Robot;
-use crate::tool::{NamedPoint, Tool};
+use crate::model::load::{Axes, Load, Wrench};
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::robot::Robot;
+use crate::model::tool::{NamedPoint, Tool};
 use nalgebra::{DMatrix, Vector3};
 
 /// One machining posture with its load. The load acts at the tool tip, the

@@ -14,7 +14,7 @@
 //! tangents of half angles, because an arc cosine loses half its digits where
 //! the arm is stretched.
 
-use crate::kinematics::Frames;
+use crate::model::kinematics::Frames;
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 

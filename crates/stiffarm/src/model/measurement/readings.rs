@@ -1,7 +1,7 @@
 //! Raw readings: positions as the tracker gave them, state by state.
 
-use crate::load::Wrench;
-use crate::posture::Posture;
+use crate::model::load::Wrench;
+use crate::model::posture::Posture;
 use nalgebra::Vector3;
 
 /// What a reading was taken of.

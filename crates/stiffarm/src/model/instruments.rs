@@ -1,8 +1,8 @@
 //! Force sensor and tracker, and the uncertainty of what no residual shows.
 
 use crate::error::{Code, Error, Result};
-use crate::kinematics::Frames;
-use crate::load::Wrench;
+use crate::model::kinematics::Frames;
+use crate::model::load::Wrench;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 /// What a force sensor is fixed to.

@@ -2,7 +2,7 @@
 
 use super::closed_form::Outside;
 use crate::error::{Code, Error};
-use crate::robot::Robot;
+use crate::model::robot::Robot;
 use crate::units::{m_to_mm, rad_to_deg};
 
 /// Where an unreachable pose lies.

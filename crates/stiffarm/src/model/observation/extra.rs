@@ -8,7 +8,7 @@
 
 use super::PostureTerms;
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::robot::Robot;
+use crate::model::robot::Robot;
 use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! What the robot works with: the tool tip, the workpiece and the process.
 
-use crate::process::Process;
-use crate::tool::Tool;
+use crate::model::process::Process;
+use crate::model::tool::Tool;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 /// Tip, workpiece and process of a cell.

@@ -2,8 +2,8 @@
 
 use super::PathPoint;
 use crate::error::{Code, Error, Result};
-use crate::load::Wrench;
-use crate::process::{ForceAxes, TipLoad};
+use crate::model::load::Wrench;
+use crate::model::process::{ForceAxes, TipLoad};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 
 /// Points nearer than this count as one \[m\]; so does what is left of a feed

@@ -1,0 +1,18 @@
+//! What is known before anything is measured: the robot, its tool and load, the
+//! cell around them, and how they bend.
+
+pub mod cell;
+pub mod dexterity;
+pub mod instruments;
+pub mod inverse;
+pub mod kinematics;
+pub mod load;
+pub mod measurement;
+pub mod observation;
+pub mod path;
+pub mod posture;
+pub mod process;
+pub mod robot;
+pub mod stiffness;
+pub mod tool;
+pub mod work;
