@@ -2,7 +2,7 @@
 
 use crate::study::{Cell, Table};
 use crate::{Axis, Figure, Panel, Series, Style};
-use stiffarm::zones::{MapRange, ZoneMap, Zones};
+use stiffarm::plan::zones::{MapRange, ZoneMap, Zones};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.

@@ -7,8 +7,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 use stiffarm::builtin;
-use stiffarm::characteristic_length::with_characteristic_length;
-use stiffarm::index::{Index, IndexFunction};
+use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::index::{Index, IndexFunction};
 
 const POSTURES: f64 = 6.0;
 /// Postures are worked on four at a time, so six cost as much as eight.

@@ -7,15 +7,15 @@ use nalgebra::Translation3;
 use std::hint::black_box;
 use stiffarm::Control;
 use stiffarm::builtin;
-use stiffarm::characteristic_length::with_characteristic_length;
-use stiffarm::index::{Index, IndexFunction, Minimax, evaluate};
 use stiffarm::internals::information::Factor;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::observation::{Rows, observation_matrix};
-use stiffarm::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
+use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::index::{Index, IndexFunction, Minimax, evaluate};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
 
 fn cell(name: &str) -> Cell {
     with_characteristic_length(builtin::cell(name).expect("a built-in cell")).expect("a length")

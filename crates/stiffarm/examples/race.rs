@@ -7,9 +7,9 @@
 use std::time::{Duration, Instant};
 use stiffarm::Control;
 use stiffarm::builtin;
-use stiffarm::characteristic_length::with_characteristic_length;
-use stiffarm::index::{Index, IndexFunction};
-use stiffarm::select::{GlobalOptions, select_watched};
+use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::index::{Index, IndexFunction};
+use stiffarm::plan::select::{GlobalOptions, select_watched};
 
 /// Time spent on one rate.
 const RATE_SECONDS: f64 = 1.0;

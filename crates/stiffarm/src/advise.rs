@@ -2,7 +2,6 @@
 
 use crate::error::{Code, Error, Result};
 use crate::identify::{Identification, Verdict};
-use crate::index::{Index, evaluate};
 use crate::model::cell::Cell;
 use crate::model::load::{Axes, Load, Wrench};
 use crate::model::measurement::MeasuredPosture;
@@ -11,7 +10,8 @@ use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::numerics::information::symmetric_eigen;
 use crate::numerics::sample::median;
-use crate::select::{GlobalOptions, select_global};
+use crate::plan::index::{Index, evaluate};
+use crate::plan::select::{GlobalOptions, select_global};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -14,9 +14,6 @@ pub mod budget;
 pub mod builtin;
 #[cfg(feature = "files")]
 pub mod cell_file;
-pub mod certificate;
-pub mod characteristic_length;
-pub mod check;
 pub mod clamped;
 pub mod compensate;
 pub mod coverage;
@@ -25,10 +22,10 @@ pub mod error;
 pub mod experiment;
 pub mod findings;
 pub mod identify;
-pub mod index;
 pub mod map;
 pub mod model;
 mod numerics;
+pub mod plan;
 pub mod posture_path;
 pub mod predict;
 pub mod predictor;
@@ -37,14 +34,12 @@ pub mod registration;
 #[cfg(feature = "files")]
 pub mod registration_file;
 pub mod sanity;
-pub mod select;
 pub mod simulate;
 pub mod study;
 #[cfg(feature = "files")]
 pub mod table;
 pub mod units;
 pub mod validate;
-pub mod zones;
 
 pub use error::{Code, Error, Result};
 pub use numerics::control::{Control, Report, Stop, Termination};

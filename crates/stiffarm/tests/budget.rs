@@ -7,7 +7,6 @@ use nalgebra::{Matrix6, Rotation3, Vector3};
 use stiffarm::Control;
 use stiffarm::budget::{Budget, BudgetSource, budget};
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Scale, fit, identify, profile};
-use stiffarm::index::Index;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
@@ -16,7 +15,8 @@ use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::select::select_from;
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::select_from;
 use stiffarm::validate::{Model, simulate_measurements};
 
 const ARC_MINUTE: f64 = std::f64::consts::PI / 180.0 / 60.0;

@@ -11,15 +11,15 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use stiffarm::Code;
-use stiffarm::certificate::{
-    Certificate, CertificateOptions, ContinuousDesign, Criterion, DesignOptions, DesignSpace,
-    Effort, PostureSpace, certify, certify_further, joint_efficiencies, optimal_design,
-};
-use stiffarm::index::{Index, evaluate};
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
-use stiffarm::select::{StartKind, random_group, select_from};
+use stiffarm::plan::certificate::{
+    Certificate, CertificateOptions, ContinuousDesign, Criterion, DesignOptions, DesignSpace,
+    Effort, PostureSpace, certify, certify_further, joint_efficiencies, optimal_design,
+};
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::select::{StartKind, random_group, select_from};
 use stiffarm::{Control, Termination};
 
 /// tr(A G).

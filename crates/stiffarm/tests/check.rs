@@ -4,13 +4,13 @@
 use nalgebra::Vector3;
 use stiffarm::builtin;
 use stiffarm::cell_file::parse_cell;
-use stiffarm::check::{CellCheck, SAMPLES, check};
 use stiffarm::findings::{Finding, Severity};
-use stiffarm::index::evaluate;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::Posture;
-use stiffarm::select::{StartKind, random_group};
+use stiffarm::plan::check::{CellCheck, SAMPLES, check};
+use stiffarm::plan::index::evaluate;
+use stiffarm::plan::select::{StartKind, random_group};
 
 fn comau() -> Cell {
     builtin::cell("comau").unwrap()

@@ -20,7 +20,7 @@ use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;
 use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::select::{StartKind, random_group as draw_group};
+use stiffarm::plan::select::{StartKind, random_group as draw_group};
 use stiffarm::simulate::ModelErrors;
 
 /// The reference cell with `points` measuring points and two readings for a displacement.

@@ -14,10 +14,10 @@ use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use stiffarm::Code;
-use stiffarm::index::{Index, evaluate};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
-use stiffarm::select::{
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::select::{
     GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, curve, drop_postures,
     random_group, select_global, sensitivity,
 };

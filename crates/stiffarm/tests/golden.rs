@@ -14,7 +14,6 @@ use nalgebra::{DMatrix, DVector, Isometry3, Matrix4, UnitQuaternion, Vector3};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::index::{dexterity, evaluate};
 use stiffarm::internals::information::Factor;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
@@ -22,6 +21,7 @@ use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue};
 use stiffarm::model::stiffness::{linear_displacement, stiffness_correction};
+use stiffarm::plan::index::{dexterity, evaluate};
 
 /// Agreement asked of everything that is not a finite difference.
 const TIGHT: f64 = 1e-9;

@@ -9,7 +9,7 @@ use common::model::{
 use common::random::Dice;
 use nalgebra::DMatrix;
 use num_dual::{Dual64, DualNum};
-use stiffarm::index::{Index, IndexFunction, evaluate};
+use stiffarm::plan::index::{Index, IndexFunction, evaluate};
 
 /// Largest condition number of a random group's Ψ, plain, in units of the prior
 /// or with scaled columns: the library's gradients come from ΨᵀΨ, which squares it.

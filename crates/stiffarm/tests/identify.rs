@@ -11,13 +11,13 @@ use stiffarm::identify::{
     Estimator, Identification, IdentifyOptions, Verdict, Weights, identify, leave_one_out,
     measured_system,
 };
-use stiffarm::index::{Index, evaluate};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::Posture;
-use stiffarm::select::{GlobalOptions, StartKind, random_group};
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
 use stiffarm::validate::{Model, simulate_measurements};
 
 /// Postures in which only joints 1 and 2 move and the wrist stays as given.

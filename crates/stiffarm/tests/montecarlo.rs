@@ -11,11 +11,11 @@ use common::{group1, random_group, reference_cell};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
 use stiffarm::Control;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::index::{Index, evaluate};
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::select::select_from;
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::select::select_from;
 use stiffarm::simulate::{LevelResult, Simulation, SimulationOptions, simulate};
 use stiffarm::validate::{Model, simulate_measurements};
 

@@ -9,7 +9,6 @@ use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
 use stiffarm::identify::{IdentifyOptions, NoiseSource, Weights, identify, measured_system};
-use stiffarm::index::{Index, error_bound, evaluate};
 use stiffarm::internals::information::{Factor, posture_information};
 use stiffarm::model::dexterity;
 use stiffarm::model::kinematics::Frames;
@@ -22,6 +21,7 @@ use stiffarm::model::stiffness::{
     joint_compliance, linear_displacement, rope_correction, stiffness_correction,
 };
 use stiffarm::model::tool::SeriesCompliance;
+use stiffarm::plan::index::{Index, error_bound, evaluate};
 use stiffarm::validate::{Model as Deflection, calculated_displacements, simulate_measurements};
 
 /// A random model with as many joints as asked, any load, any springs.

@@ -16,8 +16,8 @@ use stiffarm::model::load::Load;
 use stiffarm::model::measurement::{ReadingTable, Target};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
+use stiffarm::plan::select::{StartKind, random_group};
 use stiffarm::sanity::{Cause, Sanity, Suspicion, inspect};
-use stiffarm::select::{StartKind, random_group};
 use stiffarm::units::{mm_to_m, rad_to_deg};
 
 /// The default cell with a turned flange sensor.

@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use stiffarm::Code;
-use stiffarm::index::evaluate;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
-use stiffarm::select::{
+use stiffarm::plan::index::evaluate;
+use stiffarm::plan::select::{
     StartKind, joint_distance, random_group, smallest_distance, smallest_margin, space_filling,
 };
 

@@ -9,7 +9,6 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use stiffarm::Control;
-use stiffarm::index::{Index, IndexFunction, evaluate};
 use stiffarm::internals::information::Factor;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::{Cell, Task, task_matrix, task_rows};
@@ -17,7 +16,8 @@ use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Axes, Load};
 use stiffarm::model::observation::{Rows, observation_matrix};
 use stiffarm::model::stiffness::equilibrium_displacement;
-use stiffarm::select::select_from;
+use stiffarm::plan::index::{Index, IndexFunction, evaluate};
+use stiffarm::plan::select::select_from;
 use stiffarm::{Code, Error};
 
 fn task_index<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> f64 {

@@ -13,9 +13,9 @@ use stiffarm::identify::{IdentifyOptions, identify};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::select::{StartKind, random_group};
 use stiffarm::reduction::{ReduceOptions, reduce};
 use stiffarm::sanity::inspect;
-use stiffarm::select::{StartKind, random_group};
 
 fn pose(dice: &mut Dice, reach: f64) -> Isometry3<f64> {
     let mut number = || dice.between(-1.0, 1.0);

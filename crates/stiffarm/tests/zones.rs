@@ -11,7 +11,7 @@ use stiffarm::model::dexterity::condition_number;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::observation::PostureTerms;
-use stiffarm::zones::{ZoneMap, ZoneOptions, Zones, zones};
+use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones, zones};
 
 fn options(steps: usize) -> ZoneOptions {
     ZoneOptions { steps, q: None }

@@ -9,9 +9,9 @@ use crate::session::Session;
 use crate::table::{Table, green, title};
 use std::fmt::Write;
 use stiffarm::Result;
-use stiffarm::check::{CellCheck, check};
 use stiffarm::model::cell::{Cell, Limits, Noise};
 use stiffarm::model::load::{Axes, Load, Wrench};
+use stiffarm::plan::check::{CellCheck, check};
 use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 
 /// A check has no options.

@@ -10,8 +10,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::findings::list;
-use stiffarm::index::{GroupEvaluation, Index, evaluate};
 use stiffarm::model::cell::Cell;
+use stiffarm::plan::index::{GroupEvaluation, Index, evaluate};
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]

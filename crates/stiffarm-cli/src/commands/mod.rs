@@ -21,12 +21,12 @@ pub mod zones;
 
 use crate::numbers;
 use crate::table::{Table, red, yellow};
-use stiffarm::characteristic_length::with_characteristic_length;
 use stiffarm::findings::{Finding, Severity};
-use stiffarm::index::Index;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::index::Index;
 use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 
 /// The cell with the characteristic length of Eq. (20), and a line that says

@@ -12,14 +12,14 @@ use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
 use stiffarm::cell_file::cell_schema;
-use stiffarm::check::CellCheck;
 use stiffarm::clamped::ClampedIdentification;
 use stiffarm::map::{Placement, StiffnessMap};
+use stiffarm::plan::check::CellCheck;
+use stiffarm::plan::zones::Zones;
 use stiffarm::registration::RegistrationRecord;
 use stiffarm::simulate::Simulation;
 use stiffarm::study::Study;
 use stiffarm::validate::Validation;
-use stiffarm::zones::Zones;
 
 /// Prints one schema.
 pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {

@@ -13,7 +13,7 @@ use stiffarm::builtin;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::select::{StartKind, random_group, smallest_margin};
+use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 use stiffarm::simulate::SimulationOptions;
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Code, Error, Result};

@@ -10,8 +10,8 @@ use crate::table::{Table, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
+use stiffarm::plan::zones::{MapRange, ZoneOptions, Zones, zones};
 use stiffarm::units::{deg_to_rad, m_to_mm};
-use stiffarm::zones::{MapRange, ZoneOptions, Zones, zones};
 use stiffarm_report::{render_svg, zones_figure, zones_table};
 
 /// Files of the folder.

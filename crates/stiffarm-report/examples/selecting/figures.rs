@@ -4,7 +4,7 @@ use crate::novel::NovelIndex;
 use crate::plans::{Band, Plan};
 use crate::questions::CountPoint;
 use stiffarm::model::cell::Cell;
-use stiffarm::zones::Zones;
+use stiffarm::plan::zones::Zones;
 use stiffarm_report::{Axis, Figure, Panel, Series, Style, zones_figure};
 
 fn percent(values: impl IntoIterator<Item = f64>) -> Vec<f64> {

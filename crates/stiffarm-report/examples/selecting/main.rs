@@ -20,10 +20,10 @@ use serde_json::{Number, Value};
 use std::path::PathBuf;
 use std::time::Instant;
 use stiffarm::Control;
-use stiffarm::index::Index;
 use stiffarm::model::cell::Cell;
-use stiffarm::select::{Sensitivity, SensitivityOptions, sensitivity, space_filling};
-use stiffarm::zones::{MapRange, Zone, ZoneOptions, zones};
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::{Sensitivity, SensitivityOptions, sensitivity, space_filling};
+use stiffarm::plan::zones::{MapRange, Zone, ZoneOptions, zones};
 use stiffarm::{Result, builtin};
 use stiffarm_report::{Figure, render_svg};
 

@@ -5,10 +5,10 @@ use crate::plans::{Plan, quantiles};
 use serde::Serialize;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::index::Index;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
-use stiffarm::select::{StartKind, random_group, select_from};
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::{StartKind, random_group, select_from};
 
 /// Initial groups of each kind for the local search.
 const STARTS: u64 = 30;
@@ -116,7 +116,7 @@ impl NovelIndex {
         let better = local.iter().filter(|p| p.mean_expected_deviation < median);
         let mut outside = 0;
         for q in &best.group {
-            let margin = stiffarm::select::smallest_margin(default, std::slice::from_ref(q))?;
+            let margin = stiffarm::plan::select::smallest_margin(default, std::slice::from_ref(q))?;
             outside += usize::from(margin.is_some_and(|m| m < -1e-9));
         }
         Ok(NovelIndex {

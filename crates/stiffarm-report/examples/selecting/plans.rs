@@ -3,11 +3,11 @@
 use serde::Serialize;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::index::{Index, Indices, evaluate};
 use stiffarm::internals::information::Factor;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::select::{GlobalOptions, StartKind, random_group, select_global};
+use stiffarm::plan::index::{Index, Indices, evaluate};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select_global};
 
 /// Relative standard error beyond which the first order understates.
 const FIRST_ORDER: f64 = 0.1;

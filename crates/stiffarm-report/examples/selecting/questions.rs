@@ -5,17 +5,17 @@ use crate::plans::{Band, Plan};
 use serde::Serialize;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::certificate::{
-    Certificate, CertificateOptions, JointEfficiency, certify, joint_efficiencies,
-};
-use stiffarm::index::Index;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
-use stiffarm::select::{
+use stiffarm::plan::certificate::{
+    Certificate, CertificateOptions, JointEfficiency, certify, joint_efficiencies,
+};
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::{
     DesignedLoad, GlobalOptions, LoadDesign, drop_postures, select_global, space_filling,
 };
+use stiffarm::plan::zones::Zone;
 use stiffarm::units::deg_to_rad;
-use stiffarm::zones::Zone;
 
 /// Numbers of postures of the curve.
 const SIZES: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 30];

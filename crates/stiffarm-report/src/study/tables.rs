@@ -3,8 +3,8 @@
 use super::figures::illustration;
 use super::published::published_for;
 use super::table::{Cell, Table, significant};
-use stiffarm::index::Index;
-use stiffarm::select::Selection;
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::Selection;
 use stiffarm::study::Study;
 
 /// All tables of a study.

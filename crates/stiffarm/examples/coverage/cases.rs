@@ -7,12 +7,12 @@ use stiffarm::builtin;
 use stiffarm::coverage::{CoverageCase, Intervals, Outliers, Truth, World};
 use stiffarm::error::Result;
 use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter, Weights};
-use stiffarm::index::Index;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::select::{StartKind, random_group, select_from};
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::{StartKind, random_group, select_from};
 use stiffarm::simulate::ModelErrors;
 
 /// One row of the page before it is simulated.

@@ -6,7 +6,6 @@ pub use model_errors::ModelErrors;
 
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
-use crate::index::evaluate;
 use crate::model::cell::{Cell, Noise};
 use crate::model::observation::{Rows, observation_matrix};
 use crate::model::posture::PostureGroup;
@@ -15,6 +14,7 @@ use crate::numerics::information::{Factor, whiten_posture};
 use crate::numerics::jobs::in_order;
 use crate::numerics::sample::{mean, median, standard_error};
 use crate::numerics::streams::run_rng;
+use crate::plan::index::evaluate;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -293,7 +293,7 @@ fn simulate_level(
         median_deviation: deviations.iter().map(|d| median(d)).collect(),
         expected_deviation: relative
             .iter()
-            .map(|e| crate::index::expected_deviation(*e))
+            .map(|e| crate::plan::index::expected_deviation(*e))
             .collect(),
         compliance_mean_deviation: compliance_deviations.iter().map(|d| mean(d)).collect(),
         compliance_standard_error: compliance_deviations

@@ -7,11 +7,9 @@ mod verdict;
 
 pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 
-use crate::characteristic_length::with_characteristic_length;
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::identify::{Estimator, Identification, IdentifyOptions, identify};
-use crate::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, Rows, observation_matrix};
 use crate::model::posture::PostureGroup;
@@ -19,7 +17,9 @@ use crate::model::stiffness::second_order;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::Options;
-use crate::select::{Selection, select_from};
+use crate::plan::characteristic_length::with_characteristic_length;
+use crate::plan::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
+use crate::plan::select::{Selection, select_from};
 use crate::simulate::{Simulation, SimulationOptions, simulate};
 use crate::units::rad_to_shortest_deg;
 use crate::validate::{Model, Validation, simulate_measurements, validate};

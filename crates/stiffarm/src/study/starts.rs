@@ -2,7 +2,6 @@
 
 use super::study_indices;
 use crate::error::{Code, Result};
-use crate::index::{Index, evaluate};
 use crate::model::cell::Cell;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Control;
@@ -10,7 +9,8 @@ use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::Options;
 use crate::numerics::sample::quantile_of;
 use crate::numerics::streams::run_rng;
-use crate::select::{StartKind, random_group, select_from, smallest_margin};
+use crate::plan::index::{Index, evaluate};
+use crate::plan::select::{StartKind, random_group, select_from, smallest_margin};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};

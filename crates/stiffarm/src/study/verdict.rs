@@ -2,8 +2,8 @@
 
 use super::{INITIAL_GROUP, STUDY_INDICES, StartsOfKind, Study, StudyGroup};
 use crate::findings::{Finding, Severity, list, percent};
-use crate::index::Index;
 use crate::numerics::sample::mean;
+use crate::plan::index::Index;
 use crate::simulate::FIRST_ORDER_LIMIT;
 
 /// Fills in the recommendation and the findings.

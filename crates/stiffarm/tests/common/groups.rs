@@ -1,10 +1,10 @@
 //! Groups judged by hand: value and limits.
 
 use nalgebra::Vector3;
-use stiffarm::index::{Index, evaluate};
 use stiffarm::model::cell::{Cell, Limits};
 use stiffarm::model::load::Load;
 use stiffarm::model::observation::PostureTerms;
+use stiffarm::plan::index::{Index, evaluate};
 
 /// ln of an index that is to be minimised; infinite where it does not exist.
 pub fn ln_index(cell: &Cell, index: Index, group: &[Vec<f64>]) -> f64 {

@@ -29,7 +29,7 @@ use stiffarm::identify::{
 };
 use stiffarm::model::measurement::{MeasuredPosture, split_by_name};
 use stiffarm::model::observation::ExtraTerm;
-use stiffarm::select::GlobalOptions;
+use stiffarm::plan::select::GlobalOptions;
 use stiffarm::{Code, Error, Result};
 
 /// Rounds of the search for the next posture: one posture is soon found.

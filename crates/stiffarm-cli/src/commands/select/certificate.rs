@@ -3,11 +3,11 @@
 use super::{Job, postures_text, shown};
 use crate::numbers::significant;
 use crate::progress::Progress;
-use stiffarm::certificate::{
-    Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
-};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::certificate::{
+    Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
+};
 use stiffarm::{Code, Result};
 use stiffarm::{Control, Termination};
 

@@ -9,10 +9,10 @@ use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Control;
-use stiffarm::certificate::{CertificateOptions, certify};
-use stiffarm::index::Index;
 use stiffarm::model::cell::Cell;
-use stiffarm::select::{CurvePoint, GlobalOptions, curve, select_global};
+use stiffarm::plan::certificate::{CertificateOptions, certify};
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::{CurvePoint, GlobalOptions, curve, select_global};
 use stiffarm::{Code, Result};
 
 /// Largest number of postures unless one is given.
@@ -269,7 +269,7 @@ fn table(job: &Job<'_>, curve: &Curve, largest: usize) -> String {
 mod tests {
     use super::*;
     use stiffarm::builtin;
-    use stiffarm::select::{StartKind, random_group};
+    use stiffarm::plan::select::{StartKind, random_group};
 
     /// One certificate serves the whole curve.
     #[test]

@@ -7,7 +7,7 @@ use crate::table::{Align, Table, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::model::posture::Posture;
-use stiffarm::select::{Dropped, drop_postures};
+use stiffarm::plan::select::{Dropped, drop_postures};
 use stiffarm::{Code, Result};
 
 /// Options of the result.

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
-use stiffarm::select::{DesignedLoad, LoadDesign};
+use stiffarm::plan::select::{DesignedLoad, LoadDesign};
 use stiffarm::units::mm_to_m;
 
 /// What of the load might be chosen.

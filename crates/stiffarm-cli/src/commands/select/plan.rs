@@ -8,12 +8,12 @@ use serde::Serialize;
 use std::collections::HashSet;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::certificate::{Certificate, JointEfficiency};
-use stiffarm::index::{GroupEvaluation, evaluate};
 use stiffarm::internals::optimise::Options as OptimiserOptions;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
-use stiffarm::select::{
+use stiffarm::plan::certificate::{Certificate, JointEfficiency};
+use stiffarm::plan::index::{GroupEvaluation, evaluate};
+use stiffarm::plan::select::{
     GlobalOptions, LoadDesign, Selection, Sensitivity, SensitivityOptions, select_from,
     select_watched, sensitivity,
 };

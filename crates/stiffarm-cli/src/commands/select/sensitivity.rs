@@ -3,7 +3,7 @@
 use super::{number, with_unit};
 use crate::numbers::{coarse_mm, deg, optional_percent, percent};
 use crate::table::{Table, title};
-use stiffarm::select::{PriorCase, Sensitivity, Spread, WORTH_CHANGING};
+use stiffarm::plan::select::{PriorCase, Sensitivity, Spread, WORTH_CHANGING};
 
 /// The examination as a table and plain sentences.
 pub fn table(found: &Sensitivity) -> String {

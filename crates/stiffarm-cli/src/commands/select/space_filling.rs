@@ -8,9 +8,9 @@ use crate::table::title;
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::index::{GroupEvaluation, evaluate as evaluate_group};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::select::{smallest_distance, smallest_margin, space_filling};
+use stiffarm::plan::index::{GroupEvaluation, evaluate as evaluate_group};
+use stiffarm::plan::select::{smallest_distance, smallest_margin, space_filling};
 use stiffarm::units::rad_to_shortest_deg;
 
 /// Options of the result.

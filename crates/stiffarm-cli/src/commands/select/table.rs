@@ -8,9 +8,9 @@ use crate::commands::{posture_remarks, posture_table};
 use crate::numbers::{coarse_mm, optional_percent, percent, significant};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
-use stiffarm::index::{GroupEvaluation, expected_deviation};
 use stiffarm::model::posture::Posture;
-use stiffarm::select::Selection;
+use stiffarm::plan::index::{GroupEvaluation, expected_deviation};
+use stiffarm::plan::select::Selection;
 
 /// k(J_N) above which a posture counts as near a singularity.
 const NEAR_SINGULAR: f64 = 50.0;

@@ -123,7 +123,7 @@ impl Cell {
     ///
     /// # Errors
     /// The cell leaves the length open;
-    /// [`with_characteristic_length`](crate::characteristic_length::with_characteristic_length) computes it.
+    /// [`with_characteristic_length`](crate::plan::characteristic_length::with_characteristic_length) computes it.
     pub fn require_characteristic_length(&self) -> Result<f64> {
         self.characteristic_length.ok_or_else(|| {
             Error::new(

@@ -5,9 +5,9 @@ use super::Plan;
 use super::exchange::{Base, exchange};
 use super::local::{Effort, Local};
 use super::pool::Pool;
-use crate::index::Index;
-use crate::index::criterion::Criterion;
 use crate::numerics::control::Control;
+use crate::plan::index::Index;
+use crate::plan::index::criterion::Criterion;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

@@ -1,14 +1,14 @@
 //! The end of a global selection: the best plan once more by the method of
-//! [`select_from`](crate::select::select_from), which takes maxima and limits
+//! [`select_from`](crate::plan::select::select_from), which takes maxima and limits
 //! as constraints and so finds their corners exactly.
 
 use super::Plan;
 use crate::error::Result;
-use crate::index::Index;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Options, Solution};
-use crate::select::search::Search;
+use crate::plan::index::Index;
+use crate::plan::select::search::Search;
 
 /// Variables beyond which its cost, which grows with their third power, is not
 /// worth it.

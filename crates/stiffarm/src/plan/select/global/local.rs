@@ -4,11 +4,11 @@
 
 use super::Plan;
 use crate::error::Result;
-use crate::index::inputs::Given;
-use crate::index::{Index, IndexFunction};
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
-use crate::select::load_design::LoadDesign;
+use crate::plan::index::inputs::Given;
+use crate::plan::index::{Index, IndexFunction};
+use crate::plan::select::load_design::LoadDesign;
 
 /// Margin kept from every limit \[m\]: hundredths of a millimetre, so that the
 /// penalty need not be driven to rounding errors.

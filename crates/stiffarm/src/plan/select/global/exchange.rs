@@ -3,9 +3,9 @@
 //! Mitchell's variants), by information matrices alone.
 
 use super::pool::Pool;
-use crate::index::Index;
-use crate::index::criterion::Criterion;
-use crate::index::inputs::Given;
+use crate::plan::index::Index;
+use crate::plan::index::criterion::Criterion;
+use crate::plan::index::inputs::Given;
 
 /// Passes over all postures of a group.
 const PASSES: usize = 4;

@@ -2,9 +2,9 @@
 
 use super::global::{GlobalOptions, select_global};
 use crate::error::{Code, Result};
-use crate::index::Index;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
+use crate::plan::index::Index;
 use serde::{Deserialize, Serialize};
 
 /// The best group of one size.

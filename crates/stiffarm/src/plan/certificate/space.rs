@@ -4,13 +4,13 @@
 use super::continuous::{DesignSpace, Effort};
 use super::criterion::trace_of_product;
 use crate::error::{Code, Error, Result};
-use crate::index::kernel::{Kernel, Wanted};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::numerics::control::Control;
 use crate::numerics::information::posture_information;
 use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
+use crate::plan::index::kernel::{Kernel, Wanted};
 use nalgebra::DMatrix;
 
 /// Violation of bounds \[rad\] or limits \[m\] that counts as met.

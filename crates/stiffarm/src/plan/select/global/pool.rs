@@ -2,10 +2,10 @@
 //! their information and k(J_N).
 
 use crate::error::{Code, Error, Result};
-use crate::index::kernel::{Kernel, Wanted};
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::numerics::streams::candidate_rng;
+use crate::plan::index::kernel::{Kernel, Wanted};
 use rand::RngExt;
 
 /// Candidates wanted.

@@ -3,10 +3,10 @@
 
 use super::global::{GlobalOptions, select_global};
 use crate::error::Result;
-use crate::index::{Index, IndexFunction};
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::streams::run_rng;
+use crate::plan::index::{Index, IndexFunction};
 use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};

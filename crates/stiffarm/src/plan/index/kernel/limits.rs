@@ -149,8 +149,8 @@ pub(super) fn update_multipliers(batch: &mut Batch, lanes: usize) -> f64 {
 #[cfg(all(test, feature = "files"))]
 mod tests {
     use crate::builtin;
-    use crate::index::kernel::{Kernel, Wanted};
     use crate::model::observation::PostureTerms;
+    use crate::plan::index::kernel::{Kernel, Wanted};
 
     const WANTED: Wanted<'_> = Wanted {
         dexterity: None,

@@ -1,8 +1,8 @@
 //! What each posture of a group is worth, and which ones to leave out.
 
 use crate::error::{Code, Error, Result};
-use crate::index::{Index, evaluate};
 use crate::model::cell::Cell;
+use crate::plan::index::{Index, evaluate};
 use serde::{Deserialize, Serialize};
 
 /// Subsets up to which all ways of leaving postures out are compared.
@@ -65,7 +65,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
         ));
     }
     // Missing tasks, prior or length are errors, not missing values.
-    crate::index::IndexFunction::new(cell, index, 1)?;
+    crate::plan::index::IndexFunction::new(cell, index, 1)?;
     let value_of = |kept: &[usize]| -> Result<Option<f64>> {
         let group: Vec<&[f64]> = kept.iter().map(|p| postures[*p].as_ref()).collect();
         Ok(evaluate(cell, index.as_str(), &group)?.indices.get(index))

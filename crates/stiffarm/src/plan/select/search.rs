@@ -2,11 +2,11 @@
 //! variable, and the limits of the cell that matter.
 
 use crate::error::{Code, Error, Result};
-use crate::index::{Index, IndexFunction};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::optimise::{Evaluation, Options, Problem, Solution, minimise};
+use crate::plan::index::{Index, IndexFunction};
 
 /// Margin kept from hard limits so that rounding never crosses them \[m\].
 const LIMIT_GUARD: f64 = 5e-10;

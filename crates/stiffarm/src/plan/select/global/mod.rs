@@ -14,12 +14,12 @@ mod pool;
 
 use super::{Selection, StartKind, no_result, smallest_margin};
 use crate::error::{Code, Error, Result};
-use crate::index::inputs::{Inputs, criterion};
-use crate::index::{Index, evaluate};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::chain_rng;
+use crate::plan::index::inputs::{Inputs, criterion};
+use crate::plan::index::{Index, evaluate};
 use crate::units::rad_to_shortest_deg;
 use island::Island;
 use local::{Effort, Local};

@@ -39,10 +39,10 @@ pub use criterion::Criterion;
 pub use space::PostureSpace;
 
 use crate::error::{Code, Error, Result};
-use crate::index::{Index, evaluate};
 use crate::model::cell::{Cell, task_matrix};
 use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
+use crate::plan::index::{Index, evaluate};
 use crate::units::rad_to_shortest_deg;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};

@@ -22,12 +22,12 @@ pub use space_filling::{joint_distance, smallest_distance, space_filling};
 
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
-use crate::index::{GroupEvaluation, Index, Indices, evaluate};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::optimise::Options;
+use crate::plan::index::{GroupEvaluation, Index, Indices, evaluate};
 use crate::units::rad_to_shortest_deg;
 use search::Search;
 use serde::{Deserialize, Serialize};

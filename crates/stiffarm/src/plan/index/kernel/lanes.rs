@@ -20,12 +20,12 @@ macro_rules! entries {
 }
 macro_rules! three {
     (|$i:ident| $entry:expr) => {
-        $crate::index::kernel::lanes::entries!([0, 1, 2], $i, $entry)
+        $crate::plan::index::kernel::lanes::entries!([0, 1, 2], $i, $entry)
     };
 }
 macro_rules! six {
     (|$i:ident| $entry:expr) => {
-        $crate::index::kernel::lanes::entries!([0, 1, 2, 3, 4, 5], $i, $entry)
+        $crate::plan::index::kernel::lanes::entries!([0, 1, 2, 3, 4, 5], $i, $entry)
     };
 }
 pub(crate) use {entries, six, three};

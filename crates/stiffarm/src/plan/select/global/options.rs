@@ -1,7 +1,7 @@
 //! Budgets of a global selection.
 
-use crate::index::Index;
-use crate::select::load_design::LoadDesign;
+use crate::plan::index::Index;
+use crate::plan::select::load_design::LoadDesign;
 use std::time::Duration;
 
 /// What a global selection may use and how long it may go on.

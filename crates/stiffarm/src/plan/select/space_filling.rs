@@ -13,7 +13,7 @@
 //! Limits of the method: the postures come from a finite set of random
 //! feasible ones, and a maximin design of few postures in many joints lies
 //! mostly near the borders of what is feasible. It knows nothing of the load:
-//! whether it determines all joints well is for [`evaluate`](crate::index::evaluate) to say.
+//! whether it determines all joints well is for [`evaluate`](crate::plan::index::evaluate) to say.
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;

@@ -2,10 +2,10 @@
 //! anchor within a box and the loading point within a box on the tool.
 
 use crate::error::{Code, Error, Result};
-use crate::index::IndexFunction;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::observation::Setup;
+use crate::plan::index::IndexFunction;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -193,8 +193,8 @@ impl LoadDesign {
 mod tests {
     use super::*;
     use crate::builtin;
-    use crate::characteristic_length::with_characteristic_length;
-    use crate::index::Index;
+    use crate::plan::characteristic_length::with_characteristic_length;
+    use crate::plan::index::Index;
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
     #[test]

@@ -1,0 +1,9 @@
+//! Which postures to measure: indices, selection, how far a plan is from the best
+//! possible, and what is suspicious about a cell.
+
+pub mod certificate;
+pub mod characteristic_length;
+pub mod check;
+pub mod index;
+pub mod select;
+pub mod zones;
