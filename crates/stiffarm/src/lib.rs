@@ -19,21 +19,18 @@ pub mod compensate;
 pub mod coverage;
 pub mod diagnose;
 pub mod error;
-pub mod experiment;
 pub mod findings;
 pub mod identify;
 pub mod map;
+pub mod measure;
 pub mod model;
 mod numerics;
 pub mod plan;
 pub mod posture_path;
 pub mod predict;
 pub mod predictor;
-pub mod reduction;
-pub mod registration;
 #[cfg(feature = "files")]
 pub mod registration_file;
-pub mod sanity;
 pub mod simulate;
 pub mod study;
 #[cfg(feature = "files")]

@@ -1,7 +1,7 @@
 //! A saved registration.
 
 use crate::error::{Code, Error, Result};
-use crate::registration::{Registration, RegistrationRecord};
+use crate::measure::registration::{Registration, RegistrationRecord};
 use serde_json::Value;
 
 /// Reads a registration that `stiffarm register --output` or `--json` wrote,

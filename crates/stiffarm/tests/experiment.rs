@@ -4,10 +4,11 @@ mod common;
 
 use common::{group1, random::Dice, reference_cell};
 use nalgebra::{DVector, Isometry3, Vector3};
-use stiffarm::experiment::{
+use stiffarm::measure::experiment::{
     BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
     TrackerNoise, experiment,
 };
+use stiffarm::measure::registration::{PointPair, register};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
 use stiffarm::model::kinematics::Frames;
@@ -17,7 +18,6 @@ use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::stiffness::equilibrium_displacement;
 use stiffarm::model::tool::{NamedPoint, SeriesCompliance};
-use stiffarm::registration::{PointPair, register};
 
 fn cell_with_sensor() -> Cell {
     let mut cell = reference_cell();

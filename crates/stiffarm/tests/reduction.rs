@@ -9,10 +9,11 @@ use common::{cases, reference_cell};
 use nalgebra::{DVector, Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use stiffarm::Code;
-use stiffarm::experiment::{
+use stiffarm::findings::Severity;
+use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise,
 };
-use stiffarm::findings::Severity;
+use stiffarm::measure::reduction::{Clock, ReduceOptions, Reduction, reduce};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
 use stiffarm::model::kinematics::Frames;
@@ -20,7 +21,6 @@ use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::measurement::{Displacement, MeasuredPosture, Reading, ReadingTable, Target};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::tool::NamedPoint;
-use stiffarm::reduction::{Clock, ReduceOptions, Reduction, reduce};
 
 /// Tracker anywhere, sensor turned and shifted, weights, offsets, drift, servo
 /// give, base motion, several load states.

@@ -7,11 +7,11 @@ use common::random::Dice;
 use common::readings::*;
 use common::reference_cell;
 use nalgebra::{Isometry3, Vector3};
-use stiffarm::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
 use stiffarm::findings::Severity;
+use stiffarm::measure::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
+use stiffarm::measure::reduction::reduce;
 use stiffarm::model::measurement::Target;
 use stiffarm::model::posture::Posture;
-use stiffarm::reduction::reduce;
 
 /// Postures of an arm whose geometry is wrong as real ones are, none of them
 /// mistyped: how often is one left out?

@@ -8,7 +8,7 @@ use common::random::Dice;
 use nalgebra::{Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use stiffarm::registration::{
+use stiffarm::measure::registration::{
     PointPair, RegisterOptions, Registration, RegistrationRecord, register, register_with,
 };
 

@@ -6,7 +6,9 @@ use common::random::Dice;
 use nalgebra::{Isometry3, Vector3};
 use std::fmt::Write;
 use stiffarm::Code;
-use stiffarm::registration::{PointPair, RegisterOptions, Registration, register, register_with};
+use stiffarm::measure::registration::{
+    PointPair, RegisterOptions, Registration, register, register_with,
+};
 
 /// Noise of each coordinate in either frame \[m\]: a laser tracker at a few metres.
 const NOISE: f64 = 2e-5;

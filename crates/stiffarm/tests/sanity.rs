@@ -6,10 +6,11 @@ use common::{group1, random::Dice};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 use stiffarm::builtin;
-use stiffarm::experiment::{
+use stiffarm::findings::Severity;
+use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,
 };
-use stiffarm::findings::Severity;
+use stiffarm::measure::sanity::{Cause, Sanity, Suspicion, inspect};
 use stiffarm::model::cell::{Cell, Limits};
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Load;
@@ -17,7 +18,6 @@ use stiffarm::model::measurement::{ReadingTable, Target};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
 use stiffarm::plan::select::{StartKind, random_group};
-use stiffarm::sanity::{Cause, Sanity, Suspicion, inspect};
 use stiffarm::units::{mm_to_m, rad_to_deg};
 
 /// The default cell with a turned flange sensor.

@@ -7,15 +7,15 @@ mod common;
 use common::default_cell;
 use common::random::Dice;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use stiffarm::experiment::{DisplacementModel, Experiment, experiment};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::identify::{IdentifyOptions, identify};
+use stiffarm::measure::experiment::{DisplacementModel, Experiment, experiment};
+use stiffarm::measure::reduction::{ReduceOptions, reduce};
+use stiffarm::measure::sanity::inspect;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::select::{StartKind, random_group};
-use stiffarm::reduction::{ReduceOptions, reduce};
-use stiffarm::sanity::inspect;
 
 fn pose(dice: &mut Dice, reach: f64) -> Isometry3<f64> {
     let mut number = || dice.between(-1.0, 1.0);

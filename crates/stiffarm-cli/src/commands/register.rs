@@ -9,7 +9,7 @@ use crate::session::Session;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::registration::{
+use stiffarm::measure::registration::{
     PointPair, RegisterOptions, Registration, RegistrationRecord, register_with,
 };
 use stiffarm::table::read_pairs;

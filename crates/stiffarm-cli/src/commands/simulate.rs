@@ -9,7 +9,7 @@ use crate::session::Session;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::experiment::{Experiment, experiment};
+use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm::model::cell::Cell;
 use stiffarm::simulate::{
     GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,

@@ -4,8 +4,8 @@ use super::grid::{Column, Row, Table};
 use super::heading::Known;
 use super::quantity::Quantity;
 use crate::error::{Code, Result};
+use crate::measure::registration::PointPair;
 use crate::model::cell::Columns;
-use crate::registration::PointPair;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 

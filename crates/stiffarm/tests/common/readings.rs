@@ -2,10 +2,11 @@
 
 use super::{group1, reference_cell};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
-use stiffarm::experiment::{
+use stiffarm::findings::Finding;
+use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment,
 };
-use stiffarm::findings::Finding;
+use stiffarm::measure::reduction::{ReduceOptions, Reduction, reduce};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Wrench;
@@ -13,7 +14,6 @@ use stiffarm::model::measurement::{MeasuredPosture, Reading, ReadingTable};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::tool::NamedPoint;
-use stiffarm::reduction::{ReduceOptions, Reduction, reduce};
 
 /// What the controllers give way per torque \[rad/(N·m)\].
 pub const GIVE: [f64; 6] = [2e-8, 1e-8, 3e-8, 5e-8, 4e-8, 6e-8];

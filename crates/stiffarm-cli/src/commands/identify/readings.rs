@@ -6,10 +6,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::identify::ReadingScatter;
+use stiffarm::measure::reduction::{ReduceOptions, Reduction, UnloadedRegistration, reduce};
+use stiffarm::measure::sanity::{Sanity, inspect};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::reduction::{ReduceOptions, Reduction, UnloadedRegistration, reduce};
-use stiffarm::sanity::{Sanity, inspect};
 use stiffarm::table::Measurements;
 use stiffarm::{Error, Result};
 

@@ -7,7 +7,7 @@
 
 use super::Seen;
 use crate::error::Result;
-use crate::registration::{PointPair, Registration, register, rigid_transform};
+use crate::measure::registration::{PointPair, Registration, register, rigid_transform};
 use nalgebra::{Isometry3, Vector3};
 
 /// A posture whose residual is so many times that of the others disagrees. With

@@ -1,7 +1,7 @@
 //! Rigid fits of points, and the other orders in which points can be labelled.
 
+use crate::measure::registration::rigid_transform;
 use crate::numerics::information::svd;
-use crate::registration::rigid_transform;
 use nalgebra::{DMatrix, Isometry3, Vector3};
 
 /// Two positions of one point: where it is seen, where it should be \[m\].
