@@ -3,10 +3,10 @@
 
 use crate::session::Session;
 use serde_json::Value;
-use stiffarm::budget::Budget;
-use stiffarm::identify::Estimates;
+use stiffarm::estimate::budget::Budget;
+use stiffarm::estimate::identify::Estimates;
+use stiffarm::estimate::predictor::{FittedNoise, Predictor};
 use stiffarm::model::cell::Cell;
-use stiffarm::predictor::{FittedNoise, Predictor};
 use stiffarm::{Code, Error, Result};
 
 /// Stands for the cell's prior stiffness where a file name could stand.

@@ -3,7 +3,7 @@
 mod support;
 
 use insta::assert_snapshot;
-use stiffarm::clamped::{ClampedPosture, ClampedSimulation, MotorMove, simulate_clamped};
+use stiffarm::estimate::clamped::{ClampedPosture, ClampedSimulation, MotorMove, simulate_clamped};
 use stiffarm::model::cell::Cell;
 use stiffarm::table::{read_postures, write_clamped};
 use support::Folder;

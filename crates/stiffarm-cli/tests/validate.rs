@@ -45,11 +45,11 @@ fn saved_further_terms_are_used_and_not_lost() {
     let table = folder.read("simulated.csv");
     let data = stiffarm::table::read_displacements(table.as_bytes(), "simulated.csv", &cell, None)
         .unwrap();
-    let options = stiffarm::identify::IdentifyOptions {
+    let options = stiffarm::estimate::identify::IdentifyOptions {
         extra: vec![stiffarm::model::observation::ExtraTerm::JointTilt(2)],
         ..Default::default()
     };
-    let fit = stiffarm::identify::identify(&cell, &data, &options).unwrap();
+    let fit = stiffarm::estimate::identify::identify(&cell, &data, &options).unwrap();
     let mut saved = serde_json::to_value(&fit).unwrap();
     folder.write("tilt.json", saved.to_string());
     let with = folder.json("validate builtin:comau tilt.json simulated.csv");

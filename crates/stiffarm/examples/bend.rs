@@ -14,10 +14,10 @@ use std::time::Instant;
 use stiffarm::Control;
 use stiffarm::builtin;
 use stiffarm::compensate::{CompensateOptions, compensate};
+use stiffarm::estimate::predictor::Predictor;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::LoadedPosture;
 use stiffarm::predict::{PredictOptions, predict};
-use stiffarm::predictor::Predictor;
 
 /// Repeats of each measurement; the median counts.
 const REPEATS: usize = 5;

@@ -10,8 +10,9 @@
 //! Whatever the way, the command is checked by the equilibrium from its side.
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::identify::rms;
+use crate::estimate::predictor::Predictor;
 use crate::findings::{Finding, Severity, length, percent};
-use crate::identify::rms;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
@@ -20,7 +21,6 @@ use crate::numerics::control::Control;
 use crate::numerics::information::svd::svd;
 use crate::numerics::jobs::in_order_watched;
 use crate::predict::{ArmAtWork, Bands, TipBand, motion};
-use crate::predictor::Predictor;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};

@@ -8,19 +8,14 @@
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
-pub mod advise;
-pub mod budget;
 #[cfg(feature = "files")]
 pub mod builtin;
 #[cfg(feature = "files")]
 pub mod cell_file;
-pub mod clamped;
 pub mod compensate;
-pub mod coverage;
-pub mod diagnose;
 pub mod error;
+pub mod estimate;
 pub mod findings;
-pub mod identify;
 pub mod map;
 pub mod measure;
 pub mod model;
@@ -28,15 +23,12 @@ mod numerics;
 pub mod plan;
 pub mod posture_path;
 pub mod predict;
-pub mod predictor;
 #[cfg(feature = "files")]
 pub mod registration_file;
-pub mod simulate;
 pub mod study;
 #[cfg(feature = "files")]
 pub mod table;
 pub mod units;
-pub mod validate;
 
 pub use error::{Code, Error, Result};
 pub use numerics::control::{Control, Report, Stop, Termination};

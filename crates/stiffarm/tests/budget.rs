@@ -5,8 +5,11 @@ mod common;
 
 use nalgebra::{Matrix6, Rotation3, Vector3};
 use stiffarm::Control;
-use stiffarm::budget::{Budget, BudgetSource, budget};
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Scale, fit, identify, profile};
+use stiffarm::estimate::budget::{Budget, BudgetSource, budget};
+use stiffarm::estimate::identify::{
+    Estimator, IdentifyOptions, NoiseSource, Scale, fit, identify, profile,
+};
+use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
@@ -17,7 +20,6 @@ use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::select_from;
-use stiffarm::validate::{Model, simulate_measurements};
 
 const ARC_MINUTE: f64 = std::f64::consts::PI / 180.0 / 60.0;
 

@@ -10,11 +10,15 @@ use nalgebra::{
 use proptest::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use stiffarm::Code;
-use stiffarm::clamped::{
+use stiffarm::estimate::clamped::{
     ClampedPosture, ClampedSimulation, MotorMove, clamped_system, identify_clamped,
     simulate_clamped,
 };
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Verdict, Weights, identify};
+use stiffarm::estimate::identify::{
+    Estimator, IdentifyOptions, NoiseSource, Verdict, Weights, identify,
+};
+use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::kinematics::Frames;
@@ -23,9 +27,7 @@ use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{DhConvention, DhRow, Robot};
 use stiffarm::model::stiffness::{displacement_between, linear_displacement};
-use stiffarm::predictor::Predictor;
 use stiffarm::table::{read_clamped, write_clamped};
-use stiffarm::validate::{Model, simulate_measurements, validate_with};
 
 const FALSE_ALARM: f64 = 1e-6;
 

@@ -8,8 +8,9 @@ use common::{default_cell, random_group};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
 use stiffarm::compensate::{CompensateOptions, command, compensate};
-use stiffarm::diagnose::diagnose;
-use stiffarm::identify::{IdentifyOptions, identify};
+use stiffarm::estimate::diagnose::diagnose;
+use stiffarm::estimate::identify::{IdentifyOptions, identify};
+use stiffarm::estimate::predictor::Predictor;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
@@ -18,7 +19,6 @@ use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::predict::ArmAtWork;
-use stiffarm::predictor::Predictor;
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {

@@ -12,16 +12,16 @@ mod page;
 use common::{random_group, reference_cell};
 use stiffarm::Code;
 use stiffarm::Control;
-use stiffarm::coverage::{
+use stiffarm::error::Result;
+use stiffarm::estimate::coverage::{
     Coverage, CoverageCase, Intervals, Outliers, Record, Truth, World, coverage, measured, records,
 };
-use stiffarm::error::Result;
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter};
+use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::plan::select::{StartKind, random_group as draw_group};
-use stiffarm::simulate::ModelErrors;
 
 /// The reference cell with `points` measuring points and two readings for a displacement.
 fn cell(points: usize) -> Cell {
@@ -202,10 +202,10 @@ fn tracker_weights_cover_under_the_trackers_noise() {
     });
     let mut case = case(Estimator::Weighted, 20_000);
     case.world.tracker_errors = true;
-    case.options.weights = stiffarm::identify::Weights::Tracker;
+    case.options.weights = stiffarm::estimate::identify::Weights::Tracker;
     let weighted = count(&cell, &postures(6), &case);
     assert_exact(&weighted, "tracker");
-    case.options.weights = stiffarm::identify::Weights::Readings;
+    case.options.weights = stiffarm::estimate::identify::Weights::Readings;
     let plain = count(&cell, &postures(6), &case);
     assert!(weighted.relative_half_width < plain.relative_half_width);
 }

@@ -13,17 +13,17 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
-use stiffarm::diagnose::{
+use stiffarm::estimate::diagnose::{
     Agreement, Diagnosis, OutlierKind, diagnose, joint_signals, load_states, noise_test, outliers,
     second_order_shares, try_terms,
 };
-use stiffarm::identify::{Estimator, IdentifyOptions, identify};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, identify};
+use stiffarm::estimate::validate::{Model, calculated_displacements, simulate_measurements};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::validate::{Model, calculated_displacements, simulate_measurements};
 
 /// Twelve postures: Group 1 and the random group.
 fn postures() -> Vec<Posture> {

@@ -7,7 +7,9 @@ use common::random::Dice;
 use common::{group1, reference_cell};
 use nalgebra::{DMatrix, Vector3, Vector6};
 use stiffarm::Control;
-use stiffarm::identify::{IdentifyOptions, Verdict, identify};
+use stiffarm::estimate::identify::{IdentifyOptions, Verdict, identify};
+use stiffarm::estimate::simulate::{SimulationOptions, simulate};
+use stiffarm::estimate::validate::{Model as Deflection, simulate_measurements};
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
@@ -18,8 +20,6 @@ use stiffarm::model::stiffness::{equilibrium, joint_compliance, linear_displacem
 use stiffarm::plan::characteristic_length::characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction, error_bound, evaluate};
 use stiffarm::plan::select::select_from;
-use stiffarm::simulate::{SimulationOptions, simulate};
-use stiffarm::validate::{Model as Deflection, simulate_measurements};
 use stiffarm::{Code, Error};
 
 fn named(postures: &[Vec<f64>]) -> Vec<Posture> {

@@ -7,7 +7,7 @@ use common::random::Dice;
 use common::{cases, random_group, reference_cell};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use proptest::prelude::*;
-use stiffarm::identify::{
+use stiffarm::estimate::identify::{
     Assumptions, Block, Estimator, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared,
     PriorKnowledge, RowLabel, Scale, Solution, Verdict, Weights, Whitened, bootstrap, identify,
     measured_system,
@@ -470,7 +470,7 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let robust = with(&spoiled, Estimator::Huber);
     let plain = with(&spoiled, Estimator::Ordinary);
     for j in 0..6 {
-        let shift = |found: &stiffarm::identify::Identification| {
+        let shift = |found: &stiffarm::estimate::identify::Identification| {
             let error = reference.joints[j].compliance_standard_error.unwrap();
             (found.joints[j].compliance.unwrap() - reference.joints[j].compliance.unwrap()).abs()
                 / error

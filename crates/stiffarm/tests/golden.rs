@@ -13,7 +13,7 @@ use common::{
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix4, UnitQuaternion, Vector3};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, PI};
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
 use stiffarm::internals::information::Factor;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
@@ -257,7 +257,7 @@ fn identification_of_noisy_displacements() {
     let result = identify(&cell, &measured, &ordinary()).unwrap();
     assert_eq!((result.rows, result.degrees_of_freedom), (72, 66));
     assert!(result.is_complete());
-    let per_joint = |get: &dyn Fn(&stiffarm::identify::JointEstimate) -> Option<f64>| {
+    let per_joint = |get: &dyn Fn(&stiffarm::estimate::identify::JointEstimate) -> Option<f64>| {
         result
             .joints
             .iter()

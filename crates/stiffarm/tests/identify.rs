@@ -6,11 +6,12 @@ mod common;
 use common::reference_cell;
 use nalgebra::{DVector, Vector3};
 use stiffarm::Control;
-use stiffarm::advise::next_posture;
-use stiffarm::identify::{
+use stiffarm::estimate::advise::next_posture;
+use stiffarm::estimate::identify::{
     Estimator, Identification, IdentifyOptions, Verdict, Weights, identify, leave_one_out,
     measured_system,
 };
+use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
@@ -18,7 +19,6 @@ use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
-use stiffarm::validate::{Model, simulate_measurements};
 
 /// Postures in which only joints 1 and 2 move and the wrist stays as given.
 fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {

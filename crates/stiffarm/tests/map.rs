@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::Code;
 use stiffarm::Control;
+use stiffarm::estimate::predictor::{Predictor, Spread};
 use stiffarm::map::{
     MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
 };
@@ -18,7 +19,6 @@ use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
 use stiffarm::model::process::{ForceAxes, Process, TipLoad};
 use stiffarm::predict::{ArmAtWork, PredictOptions, Prediction, predict};
-use stiffarm::predictor::{Predictor, Spread};
 
 fn down() -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(PI, 0.0, 0.0)

@@ -10,14 +10,14 @@ use common::random::Dice;
 use common::{group1, random_group, reference_cell};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
 use stiffarm::Control;
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::estimate::simulate::{LevelResult, Simulation, SimulationOptions, simulate};
+use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::select::select_from;
-use stiffarm::simulate::{LevelResult, Simulation, SimulationOptions, simulate};
-use stiffarm::validate::{Model, simulate_measurements};
 
 /// Probability of a false alarm in all comparisons of one test together.
 const FALSE_ALARM: f64 = 1e-3;

@@ -9,8 +9,10 @@ use common::{
 };
 use nalgebra::{DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
-use stiffarm::budget::budget;
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::estimate::budget::budget;
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::validate::simulate_measurements;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::observation::{ExtraTerm, PostureTerms};
@@ -19,8 +21,6 @@ use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::{Model, cartesian_stiffness, equilibrium, stiffness_correction};
 use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, predict};
-use stiffarm::predictor::Predictor;
-use stiffarm::validate::simulate_measurements;
 
 fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {
@@ -377,7 +377,7 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
             let change = Vector3::from(shifted.shift_m) - Vector3::from(point.shift_m);
             let one = Predictor {
                 spread: None,
-                common: vec![stiffarm::predictor::CommonError {
+                common: vec![stiffarm::estimate::predictor::CommonError {
                     name: error.name.clone(),
                     parts: vec![part.clone()],
                 }],

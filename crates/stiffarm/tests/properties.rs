@@ -8,7 +8,12 @@ use common::{cases, relative_error};
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
-use stiffarm::identify::{IdentifyOptions, NoiseSource, Weights, identify, measured_system};
+use stiffarm::estimate::identify::{
+    IdentifyOptions, NoiseSource, Weights, identify, measured_system,
+};
+use stiffarm::estimate::validate::{
+    Model as Deflection, calculated_displacements, simulate_measurements,
+};
 use stiffarm::internals::information::{Factor, posture_information};
 use stiffarm::model::dexterity;
 use stiffarm::model::kinematics::Frames;
@@ -22,7 +27,6 @@ use stiffarm::model::stiffness::{
 };
 use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::plan::index::{Index, error_bound, evaluate};
-use stiffarm::validate::{Model as Deflection, calculated_displacements, simulate_measurements};
 
 /// A random model with as many joints as asked, any load, any springs.
 fn models(joints: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = (Model, Dice)> {

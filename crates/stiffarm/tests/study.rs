@@ -4,10 +4,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiffarm::builtin;
+use stiffarm::estimate::simulate::SimulationOptions;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
-use stiffarm::simulate::SimulationOptions;
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Control, Termination};
 

@@ -7,18 +7,18 @@ use common::{group1, random_group, reference_cell};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
 use stiffarm::Code;
-use stiffarm::identify::{
+use stiffarm::estimate::identify::{
     Estimator, IdentifyOptions, NoiseSource, identify, leave_one_out, measured_system,
+};
+use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::validate::{
+    Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
 };
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::predictor::Predictor;
-use stiffarm::validate::{
-    Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
-};
 
 const FALSE_ALARM: f64 = 1e-6;
 

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, Weights};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, Weights};
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::model::robot::Robot;
 use stiffarm::{Code, Error, Result};

@@ -2,7 +2,7 @@
 
 use super::{FitArgs, count};
 use clap::{Args, ValueEnum};
-use stiffarm::validate::Model;
+use stiffarm::estimate::validate::Model;
 
 #[derive(Debug, Args)]
 pub struct RegisterArgs {

@@ -12,14 +12,14 @@ use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
 use stiffarm::cell_file::cell_schema;
-use stiffarm::clamped::ClampedIdentification;
+use stiffarm::estimate::clamped::ClampedIdentification;
+use stiffarm::estimate::simulate::Simulation;
+use stiffarm::estimate::validate::Validation;
 use stiffarm::map::{Placement, StiffnessMap};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::zones::Zones;
-use stiffarm::simulate::Simulation;
 use stiffarm::study::Study;
-use stiffarm::validate::Validation;
 
 /// Prints one schema.
 pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {

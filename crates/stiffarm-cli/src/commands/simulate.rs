@@ -9,14 +9,14 @@ use crate::session::Session;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::measure::experiment::{Experiment, experiment};
-use stiffarm::model::cell::Cell;
-use stiffarm::simulate::{
+use stiffarm::estimate::simulate::{
     GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
 };
+use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::measure::experiment::{Experiment, experiment};
+use stiffarm::model::cell::Cell;
 use stiffarm::table::{write_displacements, write_readings};
 use stiffarm::units::{deg_to_rad, m_to_mm, mm_to_m};
-use stiffarm::validate::{Model, simulate_measurements};
 use stiffarm::{Code, Error, Result};
 
 /// Options of the result.

@@ -11,13 +11,13 @@ use crate::session::Session;
 use crate::table::{Align, Table, green, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::estimate::identify::{Estimator, NoiseSource};
+use stiffarm::estimate::validate::{Model, PointBand, Validation, cross_validate, validate_with};
 use stiffarm::findings::{Severity, list};
-use stiffarm::identify::{Estimator, NoiseSource};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::units::mm_to_m;
-use stiffarm::validate::{Model, PointBand, Validation, cross_validate, validate_with};
 use stiffarm::{Code, Error, Result};
 
 /// Options of the result.

@@ -349,7 +349,9 @@ pub(super) fn slug(name: &str) -> String {
 }
 
 /// The deviation of each group at the illustration level, with its name.
-pub(super) fn illustration(study: &Study) -> Vec<(&str, &stiffarm::simulate::LevelResult)> {
+pub(super) fn illustration(
+    study: &Study,
+) -> Vec<(&str, &stiffarm::estimate::simulate::LevelResult)> {
     let level = illustration_level(study);
     study
         .simulation

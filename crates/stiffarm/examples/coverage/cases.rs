@@ -4,16 +4,18 @@ use crate::page::{BESIDE, EXACT, INEXACT, TWO_VARIANCE};
 use nalgebra::Vector3;
 use stiffarm::Control;
 use stiffarm::builtin;
-use stiffarm::coverage::{CoverageCase, Intervals, Outliers, Truth, World};
 use stiffarm::error::Result;
-use stiffarm::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter, Weights};
+use stiffarm::estimate::coverage::{CoverageCase, Intervals, Outliers, Truth, World};
+use stiffarm::estimate::identify::{
+    Estimator, IdentifyOptions, NoiseSource, ReadingScatter, Weights,
+};
+use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{StartKind, random_group, select_from};
-use stiffarm::simulate::ModelErrors;
 
 /// One row of the page before it is simulated.
 pub struct Row {

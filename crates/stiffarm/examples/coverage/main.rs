@@ -10,7 +10,7 @@ mod page;
 use cases::{Bench, Row};
 use std::path::Path;
 use stiffarm::Control;
-use stiffarm::coverage::{Coverage, Record, coverage};
+use stiffarm::estimate::coverage::{Coverage, Record, coverage};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let most = most()?;

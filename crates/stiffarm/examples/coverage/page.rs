@@ -1,7 +1,7 @@
 //! The page `docs/coverage.md`, from the table alone.
 
 use std::fmt::Write;
-use stiffarm::coverage::{Intervals, Record};
+use stiffarm::estimate::coverage::{Intervals, Record};
 
 /// Names of the tables of the page.
 pub const EXACT: &str = "exact";

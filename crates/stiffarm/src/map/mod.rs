@@ -19,11 +19,11 @@ pub use placement::{PlaceOptions, Placed, Placement, PlacementCandidate, place};
 pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
 
 use crate::error::Result;
+use crate::estimate::predictor::Predictor;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::predict::{ArmAtWork, Bands};
-use crate::predictor::Predictor;
 use node::evaluate;
 use reach::Reach;
 

@@ -6,13 +6,13 @@ use super::options::{check_turns, grid};
 use super::result::{no_band, place_words, unknown_limits};
 use super::search::{Place, Search};
 use crate::error::{Code, Error, Result};
+use crate::estimate::predictor::Predictor;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::predict::ArmAtWork;
-use crate::predictor::Predictor;
 use crate::units::deg_to_rad;
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,7 @@ use super::placement::{PlaceOptions, Placed, PlacementCandidate};
 use super::prepared::Prepared;
 use super::reach::{Reach, Refusal, is_better};
 use crate::error::Result;
-use crate::identify::rms;
+use crate::estimate::identify::rms;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::path::{PathPoint, Target};

@@ -11,8 +11,8 @@ mod free_turn;
 mod tracks;
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::identify::rms;
 use crate::findings::{Finding, Severity, length, percent};
-use crate::identify::rms;
 use crate::model::dexterity::condition_number;
 use crate::model::inverse::{InverseKinematics, Method, Outcome};
 use crate::model::kinematics::Frames;

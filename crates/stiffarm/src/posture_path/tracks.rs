@@ -2,7 +2,7 @@
 
 use super::{Search, change};
 use crate::error::{Code, Error, Result};
-use crate::identify::rms;
+use crate::estimate::identify::rms;
 use crate::model::inverse::Method;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;

@@ -2,6 +2,7 @@
 //! first order, and how that depends on the identified compliances.
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::predictor::Predictor;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
@@ -9,7 +10,6 @@ use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
 use crate::model::robot::Robot;
 use crate::model::stiffness::{compliance_of_springs, equilibrium_from};
 use crate::model::tool::{NamedPoint, Tool};
-use crate::predictor::Predictor;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// An arm with its springs, loaded at the tool tip unless

@@ -1,8 +1,8 @@
 //! How sure a predicted deflection is.
 
 use crate::error::Result;
-use crate::identify::quantile;
-use crate::predictor::Predictor;
+use crate::estimate::identify::quantile;
+use crate::estimate::predictor::Predictor;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -3,14 +3,14 @@
 use super::band::Bands;
 use super::{ArmAtWork, CartesianStiffness, TipBand};
 use crate::error::{Code, Error, Result};
+use crate::estimate::identify::rms;
+use crate::estimate::predictor::Predictor;
 use crate::findings::{Finding, Severity, length, percent};
-use crate::identify::rms;
 use crate::model::cell::Cell;
 use crate::model::path::LoadedPosture;
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::predictor::Predictor;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -8,8 +8,10 @@ mod verdict;
 pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 
 use crate::error::Result;
+use crate::estimate::identify::{Estimator, Identification, IdentifyOptions, identify};
+use crate::estimate::simulate::{Simulation, SimulationOptions, simulate};
+use crate::estimate::validate::{Model, Validation, simulate_measurements, validate};
 use crate::findings::{Finding, Severity};
-use crate::identify::{Estimator, Identification, IdentifyOptions, identify};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, Rows, observation_matrix};
 use crate::model::posture::PostureGroup;
@@ -20,9 +22,7 @@ use crate::numerics::optimise::Options;
 use crate::plan::characteristic_length::with_characteristic_length;
 use crate::plan::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
 use crate::plan::select::{Selection, select_from};
-use crate::simulate::{Simulation, SimulationOptions, simulate};
 use crate::units::rad_to_shortest_deg;
-use crate::validate::{Model, Validation, simulate_measurements, validate};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 

@@ -1,10 +1,10 @@
 //! The verdict of a study in sentences.
 
 use super::{INITIAL_GROUP, STUDY_INDICES, StartsOfKind, Study, StudyGroup};
+use crate::estimate::simulate::FIRST_ORDER_LIMIT;
 use crate::findings::{Finding, Severity, list, percent};
 use crate::numerics::sample::mean;
 use crate::plan::index::Index;
-use crate::simulate::FIRST_ORDER_LIMIT;
 
 /// Fills in the recommendation and the findings.
 pub(super) fn conclude(study: &mut Study) {

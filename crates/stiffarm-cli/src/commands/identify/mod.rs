@@ -18,15 +18,15 @@ use readings::Reduced;
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Control;
-use stiffarm::advise::{Advice, next_posture};
-use stiffarm::budget::{Budget, budget};
-use stiffarm::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
-use stiffarm::diagnose::{Diagnosis, diagnose};
-use stiffarm::findings::Severity;
-use stiffarm::identify::{
+use stiffarm::estimate::advise::{Advice, next_posture};
+use stiffarm::estimate::budget::{Budget, budget};
+use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
+use stiffarm::estimate::diagnose::{Diagnosis, diagnose};
+use stiffarm::estimate::identify::{
     Bootstrap, Estimator, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
     bootstrap, identify, implausible_scale, profile,
 };
+use stiffarm::findings::Severity;
 use stiffarm::model::measurement::{MeasuredPosture, split_by_name};
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::plan::select::GlobalOptions;

@@ -3,9 +3,9 @@
 use super::{Identified, words};
 use crate::numbers::{NONE, mm, optional, optional_percent, percent, significant, stiffness};
 use crate::table::{Align, Table, title};
-use stiffarm::budget::{Budget, BudgetSource};
-use stiffarm::diagnose::{JointSignal, TermTrials};
-use stiffarm::identify::{Bootstrap, Estimates, Identification, JointEstimate, Verdict};
+use stiffarm::estimate::budget::{Budget, BudgetSource};
+use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
+use stiffarm::estimate::identify::{Bootstrap, Estimates, Identification, JointEstimate, Verdict};
 use stiffarm::units::{m_to_mm, rad_to_deg};
 
 /// Postures whose residuals the table shows.

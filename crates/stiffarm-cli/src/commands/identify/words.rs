@@ -4,11 +4,11 @@ use super::Identified;
 use super::readings::marked;
 use crate::numbers::{mm, percent, significant, stiffness};
 use crate::table::{Table, red, title};
-use stiffarm::coverage::{Intervals, MeasuredCoverage, measured};
-use stiffarm::findings::list;
-use stiffarm::identify::{
+use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
+use stiffarm::estimate::identify::{
     Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
 };
+use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::MeasuredPosture;
 

@@ -2,8 +2,8 @@
 
 use super::tails::{LEVEL, chi_squared_tails};
 use crate::error::Result;
+use crate::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, fit};
 use crate::findings::{Finding, Severity, length, probability};
-use crate::identify::{Estimator, IdentifyOptions, NoiseSource, fit};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
@@ -56,7 +56,7 @@ pub struct NoiseTest {
 /// of freedom is left.
 ///
 /// # Errors
-/// As [`identify`](crate::identify::identify()).
+/// As [`identify`](crate::estimate::identify::identify()).
 pub fn noise_test(
     cell: &Cell,
     measured: &[MeasuredPosture],

@@ -2,13 +2,13 @@
 
 use super::{CoverageCase, Estimator};
 use crate::error::{Code, Error, Result};
-use crate::identify::MeasuredSystem;
+use crate::estimate::identify::MeasuredSystem;
+use crate::estimate::simulate::{ModelErrors, normal};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::model::posture::Posture;
-use crate::simulate::{ModelErrors, normal};
 use nalgebra::{DVector, Matrix3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -86,7 +86,7 @@ pub(super) struct Scene<'a> {
     /// Postures and states with displacements of zero, as [`measured_system`]
     /// takes them.
     ///
-    /// [`measured_system`]: crate::identify::measured_system
+    /// [`measured_system`]: crate::estimate::identify::measured_system
     measured: Vec<MeasuredPosture>,
     /// Compliances about which the truth lies \[rad/(N·m)\].
     compliance: Vec<f64>,

@@ -4,11 +4,11 @@
 
 use super::tails::{LEVEL, two_sided};
 use crate::error::Result;
-use crate::findings::{Finding, Severity, length, list, percent};
-use crate::identify::{
+use crate::estimate::identify::{
     Identification, IdentifyOptions, JointEstimate, Verdict, identify, leave_one_out,
     measured_system,
 };
+use crate::findings::{Finding, Severity, length, list, percent};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::ExtraTerm;

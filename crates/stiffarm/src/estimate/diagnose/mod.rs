@@ -22,8 +22,8 @@ pub use states::{LoadStates, PooledStates, PostureStates, load_states};
 pub use terms::{TermTrial, TermTrials, try_terms};
 
 use crate::error::Result;
+use crate::estimate::identify::{IdentifyOptions, LeaveOneOut, identify, leave_one_out};
 use crate::findings::{Finding, Severity, list};
-use crate::identify::{IdentifyOptions, LeaveOneOut, identify, leave_one_out};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
@@ -61,7 +61,7 @@ pub struct Diagnosis {
 /// Diagnoses the identification of `measured` under `options`.
 ///
 /// # Errors
-/// As [`identify`](crate::identify::identify()).
+/// As [`identify`](crate::estimate::identify::identify()).
 pub fn diagnose(
     cell: &Cell,
     measured: &[MeasuredPosture],
@@ -76,9 +76,10 @@ pub fn diagnose(
         None => noise::untested(cell),
     });
     findings.extend(outliers.findings());
-    let postures = crate::identify::measured_system(cell, measured, &[], options.weights)?
-        .blocks
-        .len();
+    let postures =
+        crate::estimate::identify::measured_system(cell, measured, &[], options.weights)?
+            .blocks
+            .len();
     let influence = match postures > 1 {
         true => Some(leave_one_out(cell, measured, options)?),
         false => None,

@@ -9,8 +9,10 @@ pub use band::{BandShare, PointBand};
 pub use folds::cross_validate;
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::identify::{Weights, known_displacement, measured_system, rms};
+use crate::estimate::predictor::Predictor;
+use crate::estimate::simulate::draw_noise;
 use crate::findings::Finding;
-use crate::identify::{Weights, known_displacement, measured_system, rms};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::PostureTerms;
@@ -19,8 +21,6 @@ use crate::model::stiffness::{
     displacement_between, equilibrium, joint_compliance, linear_displacement,
 };
 use crate::numerics::streams::run_rng;
-use crate::predictor::Predictor;
-use crate::simulate::draw_noise;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

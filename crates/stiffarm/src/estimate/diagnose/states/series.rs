@@ -2,7 +2,7 @@
 //! curves through them.
 
 use crate::error::Result;
-use crate::identify::{Block, Fit, RowLabel};
+use crate::estimate::identify::{Block, Fit, RowLabel};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::PostureTerms;

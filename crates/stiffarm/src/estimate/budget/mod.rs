@@ -11,8 +11,8 @@
 mod sources;
 
 use crate::error::Result;
+use crate::estimate::identify::{Fit, IdentifyOptions, fit};
 use crate::findings::{Finding, Severity, length, list, percent};
-use crate::identify::{Fit, IdentifyOptions, fit};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use nalgebra::DVector;
@@ -71,7 +71,7 @@ pub struct Budget {
 }
 
 /// How far each common error moves the joint stiffness that
-/// [`identify`](crate::identify::identify()) finds. Sizes come from
+/// [`identify`](crate::estimate::identify::identify()) finds. Sizes come from
 /// [`Cell::uncertainty`] or are assumed and marked so.
 ///
 /// - `force-scale`: all readings of force, and the stated force of a rope or
@@ -89,7 +89,7 @@ pub struct Budget {
 ///   motion: declare 0 for them.
 ///
 /// # Errors
-/// As [`identify`](crate::identify::identify()).
+/// As [`identify`](crate::estimate::identify::identify()).
 pub fn budget(
     cell: &Cell,
     measured: &[MeasuredPosture],

@@ -2,9 +2,9 @@
 //! rest.
 
 use super::{Outlier, OutlierKind, PointFit, PostureFit};
-use crate::diagnose::tails::{LEVEL, f_tail};
 use crate::error::Result;
-use crate::identify::{
+use crate::estimate::diagnose::tails::{LEVEL, f_tail};
+use crate::estimate::identify::{
     Assumptions, Estimator, Fit, Fold, IdentifyOptions, MeasuredSystem, Prepared, Whitened, fit,
     folds, measured_system, prediction_error, rms,
 };

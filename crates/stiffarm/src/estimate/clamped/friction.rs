@@ -2,7 +2,7 @@
 
 use super::{ClampedPosture, Closure, give_per_spring};
 use crate::error::{Code, Error, Result};
-use crate::identify::{MeasuredSystem, rms};
+use crate::estimate::identify::{MeasuredSystem, rms};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use nalgebra::DVector;

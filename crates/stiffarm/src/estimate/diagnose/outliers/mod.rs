@@ -15,8 +15,8 @@ mod view;
 
 use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
+use crate::estimate::identify::{Estimator, IdentifyOptions, NoiseSource};
 use crate::findings::{Finding, Severity, length, length_with_error, list, probability};
-use crate::identify::{Estimator, IdentifyOptions, NoiseSource};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use nalgebra::Vector3;
@@ -110,7 +110,7 @@ pub struct Outliers {
 /// where `options` ask for these.
 ///
 /// # Errors
-/// As [`identify`](crate::identify::identify()).
+/// As [`identify`](crate::estimate::identify::identify()).
 pub fn outliers(
     cell: &Cell,
     measured: &[MeasuredPosture],

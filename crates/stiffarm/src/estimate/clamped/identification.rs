@@ -3,11 +3,11 @@
 use super::friction::{JointFriction, friction};
 use super::{ClampedPosture, Closure, closures, system};
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity, list};
-use crate::identify::{
+use crate::estimate::identify::{
     Assumptions, Estimates, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared, Scale,
     Solution, Verdict, Weights, check, prior_knowledge, rms,
 };
+use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 

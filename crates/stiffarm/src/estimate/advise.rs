@@ -1,7 +1,7 @@
 //! What to measure next: the posture that would help an identification most.
 
 use crate::error::{Code, Error, Result};
-use crate::identify::{Identification, Verdict};
+use crate::estimate::identify::{Identification, Verdict};
 use crate::model::cell::Cell;
 use crate::model::load::{Axes, Load, Wrench};
 use crate::model::measurement::MeasuredPosture;

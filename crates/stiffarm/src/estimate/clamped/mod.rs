@@ -30,7 +30,7 @@ pub use identification::{ClampedIdentification, ClampedResidual, StateWeight, id
 pub use simulation::{ClampedSimulation, MotorMove, simulate_clamped};
 
 use crate::error::{Code, Error, Result};
-use crate::identify::{Block, MeasuredSystem, RowLabel, by_name, unknowns};
+use crate::estimate::identify::{Block, MeasuredSystem, RowLabel, by_name, unknowns};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;

@@ -1,9 +1,9 @@
 //! What predicts displacements: values of the unknowns with their covariance
 //! and the noise that a fit saw.
 
-use crate::budget::Budget;
 use crate::error::{Code, Error, Result};
-use crate::identify::{
+use crate::estimate::budget::Budget;
+use crate::estimate::identify::{
     Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
 };
 use crate::model::cell::Cell;

@@ -15,8 +15,8 @@ mod series;
 use super::noise::{Agreement, NoiseTest};
 use super::tails::{LEVEL, chi_squared_tails, two_sided};
 use crate::error::Result;
+use crate::estimate::identify::{IdentifyOptions, fit};
 use crate::findings::{Finding, Severity, length, length_with_error, percent, probability};
-use crate::identify::{IdentifyOptions, fit};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
@@ -90,7 +90,7 @@ pub struct LoadStates {
 /// alike; `None` where there is none.
 ///
 /// # Errors
-/// As [`identify`](crate::identify::identify()).
+/// As [`identify`](crate::estimate::identify::identify()).
 pub fn load_states(
     cell: &Cell,
     measured: &[MeasuredPosture],

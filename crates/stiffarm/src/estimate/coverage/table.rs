@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p stiffarm --example coverage` makes both anew.
 
-use crate::identify::Estimator;
+use crate::estimate::identify::Estimator;
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
@@ -111,7 +111,7 @@ pub struct AdverseCoverage {
 /// Every row of the table, in the order of the page.
 pub fn records() -> &'static [Record] {
     static RECORDS: LazyLock<Vec<Record>> = LazyLock::new(|| {
-        let text = include_str!("../../data/coverage.json");
+        let text = include_str!("../../../data/coverage.json");
         // A test reads the embedded file; an unreadable one claims nothing.
         serde_json::from_str(text).map_or_else(|_| Vec::new(), |file: File| file.records)
     });

@@ -2,8 +2,8 @@
 //! the data can hardly tell apart.
 
 use crate::error::Result;
+use crate::estimate::identify::{Identification, IdentifyOptions, fit, rms};
 use crate::findings::{Finding, Severity, length, list, percent};
-use crate::identify::{Identification, IdentifyOptions, fit, rms};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::PostureTerms;
@@ -36,7 +36,7 @@ pub struct JointSignal {
 /// Signal of each joint.
 ///
 /// # Errors
-/// As [`identify`](crate::identify::identify()).
+/// As [`identify`](crate::estimate::identify::identify()).
 pub fn joint_signals(
     cell: &Cell,
     measured: &[MeasuredPosture],

@@ -2,9 +2,9 @@
 
 use super::{PointDeviation, Validation};
 use crate::error::Result;
+use crate::estimate::identify::{Block, MeasuredSystem, RowLabel};
+use crate::estimate::predictor::Predictor;
 use crate::findings::{Finding, Severity};
-use crate::identify::{Block, MeasuredSystem, RowLabel};
-use crate::predictor::Predictor;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -10,11 +10,11 @@ pub use table::{AdverseCoverage, Intervals, MeasuredCoverage, Record, measured, 
 pub use world::{Outliers, Truth, World};
 
 use crate::error::{Code, Error, Result};
-use crate::findings::list;
-use crate::identify::{
+use crate::estimate::identify::{
     Estimator, IdentifyOptions, JointEstimate, Prepared, Scale, assumptions, estimates,
     interval_quantile, measured_system, resampled,
 };
+use crate::findings::list;
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
@@ -37,7 +37,7 @@ pub struct CoverageCase {
     /// How the displacements are identified. Of [`NoiseSource::Repeats`] only
     /// the degrees of freedom count: the scatter is drawn in each experiment.
     ///
-    /// [`NoiseSource::Repeats`]: crate::identify::NoiseSource::Repeats
+    /// [`NoiseSource::Repeats`]: crate::estimate::identify::NoiseSource::Repeats
     pub options: IdentifyOptions,
     /// What the simulated world does that the cell does not say.
     pub world: World,
@@ -163,7 +163,7 @@ impl Counts {
 ///
 /// # Errors
 /// No prior stiffness, postures that do not determine every joint (they are
-/// named), a case that contradicts itself, or as [`crate::identify::identify`].
+/// named), a case that contradicts itself, or as [`crate::estimate::identify::identify`].
 pub fn coverage(
     cell: &Cell,
     postures: &[Posture],
@@ -175,7 +175,7 @@ pub fn coverage(
         return Err(Error::new(Code::InvalidValue, message));
     }
     let options = &case.options;
-    crate::identify::check(options)?;
+    crate::estimate::identify::check(options)?;
     let scene = world::Scene::new(cell, postures, case)?;
     let system = measured_system(cell, scene.measured(), &options.extra, options.weights)?;
     let prepared = Prepared::new(&system, options.estimator)?;

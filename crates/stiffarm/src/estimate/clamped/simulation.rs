@@ -2,6 +2,7 @@
 
 use super::ClampedPosture;
 use crate::error::{Code, Error, Result};
+use crate::estimate::simulate::normal;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, check_angles};
@@ -9,7 +10,6 @@ use crate::model::posture::Posture;
 use crate::model::stiffness::joint_compliance;
 use crate::numerics::information::svd;
 use crate::numerics::streams::run_rng;
-use crate::simulate::normal;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 /// Singular values below this, relative to the largest, are zero: the arm

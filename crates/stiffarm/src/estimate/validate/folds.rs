@@ -2,12 +2,12 @@
 
 use super::{Model, Point, Validation, band, check_tolerance, summarise};
 use crate::error::{Code, Error, Result};
-use crate::identify::{
+use crate::estimate::identify::{
     IdentifyOptions, assumptions, check, folds, measured_system, prediction_error,
 };
+use crate::estimate::predictor::Predictor;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
-use crate::predictor::Predictor;
 use nalgebra::Vector3;
 
 /// Validates without postures kept out: the postures are left out fold by fold,

@@ -1,7 +1,7 @@
 //! The sources of common error and what each does to the displacements.
 
 use crate::error::Result;
-use crate::identify::{Fit, columns, known_displacement};
+use crate::estimate::identify::{Fit, columns, known_displacement};
 use crate::model::cell::Cell;
 use crate::model::instruments::Mount;
 use crate::model::load::{Load, Wrench};
