@@ -14,10 +14,10 @@ use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::process::{ForceAxes, TipLoad};
-use stiffarm::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
-use stiffarm::predict::ArmAtWork;
 use stiffarm::table::{PathTable, read_path};
 use stiffarm::units::{deg_to_rad, percent_to_fraction};
+use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
+use stiffarm::work::predict::ArmAtWork;
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::PathCurvePoint;
 

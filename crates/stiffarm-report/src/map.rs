@@ -2,7 +2,7 @@
 
 use crate::study::{Cell, Table};
 use crate::{Axis, Figure, Panel, Series, Style};
-use stiffarm::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
+use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.

@@ -3,7 +3,7 @@
 use crate::map::{fitted, shortest_mm};
 use crate::study::{Cell, Table};
 use crate::{Axis, Figure, Panel, Series, Style};
-use stiffarm::map::{Placement, PlacementCandidate, Status};
+use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
 /// What a place cannot be, in the order of the legend.
 const REFUSED: [Status; 4] = [

@@ -6,11 +6,11 @@ use stiffarm::Control;
 use stiffarm::builtin;
 use stiffarm::cell_file::parse_cell;
 use stiffarm::estimate::predictor::Predictor;
-use stiffarm::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::{PathPoint, Target};
 use stiffarm::model::process::{ForceAxes, TipLoad};
+use stiffarm::work::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
 use stiffarm_report::{
     Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure,
     placement_table, render_svg, series_colour,

@@ -13,11 +13,11 @@ use std::fmt::Write as _;
 use std::time::Instant;
 use stiffarm::Control;
 use stiffarm::builtin;
-use stiffarm::compensate::{CompensateOptions, compensate};
 use stiffarm::estimate::predictor::Predictor;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::LoadedPosture;
-use stiffarm::predict::{PredictOptions, predict};
+use stiffarm::work::compensate::{CompensateOptions, compensate};
+use stiffarm::work::predict::{PredictOptions, predict};
 
 /// Repeats of each measurement; the median counts.
 const REPEATS: usize = 5;

@@ -12,23 +12,20 @@
 pub mod builtin;
 #[cfg(feature = "files")]
 pub mod cell_file;
-pub mod compensate;
 pub mod error;
 pub mod estimate;
 pub mod findings;
-pub mod map;
 pub mod measure;
 pub mod model;
 mod numerics;
 pub mod plan;
-pub mod posture_path;
-pub mod predict;
 #[cfg(feature = "files")]
 pub mod registration_file;
 pub mod study;
 #[cfg(feature = "files")]
 pub mod table;
 pub mod units;
+pub mod work;
 
 pub use error::{Code, Error, Result};
 pub use numerics::control::{Control, Report, Stop, Termination};

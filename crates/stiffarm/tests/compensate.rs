@@ -7,7 +7,6 @@ use common::random::Dice;
 use common::{default_cell, random_group};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
-use stiffarm::compensate::{CompensateOptions, command, compensate};
 use stiffarm::estimate::diagnose::diagnose;
 use stiffarm::estimate::identify::{IdentifyOptions, identify};
 use stiffarm::estimate::predictor::Predictor;
@@ -18,7 +17,8 @@ use stiffarm::model::observation::ExtraTerm;
 use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::predict::ArmAtWork;
+use stiffarm::work::compensate::{CompensateOptions, command, compensate};
+use stiffarm::work::predict::ArmAtWork;
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {

@@ -8,9 +8,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::Code;
 use stiffarm::Control;
 use stiffarm::estimate::predictor::{Predictor, Spread};
-use stiffarm::map::{
-    MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
-};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
@@ -18,7 +15,10 @@ use stiffarm::model::load::Wrench;
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
 use stiffarm::model::process::{ForceAxes, Process, TipLoad};
-use stiffarm::predict::{ArmAtWork, PredictOptions, Prediction, predict};
+use stiffarm::work::map::{
+    MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
+};
+use stiffarm::work::predict::{ArmAtWork, PredictOptions, Prediction, predict};
 
 fn down() -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(PI, 0.0, 0.0)

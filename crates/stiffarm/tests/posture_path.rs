@@ -14,8 +14,8 @@ use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::path::{LoadedPosture, PathPoint, Target};
 use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::model::robot::{DhConvention, DhRow, Robot};
-use stiffarm::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
-use stiffarm::predict::ArmAtWork;
+use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
+use stiffarm::work::predict::ArmAtWork;
 
 fn arm(cell: &Cell) -> ArmAtWork {
     ArmAtWork::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()

@@ -20,7 +20,7 @@ use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::{Model, cartesian_stiffness, equilibrium, stiffness_correction};
 use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, predict};
+use stiffarm::work::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, predict};
 
 fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {
@@ -165,7 +165,7 @@ fn stiffness_is_symmetric_and_inverts_the_compliance_of_all_that_gives_way() {
         );
         let principal = found.principal;
         for (softer, stiffer) in principal.iter().zip(&principal[1..]) {
-            let least = |axis: &stiffarm::predict::PrincipalAxis| {
+            let least = |axis: &stiffarm::work::predict::PrincipalAxis| {
                 axis.stiffness_n_per_m.unwrap_or(f64::MAX)
             };
             assert!(least(softer) <= least(stiffer));

@@ -13,15 +13,15 @@ use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::compensate::{CompensateOptions, Compensation, PointCompensation, compensate};
 use stiffarm::estimate::predictor::Predictor;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, Target as Aim};
-use stiffarm::posture_path::PosturePathSummary;
-use stiffarm::predict::ArmAtWork;
 use stiffarm::table::{PathFormat, PathKind, write_path};
 use stiffarm::units::deg_to_rad;
+use stiffarm::work::compensate::{CompensateOptions, Compensation, PointCompensation, compensate};
+use stiffarm::work::posture_path::PosturePathSummary;
+use stiffarm::work::predict::ArmAtWork;
 use stiffarm_report::{path_figure, render_svg};
 
 /// Rows of the table on the terminal.

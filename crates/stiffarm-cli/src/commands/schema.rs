@@ -15,11 +15,11 @@ use stiffarm::cell_file::cell_schema;
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::simulate::Simulation;
 use stiffarm::estimate::validate::Validation;
-use stiffarm::map::{Placement, StiffnessMap};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::zones::Zones;
 use stiffarm::study::Study;
+use stiffarm::work::map::{Placement, StiffnessMap};
 
 /// Prints one schema.
 pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {

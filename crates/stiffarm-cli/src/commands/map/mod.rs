@@ -19,11 +19,11 @@ use region::Region;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
-use stiffarm::map::{MapNode, MapOptions, MapRange, StiffnessMap, stiffness_map};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::process::ForceAxes;
 use stiffarm::units::deg_to_rad;
+use stiffarm::work::map::{MapNode, MapOptions, MapRange, StiffnessMap, stiffness_map};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{map_figure, map_table, render_svg};
 

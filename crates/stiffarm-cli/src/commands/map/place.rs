@@ -11,9 +11,9 @@ use crate::session::Session;
 use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::map::{PlaceOptions, Placed, Placement, Status, place};
 use stiffarm::table::read_path;
 use stiffarm::units::deg_to_rad;
+use stiffarm::work::map::{PlaceOptions, Placed, Placement, Status, place};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 

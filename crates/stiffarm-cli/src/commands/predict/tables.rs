@@ -4,8 +4,8 @@ use crate::commands::identify::confidence;
 use crate::numbers::{mm, significant};
 use crate::path::largest_first;
 use crate::table::{Align, Table, title};
-use stiffarm::predict::{CartesianStiffness, PointPrediction, Prediction};
 use stiffarm::units::{m_to_shortest_mm, rad_to_deg};
+use stiffarm::work::predict::{CartesianStiffness, PointPrediction, Prediction};
 
 /// Rows of the table on the terminal.
 const SHOWN: usize = 12;

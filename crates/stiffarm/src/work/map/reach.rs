@@ -8,8 +8,8 @@ use crate::model::inverse::{InverseKinematics, Outcome};
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::tool::NamedPoint;
-use crate::predict::ArmAtWork;
 use crate::units::rad_to_deg;
+use crate::work::predict::ArmAtWork;
 use nalgebra::{Isometry3, Vector3};
 
 /// Deflections that differ by less than this share are equal: the two postures

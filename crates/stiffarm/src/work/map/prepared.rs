@@ -6,7 +6,7 @@ use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::path::{PathPoint, Target, tip_wrenches};
 use crate::model::process::ForceAxes;
-use crate::predict::ArmAtWork;
+use crate::work::predict::ArmAtWork;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Loads of a path.

@@ -21,8 +21,8 @@ use crate::model::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
 use crate::model::process::TipLoad;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::predict::ArmAtWork;
 use crate::units::{deg_to_rad, rad_to_deg};
+use crate::work::predict::ArmAtWork;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 

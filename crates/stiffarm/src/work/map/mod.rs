@@ -23,7 +23,7 @@ use crate::estimate::predictor::Predictor;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::predict::{ArmAtWork, Bands};
+use crate::work::predict::{ArmAtWork, Bands};
 use node::evaluate;
 use reach::Reach;
 
@@ -31,7 +31,7 @@ use reach::Reach;
 ///
 /// Stiffness is that of the loaded springs without K_C, the tip being free to
 /// turn; deflections are those of the exact equilibrium under the map's load. The
-/// values of a node are those that [`predict`](crate::predict::predict()) gives for
+/// values of a node are those that [`predict`](crate::work::predict::predict()) gives for
 /// its posture.
 ///
 /// A node is allowed to the arm where a posture lies within the machine's limits

@@ -4,8 +4,8 @@ use super::options::MapOptions;
 use super::reach::{Reach, Refusal, is_better};
 use crate::error::Result;
 use crate::model::dexterity::condition_number;
-use crate::predict::{Bands, PrincipalAxis, principal_axes};
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
+use crate::work::predict::{Bands, PrincipalAxis, principal_axes};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -20,8 +20,8 @@ use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
 use crate::numerics::information::svd::svd;
 use crate::numerics::jobs::in_order_watched;
-use crate::predict::{ArmAtWork, Bands, TipBand, motion};
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
+use crate::work::predict::{ArmAtWork, Bands, TipBand, motion};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 

@@ -12,8 +12,8 @@ use crate::model::cell::Cell;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::predict::ArmAtWork;
 use crate::units::deg_to_rad;
+use crate::work::predict::ArmAtWork;
 use serde::{Deserialize, Serialize};
 
 /// Best candidates that are tried on the whole path before giving up.

@@ -11,8 +11,8 @@ use crate::estimate::identify::rms;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::path::{PathPoint, Target};
-use crate::predict::ArmAtWork;
 use crate::units::{rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
+use crate::work::predict::ArmAtWork;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Points of a path that a search looks at.

@@ -1,0 +1,6 @@
+//! How far the robot bends at work, and what to command instead.
+
+pub mod compensate;
+pub mod map;
+pub mod posture_path;
+pub mod predict;
