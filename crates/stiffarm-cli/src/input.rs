@@ -3,14 +3,14 @@
 use crate::session::Session;
 use std::io::Read;
 use std::path::Path;
-use stiffarm::builtin;
-use stiffarm::cell_file::parse_cell_bytes;
+use stiffarm::files::builtin;
+use stiffarm::files::cell::parse_cell_bytes;
+use stiffarm::files::registration::read_registration;
+use stiffarm::files::table::{Measurements, read_measurements, read_postures, sha256_hex};
 use stiffarm::measure::reduction::ReduceOptions;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::robot::Robot;
-use stiffarm::registration_file::read_registration;
-use stiffarm::table::{Measurements, read_measurements, read_postures, sha256_hex};
 use stiffarm::{Code, Error, Result};
 
 /// Name of standard input in messages.

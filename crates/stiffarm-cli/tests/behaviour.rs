@@ -38,7 +38,10 @@ fn equal_runs_are_equal_bytes_on_any_number_of_threads() {
 #[test]
 fn results_hold_no_paths() {
     let folder = Folder::new();
-    folder.write("cell.toml", stiffarm::builtin::cell_text("comau").unwrap());
+    folder.write(
+        "cell.toml",
+        stiffarm::files::builtin::cell_text("comau").unwrap(),
+    );
     let relative = folder.ok("check cell.toml --json");
     let absolute = folder.ok(&format!(
         "check {} --json",
@@ -93,7 +96,7 @@ fn a_file_in_a_folder_that_does_not_exist_is_refused_before_the_work() {
 #[test]
 fn dashes_are_standard_input_and_output() {
     let folder = Folder::new();
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     let ran = folder.run_with("check -", cell.as_bytes());
     assert_eq!(ran.code, Some(0));
     assert!(
@@ -130,7 +133,7 @@ fn dashes_are_standard_input_and_output() {
 #[test]
 fn excel_s_semicolons_and_decimal_commas_are_read() {
     let folder = Folder::new();
-    let group = stiffarm::builtin::postures_text("comau-group1").unwrap();
+    let group = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
     let rows = group.lines().filter(|line| !line.starts_with('#'));
     let excel: String = rows
         .map(|row| row.replace(',', ";").replace("15", "15,0") + "\r\n")
@@ -147,7 +150,7 @@ fn excel_s_semicolons_and_decimal_commas_are_read() {
 #[test]
 fn groups_of_one_name_stay_apart() {
     let folder = Folder::new();
-    let group = stiffarm::builtin::postures_text("comau-group1").unwrap();
+    let group = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
     std::fs::create_dir(folder.path("other")).unwrap();
     folder.write("plan.csv", group);
     folder.write("other/plan.csv", group);

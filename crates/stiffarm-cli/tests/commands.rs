@@ -50,7 +50,7 @@ fn check() {
 #[test]
 fn check_finds_a_dark_joint() {
     let folder = Folder::new();
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     folder.write(
         "cell.toml",
         cell.replace("[200, 0, 250]", "[0, 0, 250]")
@@ -82,7 +82,7 @@ fn evaluate_json() {
 #[test]
 fn evaluate_names_undetermined_joints_first() {
     let folder = Folder::new();
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
     let line = "evaluate cell.toml builtin:comau-group1";
     let ran = folder.run(line);
@@ -145,7 +145,7 @@ fn identify_json() {
 #[test]
 fn identify_names_undetermined_joints_before_any_number() {
     let folder = measured();
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
     let line = "identify cell.toml simulated.csv --output stiffness.json";
     let ran = folder.run(line);
@@ -182,7 +182,7 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     assert_eq!(ran.code, Some(1));
     assert!(ran.out.contains("sign or model fault"), "{}", ran.out);
 
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     folder.write(
         "noisy.toml",
         cell.replace("variance_mm2 = 9.23e-5", "variance_mm2 = 9.23e-2"),

@@ -169,7 +169,7 @@ fn the_next_postures_beside_those_measured() {
     assert_eq!(folder.read("new.csv"), folder.read("again.csv"));
     assert_eq!(result["posture_names"], serde_json::json!(["7", "8"]));
     assert_eq!(result["given"], 6);
-    let group = stiffarm::builtin::postures_text("comau-group1").unwrap();
+    let group = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
     let new: String = folder
         .read("new.csv")
         .lines()
@@ -270,7 +270,7 @@ fn new_names_never_meet_given_ones() {
 #[test]
 fn given_postures_that_leave_a_joint_undetermined_are_completed() {
     let folder = Folder::new();
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     let (start, end) = (
         cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap(),
         cell.find("[load]").unwrap(),
@@ -375,7 +375,7 @@ fn the_load_chosen_with_the_postures_goes_into_the_cell() {
     assert_snapshot!(words(&folder, line));
     folder.write(
         "builtin.toml",
-        stiffarm::builtin::cell_text("comau").unwrap(),
+        stiffarm::files::builtin::cell_text("comau").unwrap(),
     );
     let out = folder.ok(&format!("{line} --force"));
     let mut cell = folder.read("builtin.toml");

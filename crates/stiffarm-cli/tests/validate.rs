@@ -40,11 +40,12 @@ fn each_posture_is_predicted_from_the_others() {
 fn saved_further_terms_are_used_and_not_lost() {
     let folder = measured();
     // A result with a further term, as the library writes it.
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
-    let cell = stiffarm::cell_file::parse_cell(cell, "comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::cell::parse_cell(cell, "comau").unwrap();
     let table = folder.read("simulated.csv");
-    let data = stiffarm::table::read_displacements(table.as_bytes(), "simulated.csv", &cell, None)
-        .unwrap();
+    let data =
+        stiffarm::files::table::read_displacements(table.as_bytes(), "simulated.csv", &cell, None)
+            .unwrap();
     let options = stiffarm::estimate::identify::IdentifyOptions {
         extra: vec![stiffarm::model::observation::ExtraTerm::JointTilt(2)],
         ..Default::default()

@@ -92,7 +92,7 @@ fn commands_bring_the_loaded_tip_back_in_every_format() {
     );
     assert_eq!((poses.len(), angles.len()), (62, 62));
     // Each command's deflection, which its own prediction gives, ends on the contour.
-    let given = rows(stiffarm::builtin::path_text("contour").unwrap());
+    let given = rows(stiffarm::files::builtin::path_text("contour").unwrap());
     let predicted =
         folder.json("predict builtin:comau k.json angles.csv --axes base --force-n 80,-200,300");
     let start = [1700.0, -200.0, 800.0];
@@ -148,7 +148,9 @@ fn predictions_under_the_cells_load_are_those_of_validate() {
 #[test]
 fn slips() {
     let folder = folder();
-    let mut far = stiffarm::builtin::path_text("contour").unwrap().to_string();
+    let mut far = stiffarm::files::builtin::path_text("contour")
+        .unwrap()
+        .to_string();
     far = far.replace("5,120,0,0,", "5,2620,0,0,");
     folder.write("far.csv", far);
     folder.write(
@@ -160,7 +162,7 @@ fn slips() {
         "mixed.csv",
         "x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,0,0,0,20,-120,0,50,0\n",
     );
-    let cell = stiffarm::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     let (bare, _) = cell.split_once("[[task]]").unwrap();
     folder.write("bare.toml", bare);
     let lines = [

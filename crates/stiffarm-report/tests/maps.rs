@@ -3,9 +3,9 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use roxmltree::Document;
 use stiffarm::Control;
-use stiffarm::builtin;
-use stiffarm::cell_file::parse_cell;
 use stiffarm::estimate::predictor::Predictor;
+use stiffarm::files::builtin;
+use stiffarm::files::cell::parse_cell;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::{PathPoint, Target};

@@ -6,7 +6,7 @@
 
 use std::hint::black_box;
 use std::time::Instant;
-use stiffarm::builtin;
+use stiffarm::files::builtin;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction};
 

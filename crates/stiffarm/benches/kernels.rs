@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use nalgebra::Translation3;
 use std::hint::black_box;
 use stiffarm::Control;
-use stiffarm::builtin;
+use stiffarm::files::builtin;
 use stiffarm::internals::information::Factor;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;

@@ -17,11 +17,11 @@ use nalgebra::Vector3;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
-use stiffarm::builtin;
+use stiffarm::files::builtin;
+use stiffarm::files::table::write_displacements;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::posture::Posture;
-use stiffarm::table::write_displacements;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

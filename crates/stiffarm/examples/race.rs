@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 use stiffarm::Control;
-use stiffarm::builtin;
+use stiffarm::files::builtin;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction};
 use stiffarm::plan::select::{GlobalOptions, select_watched};

@@ -8,22 +8,16 @@
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
-#[cfg(feature = "files")]
-pub mod builtin;
-#[cfg(feature = "files")]
-pub mod cell_file;
 pub mod error;
 pub mod estimate;
+#[cfg(feature = "files")]
+pub mod files;
 pub mod findings;
 pub mod measure;
 pub mod model;
 mod numerics;
 pub mod plan;
-#[cfg(feature = "files")]
-pub mod registration_file;
 pub mod study;
-#[cfg(feature = "files")]
-pub mod table;
 pub mod units;
 pub mod work;
 

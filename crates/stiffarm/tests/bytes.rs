@@ -4,13 +4,13 @@
 #![cfg(feature = "files")]
 
 use proptest::prelude::*;
-use stiffarm::builtin;
-use stiffarm::cell_file::{parse_cell, parse_cell_bytes, template};
+use stiffarm::files::builtin;
+use stiffarm::files::cell::{parse_cell, parse_cell_bytes, template};
+use stiffarm::files::table::{Measurements, read_displacements, read_measurements, read_postures};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::measurement::{MeasuredPosture, ReadingTable};
 use stiffarm::model::posture::Posture;
-use stiffarm::table::{Measurements, read_displacements, read_measurements, read_postures};
 
 fn finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> bool {
     values.into_iter().all(|value| value.is_finite())

@@ -6,8 +6,8 @@
 mod common;
 
 use nalgebra::Vector3;
-use stiffarm::builtin;
-use stiffarm::cell_file::{
+use stiffarm::files::builtin;
+use stiffarm::files::cell::{
     measurements_template, parse_cell, parse_cell_bytes, postures_template, template,
 };
 use stiffarm::model::cell::Cell;
@@ -275,13 +275,13 @@ fn templates_can_be_used_as_they_are() -> Check {
             entry.key
         );
         // The tables begin with what to fill in, and no rows yet.
-        let error = stiffarm::table::read_postures(
+        let error = stiffarm::files::table::read_postures(
             postures_template(&cell.setup.robot).as_bytes(),
             "postures.csv",
             &cell.setup.robot,
         );
         assert!(error.unwrap_err().message().contains("no rows"));
-        let error = stiffarm::table::read_measurements(
+        let error = stiffarm::files::table::read_measurements(
             measurements_template(&cell).as_bytes(),
             "measurements.csv",
             &cell,
@@ -311,10 +311,11 @@ fn examples_of_the_templates_are_valid_rows() -> Check {
             .join("\n")
     };
     let postures = uncommented(postures_template(robot));
-    let postures = stiffarm::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
+    let postures =
+        stiffarm::files::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
     assert_eq!(postures.len(), 1);
     let sheet = uncommented(measurements_template(&cell));
-    let read = stiffarm::table::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
+    let read = stiffarm::files::table::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
     let states: Vec<_> = read.postures[0]
         .states
         .iter()
@@ -890,8 +891,8 @@ fn bytes_that_are_not_utf8() {
 #[cfg(feature = "schema")]
 mod schema {
     use serde_json::Value;
-    use stiffarm::builtin;
-    use stiffarm::cell_file::{cell_schema, template};
+    use stiffarm::files::builtin;
+    use stiffarm::files::cell::{cell_schema, template};
 
     type Check = Result<(), Box<dyn std::error::Error>>;
 

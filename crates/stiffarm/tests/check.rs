@@ -2,8 +2,8 @@
 //! agrees with what an evaluation of many postures finds.
 
 use nalgebra::Vector3;
-use stiffarm::builtin;
-use stiffarm::cell_file::parse_cell;
+use stiffarm::files::builtin;
+use stiffarm::files::cell::parse_cell;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Axes, Load, Wrench};

@@ -19,6 +19,7 @@ use stiffarm::estimate::identify::{
 };
 use stiffarm::estimate::predictor::Predictor;
 use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
+use stiffarm::files::table::{read_clamped, write_clamped};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::kinematics::Frames;
@@ -27,7 +28,6 @@ use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{DhConvention, DhRow, Robot};
 use stiffarm::model::stiffness::{displacement_between, linear_displacement};
-use stiffarm::table::{read_clamped, write_clamped};
 
 const FALSE_ALARM: f64 = 1e-6;
 

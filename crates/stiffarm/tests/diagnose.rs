@@ -661,8 +661,8 @@ fn sentences() {
 #[cfg(feature = "files")]
 mod fanuc {
     use super::*;
-    use stiffarm::builtin;
-    use stiffarm::table::read_displacements;
+    use stiffarm::files::builtin;
+    use stiffarm::files::table::read_displacements;
 
     #[test]
     #[ignore = "needs STIFFARM_REFERENCE_DATA"]

@@ -4,11 +4,11 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use proptest::prelude::*;
-use stiffarm::cell_file::parse_cell;
+use stiffarm::files::cell::parse_cell;
+use stiffarm::files::table::{PathFormat, PathKind, PathTable, read_path, write_path};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, Target};
 use stiffarm::model::process::{ForceAxes, TipLoad};
-use stiffarm::table::{PathFormat, PathKind, PathTable, read_path, write_path};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

@@ -9,17 +9,17 @@ mod workbook;
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stiffarm::cell_file::parse_cell;
+use stiffarm::files::cell::parse_cell;
+use stiffarm::files::table::{
+    Measurements, SheetOptions, read_measurements, read_postures, read_readings, reading_sheet,
+    write_readings,
+};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{
     PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
 };
 use stiffarm::model::posture::Posture;
-use stiffarm::table::{
-    Measurements, SheetOptions, read_measurements, read_postures, read_readings, reading_sheet,
-    write_readings,
-};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
@@ -330,7 +330,8 @@ fn the_heading_says_what_a_table_holds() -> Check {
     }
     let wrong = [
         readings(displacements, &cell).unwrap_err(),
-        stiffarm::table::read_displacements(FULL.as_bytes(), "m.csv", &cell, None).unwrap_err(),
+        stiffarm::files::table::read_displacements(FULL.as_bytes(), "m.csv", &cell, None)
+            .unwrap_err(),
     ];
     for error in wrong {
         report += &format!("[{}] {error}\n\n", error.code().as_str());

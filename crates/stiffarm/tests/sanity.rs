@@ -5,7 +5,7 @@ mod common;
 use common::{group1, random::Dice};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
-use stiffarm::builtin;
+use stiffarm::files::builtin;
 use stiffarm::findings::Severity;
 use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,

@@ -3,8 +3,8 @@
 #![cfg(feature = "files")]
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use stiffarm::builtin;
 use stiffarm::estimate::simulate::SimulationOptions;
+use stiffarm::files::builtin;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
@@ -160,7 +160,7 @@ fn five_joints_have_no_dexterity_and_no_paper_order() {
                 position_mm = [50, 0, 100]\n[[tool.measuring_point]]\nname = \"b\"\nposition_mm = [0, 50, 100]\n[load]\n\
                 kind = \"rope\"\nmagnitude_n = 300\nanchor_mm = [1500, 0, -500]\n[stiffness]\nprior_nm_per_rad = [5e5, \
                 1e6, 5e5, 1e5, 1e5]\n";
-    let cell = stiffarm::cell_file::parse_cell(text, "five.toml").unwrap();
+    let cell = stiffarm::files::cell::parse_cell(text, "five.toml").unwrap();
     let angles = [
         [0.2, 0.3, 0.5, 0.7, 0.9],
         [-0.5, 0.2, 0.9, -0.3, 0.6],

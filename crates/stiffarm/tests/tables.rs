@@ -4,15 +4,15 @@
 #![cfg(feature = "files")]
 
 use proptest::prelude::*;
-use stiffarm::builtin;
-use stiffarm::cell_file::parse_cell;
+use stiffarm::files::builtin;
+use stiffarm::files::cell::parse_cell;
+use stiffarm::files::table::{
+    displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
+};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::posture::Posture;
-use stiffarm::table::{
-    displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
-};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

@@ -3,7 +3,7 @@
 #![cfg(feature = "files")]
 
 use nalgebra::{Isometry3, Vector3};
-use stiffarm::cell_file::parse_cell;
+use stiffarm::files::cell::parse_cell;
 use stiffarm::model::process::{ForceAxes, Process};
 
 type Check = Result<(), Box<dyn std::error::Error>>;

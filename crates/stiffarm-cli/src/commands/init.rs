@@ -6,7 +6,7 @@ use crate::output::Exit;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::cell_file::{measurements_template, parse_cell, postures_template, template};
+use stiffarm::files::cell::{measurements_template, parse_cell, postures_template, template};
 
 #[derive(Serialize)]
 struct Options<'a> {

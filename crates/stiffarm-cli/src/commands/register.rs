@@ -9,10 +9,10 @@ use crate::session::Session;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::table::read_pairs;
 use stiffarm::measure::registration::{
     PointPair, RegisterOptions, Registration, RegistrationRecord, register_with,
 };
-use stiffarm::table::read_pairs;
 use stiffarm::units::{m_to_mm, mm_to_m};
 use stiffarm::{Code, Error, Result};
 

@@ -13,9 +13,9 @@ use stiffarm::estimate::simulate::{
     GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
 };
 use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::files::table::{write_displacements, write_readings};
 use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm::model::cell::Cell;
-use stiffarm::table::{write_displacements, write_readings};
 use stiffarm::units::{deg_to_rad, m_to_mm, mm_to_m};
 use stiffarm::{Code, Error, Result};
 

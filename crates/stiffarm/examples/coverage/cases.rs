@@ -3,13 +3,13 @@
 use crate::page::{BESIDE, EXACT, INEXACT, TWO_VARIANCE};
 use nalgebra::Vector3;
 use stiffarm::Control;
-use stiffarm::builtin;
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{CoverageCase, Intervals, Outliers, Truth, World};
 use stiffarm::estimate::identify::{
     Estimator, IdentifyOptions, NoiseSource, ReadingScatter, Weights,
 };
 use stiffarm::estimate::simulate::ModelErrors;
+use stiffarm::files::builtin;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;

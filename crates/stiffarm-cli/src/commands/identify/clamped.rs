@@ -12,9 +12,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::clamped::{ClampedIdentification, ClampedPosture, identify_clamped};
 use stiffarm::estimate::identify::{Estimator, NoiseSource, Verdict};
+use stiffarm::files::table::read_clamped;
 use stiffarm::findings::{Severity, list};
 use stiffarm::model::observation::ExtraTerm;
-use stiffarm::table::read_clamped;
 use stiffarm::units::{deg_to_rad, rad_to_deg};
 use stiffarm::{Code, Error, Result};
 

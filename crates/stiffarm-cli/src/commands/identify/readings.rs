@@ -5,12 +5,12 @@ use crate::table::{red, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::identify::ReadingScatter;
+use stiffarm::files::table::Measurements;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::reduction::{ReduceOptions, Reduction, UnloadedRegistration, reduce};
 use stiffarm::measure::sanity::{Sanity, inspect};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::table::Measurements;
 use stiffarm::{Error, Result};
 
 /// What became of raw readings on their way to displacements.

@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::table::read_path;
+use stiffarm::files::table::read_path;
 use stiffarm::units::deg_to_rad;
 use stiffarm::work::map::{PlaceOptions, Placed, Placement, Status, place};
 use stiffarm::{Code, Error, Result};

@@ -268,7 +268,7 @@ fn table(job: &Job<'_>, curve: &Curve, largest: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stiffarm::builtin;
+    use stiffarm::files::builtin;
     use stiffarm::plan::select::{StartKind, random_group};
 
     /// One certificate serves the whole curve.

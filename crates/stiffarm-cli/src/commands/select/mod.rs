@@ -21,11 +21,11 @@ use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::RoundReport;
-use stiffarm::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
 use stiffarm::units::m_to_mm;
 use stiffarm::{Code, Error, Result};
 

@@ -1,6 +1,6 @@
 //! A robot cell: what is measured, within which bounds, how exactly.
 //!
-//! Values only; reading and writing `cell.toml` is in [`crate::cell_file`].
+//! Values only; reading and writing `cell.toml` is in [`crate::files::cell`].
 
 mod columns;
 mod limits;

@@ -456,7 +456,7 @@ impl Problem for Climb<'_, '_> {
 #[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
-    use crate::builtin;
+    use crate::files::builtin;
     use crate::model::cell::Limits;
 
     /// The default cell with a shift common to a posture's points, and springs

@@ -192,7 +192,7 @@ impl LoadDesign {
 #[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
-    use crate::builtin;
+    use crate::files::builtin;
     use crate::plan::characteristic_length::with_characteristic_length;
     use crate::plan::index::Index;
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};

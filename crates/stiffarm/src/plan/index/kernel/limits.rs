@@ -148,7 +148,7 @@ pub(super) fn update_multipliers(batch: &mut Batch, lanes: usize) -> f64 {
 
 #[cfg(all(test, feature = "files"))]
 mod tests {
-    use crate::builtin;
+    use crate::files::builtin;
     use crate::model::observation::PostureTerms;
     use crate::plan::index::kernel::{Kernel, Wanted};
 

@@ -6,18 +6,18 @@ use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 #[cfg(feature = "schema")]
 use {
-    crate::table::own_headings,
+    crate::files::table::own_headings,
     schemars::{JsonSchema, Schema, SchemaGenerator, json_schema},
     std::borrow::Cow,
 };
 
 /// The entries in the order of the file.
 #[derive(Debug)]
-pub(in crate::cell_file) struct RawColumns(pub(in crate::cell_file) Vec<(Text, At<RawColumn>)>);
+pub(in crate::files::cell) struct RawColumns(pub(in crate::files::cell) Vec<(Text, At<RawColumn>)>);
 
 /// One heading of another software, or a list of them.
 #[derive(Debug)]
-pub(in crate::cell_file) enum RawColumn {
+pub(in crate::files::cell) enum RawColumn {
     One(String),
     Several(Vec<Text>),
 }

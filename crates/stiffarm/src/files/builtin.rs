@@ -3,39 +3,39 @@
 //!
 //! The files lie in `data/cells`, sources in their comments.
 
-use crate::cell_file::parse_cell;
 use crate::error::{Code, Error, Result, did_you_mean};
+use crate::files::cell::parse_cell;
+use crate::files::table::read_postures;
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::model::robot::Robot;
-use crate::table::read_postures;
 
 /// What stands before a built-in name where a file name could stand.
 pub const PREFIX: &str = "builtin:";
 
 const CELLS: [(&str, &str); 3] = [
-    ("comau", include_str!("../data/cells/comau.toml")),
+    ("comau", include_str!("../../data/cells/comau.toml")),
     (
         "comau-reference",
-        include_str!("../data/cells/comau-reference.toml"),
+        include_str!("../../data/cells/comau-reference.toml"),
     ),
     (
         "fanuc-r2000ic",
-        include_str!("../data/cells/fanuc-r2000ic.toml"),
+        include_str!("../../data/cells/fanuc-r2000ic.toml"),
     ),
 ];
 
 const POSTURES: [(&str, &str); 1] = [(
     "comau-group1",
-    include_str!("../data/cells/comau-group1.csv"),
+    include_str!("../../data/cells/comau-group1.csv"),
 )];
 
 const PAIRS: [(&str, &str); 1] = [(
     "example-pairs",
-    include_str!("../data/cells/example-pairs.csv"),
+    include_str!("../../data/cells/example-pairs.csv"),
 )];
 
-const PATHS: [(&str, &str); 1] = [("contour", include_str!("../data/cells/contour.csv"))];
+const PATHS: [(&str, &str); 1] = [("contour", include_str!("../../data/cells/contour.csv"))];
 
 /// Names of the built-in cells; the first is the default cell.
 pub fn cell_names() -> Vec<&'static str> {

@@ -3,9 +3,9 @@
 use super::raw::{At, RawColumn, RawColumns, Text};
 use super::source::Source;
 use crate::error::{Code, Result};
+use crate::files::table::own_heading;
 use crate::model::cell::Columns;
 use crate::model::robot::Robot;
-use crate::table::own_heading;
 
 /// The key of the headings that do not matter.
 const IGNORE: &str = "ignore";

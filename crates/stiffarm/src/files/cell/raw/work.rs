@@ -10,7 +10,7 @@ use serde::Deserialize;
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Work"))]
 #[serde(deny_unknown_fields)]
-pub(in crate::cell_file) struct RawWork {
+pub(in crate::files::cell) struct RawWork {
     /// Tool tip, the contact point, in flange axes, mm (default: the first measuring point).
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub tip_mm: Option<Numbers>,
@@ -36,7 +36,7 @@ pub(in crate::cell_file) struct RawWork {
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Force"))]
 #[serde(deny_unknown_fields)]
-pub(in crate::cell_file) struct RawForce {
+pub(in crate::files::cell) struct RawForce {
     /// Force on the robot at the tip, N, in the axes named by `axes`.
     #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
     pub force_n: Option<Numbers>,
@@ -57,7 +57,7 @@ pub(in crate::cell_file) struct RawForce {
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Milling"))]
 #[serde(deny_unknown_fields)]
-pub(in crate::cell_file) struct RawMilling {
+pub(in crate::files::cell) struct RawMilling {
     /// Number of teeth.
     #[cfg_attr(feature = "schema", schemars(required, with = "i64", range(min = 1)))]
     pub teeth: Option<At<i64>>,

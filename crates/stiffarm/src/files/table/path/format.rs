@@ -1,9 +1,9 @@
 //! How a path stands in a table.
 
 use super::heading::contents;
+use crate::files::table::quantity::Unit;
 use crate::model::cell::Cell;
 use crate::model::process::ForceAxes;
-use crate::table::quantity::Unit;
 use nalgebra::Isometry3;
 
 /// What the rows of a path say of the tip.

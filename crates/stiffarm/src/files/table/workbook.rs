@@ -49,8 +49,8 @@ use with_calamine::first_sheet;
 mod with_calamine {
     use super::HINT;
     use crate::error::{Code, Error, Result};
+    use crate::files::table::grid::{Field, Row, Style, Table};
     use crate::model::cell::Columns;
-    use crate::table::grid::{Field, Row, Style, Table};
     use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
     use std::collections::BTreeMap;
     use std::io::Cursor;

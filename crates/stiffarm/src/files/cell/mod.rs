@@ -25,8 +25,8 @@ pub use schema::cell_schema;
 pub use template::{measurements_template, postures_template, template};
 
 use crate::error::Result;
+use crate::files::table::decode;
 use crate::model::cell::Cell;
-use crate::table::decode;
 use source::Source;
 
 /// Reads a cell from the text of a `cell.toml`; `file_name` is for messages.

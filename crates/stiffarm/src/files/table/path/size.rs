@@ -2,10 +2,10 @@
 
 use super::heading::PathColumns;
 use crate::error::{Code, Error, Result};
+use crate::files::table::grid::Table;
 use crate::findings::length;
 use crate::model::cell::Cell;
 use crate::model::path::{PathPoint, Target};
-use crate::table::grid::Table;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// A path all of whose points are nearer to axis 1 than this part of the arm's

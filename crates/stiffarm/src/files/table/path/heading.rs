@@ -2,11 +2,11 @@
 
 use super::format::{Content, FormatColumn, PathKind};
 use crate::error::{Code, Error, Result};
+use crate::files::table::columns::{force, moment};
+use crate::files::table::grid::{Column, Table};
+use crate::files::table::heading::{Found, Known, stem};
+use crate::files::table::quantity::Quantity;
 use crate::model::cell::Cell;
-use crate::table::columns::{force, moment};
-use crate::table::grid::{Column, Table};
-use crate::table::heading::{Found, Known, stem};
-use crate::table::quantity::Quantity;
 
 /// Names of the angles of a pose at controllers, and what they are here:
 /// turns about x, then y, then z of the frame that stays.
@@ -49,7 +49,7 @@ pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
 }
 
 /// The columns that a path may have.
-pub(in crate::table) fn known(joints: usize) -> Vec<Known> {
+pub(in crate::files::table) fn known(joints: usize) -> Vec<Known> {
     let contents = contents(joints).into_iter();
     contents.map(|(_, known)| known).collect()
 }

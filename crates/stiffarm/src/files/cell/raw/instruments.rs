@@ -9,7 +9,7 @@ use serde::Deserialize;
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Sensor"))]
 #[serde(deny_unknown_fields)]
-pub(in crate::cell_file) struct RawSensor {
+pub(in crate::files::cell) struct RawSensor {
     /// "flange": between flange and tool, turning with the flange. "base": in the cell, for
     /// example at the rope's anchor.
     #[cfg_attr(
@@ -38,7 +38,7 @@ pub(in crate::cell_file) struct RawSensor {
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Tracker"))]
 #[serde(deny_unknown_fields)]
-pub(in crate::cell_file) struct RawTracker {
+pub(in crate::files::cell) struct RawTracker {
     /// Origin of the tracker's axes in the base frame, mm; zeros where the readings are in base
     /// axes already (default: found from the readings).
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
@@ -66,7 +66,7 @@ pub(in crate::cell_file) struct RawTracker {
     schemars(rename = "Uncertainty")
 )]
 #[serde(deny_unknown_fields)]
-pub(in crate::cell_file) struct RawUncertainty {
+pub(in crate::files::cell) struct RawUncertainty {
     /// Scale of the force, per cent.
     pub force_scale_percent: Option<Number>,
     /// Each coordinate of the rope's anchor, mm.

@@ -2,10 +2,10 @@
 
 use super::convert::PAPER_VARIANCE_MM2;
 use crate::error::Result;
+use crate::files::table::{SheetOptions, reading_sheet, write_postures};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::model::robot::{CatalogueEntry, Robot, find_in_catalogue};
-use crate::table::{SheetOptions, reading_sheet, write_postures};
 use crate::units::rad_to_shortest_deg;
 
 /// A commented `cell.toml` for a robot of the catalogue, ready to be read by

@@ -2,10 +2,10 @@
 
 use super::format::{Content, FormatColumn, PathFormat, PathKind};
 use crate::error::{Code, Error, Result};
+use crate::files::table::quantity::{Unit, rounded};
+use crate::files::table::write::separated;
 use crate::model::path::{PathPoint, Target};
 use crate::model::process::{ForceAxes, TipLoad};
-use crate::table::quantity::{Unit, rounded};
-use crate::table::write::separated;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 

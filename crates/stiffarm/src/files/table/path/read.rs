@@ -4,12 +4,12 @@ use super::heading::PathColumns;
 use super::size::check_size;
 use super::{PathFormat, PathKind, PathTable};
 use crate::error::{Code, Error, Result, did_you_mean};
+use crate::files::table::columns::vector;
+use crate::files::table::grid::{Column, Row, Table, normal};
+use crate::files::table::postures::angles;
 use crate::model::cell::Cell;
 use crate::model::path::{PathPoint, Target};
 use crate::model::process::{ForceAxes, TipLoad};
-use crate::table::columns::vector;
-use crate::table::grid::{Column, Row, Table, normal};
-use crate::table::postures::angles;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::HashMap;
 
@@ -37,7 +37,7 @@ const AXES_HINT: &str = "add a column axes with base, tool, workpiece or path in
 /// at the tip, in the axes of the column `axes` or, where a row has none there, in
 /// `axes`. A row whose fields of force and moment are all empty takes the load of
 /// the cell's process. All columns may be in other units, as in every
-/// [table](crate::table), and have the headings that the cell's `[columns]` names.
+/// [table](crate::files::table), and have the headings that the cell's `[columns]` names.
 ///
 /// # Errors
 /// A heading or row that cannot be read, both angles and poses, a force without a

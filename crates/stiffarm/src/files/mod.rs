@@ -1,0 +1,7 @@
+//! The only part of the library that reads and writes text and bytes: cell files,
+//! tables, saved results, built-in examples.
+
+pub mod builtin;
+pub mod cell;
+pub mod registration;
+pub mod table;
