@@ -15,13 +15,14 @@ use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
 use stiffarm::internals::information::Factor;
+use stiffarm::model::dexterity;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue};
 use stiffarm::model::stiffness::{linear_displacement, stiffness_correction};
-use stiffarm::plan::index::{dexterity, evaluate};
+use stiffarm::plan::index::evaluate;
 
 /// Agreement asked of everything that is not a finite difference.
 const TIGHT: f64 = 1e-9;

@@ -20,11 +20,12 @@ use serde_json::{Number, Value};
 use std::path::PathBuf;
 use std::time::Instant;
 use stiffarm::Control;
+use stiffarm::Result;
+use stiffarm::files::builtin;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{Sensitivity, SensitivityOptions, sensitivity, space_filling};
 use stiffarm::plan::zones::{MapRange, Zone, ZoneOptions, zones};
-use stiffarm::{Result, builtin};
 use stiffarm_report::{Figure, render_svg};
 
 /// Rounds of each selection of the table of plans.
