@@ -8,7 +8,7 @@ use crate::session::Session;
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::table::{PathTable, read_path};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::inverse::InverseKinematics;
@@ -17,7 +17,7 @@ use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::units::{deg_to_rad, percent_to_fraction};
 use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
-use stiffarm::work::predict::ArmAtWork;
+use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::PathCurvePoint;
 
@@ -174,14 +174,14 @@ impl Session {
         &self,
         from: &str,
         cell: &Cell,
-        predictor: &Predictor,
+        predictor: &IdentifiedCompliance,
         args: &PathArgs,
         progress: &Progress,
     ) -> Result<Followed> {
         let options = args.posture_options(cell)?;
         let (name, bytes) = self.read("path", from)?;
         let table = read_path(&bytes, &name, cell, args.axes.map(ForceAxes::from))?;
-        let arm = ArmAtWork::new(cell, predictor)?;
+        let arm = LoadedArm::new(cell, predictor)?;
         let inverse = InverseKinematics::new(&cell.setup.robot);
         let (postures, summary) = progress
             .watch(|control| posture_path(&arm, &inverse, &table.points, &options, control))

@@ -3,9 +3,9 @@
 
 use crate::session::Session;
 use serde_json::Value;
-use stiffarm::estimate::budget::Budget;
+use stiffarm::estimate::compliance::{FittedNoise, IdentifiedCompliance};
 use stiffarm::estimate::identify::Estimates;
-use stiffarm::estimate::predictor::{FittedNoise, Predictor};
+use stiffarm::estimate::systematic::SystematicErrors;
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
 
@@ -15,7 +15,7 @@ const PRIOR: &str = "prior";
 /// A stiffness as `identify` saved it.
 pub struct Saved {
     /// What calculates displacements.
-    pub predictor: Predictor,
+    pub predictor: IdentifiedCompliance,
     /// Postures it was identified from.
     pub postures: Vec<String>,
     /// SHA-256 of the cell it was identified in.
@@ -30,7 +30,7 @@ impl Saved {
     /// The cell's prior stiffness, without covariance.
     fn prior(cell: &Cell) -> Result<Self> {
         Ok(Saved {
-            predictor: Predictor::from_stiffness(cell, cell.require_prior()?)?,
+            predictor: IdentifiedCompliance::from_stiffness(cell, cell.require_prior()?)?,
             postures: Vec::new(),
             cell: None,
             largest_displacement: None,
@@ -93,7 +93,7 @@ fn saved(bytes: &[u8], name: &str, cell: &Cell) -> Result<Saved> {
     let result = result_of(&json);
     let predictor = match result {
         Some(result) => predictor(result, &stiffness, cell)?,
-        None => Predictor::from_stiffness(cell, &stiffness)?,
+        None => IdentifiedCompliance::from_stiffness(cell, &stiffness)?,
     };
     let postures = result
         .and_then(|r| r["postures"].as_array().cloned())
@@ -116,17 +116,17 @@ fn saved(bytes: &[u8], name: &str, cell: &Cell) -> Result<Saved> {
 /// The saved estimates with their covariance, further terms and common-mode
 /// errors. A result that was written by hand or by another version may lack the
 /// covariance; further terms must not go missing.
-fn predictor(result: &Value, stiffness: &[f64], cell: &Cell) -> Result<Predictor> {
+fn predictor(result: &Value, stiffness: &[f64], cell: &Cell) -> Result<IdentifiedCompliance> {
     match serde_json::from_value::<Estimates>(result.clone()) {
         Ok(estimates) => {
             let noise = FittedNoise {
                 residual_std: result["residual_std_m"].as_f64(),
                 posture_common_std: result["posture_common_std_m"].as_f64(),
             };
-            let predictor = Predictor::from_estimates(cell, &estimates, noise)?;
+            let predictor = IdentifiedCompliance::from_estimates(cell, &estimates, noise)?;
             // `null` after --brief, missing for a clamped arm.
-            match serde_json::from_value::<Option<Budget>>(result["budget"].clone()) {
-                Ok(Some(budget)) => Ok(predictor.with_budget(&budget)),
+            match serde_json::from_value::<Option<SystematicErrors>>(result["budget"].clone()) {
+                Ok(Some(budget)) => Ok(predictor.with_systematic_errors(&budget)),
                 Ok(None) => Ok(predictor),
                 Err(e) => Err(
                     fault(format!("The common-mode errors cannot be read: {e}."))
@@ -135,7 +135,7 @@ fn predictor(result: &Value, stiffness: &[f64], cell: &Cell) -> Result<Predictor
             }
         }
         Err(_) if result["extra"].as_array().is_none_or(Vec::is_empty) => {
-            Predictor::from_stiffness(cell, stiffness)
+            IdentifiedCompliance::from_stiffness(cell, stiffness)
         }
         Err(e) => Err(fault(format!(
             "The estimates with further terms cannot be read: {e}."

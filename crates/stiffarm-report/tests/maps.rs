@@ -3,12 +3,12 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use roxmltree::Document;
 use stiffarm::Control;
-use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
-use stiffarm::model::path::{PathPoint, Target};
+use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::work::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
 use stiffarm_report::{
@@ -16,10 +16,10 @@ use stiffarm_report::{
     placement_table, render_svg, series_colour,
 };
 
-fn cell() -> (Cell, Predictor) {
+fn cell() -> (Cell, IdentifiedCompliance) {
     let text = builtin::cell_text("comau").unwrap();
     let cell = parse_cell(text, "comau").unwrap();
-    let prior = Predictor::from_stiffness(&cell, cell.prior.as_ref().unwrap()).unwrap();
+    let prior = IdentifiedCompliance::from_stiffness(&cell, cell.prior.as_ref().unwrap()).unwrap();
     (cell, prior)
 }
 
@@ -171,7 +171,7 @@ fn places_are_a_panel_per_turn_with_given_and_best() {
             PathPoint {
                 name: i.to_string(),
                 line: None,
-                target: Target::Pose(cell.work.workpiece * local),
+                target: PathTarget::Pose(cell.work.workpiece * local),
                 load: Some(TipLoad {
                     force: Vector3::new(0.0, 200.0, 50.0),
                     moment: Vector3::zeros(),

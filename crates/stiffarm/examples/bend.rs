@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use std::fmt::Write as _;
 use std::time::Instant;
 use stiffarm::Control;
-use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::builtin;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::LoadedPosture;
@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .num_threads(threads)
         .build_global()?;
     let cell = builtin::cell("comau")?;
-    let predictor = Predictor::from_stiffness(&cell, cell.require_prior()?)?;
+    let predictor = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
     let tasks: Vec<Vec<f64>> = cell.tasks.iter().map(|task| task.q.clone()).collect();
     let path = path(&tasks, points);
     let (options, quiet) = (PredictOptions::default(), Control::default());

@@ -49,7 +49,7 @@ pub fn convert(folder: &Path) -> Result<String, Box<dyn Error>> {
             state: "loaded".to_string(),
             wrench: Some(Wrench::force(Vector3::from(forces[i]))),
             common_readings: [0.0; 2],
-            servo_give: None,
+            servo_deflection: None,
             displacements: vec![Displacement::new(0, Vector3::from(shifts[i]))],
         })
         .collect();

@@ -36,7 +36,7 @@ fn cell_is_finite(cell: &Cell) -> bool {
     let lengths = [limits.floor, limits.keep_out_radius, limits.wrist_height];
     load && finite(robot.coupling())
         && robot.spring_mixing().is_none_or(finite)
-        && finite(robot.down())
+        && finite(robot.gravity_direction())
         && finite(&robot.serial_angles(&vec![0.0; robot.joint_count()]))
         && finite(&robot.flange().to_homogeneous())
         && robot

@@ -351,7 +351,7 @@ fn every_key_arrives_in_si_units() -> Check {
         robot.joints()[1].placement.translation.vector.as_slice(),
         [0.4, 0.0, 0.83]
     );
-    assert_eq!(robot.down().as_slice(), [0.0, 0.0, -1.0]);
+    assert_eq!(robot.gravity_direction().as_slice(), [0.0, 0.0, -1.0]);
     assert_eq!(cell.characteristic_length, Some(0.5));
     let series = cell
         .setup

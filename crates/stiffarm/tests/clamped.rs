@@ -14,10 +14,10 @@ use stiffarm::estimate::clamped::{
     ClampedPosture, ClampedSimulation, MotorMove, clamped_system, identify_clamped,
     simulate_clamped,
 };
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::identify::{
     Estimator, IdentifyOptions, NoiseSource, Verdict, Weights, identify,
 };
-use stiffarm::estimate::predictor::Predictor;
 use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
 use stiffarm::files::table::{read_clamped, write_clamped};
 use stiffarm::model::cell::Cell;
@@ -846,7 +846,8 @@ fn a_clamped_identification_predicts_free_deflections() {
     let data = simulate_clamped(&cell, &postures, truth, &simulation, 4, 0).unwrap();
     let fit = identify_clamped(&cell, &data, None, &IdentifyOptions::default()).unwrap();
     // Bands take the noise of the readings from the cell: the fit saw angles only.
-    let predictor = Predictor::from_estimates(&cell, &fit.estimates, Default::default()).unwrap();
+    let predictor =
+        IdentifiedCompliance::from_estimates(&cell, &fit.estimates, Default::default()).unwrap();
     let spread = predictor.spread.as_ref().unwrap();
     assert_eq!(spread.sigma, cell.noise.displacement_std());
     let measured = simulate_measurements(&cell, &postures, truth, Model::Linear, 8, 0).unwrap();

@@ -7,9 +7,9 @@ use common::random::Dice;
 use common::{default_cell, random_group};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::diagnose::diagnose;
 use stiffarm::estimate::identify::{IdentifyOptions, identify};
-use stiffarm::estimate::predictor::Predictor;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
@@ -18,7 +18,7 @@ use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::SeriesCompliance;
 use stiffarm::work::compensate::{CompensateOptions, command, compensate};
-use stiffarm::work::predict::ArmAtWork;
+use stiffarm::work::predict::LoadedArm;
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {
@@ -27,11 +27,14 @@ fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     }
 }
 
-fn prior(cell: &Cell) -> Predictor {
-    Predictor::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
+fn prior(cell: &Cell) -> IdentifiedCompliance {
+    IdentifiedCompliance::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
 }
 
-fn with_terms(predictor: &Predictor, terms: &[(ExtraTerm, f64)]) -> Predictor {
+fn with_terms(
+    predictor: &IdentifiedCompliance,
+    terms: &[(ExtraTerm, f64)],
+) -> IdentifiedCompliance {
     let mut out = predictor.clone();
     let values = predictor.values.iter().copied();
     let all: Vec<f64> = values
@@ -50,12 +53,12 @@ fn gap(from: &Isometry3<f64>, to: &Isometry3<f64>) -> (f64, f64) {
 
 /// The mirror correction as it is usually described: command, bend, subtract the
 /// error from the command, again; each pose reached by Newton's method.
-fn mirrored(arm: &ArmAtWork, nominal: &[f64], wrench: &Wrench, times: usize) -> Vec<f64> {
+fn mirrored(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench, times: usize) -> Vec<f64> {
     let target = arm.tip_pose(nominal);
     let mut aim = target;
     let mut q = nominal.to_vec();
     for _ in 0..times {
-        let loaded = arm.bend(&q, wrench).unwrap().after;
+        let loaded = arm.deflect(&q, wrench).unwrap().after;
         aim = Isometry3::from_parts(
             Translation3::from(
                 aim.translation.vector + target.translation.vector - loaded.translation.vector,
@@ -87,14 +90,14 @@ fn mirrored(arm: &ArmAtWork, nominal: &[f64], wrench: &Wrench, times: usize) -> 
 #[test]
 fn the_loaded_tip_arrives_and_the_mirror_correction_converges_to_the_same() {
     let cell = default_cell();
-    let arm = ArmAtWork::new(&cell, &prior(&cell)).unwrap();
+    let arm = LoadedArm::new(&cell, &prior(&cell)).unwrap();
     let mut dice = Dice::new(3);
     for q in random_group() {
         let wrench = load(&mut dice, 900.0, 80.0);
         let found = command(&arm, &q, &wrench).unwrap();
         let (shift, turn) = gap(&found.nominal, &found.loaded);
         assert!(shift < 1e-14 && turn < 1e-14, "{shift:e} m, {turn:e} rad");
-        let bent = arm.bend(&q, &wrench).unwrap();
+        let bent = arm.deflect(&q, &wrench).unwrap();
         assert!(bent.displacement.fixed_rows::<3>(0).norm() > 1e-4);
         let mirrored = mirrored(&arm, &q, &wrench, 8);
         for (ours, other) in found.q.iter().zip(&mirrored) {
@@ -126,7 +129,7 @@ fn arrives_for_any_arm_and_with_all_that_gives_way_beyond_the_joints() {
                 ],
             );
         }
-        let arm = ArmAtWork::new(&cell, &predictor).unwrap();
+        let arm = LoadedArm::new(&cell, &predictor).unwrap();
         let q = dice.posture(n);
         let wrench = load(&mut dice, 200.0, 10.0);
         // A random posture may be near singular, which is another test.
@@ -150,7 +153,7 @@ fn arrives_for_any_arm_and_with_all_that_gives_way_beyond_the_joints() {
 /// Displacements that an arm with these values would show, with noise.
 fn measured(
     cell: &Cell,
-    truth: &Predictor,
+    truth: &IdentifiedCompliance,
     group: &[Vec<f64>],
     dice: &mut Dice,
 ) -> Vec<MeasuredPosture> {
@@ -169,7 +172,7 @@ fn measured(
                 state: "loaded".to_string(),
                 wrench: None,
                 common_readings: [0.0; 2],
-                servo_give: None,
+                servo_deflection: None,
                 displacements: points
                     .map(|(point, measuring)| {
                         let mut view = cell.clone();
@@ -177,10 +180,10 @@ fn measured(
                             measuring.position.into(),
                             UnitQuaternion::identity(),
                         ));
-                        let arm = ArmAtWork::new(&view, truth)
+                        let arm = LoadedArm::new(&view, truth)
                             .unwrap()
                             .loaded_at(cell.setup.tool.loading_point);
-                        let bent = arm.bend(q, at_loading.wrench()).unwrap();
+                        let bent = arm.deflect(q, at_loading.wrench()).unwrap();
                         let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
                         Displacement::new(point, shift + dice.noise(sigma))
                     })
@@ -206,16 +209,21 @@ fn work(cell: &Cell, dice: &mut Dice, count: usize) -> Vec<LoadedPosture> {
 }
 
 /// RMS errors on the arm `truth`: without compensation and with the commands.
-fn errors(cell: &Cell, truth: &Predictor, model: &Predictor, work: &[LoadedPosture]) -> (f64, f64) {
-    let real = ArmAtWork::new(cell, truth).unwrap();
-    let assumed = ArmAtWork::new(cell, model).unwrap();
+fn errors(
+    cell: &Cell,
+    truth: &IdentifiedCompliance,
+    model: &IdentifiedCompliance,
+    work: &[LoadedPosture],
+) -> (f64, f64) {
+    let real = LoadedArm::new(cell, truth).unwrap();
+    let assumed = LoadedArm::new(cell, model).unwrap();
     let (mut before, mut after) = (0.0, 0.0);
     for w in work {
         let target = real.tip_pose(&w.q);
-        let bent = real.bend(&w.q, &w.wrench).unwrap();
+        let bent = real.deflect(&w.q, &w.wrench).unwrap();
         before += gap(&target, &bent.after).0.powi(2);
         let q = command(&assumed, &w.q, &w.wrench).unwrap().q;
-        let loaded = real.bend(&q, &w.wrench).unwrap().after;
+        let loaded = real.deflect(&q, &w.wrench).unwrap().after;
         after += gap(&target, &loaded).0.powi(2);
     }
     let count = work.len() as f64;
@@ -233,7 +241,7 @@ fn with_noise_only_the_path_error_falls_fiftyfold() {
     for _ in 0..50 {
         let measured = measured(&cell, &truth, &group, &mut dice);
         let found = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-        let model = Predictor::from_identification(&cell, &found).unwrap();
+        let model = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
         let work = work(&cell, &mut dice, 30);
         let (before, after) = errors(&cell, &truth, &model, &work);
         factors.push(before / after);
@@ -277,7 +285,7 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
     let measured = measured(&cell, &truth, &group, &mut dice);
     let options = IdentifyOptions::default();
     let found = identify(&cell, &measured, &options).unwrap();
-    let model = Predictor::from_identification(&cell, &found).unwrap();
+    let model = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
     let (before, after) = errors(&cell, &truth, &model, &work(&cell, &mut dice, 60));
     println!("factor {:.1}", before / after);
     assert!(before / after < 30.0 && before / after > 1.0);
@@ -302,7 +310,7 @@ fn limits_are_respected_and_named() {
     let mut q = cell.tasks[1].q.clone();
     let joints = cell.setup.robot.joints();
     let wrench = Wrench::force(Vector3::new(0.0, 0.0, -800.0));
-    let arm = ArmAtWork::new(&cell, &predictor).unwrap();
+    let arm = LoadedArm::new(&cell, &predictor).unwrap();
     // Which way the command goes, found first without the limit.
     let free = command(&arm, &q, &wrench).unwrap().q;
     let high = free[1] > q[1];
@@ -348,9 +356,9 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
     let group = random_group();
     let measured = measured(&cell, &prior(&cell), &group, &mut dice);
     let found = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    let mut model = Predictor::from_identification(&cell, &found).unwrap();
+    let mut model = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
     let work = work(&cell, &mut dice, 10);
-    let run = |model: &Predictor, options: CompensateOptions| {
+    let run = |model: &IdentifiedCompliance, options: CompensateOptions| {
         let found = compensate(&cell, model, &work, &options, Control::default()).unwrap();
         let codes: Vec<String> = found.findings.iter().map(|f| f.code.clone()).collect();
         (found, codes)

@@ -14,7 +14,8 @@ use stiffarm::Code;
 use stiffarm::Control;
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{
-    Coverage, CoverageCase, Intervals, Outliers, Record, Truth, World, coverage, measured, records,
+    Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,
+    records,
 };
 use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter};
 use stiffarm::estimate::simulate::ModelErrors;
@@ -42,7 +43,7 @@ fn case(estimator: Estimator, experiments: usize) -> CoverageCase {
             estimator,
             ..IdentifyOptions::default()
         },
-        world: World::default(),
+        world: ErrorModel::default(),
         resamples: None,
         experiments,
         seed: 11,

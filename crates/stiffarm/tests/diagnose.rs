@@ -90,7 +90,7 @@ fn in_states(
                 state: (*state).to_string(),
                 wrench: Some(*terms.wrench()),
                 common_readings: [0.0; 2],
-                servo_give: None,
+                servo_deflection: None,
                 displacements: Vec::new(),
             };
             let exact = calculated_displacements(&loaded, &measured, &truth(cell), Model::Linear);

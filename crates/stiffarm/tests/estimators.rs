@@ -348,7 +348,7 @@ fn measured(cell: &Cell, loads: &[f64], sigma: f64, dice: &mut Dice) -> Vec<Meas
                 state: format!("load {load}"),
                 wrench: Some(wrench),
                 common_readings: [0.0; 2],
-                servo_give: None,
+                servo_deflection: None,
                 displacements: (0..cell.setup.tool.point_count())
                     .map(|a| {
                         let error = dice.vector(sigma * 3f64.sqrt());

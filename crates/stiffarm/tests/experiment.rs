@@ -13,7 +13,9 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{PostureReadings, ReadingTable, Role, StateReadings, Target};
+use stiffarm::model::measurement::{
+    PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings,
+};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::stiffness::equilibrium_displacement;
@@ -39,7 +41,7 @@ fn state(posture: &PostureReadings, name: &str) -> StateReadings {
     found.unwrap_or_else(|| panic!("no state {name}")).clone()
 }
 
-fn position(state: &StateReadings, target: &Target) -> Vector3<f64> {
+fn position(state: &StateReadings, target: &ReadingTarget) -> Vector3<f64> {
     let all: Vec<_> = state
         .readings
         .iter()
@@ -78,8 +80,8 @@ fn without_disturbance_it_is_the_linear_model() {
         let frames = Frames::new(&cell.setup.robot, &posture.q);
         let expected = model(&cell, &posture.q);
         for (a, point) in cell.setup.tool.measuring_points.iter().enumerate() {
-            let unloaded = position(&state(measured, "unloaded"), &Target::Point(a));
-            let loaded = position(&state(measured, "loaded"), &Target::Point(a));
+            let unloaded = position(&state(measured, "unloaded"), &ReadingTarget::Point(a));
+            let loaded = position(&state(measured, "loaded"), &ReadingTarget::Point(a));
             assert!(worst(&unloaded, &frames.point(&point.position)) < 1e-14);
             let shift = expected.fixed_rows::<3>(3 * a).into_owned();
             assert!(shift.norm() > 1e-5 && worst(&(loaded - unloaded), &shift) < 2e-15);
@@ -100,8 +102,8 @@ fn the_equilibrium_is_the_reference_and_close_to_the_linear_model() {
         let q = &measured.posture.q;
         let linear = model(&cell, q);
         for (a, point) in cell.setup.tool.measuring_points.iter().enumerate() {
-            let shift = position(&state(&measured, "loaded"), &Target::Point(a))
-                - position(&state(&measured, "unloaded"), &Target::Point(a));
+            let shift = position(&state(&measured, "loaded"), &ReadingTarget::Point(a))
+                - position(&state(&measured, "unloaded"), &ReadingTarget::Point(a));
             let exact =
                 equilibrium_displacement(&cell.setup, q, &point.position, &prior, None).unwrap();
             let exact = exact.fixed_rows::<3>(0).into_owned();
@@ -147,7 +149,7 @@ fn undone_by_hand_step_by_step() {
         }),
         seconds_per_reading: 4.0,
         drift: Vector3::new(2e-9, -1e-9, 3e-9),
-        servo_give: Some(give.clone()),
+        servo_deflection: Some(give.clone()),
         tool_weight: Some(ToolWeight {
             mass_kg: 40.0,
             centre: Vector3::new(0.02, -0.01, 0.15),
@@ -192,7 +194,7 @@ fn undone_by_hand_step_by_step() {
                     .iter()
                     .map(|p| PointPair {
                         name: p.name.clone(),
-                        tracker: position(&still, &Target::Base(p.name.clone())),
+                        tracker: position(&still, &ReadingTarget::Base(p.name.clone())),
                         base: p.position,
                     })
                     .collect();
@@ -202,7 +204,7 @@ fn undone_by_hand_step_by_step() {
                 largest_base_motion = largest_base_motion.max(moved.translation.vector.norm());
                 (0..4)
                     .map(|a| {
-                        let p = position(&still, &Target::Point(a));
+                        let p = position(&still, &ReadingTarget::Point(a));
                         registration.base_from_tracker.rotation * p
                             + registration.base_from_tracker.translation.vector
                     })
@@ -276,7 +278,7 @@ fn joint_tilt_and_lost_motion_have_their_own_springs() {
         let terms = PostureTerms::new(&cell.setup, &a.posture.q, None).unwrap();
         let (axes, origins) = (terms.frames().axes(), terms.frames().origins());
         for i in 0..4 {
-            let target = Target::Point(i);
+            let target = ReadingTarget::Point(i);
             let unloaded = position(&state(a, "unloaded"), &target);
             assert_eq!(unloaded, position(&state(b, "unloaded"), &target));
             let more =
@@ -322,12 +324,12 @@ fn noise_has_the_spread_asked_for_and_its_own_stream() {
         for posture in &table.postures {
             for a in 0..4 {
                 let loaded = state(posture, "loaded");
-                let mean = position(&loaded, &Target::Point(a));
+                let mean = position(&loaded, &ReadingTarget::Point(a));
                 let beam = along.map(|station| (mean - station).normalize());
                 for reading in loaded
                     .readings
                     .iter()
-                    .filter(|r| r.target == Target::Point(a))
+                    .filter(|r| r.target == ReadingTarget::Point(a))
                 {
                     let deviation = reading.position - mean;
                     let (part, axes) = match beam {
@@ -389,8 +391,8 @@ fn the_common_shift_moves_all_points_of_a_loaded_state_alike() {
     for (a, b) in plain.postures.iter().zip(&shifted.postures) {
         assert_eq!(state(a, "unloaded"), state(b, "unloaded"));
         let shift = |i: usize| {
-            position(&state(b, "loaded"), &Target::Point(i))
-                - position(&state(a, "loaded"), &Target::Point(i))
+            position(&state(b, "loaded"), &ReadingTarget::Point(i))
+                - position(&state(a, "loaded"), &ReadingTarget::Point(i))
         };
         assert!(shift(0).norm() > 1e-6);
         for i in 1..4 {
@@ -459,7 +461,7 @@ fn what_cannot_be_simulated_is_refused() {
         refused(
             &cell,
             &Experiment {
-                servo_give: Some(vec![1e-7; 5]),
+                servo_deflection: Some(vec![1e-7; 5]),
                 ..Experiment::default()
             },
         ),

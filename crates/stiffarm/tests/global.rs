@@ -18,8 +18,8 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::select::{
-    GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, curve, drop_postures,
-    random_group, select_global, sensitivity,
+    GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, drop_postures,
+    error_by_count, random_group, select_global, sensitivity,
 };
 use stiffarm::{Control, Termination};
 
@@ -273,7 +273,7 @@ fn the_posture_least_worth_measuring_is_found() {
 #[test]
 fn the_curve_falls_and_names_sizes_that_determine_nothing() {
     let mut cell = default_cell();
-    let points = curve(
+    let points = error_by_count(
         &cell,
         Index::ExpectedError,
         1..=4,
@@ -285,7 +285,7 @@ fn the_curve_falls_and_names_sizes_that_determine_nothing() {
     assert!(values.windows(2).all(|w| w[1] < w[0]), "{values:?}");
     // One measuring point: three rows cannot give six joints.
     cell.setup.tool.measuring_points.truncate(1);
-    let points = curve(
+    let points = error_by_count(
         &cell,
         Index::ExpectedError,
         1..=2,

@@ -246,7 +246,7 @@ fn identification_of_noisy_displacements() {
             state: "loaded".to_string(),
             wrench: None,
             common_readings: [0.0; 2],
-            servo_give: None,
+            servo_deflection: None,
             displacements: rows
                 .chunks_exact(3)
                 .enumerate()

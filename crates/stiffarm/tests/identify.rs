@@ -6,11 +6,11 @@ mod common;
 use common::reference_cell;
 use nalgebra::{DVector, Vector3};
 use stiffarm::Control;
-use stiffarm::estimate::advise::next_posture;
 use stiffarm::estimate::identify::{
     Estimator, Identification, IdentifyOptions, Verdict, Weights, identify, leave_one_out,
     measured_system,
 };
+use stiffarm::estimate::next_posture::next_posture;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;

@@ -7,18 +7,18 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use stiffarm::Code;
 use stiffarm::Control;
-use stiffarm::estimate::predictor::{Predictor, Spread};
+use stiffarm::estimate::compliance::{IdentifiedCompliance, Spread};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
+use stiffarm::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
 use stiffarm::model::process::{ForceAxes, Process, TipLoad};
 use stiffarm::work::map::{
     MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
 };
-use stiffarm::work::predict::{ArmAtWork, PredictOptions, Prediction, predict};
+use stiffarm::work::predict::{LoadedArm, PredictOptions, Prediction, predict};
 
 fn down() -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(PI, 0.0, 0.0)
@@ -39,12 +39,12 @@ fn options() -> MapOptions {
     }
 }
 
-fn prior(cell: &Cell) -> Predictor {
-    Predictor::from_stiffness(cell, cell.prior.as_ref().unwrap()).unwrap()
+fn prior(cell: &Cell) -> IdentifiedCompliance {
+    IdentifiedCompliance::from_stiffness(cell, cell.prior.as_ref().unwrap()).unwrap()
 }
 
 /// The prior with a covariance of 2 % per joint.
-fn unsure(cell: &Cell) -> Predictor {
+fn unsure(cell: &Cell) -> IdentifiedCompliance {
     let mut predictor = prior(cell);
     let variances = predictor.values.map(|h| (0.02 * h).powi(2));
     predictor.spread = Some(Spread {
@@ -57,7 +57,7 @@ fn unsure(cell: &Cell) -> Predictor {
     predictor
 }
 
-fn map(cell: &Cell, predictor: &Predictor, options: &MapOptions) -> StiffnessMap {
+fn map(cell: &Cell, predictor: &IdentifiedCompliance, options: &MapOptions) -> StiffnessMap {
     stiffness_map(cell, predictor, options, Control::default()).unwrap()
 }
 
@@ -66,7 +66,12 @@ fn radians(degrees: &[f64]) -> Vec<f64> {
 }
 
 /// A prediction at every reachable node's posture.
-fn pointwise(cell: &Cell, predictor: &Predictor, map: &StiffnessMap, wrench: Wrench) -> Prediction {
+fn pointwise(
+    cell: &Cell,
+    predictor: &IdentifiedCompliance,
+    map: &StiffnessMap,
+    wrench: Wrench,
+) -> Prediction {
     let reached = map.nodes.iter().filter_map(|n| n.values.as_ref());
     let postures: Vec<LoadedPosture> = reached
         .map(|values| LoadedPosture {
@@ -186,7 +191,7 @@ fn each_node_has_the_allowed_posture_that_bends_least() {
     limits[1] = [-0.4, 0.6];
     cell.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
     let predictor = prior(&cell);
-    let arm = ArmAtWork::new(&cell, &predictor).unwrap();
+    let arm = LoadedArm::new(&cell, &predictor).unwrap();
     let options = MapOptions {
         lower: [0.2, -2.4, -0.4],
         upper: [3.6, 2.4, 2.8],
@@ -205,7 +210,7 @@ fn each_node_has_the_allowed_posture_that_bends_least() {
                 seen[0] += 1;
                 let values = node.values.as_ref().unwrap();
                 let bent = |q: &[f64]| {
-                    let bent = arm.bend(q, &options.wrench).unwrap();
+                    let bent = arm.deflect(q, &options.wrench).unwrap();
                     bent.displacement.fixed_rows::<3>(0).norm()
                 };
                 let least = postures
@@ -359,7 +364,7 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
             points.push(PathPoint {
                 name: format!("{}", points.len() + 1),
                 line: None,
-                target: Target::Pose(cell.work.workpiece * local),
+                target: PathTarget::Pose(cell.work.workpiece * local),
                 load: None,
             });
         }
@@ -385,11 +390,11 @@ fn search(cell: &Cell, points: &[PathPoint], options: &PlaceOptions) -> Placemen
 fn walked(cell: &Cell, points: &[PathPoint], by: &Isometry3<f64>, start: &[f64]) -> f64 {
     let inverse = InverseKinematics::new(&cell.setup.robot);
     let predictor = prior(cell);
-    let arm = ArmAtWork::new(cell, &predictor).unwrap();
+    let arm = LoadedArm::new(cell, &predictor).unwrap();
     let poses: Vec<_> = points
         .iter()
         .map(|p| match &p.target {
-            Target::Pose(pose) => by * pose,
+            PathTarget::Pose(pose) => by * pose,
             other => panic!("{other:?}"),
         })
         .collect();
@@ -400,7 +405,7 @@ fn walked(cell: &Cell, points: &[PathPoint], by: &Isometry3<f64>, start: &[f64])
     let mut squares = 0.0;
     for (pose, wrench) in poses.iter().zip(&wrenches) {
         q = inverse.nearest(&(pose * arm.tip().inverse()), &q).unwrap();
-        let shift = arm.bend(&q, wrench).unwrap().displacement;
+        let shift = arm.deflect(&q, wrench).unwrap().displacement;
         squares += shift.fixed_rows::<3>(0).norm_squared();
     }
     (squares / points.len() as f64).sqrt()
@@ -506,7 +511,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
             PathPoint {
                 name: i.to_string(),
                 line: None,
-                target: Target::Pose(cell.work.workpiece * pose),
+                target: PathTarget::Pose(cell.work.workpiece * pose),
                 load: Some(TipLoad {
                     force: Vector3::new(0.0, 0.0, 300.0),
                     moment: Vector3::zeros(),
@@ -544,8 +549,8 @@ fn a_free_tool_axis_takes_the_best_turn() {
     let free: Vec<PathPoint> = points
         .iter()
         .map(|p| match &p.target {
-            Target::Pose(pose) => PathPoint {
-                target: Target::Axis {
+            PathTarget::Pose(pose) => PathPoint {
+                target: PathTarget::Axis {
                     position: pose.translation.vector,
                     axis: UnitVector3::new_normalize(pose.rotation * Vector3::z()),
                 },

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use stiffarm::files::cell::parse_cell;
 use stiffarm::files::table::{PathFormat, PathKind, PathTable, read_path, write_path};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::path::{PathPoint, Target};
+use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::process::{ForceAxes, TipLoad};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
@@ -62,7 +62,7 @@ fn angles_and_loads_of_the_rows() -> Check {
     };
     assert_eq!((first.name.as_str(), first.line), ("P1", Some(2)));
     let q = [12.5f64, -30.0, -100.0, 0.0, 45.25, 0.0].map(f64::to_radians);
-    assert_eq!(first.target, Target::Angles(q.to_vec()));
+    assert_eq!(first.target, PathTarget::Angles(q.to_vec()));
     let load = TipLoad {
         force: Vector3::new(100.0, -20.5, 0.0),
         moment: Vector3::new(0.0, 0.0, -3.0),
@@ -147,7 +147,7 @@ fn poses_are_turns_about_x_then_y_then_z() -> Check {
     for more in ["", WORKPIECE] {
         let cell = cell_with(more);
         let path = read(POSES, &cell)?;
-        let Target::Pose(pose) = path.points[1].target else {
+        let PathTarget::Pose(pose) = path.points[1].target else {
             panic!("a pose");
         };
         let expected = cell.work.workpiece * local;
@@ -164,7 +164,7 @@ fn tool_axes_of_any_length() -> Check {
     for more in ["", WORKPIECE] {
         let cell = cell_with(more);
         let path = read(TOOL_AXES, &cell)?;
-        let Target::Axis { position, axis } = &path.points[1].target else {
+        let PathTarget::Axis { position, axis } = &path.points[1].target else {
             panic!("an axis");
         };
         let workpiece = &cell.work.workpiece;
@@ -231,7 +231,7 @@ fn a_path_is_written_in_other_columns() -> Check {
     let q = vec![0.25f64.to_radians(), 0.0, -1.5, 0.0, 0.0, 1e-3];
     let mut points = table.points.clone();
     for point in &mut points {
-        point.target = Target::Angles(q.clone());
+        point.target = PathTarget::Angles(q.clone());
     }
     let format = table.format.clone().angles(&cell);
     let text = write_path(&format, &points)?;
@@ -315,7 +315,7 @@ fn what_the_columns_cannot_hold_is_refused() -> Check {
     let mut turned = poses.points.clone();
     turned[0].load = angles.points[0].load;
     let mut short = angles.points.clone();
-    short[1].target = Target::Angles(vec![0.0; 5]);
+    short[1].target = PathTarget::Angles(vec![0.0; 5]);
     let mut report = String::new();
     for (format, points) in [
         (&angles.format, &poses.points),
@@ -518,7 +518,7 @@ fn load() -> impl Strategy<Value = Option<TipLoad>> {
 }
 
 /// Poses, many of them at or near a pitch of ±90° and half turns.
-fn pose() -> impl Strategy<Value = Target> {
+fn pose() -> impl Strategy<Value = PathTarget> {
     let pitch = prop_oneof![
         number(90.0),
         Just(-90.0),
@@ -529,19 +529,19 @@ fn pose() -> impl Strategy<Value = Target> {
     (vector(3.0), number(180.0), pitch, number(180.0)).prop_map(|(position, roll, pitch, yaw)| {
         let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_radians);
         let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-        Target::Pose(Isometry3::from_parts(
+        PathTarget::Pose(Isometry3::from_parts(
             Translation3::from(position),
             rotation,
         ))
     })
 }
 
-fn tool_axis() -> impl Strategy<Value = Target> {
+fn tool_axis() -> impl Strategy<Value = PathTarget> {
     let axis = vector(1.0).prop_map(|v| UnitVector3::try_new(v, 1e-3).unwrap_or(Vector3::z_axis()));
-    (vector(3.0), axis).prop_map(|(position, axis)| Target::Axis { position, axis })
+    (vector(3.0), axis).prop_map(|(position, axis)| PathTarget::Axis { position, axis })
 }
 
-fn angles() -> impl Strategy<Value = Target> {
+fn angles() -> impl Strategy<Value = PathTarget> {
     // Within the limits of all joints.
     let q = [
         number(75.0),
@@ -554,11 +554,11 @@ fn angles() -> impl Strategy<Value = Target> {
     q.prop_map(|q| {
         let mut q = q.map(f64::to_radians);
         q[2] -= 100f64.to_radians();
-        Target::Angles(q.to_vec())
+        PathTarget::Angles(q.to_vec())
     })
 }
 
-fn path(target: impl Strategy<Value = Target>) -> impl Strategy<Value = Vec<PathPoint>> {
+fn path(target: impl Strategy<Value = PathTarget>) -> impl Strategy<Value = Vec<PathPoint>> {
     prop::collection::vec((target, load()), 1..6).prop_map(|points| {
         let points = points.into_iter().enumerate();
         let points = points.map(|(i, (target, load))| PathPoint {
@@ -570,9 +570,9 @@ fn path(target: impl Strategy<Value = Target>) -> impl Strategy<Value = Vec<Path
         // Far from the base, or the size would be doubted.
         let mut points: Vec<PathPoint> = points.collect();
         match &mut points[0].target {
-            Target::Pose(pose) => pose.translation.vector.x = 1.5,
-            Target::Axis { position, .. } => position.x = 1.5,
-            Target::Angles(_) => {}
+            PathTarget::Pose(pose) => pose.translation.vector.x = 1.5,
+            PathTarget::Axis { position, .. } => position.x = 1.5,
+            PathTarget::Angles(_) => {}
         }
         points
     })
@@ -589,24 +589,24 @@ fn check(points: &[PathPoint], kind: PathKind, cell: &Cell) -> Result<(), TestCa
         prop_assert_eq!(&read.name, &given.name);
         prop_assert_eq!(&read.load, &given.load);
         match (&read.target, &given.target) {
-            (Target::Angles(read), Target::Angles(given)) => {
+            (PathTarget::Angles(read), PathTarget::Angles(given)) => {
                 for (a, b) in read.iter().zip(given) {
                     // Degrees do not reach every double; see `rad_to_shortest_deg`.
                     prop_assert!((a - b).abs() <= 2.0 * f64::EPSILON * b.abs());
                 }
             }
-            (Target::Pose(read), Target::Pose(given)) => {
+            (PathTarget::Pose(read), PathTarget::Pose(given)) => {
                 let apart = (read.translation.vector - given.translation.vector).norm();
                 prop_assert!(apart < 1e-12, "{}", apart);
                 let turn = read.rotation.angle_to(&given.rotation);
                 prop_assert!(turn < 2e-11, "{}", turn);
             }
             (
-                Target::Axis {
+                PathTarget::Axis {
                     position: p,
                     axis: a,
                 },
-                Target::Axis { position, axis },
+                PathTarget::Axis { position, axis },
             ) => {
                 prop_assert!((p - position).norm() < 1e-12);
                 prop_assert!((a.as_ref() - axis.as_ref()).norm() < 2e-12);

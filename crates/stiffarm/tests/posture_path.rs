@@ -11,17 +11,17 @@ use stiffarm::Code;
 use stiffarm::Control;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::inverse::InverseKinematics;
-use stiffarm::model::path::{LoadedPosture, PathPoint, Target};
+use stiffarm::model::path::{LoadedPosture, PathPoint, PathTarget};
 use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::model::robot::{DhConvention, DhRow, Robot};
 use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
-use stiffarm::work::predict::ArmAtWork;
+use stiffarm::work::predict::LoadedArm;
 
-fn arm(cell: &Cell) -> ArmAtWork {
-    ArmAtWork::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
+fn arm(cell: &Cell) -> LoadedArm {
+    LoadedArm::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
 }
 
-fn point(i: usize, target: Target) -> PathPoint {
+fn point(i: usize, target: PathTarget) -> PathPoint {
     PathPoint {
         name: (i + 1).to_string(),
         line: Some(i + 2),
@@ -43,7 +43,7 @@ fn circle(count: usize) -> Vec<Isometry3<f64>> {
 }
 
 fn poses(poses: &[Isometry3<f64>]) -> Vec<PathPoint> {
-    let targets = poses.iter().map(|pose| Target::Pose(*pose));
+    let targets = poses.iter().map(|pose| PathTarget::Pose(*pose));
     targets.enumerate().map(|(i, t)| point(i, t)).collect()
 }
 
@@ -168,7 +168,7 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
         .iter()
         .enumerate()
         .map(|(i, pose)| {
-            let target = Target::Axis {
+            let target = PathTarget::Axis {
                 position: pose.translation.vector,
                 axis: UnitVector3::new_normalize(pose.rotation * Vector3::z()),
             };
@@ -182,7 +182,7 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
     let angles: Vec<PathPoint> = found
         .iter()
         .enumerate()
-        .map(|(i, posture)| point(i, Target::Angles(posture.q.clone())))
+        .map(|(i, posture)| point(i, PathTarget::Angles(posture.q.clone())))
         .collect();
     let (kept, from_angles) = run(&cell, &angles, &free).unwrap();
     assert!(from_angles.deflection_rms_m <= from_angles.given_rms_m.unwrap() * (1.0 + 1e-12));
@@ -265,7 +265,7 @@ fn singular_postures_are_found() {
         .to_vec();
     let (_, summary) = run(
         &cell,
-        &[point(0, Target::Angles(q))],
+        &[point(0, PathTarget::Angles(q))],
         &PosturePathOptions::default(),
     )
     .unwrap();

@@ -9,9 +9,9 @@ use common::{
 };
 use nalgebra::{DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
-use stiffarm::estimate::budget::budget;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::systematic::systematic_errors;
 use stiffarm::estimate::validate::simulate_measurements;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
@@ -20,7 +20,7 @@ use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::{Model, cartesian_stiffness, equilibrium, stiffness_correction};
 use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::work::predict::{ArmAtWork, LoadPoint, PredictOptions, Prediction, predict};
+use stiffarm::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict};
 
 fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {
@@ -38,8 +38,8 @@ fn at(q: &[f64], wrench: Wrench) -> LoadedPosture {
     }
 }
 
-fn prior(cell: &Cell) -> Predictor {
-    Predictor::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
+fn prior(cell: &Cell) -> IdentifiedCompliance {
+    IdentifiedCompliance::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
 }
 
 /// Postures of the default cell's tasks and Group 1 [rad].
@@ -59,7 +59,7 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
             .map(|a| a.to_radians())
             .collect();
         // The rope pulls at the loading point; measuring point 1 is the tip.
-        let arm = ArmAtWork::new(&cell, &predictor)
+        let arm = LoadedArm::new(&cell, &predictor)
             .unwrap()
             .loaded_at(cell.setup.tool.loading_point);
         let force = numbers(&golden["force"]);
@@ -137,7 +137,7 @@ fn stiffness_is_symmetric_and_inverts_the_compliance_of_all_that_gives_way() {
             predictor.values =
                 DVector::from_iterator(n + 2, predictor.values.iter().copied().chain([3e-7, 1e-8]));
         }
-        let arm = ArmAtWork::new(&cell, &predictor).unwrap();
+        let arm = LoadedArm::new(&cell, &predictor).unwrap();
         let q = dice.posture(n);
         let load = wrench(&mut dice, 300.0, 20.0);
         let found = arm.cartesian(&q, &load).unwrap();
@@ -181,11 +181,11 @@ fn stiffness_is_symmetric_and_inverts_the_compliance_of_all_that_gives_way() {
 fn equilibrium_is_the_one_of_the_constant_wrench_and_linear_in_the_limit() {
     let cell = default_cell();
     let stiffness = cell.require_prior().unwrap().to_vec();
-    let arm = ArmAtWork::from_stiffness(&cell, &stiffness).unwrap();
+    let arm = LoadedArm::from_stiffness(&cell, &stiffness).unwrap();
     let mut dice = Dice::new(8);
     for q in postures(&cell) {
         let load = wrench(&mut dice, 800.0, 60.0);
-        let bent = arm.bend(&q, &load).unwrap();
+        let bent = arm.deflect(&q, &load).unwrap();
         // The same equilibrium by the room that identification uses.
         let mut setup = cell.setup.clone();
         setup.tool.loading_point = setup.tool.tcp();
@@ -201,7 +201,7 @@ fn equilibrium_is_the_one_of_the_constant_wrench_and_linear_in_the_limit() {
             force: load.force * 1e-4,
             moment: load.moment * 1e-4,
         };
-        let bent = arm.bend(&q, &small).unwrap();
+        let bent = arm.deflect(&q, &small).unwrap();
         assert!((bent.displacement - bent.linear).amax() < 1e-6 * bent.linear.amax());
     }
 }
@@ -217,7 +217,7 @@ fn sensitivity_is_the_derivative_of_the_shift_by_the_unknowns() {
     ];
     let values = predictor.values.iter().copied().chain([2e-7, 1e-8, 1e-4]);
     predictor.values = DVector::from_iterator(9, values);
-    let arm = ArmAtWork::new(&cell, &predictor).unwrap();
+    let arm = LoadedArm::new(&cell, &predictor).unwrap();
     let mut dice = Dice::new(9);
     for q in postures(&cell) {
         let load = wrench(&mut dice, 400.0, 30.0);
@@ -227,7 +227,7 @@ fn sensitivity_is_the_derivative_of_the_shift_by_the_unknowns() {
         for j in 0..9 {
             let mut more = predictor.clone();
             more.values[j] *= 1.5;
-            let other = ArmAtWork::new(&cell, &more).unwrap();
+            let other = LoadedArm::new(&cell, &more).unwrap();
             // Linear in the unknowns, so that any step is exact.
             let change = (other.linear(&terms) - arm.linear(&terms)) / (0.5 * predictor.values[j]);
             let column = sensitivity.column(j);
@@ -250,7 +250,7 @@ fn tip_frame_of_the_cell_counts() {
         UnitQuaternion::from_euler_angles(0.3, -0.2, 1.0),
     );
     cell.work.tip = Some(offset);
-    let arm = ArmAtWork::from_stiffness(&cell, &cell.prior.clone().unwrap()).unwrap();
+    let arm = LoadedArm::from_stiffness(&cell, &cell.prior.clone().unwrap()).unwrap();
     let q = &cell.tasks[0].q;
     let pose = arm.tip_pose(q);
     let flange = pose * offset.inverse();
@@ -260,7 +260,12 @@ fn tip_frame_of_the_cell_counts() {
 
 /// Identifies from one simulated experiment with the exact equilibrium as truth
 /// and the cell's noise as the only error.
-fn identified(cell: &Cell, group: &[Posture], estimator: Estimator, seed: u64) -> Predictor {
+fn identified(
+    cell: &Cell,
+    group: &[Posture],
+    estimator: Estimator,
+    seed: u64,
+) -> IdentifiedCompliance {
     let truth = cell.require_prior().unwrap();
     let measured = simulate_measurements(cell, group, truth, Model::Equilibrium, seed, 0).unwrap();
     let options = IdentifyOptions {
@@ -269,7 +274,7 @@ fn identified(cell: &Cell, group: &[Posture], estimator: Estimator, seed: u64) -
         ..IdentifyOptions::default()
     };
     let found = identify(cell, &measured, &options).unwrap();
-    Predictor::from_identification(cell, &found).unwrap()
+    IdentifiedCompliance::from_identification(cell, &found).unwrap()
 }
 
 fn group(cell: &Cell) -> Vec<Posture> {
@@ -287,7 +292,7 @@ fn group(cell: &Cell) -> Vec<Posture> {
 fn bands_cover_what_they_say_when_noise_is_the_only_error() {
     let cell = default_cell();
     let group = group(&cell);
-    let truth = ArmAtWork::from_stiffness(&cell, &cell.prior.clone().unwrap()).unwrap();
+    let truth = LoadedArm::from_stiffness(&cell, &cell.prior.clone().unwrap()).unwrap();
     let mut dice = Dice::new(21);
     let work: Vec<LoadedPosture> = (0..12)
         .map(|i| {
@@ -298,7 +303,7 @@ fn bands_cover_what_they_say_when_noise_is_the_only_error() {
         .collect();
     let exact: Vec<Vector6<f64>> = work
         .iter()
-        .map(|w| truth.bend(&w.q, &w.wrench).unwrap().displacement)
+        .map(|w| truth.deflect(&w.q, &w.wrench).unwrap().displacement)
         .collect();
     // Two variances, the default, are conservative where no posture has a shift
     // of its own: 96.0 % in 16,000 experiments, against 94.8 % of the former.
@@ -341,11 +346,11 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     let measured = simulate_measurements(&cell, &group, truth, Model::Equilibrium, 3, 0).unwrap();
     let options = IdentifyOptions::default();
     let found = identify(&cell, &measured, &options).unwrap();
-    let plain = Predictor::from_identification(&cell, &found).unwrap();
-    let budget = budget(&cell, &measured, &options).unwrap();
-    let with = plain.clone().with_budget(&budget);
+    let plain = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
+    let budget = systematic_errors(&cell, &measured, &options).unwrap();
+    let with = plain.clone().with_systematic_errors(&budget);
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
-    let run = |predictor: &Predictor, load: f64| -> Prediction {
+    let run = |predictor: &IdentifiedCompliance, load: f64| -> Prediction {
         // The bands are those of the linear model.
         let options = PredictOptions {
             model: Model::Linear,
@@ -375,9 +380,9 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
             moved.values += part;
             let shifted = run(&moved, 0.0).points[0].clone();
             let change = Vector3::from(shifted.shift_m) - Vector3::from(point.shift_m);
-            let one = Predictor {
+            let one = IdentifiedCompliance {
                 spread: None,
-                common: vec![stiffarm::estimate::predictor::CommonError {
+                common: vec![stiffarm::estimate::compliance::SystematicError {
                     name: error.name.clone(),
                     parts: vec![part.clone()],
                 }],

@@ -116,7 +116,7 @@ proptest! {
             state: "loaded".to_string(),
             wrench: None,
             common_readings: [0.0; 2],
-            servo_give: None,
+            servo_deflection: None,
             displacements: Vec::new(),
         };
         let direct = calculated_displacements(&cell, &measured, &model.prior, Deflection::Linear).unwrap();

@@ -17,7 +17,7 @@ use stiffarm::files::table::{
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{
-    PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
+    PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 use stiffarm::model::posture::Posture;
 
@@ -124,8 +124,11 @@ fn rows_are_grouped_by_posture_and_state() -> Check {
         panic!("three states");
     };
     let targets: Vec<_> = unloaded.readings.iter().map(|r| &r.target).collect();
-    let base = Target::Base("base-2".to_string());
-    assert_eq!(targets, [&Target::Point(0), &Target::Point(1), &base]);
+    let base = ReadingTarget::Base("base-2".to_string());
+    assert_eq!(
+        targets,
+        [&ReadingTarget::Point(0), &ReadingTarget::Point(1), &base]
+    );
     let first = &unloaded.readings[0];
     assert_eq!(first.position.as_slice(), [1.500125, -0.2005, 0.90025]);
     assert_eq!((first.time, first.line), (Some(10.5), 2));
@@ -233,7 +236,7 @@ fn states_say_what_they_are_for() {
         ("bäse", false),
         ("", false),
     ] {
-        assert_eq!(Target::is_base_name(name), reserved, "{name}");
+        assert_eq!(ReadingTarget::is_base_name(name), reserved, "{name}");
     }
 }
 
@@ -265,7 +268,7 @@ fn spreadsheets_write_the_same_table_in_many_ways() -> Check {
 
 /// As a tracker's software may write it: its own headings, more columns.
 const FOREIGN: &str = "\
-Comment;Pose;Name;State;Center X;center y;CENTER Z;Target type;A1;A2
+Comment;Pose;Name;State;Center X;center y;CENTER Z;ReadingTarget type;A1;A2
 first;P1;left;unloaded;1500,125;-200,5;900,25;SMR 1.5;12,5;-30
 ;P1;left;loaded;1500,25;-200,75;899,5;SMR 1.5;12,5;-30
 ";
@@ -672,10 +675,10 @@ fn any_state(
     times: bool,
 ) -> impl Strategy<Value = StateReadings> {
     let target = prop_oneof![
-        Just(Target::Point(0)),
-        Just(Target::Point(1)),
-        Just(Target::Base("base".to_string())),
-        Just(Target::Base("base-2".to_string())),
+        Just(ReadingTarget::Point(0)),
+        Just(ReadingTarget::Point(1)),
+        Just(ReadingTarget::Base("base".to_string())),
+        Just(ReadingTarget::Base("base-2".to_string())),
     ];
     let reading = (target, vector(), prop::option::of(number()));
     let state = (
@@ -684,7 +687,7 @@ fn any_state(
         1.0..900.0f64,
     );
     state.prop_map(move |(mut readings, wrench, load)| {
-        readings[0].0 = Target::Point(0);
+        readings[0].0 = ReadingTarget::Point(0);
         let loaded = Role::of(name) != Role::Unloaded;
         StateReadings {
             state: name.to_string(),

@@ -18,7 +18,9 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{Displacement, MeasuredPosture, Reading, ReadingTable, Target};
+use stiffarm::model::measurement::{
+    Displacement, MeasuredPosture, Reading, ReadingTable, ReadingTarget,
+};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::tool::NamedPoint;
 
@@ -43,7 +45,7 @@ fn everything(preload: f64, tilt: f64) -> Experiment {
         base_compliance: Some(BaseCompliance { tilt, shift: 3e-8 }),
         seconds_per_reading: 7.0,
         drift: Vector3::new(2e-8, -1e-8, 3e-8),
-        servo_give: Some(GIVE.to_vec()),
+        servo_deflection: Some(GIVE.to_vec()),
         tool_weight: Some(ToolWeight {
             mass_kg: 30.0,
             centre: Vector3::new(0.03, 0.02, 0.15),
@@ -84,7 +86,7 @@ fn everything_at_once_comes_back() {
         let error = wrench_error(&cell, &result.measured, factor);
         assert!(error < wrench_limit, "{error:e}");
         for m in &result.measured {
-            let give = m.servo_give.as_ref().unwrap();
+            let give = m.servo_deflection.as_ref().unwrap();
             let q = planned(m);
             let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
             let coupling = cell.setup.robot.coupling();
@@ -233,7 +235,7 @@ fn registration_comes_from_the_unloaded_readings() {
     let cell = reference_cell();
     let options = Experiment {
         base_from_tracker: tracker_pose(),
-        servo_give: Some(GIVE.to_vec()),
+        servo_deflection: Some(GIVE.to_vec()),
         ..Experiment::default()
     };
     let table = take(&cell, &options, 1);
@@ -500,13 +502,13 @@ fn a_reflector_read_in_some_states_only_is_left_out_of_its_posture() {
         ..Experiment::default()
     };
     let mut table = take(&cell, &options, 1);
-    let second = Target::Base("base-2".to_string());
+    let second = ReadingTarget::Base("base-2".to_string());
     table.postures[0].states[2]
         .readings
         .retain(|r| r.target != second);
     table.postures[1].states[1]
         .readings
-        .retain(|r| matches!(r.target, Target::Point(_)));
+        .retain(|r| matches!(r.target, ReadingTarget::Point(_)));
     let result = reduced(&cell, &table);
     assert_eq!(found(&result, "base-reflector-incomplete").len(), 2);
     assert_eq!(found(&result, "base-motion-unknown").len(), 1);
@@ -529,16 +531,16 @@ fn a_reflector_read_in_some_states_only_is_left_out_of_its_posture() {
 fn servo_give_needs_angles_that_change() {
     let cell = reference_cell();
     let options = Experiment {
-        servo_give: Some(GIVE.to_vec()),
+        servo_deflection: Some(GIVE.to_vec()),
         ..Experiment::default()
     };
     let mut table = take(&cell, &options, 1);
     let result = reduced(&cell, &table);
     assert_eq!(found(&result, "servo-give")[0].severity, Severity::Note);
-    assert!(result.measured.iter().all(|m| m.servo_give.is_some()));
+    assert!(result.measured.iter().all(|m| m.servo_deflection.is_some()));
     table.postures[4].states[1].angles = None;
     let result = reduced(&cell, &table);
-    assert!(result.measured[4].servo_give.is_none());
+    assert!(result.measured[4].servo_deflection.is_none());
     assert_eq!(found(&result, "servo-give")[0].severity, Severity::Caution);
     for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
         state.angles = Some(vec![0.1; 6]);
@@ -548,7 +550,7 @@ fn servo_give_needs_angles_that_change() {
         result
             .measured
             .iter()
-            .all(|m| m.servo_give.is_none() && m.posture.q == vec![0.1; 6])
+            .all(|m| m.servo_deflection.is_none() && m.posture.q == vec![0.1; 6])
     );
 }
 
@@ -717,7 +719,7 @@ fn faults_of_a_table_are_errors() {
         ),
         (
             Code::UnknownName,
-            Box::new(|t| t.postures[1].states[0].readings[2].target = Target::Point(4)),
+            Box::new(|t| t.postures[1].states[0].readings[2].target = ReadingTarget::Point(4)),
         ),
         (
             Code::MissingKey,
@@ -751,7 +753,7 @@ fn faults_of_a_table_are_errors() {
     for state in &mut table.postures[0].states {
         state
             .readings
-            .retain(|r| r.target == Target::Point(0) || r.target == Target::Point(2));
+            .retain(|r| r.target == ReadingTarget::Point(0) || r.target == ReadingTarget::Point(2));
     }
     let error = reduce(&cell, &table, &ReduceOptions::default()).unwrap_err();
     assert_eq!(error.code(), Code::TooFewData);
@@ -828,7 +830,7 @@ fn postures_and_points_without_reference_are_named() {
     table.postures[1].states.remove(1);
     table.postures[2].states[0]
         .readings
-        .retain(|r| r.target != Target::Point(3));
+        .retain(|r| r.target != ReadingTarget::Point(3));
     let result = reduced(&cell, &table);
     assert_eq!(result.measured.len(), 4);
     let points: Vec<usize> = result.measured[0]
@@ -923,30 +925,32 @@ fn findings_in_words() {
     for state in few.postures.iter_mut().flat_map(|p| &mut p.states) {
         state
             .readings
-            .retain(|r| !matches!(&r.target, Target::Base(name) if name != "base"));
+            .retain(|r| !matches!(&r.target, ReadingTarget::Base(name) if name != "base"));
     }
     show("one base reflector", &cell, &few, &none);
 
     let mut gap = table.clone();
     gap.postures[0].states[3]
         .readings
-        .retain(|r| matches!(r.target, Target::Point(_)));
+        .retain(|r| matches!(r.target, ReadingTarget::Point(_)));
     gap.postures[1].states.pop();
     gap.postures[2].states.remove(0);
     gap.postures[2].states.pop();
     gap.postures[4].states[0]
         .readings
-        .retain(|r| r.target != Target::Point(1));
+        .retain(|r| r.target != ReadingTarget::Point(1));
     gap.postures[4].states[3]
         .readings
-        .retain(|r| r.target != Target::Point(1));
+        .retain(|r| r.target != ReadingTarget::Point(1));
     gap.postures[5].states.truncate(1);
     show("gaps", &cell, &gap, &none);
 
     let mut line = table.clone();
     line.postures.truncate(1);
     for state in &mut line.postures[0].states {
-        state.readings.retain(|r| r.target == Target::Point(0));
+        state
+            .readings
+            .retain(|r| r.target == ReadingTarget::Point(0));
     }
     show("one point of one posture", &cell, &line, &none);
 

@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Vector3};
 use stiffarm::findings::Severity;
 use stiffarm::measure::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
 use stiffarm::measure::reduction::reduce;
-use stiffarm::model::measurement::Target;
+use stiffarm::model::measurement::ReadingTarget;
 use stiffarm::model::posture::Posture;
 
 /// Postures of an arm whose geometry is wrong as real ones are, none of them
@@ -199,7 +199,7 @@ fn base_motion_by_noise_alone_is_not_named_and_its_noise_is_as_stated() {
         for state in bare.postures.iter_mut().flat_map(|p| &mut p.states) {
             state
                 .readings
-                .retain(|r| matches!(r.target, Target::Point(_)));
+                .retain(|r| matches!(r.target, ReadingTarget::Point(_)));
         }
         let without = reduce(&cell, &bare, &given(Isometry3::identity())).unwrap();
         for ((with, without), motion) in result

@@ -466,7 +466,7 @@ fn any_measured() -> impl Strategy<Value = Vec<MeasuredPosture>> {
                         Wrench { force, moment }
                     }),
                     common_readings: [0.0; 2],
-                    servo_give: None,
+                    servo_deflection: None,
                     displacements: numbered(displacements),
                 })
                 .collect()

@@ -7,10 +7,10 @@ use common::{group1, random_group, reference_cell};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
 use stiffarm::Code;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::identify::{
     Estimator, IdentifyOptions, NoiseSource, identify, leave_one_out, measured_system,
 };
-use stiffarm::estimate::predictor::Predictor;
 use stiffarm::estimate::validate::{
     Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
 };
@@ -54,7 +54,7 @@ fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validatio
         options,
     )
     .unwrap();
-    let predictor = Predictor::from_identification(cell, &fit).unwrap();
+    let predictor = IdentifiedCompliance::from_identification(cell, &fit).unwrap();
     let measured = measure(cell, &held_out(group1()), 2 * stream + 1);
     validate_with(cell, &predictor, &measured, Model::Linear, None).unwrap()
 }
@@ -124,7 +124,7 @@ fn a_band_is_that_of_the_dense_formula() {
         &options(Estimator::TwoVariance),
     )
     .unwrap();
-    let predictor = Predictor::from_identification(&cell, &fit).unwrap();
+    let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
     let spread = predictor.spread.clone().unwrap();
     // Two load states, the second with half of the load, against one reference.
     let mut measured = measure(&cell, &held_out(group1()), 1);
@@ -186,7 +186,7 @@ fn readings_that_the_fit_does_not_explain_are_said_to_lie_outside() {
         &options(Estimator::Ordinary),
     )
     .unwrap();
-    let predictor = Predictor::from_identification(&cell, &fit).unwrap();
+    let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
     let mut measured = measure(&cell, &held_out(group1()), 1);
     let codes = |measured: &[MeasuredPosture]| -> Vec<String> {
         let result = validate_with(&cell, &predictor, measured, Model::Linear, None).unwrap();
@@ -249,7 +249,7 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
         };
         let (left, others) = (strip(left), strip(others));
         let fit = identify(&cell, &others, &options).unwrap();
-        let predictor = Predictor::from_identification(&cell, &fit).unwrap();
+        let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
         let apart = validate_with(&cell, &predictor, &left, Model::Linear, None).unwrap();
         for point in apart.points {
             let same = result
@@ -308,7 +308,7 @@ fn further_terms_and_servo_give_are_predicted() {
     let mut dice = Dice::new(7);
     let mut measured = measure(&cell, &group(random_group()), 0);
     for m in &mut measured {
-        m.servo_give = Some((0..6).map(|_| dice.between(-1e-4, 1e-4)).collect());
+        m.servo_deflection = Some((0..6).map(|_| dice.between(-1e-4, 1e-4)).collect());
         for d in &mut m.displacements {
             d.value = Vector3::zeros();
         }
@@ -320,7 +320,7 @@ fn further_terms_and_servo_give_are_predicted() {
         let value = exact.fixed_rows::<3>(label.rows.start).into_owned();
         measured[label.measured].displacements[label.displacement].value = value;
     }
-    let predictor = Predictor {
+    let predictor = IdentifiedCompliance {
         common: Vec::new(),
         values: DVector::from_vec(values),
         extra: extra.clone(),
@@ -343,7 +343,7 @@ fn further_terms_and_servo_give_are_predicted() {
         ..options(Estimator::Ordinary)
     };
     let fit = identify(&cell, &measured, &options).unwrap();
-    let found = Predictor::from_identification(&cell, &fit).unwrap();
+    let found = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
     for (a, b) in found.values.iter().zip(predictor.values.iter()) {
         assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
     }
@@ -366,8 +366,8 @@ fn wrong_requests_are_refused() {
     }
     assert!(identify(&cell, &dark, &plain).is_ok());
     let fit = identify(&cell, &dark, &plain).unwrap();
-    let error = Predictor::from_identification(&cell, &fit).unwrap_err();
+    let error = IdentifiedCompliance::from_identification(&cell, &fit).unwrap_err();
     assert_eq!(error.code(), Code::NotIdentifiable);
-    let error = Predictor::from_stiffness(&cell, &[1e6; 5]).unwrap_err();
+    let error = IdentifiedCompliance::from_stiffness(&cell, &[1e6; 5]).unwrap_err();
     assert_eq!(error.code(), Code::Dimension);
 }

@@ -11,7 +11,7 @@ use stiffarm::estimate::identify::{IdentifyOptions, identify};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::experiment::{DisplacementModel, Experiment, experiment};
 use stiffarm::measure::reduction::{ReduceOptions, reduce};
-use stiffarm::measure::sanity::inspect;
+use stiffarm::measure::screening::inspect;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::posture::Posture;
@@ -64,7 +64,7 @@ fn stiffness_lies_in_its_intervals() {
         };
         let truth = cell.require_prior().unwrap().to_vec();
         let table = experiment(&cell, &postures, &truth, &done, 5, run).unwrap();
-        let sane = inspect(&cell, &table, None).unwrap();
+        let sane = screen(&cell, &table, None).unwrap();
         let serious = |f: &Finding| f.severity == Severity::Serious;
         assert!(!sane.findings.iter().any(serious), "{:?}", sane.findings);
         alarms += u64::from(!sane.suspicions.is_empty());

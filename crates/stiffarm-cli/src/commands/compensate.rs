@@ -13,15 +13,15 @@ use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::estimate::predictor::Predictor;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::table::{PathFormat, PathKind, write_path};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::path::{PathPoint, Target as Aim};
+use stiffarm::model::path::{PathPoint, PathTarget as Aim};
 use stiffarm::units::deg_to_rad;
 use stiffarm::work::compensate::{CompensateOptions, Compensation, PointCompensation, compensate};
 use stiffarm::work::posture_path::PosturePathSummary;
-use stiffarm::work::predict::ArmAtWork;
+use stiffarm::work::predict::LoadedArm;
 use stiffarm_report::{path_figure, render_svg};
 
 /// Rows of the table on the terminal.
@@ -135,7 +135,7 @@ fn wrote(args: &CompensateArgs) -> String {
 /// The path to command, in the columns of the path or as `write` says.
 fn commanded(
     cell: &Cell,
-    predictor: &Predictor,
+    predictor: &IdentifiedCompliance,
     followed: &Followed,
     result: &Compensation,
     write: Option<WriteChoice>,
@@ -146,7 +146,7 @@ fn commanded(
         Some(WriteChoice::Angles) => read.clone().angles(cell),
         Some(WriteChoice::Poses) => read.clone().poses(cell),
     };
-    let arm = ArmAtWork::new(cell, predictor)?;
+    let arm = LoadedArm::new(cell, predictor)?;
     let points: Vec<PathPoint> = followed
         .table
         .points

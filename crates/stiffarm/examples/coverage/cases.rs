@@ -4,7 +4,7 @@ use crate::page::{BESIDE, EXACT, INEXACT, TWO_VARIANCE};
 use nalgebra::Vector3;
 use stiffarm::Control;
 use stiffarm::error::Result;
-use stiffarm::estimate::coverage::{CoverageCase, Intervals, Outliers, Truth, World};
+use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, Intervals, Outliers, Truth};
 use stiffarm::estimate::identify::{
     Estimator, IdentifyOptions, NoiseSource, ReadingScatter, Weights,
 };
@@ -110,7 +110,7 @@ impl Bench {
                     estimator,
                     ..IdentifyOptions::default()
                 },
-                world: World::default(),
+                world: ErrorModel::default(),
                 resamples: None,
                 experiments: EXPERIMENTS,
                 seed: SEED,

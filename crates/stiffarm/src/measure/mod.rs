@@ -4,4 +4,4 @@
 pub mod experiment;
 pub mod reduction;
 pub mod registration;
-pub mod sanity;
+pub mod screening;

@@ -10,8 +10,8 @@
 //! Whatever the way, the command is checked by the equilibrium from its side.
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::rms;
-use crate::estimate::predictor::Predictor;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
@@ -21,7 +21,7 @@ use crate::numerics::control::Control;
 use crate::numerics::information::svd::svd;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
-use crate::work::predict::{ArmAtWork, Bands, TipBand, motion};
+use crate::work::predict::{Bands, LoadedArm, TipBand, motion};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
@@ -118,7 +118,7 @@ pub struct Command {
 /// Angles of the wrong number or not finite; a coupling that cannot be undone;
 /// a load that buckles the arm; a posture in which the arm cannot make up for
 /// what gives way beyond its joints.
-pub fn command(arm: &ArmAtWork, nominal: &[f64], wrench: &Wrench) -> Result<Command> {
+pub fn command(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench) -> Result<Command> {
     let robot = arm.robot();
     let mut terms = arm.terms(nominal, wrench)?;
     let target = terms.frames().flange() * arm.tip();
@@ -135,7 +135,7 @@ pub fn command(arm: &ArmAtWork, nominal: &[f64], wrench: &Wrench) -> Result<Comm
         )
     })?;
     let q: Vec<f64> = q.iter().copied().collect();
-    let bent = arm.bend(&q, wrench)?;
+    let bent = arm.deflect(&q, wrench)?;
     Ok(Command {
         q,
         nominal: target,
@@ -147,7 +147,7 @@ pub fn command(arm: &ArmAtWork, nominal: &[f64], wrench: &Wrench) -> Result<Comm
 /// Moves the joints until the loaded tip, with all that gives way beyond them,
 /// is at `target`.
 fn reach(
-    arm: &ArmAtWork,
+    arm: &LoadedArm,
     theta: &mut DVector<f64>,
     terms: &mut crate::model::observation::PostureTerms,
     wrench: &Wrench,
@@ -206,7 +206,7 @@ fn step(frames: &Frames, p: &Vector3<f64>, twist: &Vector6<f64>) -> Result<DVect
 /// machine's limits; interrupted.
 pub fn compensate(
     cell: &Cell,
-    predictor: &Predictor,
+    predictor: &IdentifiedCompliance,
     postures: &[LoadedPosture],
     options: &CompensateOptions,
     control: Control<'_>,
@@ -217,7 +217,7 @@ pub fn compensate(
             "There is no point to compensate.",
         ));
     }
-    let arm = ArmAtWork::new(cell, predictor)?;
+    let arm = LoadedArm::new(cell, predictor)?;
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = in_order_watched(postures, "compensating", control, |(_, posture)| {
         point(&arm, bands.as_ref(), posture).map_err(|e| posture.at(e))
@@ -227,7 +227,7 @@ pub fn compensate(
 }
 
 fn point(
-    arm: &ArmAtWork,
+    arm: &LoadedArm,
     bands: Option<&Bands>,
     posture: &LoadedPosture,
 ) -> Result<PointCompensation> {
@@ -248,7 +248,7 @@ fn point(
         return Err(Error::new(Code::OutsideLimits, message)
             .hint("choose another posture for this point, farther from the limit"));
     }
-    let bent = arm.bend(&posture.q, wrench)?;
+    let bent = arm.deflect(&posture.q, wrench)?;
     let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
     let band = match bands {
         Some(bands) => Some(bands.of(&shift, &arm.sensitivity(&arm.terms(&posture.q, wrench)?))),

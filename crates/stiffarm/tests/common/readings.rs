@@ -198,7 +198,7 @@ pub fn full_table(cell: &Cell, seed: u64) -> ReadingTable {
         }),
         seconds_per_reading: 8.0,
         drift: Vector3::new(2e-8, -1e-8, 3e-8),
-        servo_give: Some(GIVE.to_vec()),
+        servo_deflection: Some(GIVE.to_vec()),
         tracker_noise: TrackerNoise::Isotropic,
         sensor_noise: [0.5, 0.1],
         ..Experiment::default()

@@ -1,6 +1,6 @@
 //! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
 
-use super::{check_among, tables, words};
+use super::{check_among, messages, tables};
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
 use crate::input::NamedCell;
@@ -109,14 +109,14 @@ fn table(
 ) -> String {
     let found = &result.estimates;
     let mut out = named.line();
-    out += &words::undetermined(&found.undetermined_joints, !found.combinations.is_empty());
+    out += &messages::undetermined(&found.undetermined_joints, !found.combinations.is_empty());
     let mut names: Vec<&str> = clamped.iter().map(|c| c.posture.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
     out += &format!(
         "data: flange fixed, {}, {} ({} combinations of angles), {}",
-        words::counted(names.len(), "posture"),
-        words::counted(clamped.len(), "state"),
+        messages::counted(names.len(), "posture"),
+        messages::counted(clamped.len(), "state"),
         found.rows,
         match found.degrees_of_freedom {
             1 => "1 degree of freedom".to_string(),
@@ -131,7 +131,7 @@ fn table(
     out += &tables::estimates(found, None, None).to_string();
     out += &tables::further(found);
     out += &format!("\n{}\n", residual(result));
-    for sentence in words::estimates(found) {
+    for sentence in messages::estimates(found) {
         out += &format!("{sentence}\n");
     }
     for finding in &result.findings {

@@ -1,11 +1,11 @@
 //! `stiffarm identify`: joint stiffness from measured displacements or raw readings.
 
 pub mod clamped;
+mod messages;
 pub mod readings;
 mod tables;
-mod words;
 
-pub use words::confidence;
+pub use messages::confidence;
 
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
@@ -18,14 +18,14 @@ use readings::Reduced;
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Control;
-use stiffarm::estimate::advise::{Advice, next_posture};
-use stiffarm::estimate::budget::{Budget, budget};
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use stiffarm::estimate::diagnose::{Diagnosis, diagnose};
 use stiffarm::estimate::identify::{
     Bootstrap, Estimator, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
     bootstrap, identify, implausible_scale, profile,
 };
+use stiffarm::estimate::next_posture::{NextPosture, next_posture};
+use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::Severity;
 use stiffarm::model::measurement::{MeasuredPosture, split_by_name};
 use stiffarm::model::observation::ExtraTerm;
@@ -71,11 +71,11 @@ pub struct Identified {
     /// Interval from resampled postures; `null` unless asked for.
     pub bootstrap: Option<Bootstrap>,
     /// Errors common to the whole experiment; `null` with --brief.
-    pub budget: Option<Budget>,
+    pub budget: Option<SystematicErrors>,
     /// What the residuals say; `null` with --brief.
     pub diagnosis: Option<Diagnosis>,
     /// The next posture; `null` with --brief, or where none can be given.
-    pub next_posture: Option<Advice>,
+    pub next_posture: Option<NextPosture>,
     /// Why there is no next posture; `null` where there is one.
     pub next_posture_missing: Option<String>,
     /// How often this estimator's intervals held the truth in simulation, where
@@ -168,7 +168,7 @@ fn identified(
         return Ok(out);
     }
     out.profile = profile(cell, measured, options)?;
-    out.budget = Some(budget(cell, measured, options)?);
+    out.budget = Some(systematic_errors(cell, measured, options)?);
     out.diagnosis = Some(diagnose(cell, measured, options)?);
     let search = GlobalOptions {
         seed: args.seed,
@@ -215,8 +215,8 @@ fn table(
     let found = &result.identification;
     let mut out = named.line();
     let combined = !found.combinations.is_empty();
-    out += &words::undetermined(&found.undetermined_joints, combined);
-    out += &words::data(measured, found, excluded);
+    out += &messages::undetermined(&found.undetermined_joints, combined);
+    out += &messages::data(measured, found, excluded);
     if let Some(reduced) = &result.readings {
         out += &title("Readings");
         out += &reduced.words();
@@ -230,10 +230,10 @@ fn table(
     if let Some(finding) = implausible_scale(&named.cell, found) {
         out += &format!("{}\n", red(&finding.sentence));
     }
-    for sentence in words::verdicts(result) {
+    for sentence in messages::verdicts(result) {
         out += &format!("{sentence}\n");
     }
-    for remark in words::remarks(&named.cell, measured, result) {
+    for remark in messages::remarks(&named.cell, measured, result) {
         out += &format!("{}: {remark}\n", yellow("note"));
     }
     if let Some(budget) = &result.budget {
@@ -253,5 +253,5 @@ fn table(
     }
     out += &title("Postures with the largest residuals");
     out += &tables::residuals(result).to_string();
-    out + &words::next(&named.cell, result)
+    out + &messages::next(&named.cell, result)
 }

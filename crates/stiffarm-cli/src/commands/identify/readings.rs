@@ -8,7 +8,7 @@ use stiffarm::estimate::identify::ReadingScatter;
 use stiffarm::files::table::Measurements;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::reduction::{ReduceOptions, Reduction, UnloadedRegistration, reduce};
-use stiffarm::measure::sanity::{Sanity, inspect};
+use stiffarm::measure::screening::{Screening, screen};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::{Error, Result};
@@ -19,7 +19,7 @@ pub struct Reduced {
     /// Registration, drift, motion of the base, repeats, wrenches.
     pub reduction: Reduction,
     /// What is suspicious about the readings themselves.
-    pub sanity: Sanity,
+    pub sanity: Screening,
 }
 
 /// Displacements of a table, which is reduced first where it holds raw
@@ -36,7 +36,7 @@ pub fn displacements(
         Measurements::Displacements(measured) => return Ok((measured, None)),
         Measurements::Readings(table) => table,
     };
-    let sanity = inspect(cell, &table, options.base_from_tracker.as_ref())?;
+    let sanity = screen(cell, &table, options.base_from_tracker.as_ref())?;
     let mut reduction = reduce(cell, &table, options).map_err(|error| {
         let cause = sanity
             .findings

@@ -1,11 +1,11 @@
 //! The tables of an identification.
 
-use super::{Identified, words};
+use super::{Identified, messages};
 use crate::numbers::{NONE, mm, optional, optional_percent, percent, significant, stiffness};
 use crate::table::{Align, Table, title};
-use stiffarm::estimate::budget::{Budget, BudgetSource};
 use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
 use stiffarm::estimate::identify::{Bootstrap, Estimates, Identification, JointEstimate, Verdict};
+use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource};
 use stiffarm::units::{m_to_mm, rad_to_deg};
 
 /// Postures whose residuals the table shows.
@@ -20,12 +20,12 @@ const ARCMIN: f64 = 60.0;
 /// k with intervals, and both parts of its uncertainty.
 pub(super) fn estimates(
     found: &Estimates,
-    budget: Option<&Budget>,
+    budget: Option<&SystematicErrors>,
     bootstrap: Option<&Bootstrap>,
 ) -> Table {
     let interval_heading = format!(
         "{} % interval [N·m/rad]",
-        words::confidence(found.confidence)
+        messages::confidence(found.confidence)
     );
     let mut headings = vec![
         "joint".to_string(),
@@ -159,7 +159,7 @@ fn term(position: usize, name: &str, coefficient: f64) -> String {
 }
 
 /// The common-mode budget, a row for each source.
-pub(super) fn common(budget: &Budget) -> Table {
+pub(super) fn common(budget: &SystematicErrors) -> Table {
     let mut headings = vec!["source".to_string(), "size".to_string(), "from".to_string()];
     headings.extend(budget.joints.iter().cloned());
     let mut table = Table::new(headings);
@@ -327,7 +327,7 @@ trait SizeInWords {
     fn size_in_words(&self) -> String;
 }
 
-impl SizeInWords for BudgetSource {
+impl SizeInWords for SystematicSource {
     fn size_in_words(&self) -> String {
         let size = self.size;
         match self.unit.as_str() {

@@ -199,7 +199,7 @@ fn under_cell_load(
     let table = read_path(&bytes, &name, cell, None)?;
     let mut postures = Vec::with_capacity(table.points.len());
     for point in table.points {
-        let stiffarm::model::path::Target::Angles(q) = point.target else {
+        let stiffarm::model::path::PathTarget::Angles(q) = point.target else {
             return Err(Error::new(
                 Code::Unsupported,
                 "With --cell-load the postures must be joint angles.",

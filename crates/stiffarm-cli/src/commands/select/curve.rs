@@ -12,7 +12,7 @@ use stiffarm::Control;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::certificate::{CertificateOptions, certify};
 use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{CurvePoint, GlobalOptions, curve, select_global};
+use stiffarm::plan::select::{ErrorAtCount, GlobalOptions, error_by_count, select_global};
 use stiffarm::{Code, Result};
 
 /// Largest number of postures unless one is given.
@@ -53,7 +53,7 @@ pub struct Curve {
 pub struct Size {
     /// What the search found.
     #[serde(flatten)]
-    pub point: CurvePoint,
+    pub point: ErrorAtCount,
     /// How much better the index becomes with one more posture (fraction);
     /// `null` for the last size and where there is no value.
     pub gain: Option<f64>,
@@ -100,7 +100,7 @@ fn searched(
     control: Control<'_>,
 ) -> Result<Curve> {
     let (cell, index) = (job.cell(), job.index);
-    let mut points = curve(cell, index, 1..largest, options, control)?;
+    let mut points = error_by_count(cell, index, 1..largest, options, control)?;
     // The largest group on its own: its postures are wanted for the bound.
     let mut group = None;
     if points.len() + 1 == largest && !control.stopped() {
@@ -111,7 +111,7 @@ fn searched(
         };
         match select_global::<Vec<f64>>(cell, index, largest, &[], options, quiet) {
             Ok(selection) => {
-                points.push(CurvePoint {
+                points.push(ErrorAtCount {
                     postures: largest,
                     value: Some(selection.value),
                     expected_error: selection.indices.expected_error,
@@ -120,7 +120,7 @@ fn searched(
                 });
                 group = Some(selection.group);
             }
-            Err(error) if error.code() == Code::NotIdentifiable => points.push(CurvePoint {
+            Err(error) if error.code() == Code::NotIdentifiable => points.push(ErrorAtCount {
                 postures: largest,
                 value: None,
                 expected_error: None,
@@ -169,7 +169,7 @@ fn one_posture_bound(
 }
 
 /// The points with what one more gains and what is possible.
-fn sizes(index: Index, points: Vec<CurvePoint>, bound_of_one: Option<f64>) -> Vec<Size> {
+fn sizes(index: Index, points: Vec<ErrorAtCount>, bound_of_one: Option<f64>) -> Vec<Size> {
     let next: Vec<Option<f64>> = points.iter().skip(1).map(|p| p.value).collect();
     let next = next.into_iter().chain([None]);
     points
@@ -293,7 +293,7 @@ mod tests {
 
     #[test]
     fn gains_are_gains_for_every_index() {
-        let point = |postures, value| CurvePoint {
+        let point = |postures, value| ErrorAtCount {
             postures,
             value,
             expected_error: None,

@@ -1,6 +1,6 @@
 //! Friction of the gears, from loads that go up and down.
 
-use super::{ClampedPosture, Closure, give_per_spring};
+use super::{ClampedPosture, LoopClosure, give_per_spring};
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{MeasuredSystem, rms};
 use crate::model::cell::Cell;
@@ -50,7 +50,7 @@ fn pairs(clamped: &[ClampedPosture]) -> Vec<(usize, usize)> {
 pub(super) fn friction(
     cell: &Cell,
     clamped: &[ClampedPosture],
-    closures: &[Closure],
+    closures: &[LoopClosure],
     system: &MeasuredSystem,
     values: &DVector<f64>,
 ) -> Result<Vec<JointFriction>> {

@@ -1,7 +1,7 @@
 //! Identification from clamped postures.
 
 use super::friction::{JointFriction, friction};
-use super::{ClampedPosture, Closure, closures, system};
+use super::{ClampedPosture, LoopClosure, closures, system};
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{
     Assumptions, Estimates, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared, Scale,
@@ -187,7 +187,7 @@ fn weights(
 
 fn findings(
     clamped: &[ClampedPosture],
-    closures: &[Closure],
+    closures: &[LoopClosure],
     result: &ClampedIdentification,
 ) -> Vec<Finding> {
     let mut out = Vec::new();
@@ -233,7 +233,7 @@ fn sign(estimates: &Estimates) -> Option<Finding> {
     ))
 }
 
-fn near_singular(clamped: &[ClampedPosture], closures: &[Closure]) -> Option<Finding> {
+fn near_singular(clamped: &[ClampedPosture], closures: &[LoopClosure]) -> Option<Finding> {
     let mut names: Vec<&str> = clamped
         .iter()
         .zip(closures)

@@ -67,7 +67,7 @@ pub struct ClampedPosture {
 }
 
 /// What a fixed flange says about the controller's angles at one posture.
-pub(crate) struct Closure {
+pub(crate) struct LoopClosure {
     /// Combinations of angles that the flange holds: orthonormal columns, n × r.
     directions: DMatrix<f64>,
     /// From a twist of the clamp to what the angles in these combinations have
@@ -77,7 +77,7 @@ pub(crate) struct Closure {
     hidden: usize,
 }
 
-impl Closure {
+impl LoopClosure {
     fn new(robot: &Robot, frames: &Frames, clamp: &Vector3<f64>) -> Result<Self> {
         let n = robot.joint_count();
         let jacobian = frames.jacobian(clamp) * robot.coupling();
@@ -99,7 +99,7 @@ impl Closure {
         for (i, mut row) in follow.row_iter_mut().enumerate() {
             row.unscale_mut(parts.values[i]);
         }
-        Ok(Closure {
+        Ok(LoopClosure {
             directions: parts.u.view((0, 0), (n, rank)).into_owned(),
             follow,
             hidden: n.min(6) - rank,
@@ -128,7 +128,7 @@ pub fn clamped_system(
 }
 
 /// The closure of each clamped posture.
-fn closures(cell: &Cell, clamped: &[ClampedPosture]) -> Result<Vec<Closure>> {
+fn closures(cell: &Cell, clamped: &[ClampedPosture]) -> Result<Vec<LoopClosure>> {
     if clamped.is_empty() {
         return Err(Error::new(
             Code::TooFewData,
@@ -151,7 +151,7 @@ fn closures(cell: &Cell, clamped: &[ClampedPosture]) -> Result<Vec<Closure>> {
                 return Err(Error::new(Code::NotFinite, message));
             }
             let frames = Frames::new(robot, &c.posture.q);
-            Closure::new(
+            LoopClosure::new(
                 robot,
                 &frames,
                 &frames.point(&cell.setup.tool.loading_point),
@@ -164,12 +164,12 @@ fn system(
     cell: &Cell,
     clamped: &[ClampedPosture],
     extra: &[ExtraTerm],
-    closures: &[Closure],
+    closures: &[LoopClosure],
 ) -> Result<MeasuredSystem> {
     let robot = &cell.setup.robot;
     let springs = robot.spring_count();
     let unknowns = unknowns(robot, extra)?;
-    let rows: usize = closures.iter().map(Closure::rank).sum();
+    let rows: usize = closures.iter().map(LoopClosure::rank).sum();
     let mut system = MeasuredSystem {
         psi: DMatrix::zeros(rows, unknowns.len()),
         delta: DVector::zeros(rows),
@@ -223,7 +223,7 @@ fn rows_of(
     cell: &Cell,
     clamped: &ClampedPosture,
     extra: &[ExtraTerm],
-    closure: &Closure,
+    closure: &LoopClosure,
     give: &DMatrix<f64>,
 ) -> Result<(DMatrix<f64>, DVector<f64>)> {
     let setup = &cell.setup;
@@ -254,7 +254,7 @@ fn rows_of(
 /// difference: states against one reference reading share half of it.
 fn covariance(
     clamped: &[ClampedPosture],
-    closures: &[Closure],
+    closures: &[LoopClosure],
     states: &[usize],
 ) -> Option<DMatrix<f64>> {
     let starts: Vec<usize> = states

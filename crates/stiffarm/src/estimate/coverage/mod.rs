@@ -1,13 +1,13 @@
 //! Do the intervals cover? Many simulated experiments through the estimators
 //! themselves, and how often the interval of each joint held the truth.
 
+mod error_model;
 #[cfg(feature = "files")]
 mod table;
-mod world;
 
+pub use error_model::{ErrorModel, Outliers, Truth};
 #[cfg(feature = "files")]
 pub use table::{AdverseCoverage, Intervals, MeasuredCoverage, Record, measured, records};
-pub use world::{Outliers, Truth, World};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{
@@ -40,7 +40,7 @@ pub struct CoverageCase {
     /// [`NoiseSource::Repeats`]: crate::estimate::identify::NoiseSource::Repeats
     pub options: IdentifyOptions,
     /// What the simulated world does that the cell does not say.
-    pub world: World,
+    pub world: ErrorModel,
     /// Resamples, where the intervals are those of a bootstrap over postures.
     pub resamples: Option<usize>,
     /// Number of experiments.
@@ -176,7 +176,7 @@ pub fn coverage(
     }
     let options = &case.options;
     crate::estimate::identify::check(options)?;
-    let scene = world::Scene::new(cell, postures, case)?;
+    let scene = error_model::Scene::new(cell, postures, case)?;
     let system = measured_system(cell, scene.measured(), &options.extra, options.weights)?;
     let prepared = Prepared::new(&system, options.estimator)?;
     let blind = prepared.whitened().factor().undetermined();

@@ -4,7 +4,7 @@
 use super::estimate::{JointEstimate, Verdict, estimates, interval_quantile, standard_error};
 use super::solve::{Estimator, Solution};
 use super::system::MeasuredSystem;
-use super::{AngleEstimate, Combination, IdentifyOptions, NoiseSource, combinations};
+use super::{AngleEstimate, EstimableCombination, IdentifyOptions, NoiseSource, estimable};
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
@@ -51,7 +51,7 @@ pub struct Estimates {
     /// Names of unknowns the data do not determine.
     pub undetermined_joints: Vec<String>,
     /// What the data do determine where they cannot separate the unknowns.
-    pub combinations: Vec<Combination>,
+    pub combinations: Vec<EstimableCombination>,
     /// Where the size of the noise came from.
     pub noise: NoiseSource,
     /// Confidence of the intervals.
@@ -130,7 +130,7 @@ impl Estimates {
                 .iter()
                 .map(|&j| system.unknowns[j].clone())
                 .collect(),
-            combinations: combinations::combinations(
+            combinations: estimable::estimable_combinations(
                 system,
                 solution,
                 &reference_sizes(cell, system),

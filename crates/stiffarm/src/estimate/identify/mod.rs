@@ -4,7 +4,7 @@
 //! (Eq. (14) as printed squares the condition number), k_j = 1/H_j.
 
 mod bootstrap;
-mod combinations;
+mod estimable;
 mod estimate;
 mod estimates;
 mod fit;
@@ -20,7 +20,7 @@ mod whitened;
 
 pub(crate) use bootstrap::resampled;
 pub use bootstrap::{Bootstrap, bootstrap};
-pub use combinations::Combination;
+pub use estimable::EstimableCombination;
 pub(crate) use estimate::quantile;
 pub use estimate::{JointEstimate, Verdict};
 pub use estimates::Estimates;

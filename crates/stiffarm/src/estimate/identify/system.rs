@@ -262,7 +262,7 @@ pub(crate) fn known_displacement(
 ) -> Result<DVector<f64>> {
     let robot = &cell.setup.robot;
     let mut known = terms.known_displacement(&cell.setup.tool);
-    let Some(give) = &measured.servo_give else {
+    let Some(give) = &measured.servo_deflection else {
         return Ok(known);
     };
     crate::model::observation::check_angles(robot, give)?;

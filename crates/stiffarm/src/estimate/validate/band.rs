@@ -2,8 +2,8 @@
 
 use super::{PointDeviation, Validation};
 use crate::error::Result;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{Block, MeasuredSystem, RowLabel};
-use crate::estimate::predictor::Predictor;
 use crate::findings::{Finding, Severity};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -46,7 +46,7 @@ pub struct BandShare {
 /// The band of the displacement behind `label`, a row triple of `system`;
 /// `None` where the predictor does not know how sure it is.
 pub(super) fn point_band(
-    predictor: &Predictor,
+    predictor: &IdentifiedCompliance,
     system: &MeasuredSystem,
     block: &Block,
     label: &RowLabel,

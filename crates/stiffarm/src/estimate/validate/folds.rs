@@ -2,10 +2,10 @@
 
 use super::{Model, Point, Validation, band, check_tolerance, summarise};
 use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{
     IdentifyOptions, assumptions, check, folds, measured_system, prediction_error,
 };
-use crate::estimate::predictor::Predictor;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use nalgebra::Vector3;
@@ -35,7 +35,8 @@ pub fn cross_validate(
     let mut found: Vec<Option<Point>> = vec![None; system.labels.len()];
     let mut unpredicted = Vec::new();
     for fold in folds(&system, &assumed, count)? {
-        let predictor = Predictor::from_solution(&system, &fold.solution, options.confidence);
+        let predictor =
+            IdentifiedCompliance::from_solution(&system, &fold.solution, options.confidence);
         for &b in &fold.left_out {
             let block = &system.blocks[b];
             let Some(errors) = prediction_error(&system, b, &fold.solution) else {

@@ -9,8 +9,8 @@ pub use band::{BandShare, PointBand};
 pub use folds::cross_validate;
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{Weights, known_displacement, measured_system, rms};
-use crate::estimate::predictor::Predictor;
 use crate::estimate::simulate::draw_noise;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -142,7 +142,7 @@ pub fn validate(
     model: Model,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
-    let predictor = Predictor::from_stiffness(cell, stiffness)?;
+    let predictor = IdentifiedCompliance::from_stiffness(cell, stiffness)?;
     validate_with(cell, &predictor, measured, model, tolerance_m)
 }
 
@@ -155,7 +155,7 @@ pub fn validate(
 /// finite, or further terms with [`Model::Equilibrium`].
 pub fn validate_with(
     cell: &Cell,
-    predictor: &Predictor,
+    predictor: &IdentifiedCompliance,
     measured: &[MeasuredPosture],
     model: Model,
     tolerance_m: Option<f64>,
@@ -310,7 +310,7 @@ pub fn simulate_measurements(
                 state: "loaded".to_string(),
                 wrench: None,
                 common_readings: [0.0; 2],
-                servo_give: None,
+                servo_deflection: None,
                 displacements: Vec::new(),
             };
             let exact = calculated_displacements(cell, &measured, truth, model)?;

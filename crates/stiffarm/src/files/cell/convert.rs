@@ -12,7 +12,7 @@ use crate::error::{Code, Result};
 use crate::model::cell::{Cell, Limits, Noise};
 use crate::model::instruments::{Mount, Sensor};
 use crate::model::load::Load;
-use crate::model::measurement::Target;
+use crate::model::measurement::ReadingTarget;
 use crate::model::observation::Setup;
 use crate::model::posture::Posture;
 use crate::model::robot::{CatalogueEntry, Robot};
@@ -91,7 +91,7 @@ fn tool(source: &Source<'_>, table: &Option<At<RawTool>>, sensor: Option<&Sensor
         let name = source.required(&raw.name, &name_key, at.clone(), hint)?;
         let others = measuring_points.iter().map(|p| p.name.as_str());
         let unique = source.unique_name(name, &name_key, others)?;
-        if Target::is_base_name(&unique) {
+        if ReadingTarget::is_base_name(&unique) {
             let message =
                 format!("The name \"{unique}\" is reserved for a reflector on the robot's base.");
             let error = source.error(Code::InvalidValue, &name_key, name.span(), message);

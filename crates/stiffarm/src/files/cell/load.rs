@@ -42,7 +42,7 @@ pub(super) fn load(
         "rope" => rope(source, table),
         "weight" => Ok(Load::Weight {
             magnitude: magnitude(source, table)?,
-            direction: *robot.down(),
+            direction: *robot.gravity_direction(),
         }),
         "wrench" => wrench(source, table),
         _ => Ok(Load::Measured),

@@ -51,7 +51,7 @@ pub(super) fn robot(
     if let Some(down) = &raw.down {
         let key = "robot.down";
         robot = robot
-            .with_down(source.vector(down, key)?)
+            .with_gravity_direction(source.vector(down, key)?)
             .map_err(|e| source.place(e, key, down.span()))?;
     }
     Ok((robot, entry))

@@ -4,7 +4,7 @@ use super::columns::{MeasurementColumns, Plan, Values};
 use super::grid::{Row, Table};
 use crate::error::{Code, Result};
 use crate::model::cell::Cell;
-use crate::model::measurement::{Displacement, MeasuredPosture, Target};
+use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTarget};
 use crate::model::posture::Posture;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use std::collections::HashMap;
@@ -74,7 +74,7 @@ pub(super) fn displacements(
                 state: state.to_string(),
                 wrench,
                 common_readings: [0.0; 2],
-                servo_give: None,
+                servo_deflection: None,
                 displacements: vec![displacement],
             });
             continue;
@@ -103,7 +103,7 @@ fn displacement(
     cell: &Cell,
 ) -> Result<Displacement> {
     let name = table.name(row, columns.point)?;
-    if Target::is_base_name(name) {
+    if ReadingTarget::is_base_name(name) {
         let message = "A reflector on the base has no displacement of its own.";
         let error = table.error(row, columns.point.at, Code::Unsupported, message);
         return Err(error.hint(

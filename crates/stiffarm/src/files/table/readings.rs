@@ -6,7 +6,7 @@ use crate::error::{Code, Error, Result, did_you_mean};
 use crate::model::cell::Cell;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{
-    PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
+    PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
@@ -166,14 +166,14 @@ impl Door<'_, '_> {
         Err(error.hint(hint))
     }
 
-    fn target(&self, row: &Row) -> Result<Target> {
+    fn target(&self, row: &Row) -> Result<ReadingTarget> {
         let name = self.table.name(row, self.columns.point)?;
-        if Target::is_base_name(name) {
-            return Ok(Target::Base(name.to_lowercase()));
+        if ReadingTarget::is_base_name(name) {
+            return Ok(ReadingTarget::Base(name.to_lowercase()));
         }
         let columns = &self.columns;
         let point = columns.measuring_point(self.table, row, self.cell, &["base"])?;
-        Ok(Target::Point(point))
+        Ok(ReadingTarget::Point(point))
     }
 
     /// Force and moment; an unloaded state may leave them empty.
@@ -249,10 +249,12 @@ impl Door<'_, '_> {
 
     /// Some point must have been read both with and without the load.
     fn check_states(&self, group: &Group<'_>, name: &str) -> Result<()> {
-        let points = |roles| -> Vec<&Target> {
+        let points = |roles| -> Vec<&ReadingTarget> {
             let readings = group.of(roles).flat_map(|(_, state)| &state.readings);
             let targets = readings.map(|reading| &reading.target);
-            targets.filter(|t| matches!(t, Target::Point(_))).collect()
+            targets
+                .filter(|t| matches!(t, ReadingTarget::Point(_)))
+                .collect()
         };
         let before = points(&[Role::Unloaded, Role::Preload]);
         let loaded = points(&[Role::Loaded]);

@@ -4,7 +4,9 @@ use super::columns::Values;
 use super::postures::angle_names;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::measurement::{MeasuredPosture, Reading, ReadingTable, Target, WrenchColumns};
+use crate::model::measurement::{
+    MeasuredPosture, Reading, ReadingTable, ReadingTarget, WrenchColumns,
+};
 use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
 use crate::units::{m_to_shortest_mm, rad_to_shortest_deg};
@@ -106,8 +108,8 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
 fn target<'n>(reading: &'n Reading, cell: &'n Cell) -> &'n String {
     static NONE: String = String::new();
     match &reading.target {
-        Target::Base(name) => name,
-        Target::Point(point) => {
+        ReadingTarget::Base(name) => name,
+        ReadingTarget::Point(point) => {
             let point = cell.setup.tool.measuring_points.get(*point);
             point.map_or(&NONE, |point| &point.name)
         }

@@ -43,7 +43,7 @@ impl Arm {
         let torque = DVector::from_column_slice(terms.torque());
         // Torque about the controller's axes: Cᵀ Γ.
         let controller_torque = robot.coupling().tr_mul(&torque);
-        let give = match &options.servo_give {
+        let give = match &options.servo_deflection {
             Some(give) => DVector::from_fn(give.len(), |j, _| give[j] * controller_torque[j]),
             None => DVector::zeros(torque.len()),
         };
@@ -120,7 +120,7 @@ impl Arm {
                 let weight = options
                     .tool_weight
                     .filter(|_| sensor.mount == Mount::Flange);
-                let down = cell.setup.robot.down();
+                let down = cell.setup.robot.gravity_direction();
                 let carried = weight.map(|w| {
                     Wrench::force(down * (GRAVITY * w.mass_kg))
                         .moved(&self.frames.point(&w.centre), &self.loading_point)

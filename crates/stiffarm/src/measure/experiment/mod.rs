@@ -8,7 +8,7 @@ use crate::model::cell::Cell;
 use crate::model::instruments::TrackerAccuracy;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{
-    PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
+    PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 use crate::model::posture::Posture;
 use crate::model::stiffness::joint_compliance;
@@ -116,7 +116,7 @@ pub struct Experiment {
     pub drift: Vector3<f64>,
     /// Controller angle that the servo gives way per torque about its joint
     /// \[rad/(N·m)\]; the angles of each state are written where it is given.
-    pub servo_give: Option<Vec<f64>>,
+    pub servo_deflection: Option<Vec<f64>>,
     /// Compliance of each joint about the two axes across its own \[rad/(N·m)\].
     pub joint_tilt: Option<Vec<f64>>,
     /// Lost motion of each joint: half the gap, taken up in the direction of the
@@ -150,7 +150,7 @@ impl Default for Experiment {
             base_compliance: None,
             seconds_per_reading: 0.0,
             drift: Vector3::zeros(),
-            servo_give: None,
+            servo_deflection: None,
             joint_tilt: None,
             lost_motion: None,
             tool_weight: None,
@@ -273,17 +273,20 @@ pub fn experiment(
             for _ in 0..state.repeats {
                 for (a, point) in arm.points.iter().enumerate() {
                     let at = arm.base_motion * nalgebra::Point3::from(point + common);
-                    readings.push(tracker.read(Target::Point(a), &at.coords, &mut rng)?);
+                    readings.push(tracker.read(ReadingTarget::Point(a), &at.coords, &mut rng)?);
                 }
                 for point in &options.base_reflectors {
                     let at = arm.base_motion * nalgebra::Point3::from(point.position);
-                    let target = Target::Base(point.name.clone());
+                    let target = ReadingTarget::Base(point.name.clone());
                     readings.push(tracker.read(target, &at.coords, &mut rng)?);
                 }
             }
             states.push(StateReadings {
                 state: state.name.clone(),
-                angles: options.servo_give.is_some().then_some(arm.angles.clone()),
+                angles: options
+                    .servo_deflection
+                    .is_some()
+                    .then_some(arm.angles.clone()),
                 wrench: arm.recorded(cell, options, &mut rng),
                 load: match (options.force, &cell.setup.load) {
                     (
@@ -325,7 +328,7 @@ fn check(cell: &Cell, options: &Experiment) -> Result<()> {
         }
     }
     for (what, values) in [
-        ("servo give", &options.servo_give),
+        ("servo give", &options.servo_deflection),
         ("joint tilt", &options.joint_tilt),
         ("lost motion", &options.lost_motion),
     ] {
@@ -390,7 +393,7 @@ struct SimulatedTracker<'a> {
 impl SimulatedTracker<'_> {
     fn read(
         &mut self,
-        target: Target,
+        target: ReadingTarget,
         in_base: &Vector3<f64>,
         rng: &mut ChaCha8Rng,
     ) -> Result<Reading> {

@@ -4,8 +4,8 @@
 //! give a rigid motion, turn included. Either is taken back from the loaded
 //! positions of the same state.
 
+use super::messages::{length, postures_first};
 use super::series::{Pair, PostureSeries};
-use super::words::{length, postures_first};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, list};
 use crate::measure::registration::rigid_transform;

@@ -1,8 +1,8 @@
 //! Drift: readings before and after the load that should agree and don't.
 
+use super::messages::{length, postures_first};
 use super::repeatability::{SIGNIFICANCE, chi_squared_tails};
 use super::series::{Clock, PostureSeries, Series};
-use super::words::{length, postures_first};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::model::measurement::Role;

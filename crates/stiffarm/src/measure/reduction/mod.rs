@@ -18,11 +18,11 @@
 
 mod base_motion;
 mod drift;
+mod messages;
 mod repeatability;
 mod series;
 mod table;
 mod unloaded;
-mod words;
 mod wrench;
 mod wrench_check;
 
@@ -30,7 +30,7 @@ pub use base_motion::BaseMotion;
 pub use drift::{Drift, PostureDrift};
 pub use repeatability::Repeatability;
 pub use series::Clock;
-pub use unloaded::{PointResidual, PostureResidual, UnloadedRegistration};
+pub use unloaded::{UnloadedPointResidual, UnloadedPostureResidual, UnloadedRegistration};
 pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
 
 use crate::error::{Code, Error, Result};
@@ -40,11 +40,11 @@ use crate::model::load::Load;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
 use crate::model::posture::Posture;
 use base_motion::Motion;
+use messages::postures_first;
 use nalgebra::{Isometry3, Matrix3};
 use serde::{Deserialize, Serialize};
 use series::PostureSeries;
 use std::collections::BTreeSet;
-use words::postures_first;
 
 /// Options of a reduction.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -132,7 +132,7 @@ pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Res
         .hint("state names: unloaded, preload, and any other name for a load; -2 and so on for another time"));
     }
     findings.extend(base_motion::findings(&series, &base_motion, reading_std));
-    servo_give(cell, &mut measured, &mut findings);
+    servo_deflection(cell, &mut measured, &mut findings);
     findings.extend(wrench::findings(cell, table.wrench_columns, &series));
     let wrench_check =
         wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
@@ -220,7 +220,7 @@ fn displacements(
             state: state.state.clone(),
             wrench: wrench::wrench(cell, table.wrench_columns, posture, number)?,
             common_readings,
-            servo_give: give(posture, number),
+            servo_deflection: give(posture, number),
             displacements,
         });
     }
@@ -253,10 +253,10 @@ fn give(posture: &PostureSeries<'_>, number: usize) -> Option<Vec<f64>> {
 
 /// Drops angles that are the same in all states: the table repeats the planned
 /// ones. Says how far the controller gave way otherwise.
-fn servo_give(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mut Vec<Finding>) {
+fn servo_deflection(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mut Vec<Finding>) {
     let mut largest = (0.0_f64, 0, 0);
     for (i, m) in measured.iter().enumerate() {
-        for (j, give) in m.servo_give.iter().flatten().enumerate() {
+        for (j, give) in m.servo_deflection.iter().flatten().enumerate() {
             if give.abs() > largest.0 {
                 largest = (give.abs(), i, j);
             }
@@ -264,10 +264,13 @@ fn servo_give(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mut Vec<
     }
     let (give, i, j) = largest;
     if give == 0.0 {
-        measured.iter_mut().for_each(|m| m.servo_give = None);
+        measured.iter_mut().for_each(|m| m.servo_deflection = None);
         return;
     }
-    let without = measured.iter().filter(|m| m.servo_give.is_none()).count();
+    let without = measured
+        .iter()
+        .filter(|m| m.servo_deflection.is_none())
+        .count();
     let some = match without {
         0 => String::new(),
         n => format!(
@@ -277,7 +280,7 @@ fn servo_give(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mut Vec<
     findings.push(Finding::new(
         "servo-give",
         if without > 0 { Severity::Caution } else { Severity::Note },
-        "servo_give",
+        "servo_deflection",
         format!(
             "The controller's own angles change under load by up to {:.4}° ({}, posture {}, state {}): this share of a \
              displacement is not the joints' elasticity.{some}",

@@ -1,7 +1,7 @@
 //! How well repeated readings of one reflector in one state agree.
 
+use super::messages::length;
 use super::series::PostureSeries;
-use super::words::length;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;

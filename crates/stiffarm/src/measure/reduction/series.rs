@@ -1,7 +1,7 @@
 //! The readings of one reflector in one posture: means of the load states, the
 //! drift between the states without load, and pairs of reference and load.
 
-use crate::model::measurement::{PostureReadings, Role, Target};
+use crate::model::measurement::{PostureReadings, ReadingTarget, Role};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -140,7 +140,7 @@ pub(super) struct Series {
 impl Series {
     /// Collects the readings of `target`; `clocks` has one entry per state and reading.
     pub(super) fn new(
-        target: Target,
+        target: ReadingTarget,
         posture: &PostureReadings,
         clocks: &[Vec<f64>],
         reference: Role,
@@ -260,8 +260,8 @@ impl<'a> PostureSeries<'a> {
         let mut base = std::collections::BTreeSet::new();
         for reading in posture.states.iter().flat_map(|s| &s.readings) {
             match &reading.target {
-                Target::Point(index) => points.insert(*index),
-                Target::Base(name) => base.insert(name.clone()),
+                ReadingTarget::Point(index) => points.insert(*index),
+                ReadingTarget::Base(name) => base.insert(name.clone()),
             };
         }
         let series = |target| Series::new(target, posture, &clocks, reference);
@@ -277,11 +277,11 @@ impl<'a> PostureSeries<'a> {
                 .collect(),
             points: points
                 .into_iter()
-                .map(|index| (index, series(Target::Point(index))))
+                .map(|index| (index, series(ReadingTarget::Point(index))))
                 .collect(),
             base: base
                 .into_iter()
-                .map(|name| (name.clone(), series(Target::Base(name))))
+                .map(|name| (name.clone(), series(ReadingTarget::Base(name))))
                 .collect(),
         }
     }

@@ -2,7 +2,9 @@
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::measurement::{PostureReadings, Reading, ReadingTable, StateReadings, Target};
+use crate::model::measurement::{
+    PostureReadings, Reading, ReadingTable, ReadingTarget, StateReadings,
+};
 use crate::model::observation::check_angles;
 use nalgebra::{Isometry3, Vector3};
 use std::collections::BTreeSet;
@@ -81,7 +83,7 @@ fn check_state(cell: &Cell, posture: &PostureReadings, state: &StateReadings) ->
             );
             return Err(at_line(Error::new(Code::NotFinite, message), Some(reading)));
         }
-        if matches!(reading.target, Target::Point(index) if index >= cell.setup.tool.point_count())
+        if matches!(reading.target, ReadingTarget::Point(index) if index >= cell.setup.tool.point_count())
         {
             let message = "A reading names a point the tool does not have.";
             return Err(at_line(

@@ -1,7 +1,7 @@
 //! The wrench of each load state, loaded minus reference.
 
+use super::messages::postures_first;
 use super::series::PostureSeries;
-use super::words::postures_first;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;

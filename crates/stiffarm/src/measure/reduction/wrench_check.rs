@@ -1,7 +1,7 @@
 //! Whether the measured wrench can be that of the load: does its moment belong
 //! to a force through the loading point, and does its force point along the rope?
 
-use super::words::{length, median, postures};
+use super::messages::{length, median, postures};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;

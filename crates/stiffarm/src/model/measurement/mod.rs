@@ -4,7 +4,7 @@
 mod readings;
 
 pub use readings::{
-    PostureReadings, Reading, ReadingTable, Role, StateReadings, Target, WrenchColumns,
+    PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 
 use crate::model::load::Wrench;
@@ -57,7 +57,7 @@ pub struct MeasuredPosture {
     pub wrench: Option<Wrench>,
     /// What the controller gave way under the load: its angles loaded minus
     /// reference, Δq_m \[rad\], where recorded.
-    pub servo_give: Option<Vec<f64>>,
+    pub servo_deflection: Option<Vec<f64>>,
     /// Variance of an error that all points of the posture have alike, over that
     /// of one reading, per axis: what taking back the motion of the base adds in
     /// this state, and with the reference, which all states share.

@@ -6,14 +6,14 @@ use nalgebra::Vector3;
 
 /// What a reading was taken of.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Target {
+pub enum ReadingTarget {
     /// A measuring point, by its index in the cell's tool.
     Point(usize),
     /// A reflector on the robot's base, by its name (`base`, `base-2`, …).
     Base(String),
 }
 
-impl Target {
+impl ReadingTarget {
     /// True for a name that is kept for reflectors on the robot's base: `base`,
     /// `base-2`, `base 3`, `base_left`, in any case.
     pub fn is_base_name(name: &str) -> bool {
@@ -26,7 +26,7 @@ impl Target {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
     /// Which reflector.
-    pub target: Target,
+    pub target: ReadingTarget,
     /// Its position, tracker axes \[m\].
     pub position: Vector3<f64>,
     /// When \[s\], where recorded.

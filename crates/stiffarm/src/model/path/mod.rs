@@ -15,7 +15,7 @@ use nalgebra::{Isometry3, UnitVector3, Vector3};
 
 /// Where the tip should be, base frame.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Target {
+pub enum PathTarget {
     /// Controller angles q \[rad\].
     Angles(Vec<f64>),
     /// Pose of the tip frame \[m\].
@@ -38,7 +38,7 @@ pub struct PathPoint {
     /// Line of the file, where there is one.
     pub line: Option<usize>,
     /// Where the tip should be.
-    pub target: Target,
+    pub target: PathTarget,
     /// Load of this point; `None` takes that of the process.
     pub load: Option<TipLoad>,
 }

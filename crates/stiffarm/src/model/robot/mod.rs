@@ -42,7 +42,7 @@ pub struct Robot {
     coupling: DMatrix<f64>,
     /// θ-from-e matrix E⁻¹ (n × n) when the springs are not the joint axes.
     spring_mixing: Option<DMatrix<f64>>,
-    down: Vector3<f64>,
+    gravity_direction: Vector3<f64>,
 }
 
 impl Robot {
@@ -85,7 +85,7 @@ impl Robot {
             offset: DVector::from_iterator(n, rows.iter().map(|r| r.offset)),
             coupling: DMatrix::identity(n, n),
             spring_mixing: None,
-            down: -Vector3::z(),
+            gravity_direction: -Vector3::z(),
         })
     }
 
@@ -148,11 +148,11 @@ impl Robot {
     ///
     /// # Errors
     /// A zero or non-finite vector.
-    pub fn with_down(mut self, down: Vector3<f64>) -> Result<Self> {
-        let unit = down
+    pub fn with_gravity_direction(mut self, direction: Vector3<f64>) -> Result<Self> {
+        let unit = direction
             .try_normalize(1e-12)
             .filter(|u| u.iter().all(|v| v.is_finite()));
-        self.down = unit.ok_or_else(|| {
+        self.gravity_direction = unit.ok_or_else(|| {
             Error::new(
                 Code::InvalidValue,
                 "The direction of gravity needs a length above zero.",
@@ -278,8 +278,8 @@ impl Robot {
     }
 
     /// Direction of gravity, unit vector in base axes.
-    pub fn down(&self) -> &Vector3<f64> {
-        &self.down
+    pub fn gravity_direction(&self) -> &Vector3<f64> {
+        &self.gravity_direction
     }
 
     /// First joint whose controller angle leaves the machine's limits by more

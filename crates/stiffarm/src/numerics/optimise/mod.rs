@@ -3,4 +3,4 @@
 mod slsqp;
 pub(crate) mod smooth;
 
-pub use slsqp::{Evaluation, Options, Problem, Solution, minimise};
+pub use slsqp::{Evaluation, Minimum, Options, Problem, minimise};

@@ -40,7 +40,7 @@ pub trait Problem {
     fn prepare(&mut self, _x: &mut [f64]) {}
 }
 
-/// Budget and tolerance of one minimisation.
+/// SystematicErrors and tolerance of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Iterations in all restarts together.
@@ -68,7 +68,7 @@ impl Default for Options {
 
 /// Result of a minimisation: the best point that meets the hard limits.
 #[derive(Debug, Clone)]
-pub struct Solution {
+pub struct Minimum {
     /// The point; the start where nothing feasible was found.
     pub x: Vec<f64>,
     /// Merit at the point, infinite where nothing feasible was found.
@@ -91,13 +91,13 @@ pub struct Solution {
     pub complementarity: Option<f64>,
 }
 
-impl Solution {
+impl Minimum {
     /// This solution as the continuation of `previous`: the better point of
     /// both, the counts of both, the optimality of this one.
     #[must_use]
-    pub fn after(self, previous: Solution) -> Solution {
+    pub fn after(self, previous: Minimum) -> Minimum {
         let keep = previous.merit < self.merit;
-        Solution {
+        Minimum {
             iterations: previous.iterations + self.iterations,
             evaluations: previous.evaluations + self.evaluations,
             x: if keep { previous.x } else { self.x },
@@ -107,20 +107,20 @@ impl Solution {
     }
 }
 
-impl Solution {
+impl Minimum {
     /// This solution with the optimality of `previous`, where the search
     /// stalled at a point that is hardly better than a converged one: the
     /// sharpest smoothing gains millionths of the index and loses the digits
     /// that optimality is judged by.
     #[must_use]
-    pub(crate) fn or_as_optimal_as(self, previous: Option<Solution>, optimality: f64) -> Solution {
+    pub(crate) fn or_as_optimal_as(self, previous: Option<Minimum>, optimality: f64) -> Minimum {
         match previous {
             Some(before)
                 if self.termination == Termination::Stalled
                     && before.termination == Termination::Converged
                     && before.merit - self.merit <= optimality =>
             {
-                Solution {
+                Minimum {
                     termination: Termination::Converged,
                     stationarity: before.stationarity,
                     complementarity: before.complementarity,
@@ -244,7 +244,7 @@ pub fn minimise(
     start: &[f64],
     options: Options,
     control: Control<'_>,
-) -> Solution {
+) -> Minimum {
     let cache = RefCell::new(Cache {
         problem,
         at: Vec::new(),
@@ -253,7 +253,7 @@ pub fn minimise(
         evaluations: 0,
     });
     let mut x = start.to_vec();
-    let mut solution = Solution {
+    let mut solution = Minimum {
         x: start.to_vec(),
         merit: f64::INFINITY,
         last: start.to_vec(),

@@ -50,7 +50,7 @@ use serde::{Deserialize, Serialize};
 /// Sampled postures a continuous design starts from.
 const STARTS: usize = 64;
 
-/// Budget and tolerance of a certificate.
+/// SystematicErrors and tolerance of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]

@@ -1,21 +1,21 @@
 //! Choosing postures: the paper's procedure, from an initial group (Section III.B).
 
-mod curve;
+mod error_by_count;
 mod global;
 mod load_design;
+mod posture_value;
 mod random;
 mod search;
 mod sensitivity;
 mod space_filling;
-mod worth;
 
-pub use curve::{CurvePoint, curve};
+pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use global::{GlobalOptions, RoundReport, select_global, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
+pub use posture_value::{Dropped, PostureValue, drop_postures};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
 };
-pub use worth::{Dropped, PostureWorth, drop_postures};
 
 pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use space_filling::{joint_distance, smallest_distance, space_filling};

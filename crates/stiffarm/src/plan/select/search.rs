@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
-use crate::numerics::optimise::{Evaluation, Options, Problem, Solution, minimise};
+use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise};
 use crate::plan::index::{Index, IndexFunction};
 
 /// Margin kept from hard limits so that rounding never crosses them \[m\].
@@ -93,7 +93,7 @@ impl<'a> Search<'a> {
         start: Vec<f64>,
         options: Options,
         control: Control<'_>,
-    ) -> Result<Solution> {
+    ) -> Result<Minimum> {
         self.run_stages(start, &SHARPNESS, options, control)
     }
 
@@ -107,7 +107,7 @@ impl<'a> Search<'a> {
         start: Vec<f64>,
         options: Options,
         control: Control<'_>,
-    ) -> Result<Solution> {
+    ) -> Result<Minimum> {
         self.run_stages(start, &SHARPNESS[2..], options, control)
     }
 
@@ -117,7 +117,7 @@ impl<'a> Search<'a> {
         sharpness: &'static [Option<f64>],
         options: Options,
         control: Control<'_>,
-    ) -> Result<Solution> {
+    ) -> Result<Minimum> {
         self.leave_singularity(&mut start);
         if self.components > 0 {
             start.push(0.0);
@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
             true => sharpness,
             false => &[None],
         };
-        let mut solution: Option<Solution> = None;
+        let mut solution: Option<Minimum> = None;
         for sharpness in stages {
             self.function.set_sharpness(*sharpness);
             let before = solution.clone();
@@ -143,10 +143,10 @@ impl<'a> Search<'a> {
     fn stage(
         &mut self,
         start: &[f64],
-        mut solution: Option<Solution>,
+        mut solution: Option<Minimum>,
         options: Options,
         control: Control<'_>,
-    ) -> Result<Solution> {
+    ) -> Result<Minimum> {
         let mut from = solution.as_ref().map_or(start.to_vec(), |s| s.x.clone());
         let mut last = from.clone();
         self.watched.clear();

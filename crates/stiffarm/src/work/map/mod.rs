@@ -19,11 +19,11 @@ pub use placement::{PlaceOptions, Placed, Placement, PlacementCandidate, place};
 pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
 
 use crate::error::Result;
-use crate::estimate::predictor::Predictor;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::work::predict::{ArmAtWork, Bands};
+use crate::work::predict::{Bands, LoadedArm};
 use node::evaluate;
 use reach::Reach;
 
@@ -44,12 +44,12 @@ use reach::Reach;
 /// interrupted.
 pub fn stiffness_map(
     cell: &Cell,
-    predictor: &Predictor,
+    predictor: &IdentifiedCompliance,
     options: &MapOptions,
     control: Control<'_>,
 ) -> Result<StiffnessMap> {
     let axes = options.axes()?;
-    let arm = ArmAtWork::new(cell, predictor)?;
+    let arm = LoadedArm::new(cell, predictor)?;
     let bands = Bands::new(predictor, 0.0)?;
     let reach = Reach::new(cell, &arm);
     let mut positions = Vec::with_capacity(axes.iter().map(Vec::len).product());

@@ -142,7 +142,7 @@ fn values(
     q: &[f64],
 ) -> Result<NodeValues> {
     let (arm, wrench) = (reach.arm, &options.wrench);
-    let bent = arm.bend(q, wrench)?;
+    let bent = arm.deflect(q, wrench)?;
     let terms = arm.terms(q, wrench)?;
     let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
     let compliance = arm.tip_compliance(&terms);

@@ -6,14 +6,14 @@ use super::options::{check_turns, grid};
 use super::result::{no_band, place_words, unknown_limits};
 use super::search::{Place, Search};
 use crate::error::{Code, Error, Result};
-use crate::estimate::predictor::Predictor;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::deg_to_rad;
-use crate::work::predict::ArmAtWork;
+use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
 /// Best candidates that are tried on the whole path before giving up.
@@ -138,7 +138,7 @@ pub struct Placement {
 /// interrupted.
 pub fn place(
     cell: &Cell,
-    predictor: &Predictor,
+    predictor: &IdentifiedCompliance,
     points: &[PathPoint],
     options: &PlaceOptions,
     control: Control<'_>,
@@ -154,7 +154,7 @@ pub fn place(
         .key("yaws"));
     }
     check_turns(options.free_turns)?;
-    let arm = ArmAtWork::new(cell, predictor)?;
+    let arm = LoadedArm::new(cell, predictor)?;
     let search = Search::new(cell, &arm, points, options)?;
     let mut candidates: Vec<PlacementCandidate> = Vec::new();
     let mut region = Region {
@@ -273,7 +273,7 @@ fn ranked(candidates: &[PlacementCandidate]) -> Vec<usize> {
     order
 }
 
-fn findings(cell: &Cell, predictor: &Predictor, result: &Placement) -> Vec<Finding> {
+fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -> Vec<Finding> {
     let mut out = Vec::new();
     let given = &result.given;
     if let (Some(reason), Some(point)) = (&given.reason, &given.point) {

@@ -4,9 +4,9 @@ use super::options::about_tool_axis;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::path::{PathPoint, Target, tip_wrenches};
+use crate::model::path::{PathPoint, PathTarget, tip_wrenches};
 use crate::model::process::ForceAxes;
-use crate::work::predict::ArmAtWork;
+use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Loads of a path.
@@ -35,7 +35,7 @@ impl Prepared {
     /// A load in the axes of the path where it does not move across the tool axis.
     pub(super) fn new(
         cell: &Cell,
-        arm: &ArmAtWork,
+        arm: &LoadedArm,
         points: &[PathPoint],
         turn: f64,
     ) -> Result<Self> {
@@ -113,15 +113,15 @@ fn turned(wrench: &Wrench, rotation: &UnitQuaternion<f64>) -> Wrench {
 }
 
 /// Tip poses of `points`, base frame.
-fn poses(arm: &ArmAtWork, points: &[PathPoint], turn: f64) -> Vec<Isometry3<f64>> {
+fn poses(arm: &LoadedArm, points: &[PathPoint], turn: f64) -> Vec<Isometry3<f64>> {
     let mut before: Option<UnitQuaternion<f64>> = None;
     points
         .iter()
         .map(|point| {
             let pose = match &point.target {
-                Target::Angles(q) => arm.tip_pose(q),
-                Target::Pose(pose) => *pose,
-                Target::Axis { position, axis } => {
+                PathTarget::Angles(q) => arm.tip_pose(q),
+                PathTarget::Pose(pose) => *pose,
+                PathTarget::Axis { position, axis } => {
                     let frame = before.map_or_else(
                         || any_frame(axis) * about_tool_axis(turn),
                         |before| carried(&before, axis),

@@ -9,7 +9,7 @@ use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::tool::NamedPoint;
 use crate::units::rad_to_deg;
-use crate::work::predict::ArmAtWork;
+use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Vector3};
 
 /// Deflections that differ by less than this share are equal: the two postures
@@ -81,7 +81,7 @@ impl Refusal {
 
 /// The arm with everything that forbids a posture.
 pub(super) struct Reach<'a> {
-    pub arm: &'a ArmAtWork,
+    pub arm: &'a LoadedArm,
     pub inverse: InverseKinematics,
     pub characteristic_length: Option<f64>,
     /// The cell's tool points with the tip among them.
@@ -92,7 +92,7 @@ pub(super) struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    pub(super) fn new(cell: &Cell, arm: &'a ArmAtWork) -> Self {
+    pub(super) fn new(cell: &Cell, arm: &'a LoadedArm) -> Self {
         let mut setup = cell.setup.clone();
         if cell.work.tip.is_some() {
             setup.tool.measuring_points.push(NamedPoint {

@@ -10,9 +10,9 @@ use crate::error::Result;
 use crate::estimate::identify::rms;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::path::{PathPoint, Target};
+use crate::model::path::{PathPoint, PathTarget};
 use crate::units::{rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
-use crate::work::predict::ArmAtWork;
+use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Points of a path that a search looks at.
@@ -47,12 +47,12 @@ struct Along {
 impl<'a> Search<'a> {
     pub(super) fn new(
         cell: &'a Cell,
-        arm: &'a ArmAtWork,
+        arm: &'a LoadedArm,
         points: &'a [PathPoint],
         options: &PlaceOptions,
     ) -> Result<Self> {
         // A turn at the first point is carried along to the others.
-        let has_free_turn = matches!(points[0].target, Target::Axis { .. });
+        let has_free_turn = matches!(points[0].target, PathTarget::Axis { .. });
         let count = has_free_turn.then_some(options.free_turns);
         let mut kept = Vec::new();
         let mut turned = Vec::new();
@@ -205,7 +205,7 @@ impl<'a> Search<'a> {
             Ok(along) => {
                 let mut sizes = Vec::with_capacity(along.path.len());
                 for (q, wrench) in along.path.iter().zip(&along.wrenches) {
-                    let bent = self.reach.arm.bend(q, wrench)?;
+                    let bent = self.reach.arm.deflect(q, wrench)?;
                     sizes.push(bent.displacement.fixed_rows::<3>(0).norm());
                 }
                 let pairs = sizes.iter().zip(self.points);

@@ -17,12 +17,12 @@ use crate::model::dexterity::condition_number;
 use crate::model::inverse::{InverseKinematics, Method, Outcome};
 use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
-use crate::model::path::{LoadedPosture, PathPoint, Target, tip_wrenches};
+use crate::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
 use crate::model::process::TipLoad;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::{deg_to_rad, rad_to_deg};
-use crate::work::predict::ArmAtWork;
+use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -98,7 +98,7 @@ pub enum Origin {
 
 /// What all steps of the search share.
 struct Search<'a> {
-    arm: &'a ArmAtWork,
+    arm: &'a LoadedArm,
     inverse: &'a InverseKinematics,
     points: &'a [PathPoint],
     options: &'a PosturePathOptions,
@@ -118,7 +118,7 @@ struct Search<'a> {
 /// it reaches outside its limits only, a jump that cannot be avoided; a load in
 /// the axes of the path where there is no feed; interrupted.
 pub fn posture_path(
-    arm: &ArmAtWork,
+    arm: &LoadedArm,
     inverse: &InverseKinematics,
     points: &[PathPoint],
     options: &PosturePathOptions,
@@ -136,11 +136,11 @@ pub fn posture_path(
     let free = options.free_turn
         || points
             .iter()
-            .any(|p| matches!(p.target, Target::Axis { .. }));
+            .any(|p| matches!(p.target, PathTarget::Axis { .. }));
     let given: Option<Vec<Vec<f64>>> = points
         .iter()
         .map(|p| match &p.target {
-            Target::Angles(q) => Some(q.clone()),
+            PathTarget::Angles(q) => Some(q.clone()),
             _ => None,
         })
         .collect();
@@ -158,7 +158,7 @@ pub fn posture_path(
         (given, true) => {
             let axis_only = points
                 .iter()
-                .any(|p| matches!(p.target, Target::Axis { .. }));
+                .any(|p| matches!(p.target, PathTarget::Axis { .. }));
             let as_given = match given {
                 Some(q) => Some(q),
                 // Whoever frees the turn may do so because it cannot be kept.
@@ -218,15 +218,15 @@ pub fn posture_path(
 
 /// Tip poses of all points, base frame \[m\]; where only the axis is given, x is
 /// carried from point to point without twist about it.
-fn poses(arm: &ArmAtWork, points: &[PathPoint]) -> Vec<Isometry3<f64>> {
+fn poses(arm: &LoadedArm, points: &[PathPoint]) -> Vec<Isometry3<f64>> {
     let mut last = Vector3::x();
     points
         .iter()
         .map(|point| {
             let pose = match &point.target {
-                Target::Angles(q) => arm.tip_pose(q),
-                Target::Pose(pose) => *pose,
-                Target::Axis { position, axis } => {
+                PathTarget::Angles(q) => arm.tip_pose(q),
+                PathTarget::Pose(pose) => *pose,
+                PathTarget::Axis { position, axis } => {
                     Isometry3::from_parts((*position).into(), about(axis, &last))
                 }
             };

@@ -1,8 +1,8 @@
 //! How sure a predicted deflection is.
 
 use crate::error::Result;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::quantile;
-use crate::estimate::predictor::Predictor;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -48,7 +48,7 @@ pub(crate) struct Bands {
 
 impl Bands {
     /// `None` where nothing is known about the unknowns or the load.
-    pub(crate) fn new(predictor: &Predictor, load: f64) -> Result<Option<Self>> {
+    pub(crate) fn new(predictor: &IdentifiedCompliance, load: f64) -> Result<Option<Self>> {
         let spread = predictor.spread.as_ref();
         let common: Vec<_> = predictor
             .common

@@ -1,6 +1,6 @@
 //! Cartesian stiffness of the tip and its principal axes.
 
-use super::ArmAtWork;
+use super::LoadedArm;
 use crate::error::Result;
 use crate::model::dexterity::condition_number;
 use crate::model::load::Wrench;
@@ -38,7 +38,7 @@ pub struct CartesianStiffness {
     pub principal: [PrincipalAxis; 3],
 }
 
-impl ArmAtWork {
+impl LoadedArm {
     /// Compliance of the tip at the posture of `terms`, 6 × 6: J K_θ⁻¹ Jᵀ of the
     /// joints, and what series compliance and tilts add. Lost motion is no
     /// compliance and left out.

@@ -1,15 +1,15 @@
 //! How far the robot bends at work, and how sure that is.
 
-mod arm;
 mod band;
 mod cartesian;
+mod loaded_arm;
 mod points;
 
-pub use arm::{ArmAtWork, Bent};
 pub use band::TipBand;
 pub use cartesian::{CartesianStiffness, PrincipalAxis};
+pub use loaded_arm::{Deflection, LoadedArm};
 pub use points::{LoadPoint, PointPrediction, PredictOptions, Prediction, predict};
 
-pub(crate) use arm::motion;
 pub(crate) use band::Bands;
 pub(crate) use cartesian::principal_axes;
+pub(crate) use loaded_arm::motion;

@@ -1,10 +1,10 @@
 //! Deflection at postures or along a path.
 
 use super::band::Bands;
-use super::{ArmAtWork, CartesianStiffness, TipBand};
+use super::{CartesianStiffness, LoadedArm, TipBand};
 use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::rms;
-use crate::estimate::predictor::Predictor;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
 use crate::model::path::LoadedPosture;
@@ -120,7 +120,7 @@ pub struct Prediction {
 /// or not finite; a load that buckles the arm; interrupted.
 pub fn predict(
     cell: &Cell,
-    predictor: &Predictor,
+    predictor: &IdentifiedCompliance,
     postures: &[LoadedPosture],
     options: &PredictOptions,
     control: Control<'_>,
@@ -131,7 +131,7 @@ pub fn predict(
             "There is no point to predict.",
         ));
     }
-    let mut arm = ArmAtWork::new(cell, predictor)?;
+    let mut arm = LoadedArm::new(cell, predictor)?;
     if options.load_at == LoadPoint::LoadingPoint {
         arm = arm.loaded_at(cell.setup.tool.loading_point);
     }
@@ -143,13 +143,13 @@ pub fn predict(
 }
 
 fn point(
-    arm: &ArmAtWork,
+    arm: &LoadedArm,
     bands: Option<&Bands>,
     posture: &LoadedPosture,
     options: &PredictOptions,
 ) -> Result<PointPrediction> {
     let wrench = &posture.wrench;
-    let bent = arm.bend(&posture.q, wrench)?;
+    let bent = arm.deflect(&posture.q, wrench)?;
     let twist = match options.model {
         Model::Linear => bent.linear,
         Model::Equilibrium => bent.displacement,

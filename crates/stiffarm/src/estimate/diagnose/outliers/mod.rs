@@ -11,7 +11,7 @@
 //! neither does the rest of its posture (or of its point), the posture (or the
 //! point) is named instead.
 
-mod view;
+mod kept;
 
 use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
@@ -19,9 +19,9 @@ use crate::estimate::identify::{Estimator, IdentifyOptions, NoiseSource};
 use crate::findings::{Finding, Severity, length, length_with_error, list, probability};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
+use kept::Kept;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use view::View;
 
 /// Outliers after which the search ends: beyond, the model is at fault.
 const MOST: usize = 5;
@@ -126,7 +126,7 @@ pub fn outliers(
         ..options.clone()
     };
     let mut left = measured.to_vec();
-    let first = View::new(cell, &left, &options)?;
+    let first = Kept::new(cell, &left, &options)?;
     let mut out = Outliers {
         found: Vec::new(),
         more: false,
@@ -145,7 +145,7 @@ pub fn outliers(
         if left.iter().all(|m| m.displacements.is_empty()) {
             break;
         }
-        view = View::new(cell, &left, &options)?;
+        view = Kept::new(cell, &left, &options)?;
     }
     let rest = left.iter().any(|m| !m.displacements.is_empty());
     if rest && !out.found.is_empty() && !out.more {

@@ -8,7 +8,7 @@ use crate::files::table::columns::vector;
 use crate::files::table::grid::{Column, Row, Table, normal};
 use crate::files::table::postures::angles;
 use crate::model::cell::Cell;
-use crate::model::path::{PathPoint, Target};
+use crate::model::path::{PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, TipLoad};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::HashMap;
@@ -110,11 +110,11 @@ struct Door<'a> {
 
 impl Door<'_> {
     /// Where the tip should be, base frame.
-    fn target(&self, row: &Row) -> Result<Target> {
+    fn target(&self, row: &Row) -> Result<PathTarget> {
         let (table, columns) = (self.table, self.columns);
         if columns.kind == PathKind::Angles {
             let robot = &self.cell.setup.robot;
-            return angles(table, row, &columns.angles, robot).map(Target::Angles);
+            return angles(table, row, &columns.angles, robot).map(PathTarget::Angles);
         }
         let workpiece = &self.cell.work.workpiece;
         let position = vector(table, row, &columns.position)?;
@@ -123,7 +123,7 @@ impl Door<'_> {
             let [roll, pitch, yaw] = orientation.into();
             let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
             let pose = Isometry3::from_parts(Translation3::from(position), rotation);
-            return Ok(Target::Pose(workpiece * pose));
+            return Ok(PathTarget::Pose(workpiece * pose));
         }
         let Some(axis) = UnitVector3::try_new(orientation, SHORTEST_AXIS) else {
             let message = "The tool axis has length zero.";
@@ -133,7 +133,7 @@ impl Door<'_> {
                 "give the direction from the tool into the workpiece, for example 0, 0, -1",
             ));
         };
-        Ok(Target::Axis {
+        Ok(PathTarget::Axis {
             position: workpiece.rotation * position + workpiece.translation.vector,
             axis: workpiece.rotation * axis,
         })

@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::files::table::grid::Table;
 use crate::findings::length;
 use crate::model::cell::Cell;
-use crate::model::path::{PathPoint, Target};
+use crate::model::path::{PathPoint, PathTarget};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// A path all of whose points are nearer to axis 1 than this part of the arm's
@@ -32,9 +32,9 @@ pub(super) fn check_size(
     let positions: Vec<Vector3<f64>> = points
         .iter()
         .filter_map(|point| match &point.target {
-            Target::Pose(pose) => Some(pose.translation.vector),
-            Target::Axis { position, .. } => Some(*position),
-            Target::Angles(_) => None,
+            PathTarget::Pose(pose) => Some(pose.translation.vector),
+            PathTarget::Axis { position, .. } => Some(*position),
+            PathTarget::Angles(_) => None,
         })
         .collect();
     let refuse = |message: String, hint: &str| -> Result<()> {

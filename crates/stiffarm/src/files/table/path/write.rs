@@ -4,7 +4,7 @@ use super::format::{Content, FormatColumn, PathFormat, PathKind};
 use crate::error::{Code, Error, Result};
 use crate::files::table::quantity::{Unit, rounded};
 use crate::files::table::write::separated;
-use crate::model::path::{PathPoint, Target};
+use crate::model::path::{PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, TipLoad};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
@@ -62,7 +62,7 @@ impl<'p> Numbers<'p> {
         let from_base = format.workpiece.inverse();
         let place = |p: &Vector3<f64>| from_base.rotation * p + from_base.translation.vector;
         match (format.kind, &point.target) {
-            (PathKind::Angles, Target::Angles(q)) => {
+            (PathKind::Angles, PathTarget::Angles(q)) => {
                 let count = |c: &&FormatColumn| matches!(c.content, Content::Angle(_));
                 let joints = format.columns.iter().filter(count).count();
                 if q.len() != joints {
@@ -75,7 +75,7 @@ impl<'p> Numbers<'p> {
                 }
                 Ok(Numbers::Angles(q))
             }
-            (PathKind::Poses, Target::Pose(pose)) => {
+            (PathKind::Poses, PathTarget::Pose(pose)) => {
                 let pose = from_base * pose;
                 let turn = format
                     .columns
@@ -85,20 +85,20 @@ impl<'p> Numbers<'p> {
                 let turns = unit.map(|unit| rounded_turns(&pose.rotation, &unit));
                 Ok(Numbers::Pose(pose, turns.unwrap_or_default()))
             }
-            (PathKind::ToolAxes, Target::Axis { position, axis }) => {
+            (PathKind::ToolAxes, PathTarget::Axis { position, axis }) => {
                 let axis = rounded_axis(&(from_base.rotation * axis.as_ref()));
                 Ok(Numbers::Axis(place(position), axis))
             }
-            (PathKind::ToolAxes, Target::Pose(pose)) => {
+            (PathKind::ToolAxes, PathTarget::Pose(pose)) => {
                 let axis = pose.rotation * Vector3::z();
                 let axis = rounded_axis(&(from_base.rotation * axis));
                 Ok(Numbers::Axis(place(&pose.translation.vector), axis))
             }
             (kind, target) => {
                 let given = match target {
-                    Target::Angles(_) => "joint angles",
-                    Target::Pose(_) => "a pose",
-                    Target::Axis { .. } => "a position with a tool axis",
+                    PathTarget::Angles(_) => "joint angles",
+                    PathTarget::Pose(_) => "a pose",
+                    PathTarget::Axis { .. } => "a position with a tool axis",
                 };
                 let wanted = match kind {
                     PathKind::Angles => "joint angles",

@@ -5,8 +5,8 @@
 mod fit;
 
 use super::base_motion::on_a_line;
+use super::messages::{length, postures, postures_first};
 use super::series::{PostureSeries, StateSamples};
-use super::words::{length, postures, postures_first};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::measure::registration::{PointPair, Registration};
@@ -26,7 +26,7 @@ const WORSE: f64 = 3.0;
 /// Residual of one measuring point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct PointResidual {
+pub struct UnloadedPointResidual {
     /// Measuring point.
     pub point: String,
     /// Position by the model minus measured position, base axes \[m\].
@@ -36,7 +36,7 @@ pub struct PointResidual {
 /// Unloaded points of one posture after registration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct PostureResidual {
+pub struct UnloadedPostureResidual {
     /// Posture.
     pub posture: String,
     /// False where it disagrees with the others and was left out of the fit.
@@ -44,7 +44,7 @@ pub struct PostureResidual {
     /// RMS of its residuals' lengths \[m\].
     pub rms_m: f64,
     /// Its points.
-    pub points: Vec<PointResidual>,
+    pub points: Vec<UnloadedPointResidual>,
 }
 
 /// Tracker against base, by the unloaded readings.
@@ -64,7 +64,7 @@ pub struct UnloadedRegistration {
     /// posture's points. `None` below three postures or for a given transform.
     pub turn_standard_error_rad: Option<[f64; 3]>,
     /// Residuals, posture by posture.
-    pub postures: Vec<PostureResidual>,
+    pub postures: Vec<UnloadedPostureResidual>,
     /// The fit over the postures used; `None` for a given transform.
     #[serde(skip)]
     pub fit: Option<Registration>,
@@ -223,7 +223,7 @@ fn describe(
         postures: seen
             .iter()
             .zip(used)
-            .map(|(s, used)| PostureResidual {
+            .map(|(s, used)| UnloadedPostureResidual {
                 posture: s.posture.to_string(),
                 used: *used,
                 rms_m: s.mean_square(transform).sqrt(),
@@ -231,7 +231,7 @@ fn describe(
                     .points
                     .iter()
                     .zip(&s.pairs)
-                    .map(|(index, pair)| PointResidual {
+                    .map(|(index, pair)| UnloadedPointResidual {
                         point: names[*index].name.clone(),
                         residual_m: residual(pair, transform).into(),
                     })
@@ -244,7 +244,8 @@ fn describe(
 
 /// What the residuals of our own fit say.
 fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
-    let left_out: Vec<&PostureResidual> = summary.postures.iter().filter(|p| !p.used).collect();
+    let left_out: Vec<&UnloadedPostureResidual> =
+        summary.postures.iter().filter(|p| !p.used).collect();
     if !left_out.is_empty() {
         let names: Vec<&str> = left_out.iter().map(|p| p.posture.as_str()).collect();
         let worst = left_out.iter().map(|p| p.rms_m).fold(0.0, f64::max);

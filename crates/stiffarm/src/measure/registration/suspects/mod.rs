@@ -10,13 +10,13 @@
 //! One cause at a time: two wrong pairs can hide each other.
 
 mod evidence;
-mod words;
+mod messages;
 
 use super::fit::{RigidFit, Sample, rigid};
 use crate::findings::Severity;
 pub(super) use evidence::{chi_squared_tail, f_tail};
 use evidence::{ln_evidence, ln_volume, tail};
-pub(super) use words::mm;
+pub(super) use messages::mm;
 
 /// Chance at which the largest of all left-out residuals counts as a likely
 /// error and not as noise, and at which it counts as an error.

@@ -5,8 +5,8 @@
 //! chains. So the rounds that were completed, not time or threads, decide the
 //! result.
 
+mod chain;
 mod exchange;
-mod island;
 mod local;
 mod options;
 mod polish;
@@ -21,7 +21,7 @@ use crate::numerics::streams::chain_rng;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::{Index, evaluate};
 use crate::units::rad_to_shortest_deg;
-use island::Island;
+use chain::Chain;
 use local::{Effort, Local};
 use options::Schedule;
 pub use options::{GlobalOptions, RoundReport};
@@ -104,7 +104,7 @@ struct Global<'a> {
     options: &'a GlobalOptions,
     schedule: Schedule,
     pool: Pool,
-    islands: Vec<Island>,
+    chains: Vec<Chain>,
     best: Option<Plan>,
     completed: u64,
 }
@@ -122,7 +122,7 @@ impl<'a> Global<'a> {
         let wanted = inputs.wanted(true);
         let criterion = criterion(cell, index)?;
         let n = cell.setup.robot.joint_count();
-        let island = Island::new(local, criterion, index, n);
+        let chain = Chain::new(local, criterion, index, n);
         Ok(Global {
             cell,
             index,
@@ -130,7 +130,7 @@ impl<'a> Global<'a> {
             options,
             schedule: Schedule::new(index, count),
             pool: Pool::new(cell, wanted, options.seed)?,
-            islands: vec![island; CHAINS],
+            chains: vec![chain; CHAINS],
             best: None,
             completed: 0,
         })
@@ -154,20 +154,20 @@ impl<'a> Global<'a> {
         let mut idle = 0;
         while self.completed < most {
             let before = self.best.as_ref().map(|plan| plan.value);
-            let saved = self.islands.clone();
+            let saved = self.chains.clone();
             // The first round is worth finishing: there is nothing else to show.
             let stop = || control.stopped() || (self.completed > 0 && over());
             let inner = Control {
                 stop: Some(&stop),
                 progress: None,
             };
-            let mut islands = std::mem::take(&mut self.islands);
-            let complete = self.round(&mut islands, inner);
-            self.islands = islands;
+            let mut chains = std::mem::take(&mut self.chains);
+            let complete = self.round(&mut chains, inner);
+            self.chains = chains;
             if !complete {
                 if self.completed > 0 {
                     // Half a round cannot be reproduced.
-                    self.islands = saved;
+                    self.chains = saved;
                 } else {
                     self.gather();
                 }
@@ -207,15 +207,15 @@ impl<'a> Global<'a> {
     }
 
     /// One round on every chain, on all cores; false when it was stopped.
-    fn round(&self, islands: &mut [Island], control: Control<'_>) -> bool {
-        let work = |(i, island): (usize, &mut Island)| {
+    fn round(&self, chains: &mut [Chain], control: Control<'_>) -> bool {
+        let work = |(i, chain): (usize, &mut Chain)| {
             let mut rng = chain_rng(self.options.seed, self.completed, i);
-            island.work(&mut rng, &self.pool, self.schedule.tries, control)
+            chain.work(&mut rng, &self.pool, self.schedule.tries, control)
         };
         #[cfg(feature = "parallel")]
         {
             use rayon::prelude::*;
-            islands
+            chains
                 .par_iter_mut()
                 .with_max_len(1)
                 .enumerate()
@@ -226,7 +226,7 @@ impl<'a> Global<'a> {
         #[cfg(not(feature = "parallel"))]
         {
             let mut complete = true;
-            for each in islands.iter_mut().enumerate() {
+            for each in chains.iter_mut().enumerate() {
                 complete &= work(each);
             }
             complete
@@ -237,15 +237,15 @@ impl<'a> Global<'a> {
     /// quarter of them onto it.
     fn gather(&mut self) {
         let values: Vec<f64> = self
-            .islands
+            .chains
             .iter()
-            .map(|island| island.best.as_ref().map_or(f64::INFINITY, |p| p.value))
+            .map(|chain| chain.best.as_ref().map_or(f64::INFINITY, |p| p.value))
             .collect();
         let mut order: Vec<usize> = (0..values.len()).collect();
         // A stable sort: equal values stay in the order of the chains.
         order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
         let leader = order[0];
-        if let Some(plan) = self.islands[leader].best.clone()
+        if let Some(plan) = self.chains[leader].best.clone()
             && self.best.as_ref().is_none_or(|b| plan.value < b.value)
         {
             self.best = Some(plan);
@@ -253,8 +253,8 @@ impl<'a> Global<'a> {
         if (self.completed + 1).is_multiple_of(MIGRATION)
             && let Some(best) = self.best.clone()
         {
-            for island in order.iter().rev().take(CHAINS / 4) {
-                self.islands[*island].move_to(best.clone());
+            for chain in order.iter().rev().take(CHAINS / 4) {
+                self.chains[*chain].move_to(best.clone());
             }
         }
     }
@@ -269,7 +269,7 @@ impl<'a> Global<'a> {
         let Some(best) = self.best.take() else {
             return Err(self.nothing(given, termination));
         };
-        let local = &mut self.islands[0].local;
+        let local = &mut self.chains[0].local;
         let mut plan = local.improve(best.x.clone(), Effort::Full);
         if best.value < plan.value {
             plan = best;
@@ -313,7 +313,7 @@ impl<'a> Global<'a> {
             given: given.len(),
             termination,
             rounds: Some(self.completed),
-            starts: self.islands.iter().map(|i| i.local.searches as usize).sum(),
+            starts: self.chains.iter().map(|i| i.local.searches as usize).sum(),
             evaluations,
             iterations,
             stationarity,
@@ -348,6 +348,6 @@ impl<'a> Global<'a> {
     }
 
     fn evaluations(&self) -> u64 {
-        self.islands.iter().map(|i| i.local.evaluations).sum()
+        self.chains.iter().map(|i| i.local.evaluations).sum()
     }
 }

@@ -6,7 +6,7 @@ use super::Plan;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
-use crate::numerics::optimise::{Options, Solution};
+use crate::numerics::optimise::{Minimum, Options};
 use crate::plan::index::Index;
 use crate::plan::select::search::Search;
 
@@ -23,7 +23,7 @@ pub(super) fn polish<Q: AsRef<[f64]>>(
     plan: Plan,
     joints: usize,
     given: &[Q],
-) -> Result<(Plan, Option<Solution>)> {
+) -> Result<(Plan, Option<Minimum>)> {
     if plan.x.len() > MOST_VARIABLES {
         return Ok((plan, None));
     }

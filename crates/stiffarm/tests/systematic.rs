@@ -5,10 +5,10 @@ mod common;
 
 use nalgebra::{Matrix6, Rotation3, Vector3};
 use stiffarm::Control;
-use stiffarm::estimate::budget::{Budget, BudgetSource, budget};
 use stiffarm::estimate::identify::{
     Estimator, IdentifyOptions, NoiseSource, Scale, fit, identify, profile,
 };
+use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource, systematic_errors};
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
@@ -57,7 +57,7 @@ fn ordinary() -> IdentifyOptions {
     }
 }
 
-fn source<'a>(budget: &'a Budget, name: &str) -> &'a BudgetSource {
+fn source<'a>(budget: &'a SystematicErrors, name: &str) -> &'a SystematicSource {
     let found = budget.sources.iter().find(|s| s.name == name);
     found.unwrap_or_else(|| panic!("no source {name}"))
 }
@@ -93,7 +93,7 @@ fn every_source_is_the_error_really_made() {
     let cell = cell;
     let postures = group_1();
     let nominal = measure(&cell, &postures, 1);
-    let budget = budget(&cell, &nominal, &ordinary()).unwrap();
+    let budget = systematic_errors(&cell, &nominal, &ordinary()).unwrap();
     let made = |cell: &Cell| measure(cell, &postures, 1);
     let seen = |measured: &[MeasuredPosture]| bias(&cell, measured, &ordinary());
 
@@ -169,7 +169,7 @@ fn the_budget_of_the_default_cell() {
     let postures = plan(&cell);
     let measured = measure(&cell, &postures, 1);
     let of = |cell: &Cell, name: &str| -> Vec<f64> {
-        let all = budget(cell, &measured, &ordinary()).unwrap();
+        let all = systematic_errors(cell, &measured, &ordinary()).unwrap();
         let source = source(&all, name);
         source
             .change
@@ -207,7 +207,7 @@ fn the_budget_of_the_default_cell() {
 
     let postures = group_1();
     let measured = measure(&cell, &postures, 1);
-    let all = budget(&cell, &measured, &ordinary()).unwrap();
+    let all = systematic_errors(&cell, &measured, &ordinary()).unwrap();
     let k4 = source(&all, "anchor").change[3].unwrap();
     assert!((k4 - 0.039).abs() < 0.002, "{k4}");
     // Parts combine as root sum of squares, sources as well.
@@ -234,8 +234,8 @@ fn measured_wrenches_have_the_sources_that_made_them() {
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
         m.wrench = Some(*terms.wrench());
     }
-    let a = budget(&cell, &nominal, &ordinary()).unwrap();
-    let b = budget(&cell, &along, &ordinary()).unwrap();
+    let a = systematic_errors(&cell, &nominal, &ordinary()).unwrap();
+    let b = systematic_errors(&cell, &along, &ordinary()).unwrap();
     for name in ["force-scale", "anchor", "loading-point"] {
         let other: Vec<f64> = source(&b, name).change.iter().map(|c| c.unwrap()).collect();
         assert_same(&source(&a, name).change, &other, name);
@@ -255,7 +255,7 @@ fn measured_wrenches_have_the_sources_that_made_them() {
             ..m.wrench.unwrap()
         });
     }
-    let c = budget(&sensing, &moments, &ordinary()).unwrap();
+    let c = systematic_errors(&sensing, &moments, &ordinary()).unwrap();
     let names: Vec<&str> = c.sources.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(
         names,
@@ -293,7 +293,7 @@ fn the_force_scale_is_in_every_budget() {
             estimator,
             ..IdentifyOptions::default()
         };
-        let all = budget(&cell, &measured, &options).unwrap();
+        let all = systematic_errors(&cell, &measured, &options).unwrap();
         let force = &all.sources[0];
         assert!(force.name == "force-scale" && force.declared && force.size == 0.02);
         // The prior pulls a little the other way.
@@ -461,7 +461,7 @@ fn budgets_and_profiles_of_poor_data() {
     let measured = measure(&cell, &group_1()[..1], 1);
     let options = ordinary();
     let result = identify(&cell, &measured, &options).unwrap();
-    let all = budget(&cell, &measured, &options).unwrap();
+    let all = systematic_errors(&cell, &measured, &options).unwrap();
     for (j, joint) in result.joints.iter().enumerate() {
         let known = joint.compliance.is_some_and(|h| h > 0.0);
         assert_eq!(
@@ -486,6 +486,6 @@ fn budgets_and_profiles_of_poor_data() {
     // A large lost motion leaves no stiffness at all.
     let mut loose = cell.clone();
     loose.uncertainty.lost_motion = Some(1.0);
-    let all = budget(&loose, &measure(&cell, &group_1(), 1), &options).unwrap();
+    let all = systematic_errors(&loose, &measure(&cell, &group_1(), 1), &options).unwrap();
     assert!(all.findings.iter().all(|f| !f.sentence.contains("NaN")));
 }

@@ -11,7 +11,7 @@ const EXHAUSTIVE: u128 = 20_000;
 /// What is lost without one posture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct PostureWorth {
+pub struct PostureValue {
     /// Position in the group, from 0.
     pub posture: usize,
     /// The index without it; `None` where the rest no longer has one (a joint
@@ -40,7 +40,7 @@ pub struct Dropped {
     /// the other was left out.
     pub exhaustive: bool,
     /// Every posture's worth in the whole group, least first.
-    pub worth: Vec<PostureWorth>,
+    pub worth: Vec<PostureValue>,
 }
 
 /// Leaves out the `count` postures of a group (controller angles, rad) without
@@ -86,13 +86,13 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     let mut worth = Vec::with_capacity(postures.len());
     for p in &all {
         let value = value_of(&without(&all, &[*p]))?;
-        worth.push(PostureWorth {
+        worth.push(PostureValue {
             posture: *p,
             value,
             loss: value.map(|v| sign * (v - before) / before),
         });
     }
-    let loss = |w: &PostureWorth| w.loss.unwrap_or(f64::INFINITY);
+    let loss = |w: &PostureValue| w.loss.unwrap_or(f64::INFINITY);
     worth.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
 
     let exhaustive = subsets(postures.len(), count) <= EXHAUSTIVE;

@@ -22,7 +22,7 @@ use sources::{Part, Source, sources};
 /// One axis, or one joint, of a source.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct BudgetPart {
+pub struct SystematicPart {
     /// `x`, `y`, `z`, or the name of a joint.
     pub name: String,
     /// k'/k − 1 of each joint (fraction), for a deviation of this part in its
@@ -34,7 +34,7 @@ pub struct BudgetPart {
 /// One source of common error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct BudgetSource {
+pub struct SystematicSource {
     /// Stable name: `force-scale`, `anchor`, `loading-point`, `registration`,
     /// `base-tilt`, `sensor`, `lost-motion`.
     pub name: String,
@@ -51,17 +51,17 @@ pub struct BudgetSource {
     /// `None` where the source is one number.
     pub worst: Option<Vec<Option<f64>>>,
     /// The parts of a source that has several.
-    pub parts: Vec<BudgetPart>,
+    pub parts: Vec<SystematicPart>,
 }
 
 /// Common errors beside the statistical ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Budget {
+pub struct SystematicErrors {
     /// Names of the joints.
     pub joints: Vec<String>,
     /// The sources; the force scale is always the first.
-    pub sources: Vec<BudgetSource>,
+    pub sources: Vec<SystematicSource>,
     /// Root sum of squares of all sources, joint by joint (fraction of k).
     pub combined: Vec<Option<f64>>,
     /// Relative standard error of the estimates, joint by joint (fraction of k).
@@ -90,11 +90,11 @@ pub struct Budget {
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
-pub fn budget(
+pub fn systematic_errors(
     cell: &Cell,
     measured: &[MeasuredPosture],
     options: &IdentifyOptions,
-) -> Result<Budget> {
+) -> Result<SystematicErrors> {
     let fit = fit(cell, measured, options)?;
     let joints = fit.system.unknowns[..fit.system.springs].to_vec();
     let mut out = Vec::new();
@@ -106,7 +106,7 @@ pub fn budget(
         .map(|j| root_sum(out.iter().map(|source| source.change[j])))
         .collect();
     let statistical = (0..count).map(|j| relative_error(&fit, j)).collect();
-    let mut budget = Budget {
+    let mut budget = SystematicErrors {
         joints,
         sources: out,
         combined,
@@ -117,11 +117,11 @@ pub fn budget(
     Ok(budget)
 }
 
-fn describe(fit: &Fit, source: Source) -> Result<BudgetSource> {
+fn describe(fit: &Fit, source: Source) -> Result<SystematicSource> {
     let count = fit.system.springs;
     let mut parts = Vec::with_capacity(source.parts.len());
     for Part { name, shift } in source.parts {
-        parts.push(BudgetPart {
+        parts.push(SystematicPart {
             name,
             change: changes(fit, &shift)?,
         });
@@ -136,7 +136,7 @@ fn describe(fit: &Fit, source: Source) -> Result<BudgetSource> {
             Some((0..count).map(sum).collect()),
         ),
     };
-    Ok(BudgetSource {
+    Ok(SystematicSource {
         name: source.name.to_string(),
         size: source.size,
         unit: source.unit.to_string(),
@@ -175,7 +175,7 @@ fn root_sum(changes: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     squares.map(f64::sqrt)
 }
 
-impl BudgetSource {
+impl SystematicSource {
     /// The source in words, with its size.
     fn words(&self) -> String {
         let minutes = || format!("{:.2} arc-minutes", 60.0 * self.size.to_degrees());
@@ -192,7 +192,7 @@ impl BudgetSource {
     }
 }
 
-fn findings(budget: &Budget) -> Vec<Finding> {
+fn findings(budget: &SystematicErrors) -> Vec<Finding> {
     let mut out = Vec::new();
     let names = &budget.joints;
     if let Some(force) = budget.sources.first() {
@@ -282,7 +282,7 @@ fn findings(budget: &Budget) -> Vec<Finding> {
         .sources
         .iter()
         .filter(|s| !s.declared)
-        .map(BudgetSource::words)
+        .map(SystematicSource::words)
         .collect();
     if !assumed.is_empty() {
         let message = format!("Assumed, not declared in the cell: {}.", list(&assumed));

@@ -1,4 +1,4 @@
-//! Sanity before statistics: what is wrong with a table of raw readings, by
+//! Screening before statistics: what is wrong with a table of raw readings, by
 //! posture, state and point, with the likely cause.
 //!
 //! A fault is named when correcting it makes everything else fit: for each
@@ -13,6 +13,8 @@
 //! that strays across its plane, unless the motion under load tells.
 
 mod frame;
+mod gross_error;
+mod messages;
 mod model;
 mod motion;
 mod posture;
@@ -20,8 +22,6 @@ mod rigid;
 mod shape;
 mod sheet;
 mod states;
-mod stray;
-mod words;
 
 use crate::error::Result;
 use crate::findings::Finding;
@@ -192,7 +192,7 @@ impl Suspicion {
 /// Result of [`inspect`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Sanity {
+pub struct Screening {
     /// The findings, one per suspicion and in the same order.
     pub findings: Vec<Finding>,
     /// What they rest on.
@@ -239,11 +239,11 @@ fn predicted(setup: &Setup, q: &[f64]) -> Vec<Vector3<f64>> {
 /// # Errors
 /// A posture with a wrong number of angles, a coordinate or angle that is not
 /// finite, or a reading at the tracker's station.
-pub fn inspect(
+pub fn screen(
     cell: &Cell,
     table: &ReadingTable,
     base_from_tracker: Option<&Isometry3<f64>>,
-) -> Result<Sanity> {
+) -> Result<Screening> {
     let given = base_from_tracker.or(cell.tracker.base_from_tracker.as_ref());
     let mut found = Vec::new();
     let sheet = Sheet::new(cell, table, &mut found)?;
@@ -260,12 +260,12 @@ pub fn inspect(
     let before = model::explain(&mut work, given);
     let frame = posture::explain(&mut work, before);
     shape::strays(&mut work, true);
-    stray::settle(&mut work, frame.as_ref());
+    gross_error::settle(&mut work, frame.as_ref());
     shape::drawing(&mut work, false);
     motion::check(&mut work, frame.as_ref());
     let found = work.found;
-    Ok(Sanity {
-        findings: found.iter().map(|s| words::finding(cell, s)).collect(),
+    Ok(Screening {
+        findings: found.iter().map(|s| messages::finding(cell, s)).collect(),
         suspicions: found,
         unloaded_rms_m: frame.map(|f| f.level),
         states_checked,

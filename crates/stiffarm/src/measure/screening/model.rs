@@ -222,7 +222,7 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
         .suspicion(work)
         .misfit(before.trimmed.max(before.level), first.frame.trimmed);
     for other in trials {
-        let phrase = super::words::cause(&work.cell, &other.change.suspicion(work));
+        let phrase = super::messages::cause(&work.cell, &other.change.suspicion(work));
         suspicion.alternatives.push(phrase);
     }
     suspicion.certain = suspicion.alternatives.is_empty();

@@ -295,7 +295,7 @@ fn simplest(work: &Work, p: usize, mut trials: Vec<Trial>) -> Option<(Trial, Vec
     trials.retain(|t| t.complexity == complexity);
     trials.sort_by(|a, b| a.after.total_cmp(&b.after));
     let first = trials.remove(0);
-    let phrase = |t: &Trial| super::words::cause(&work.cell, &describe(work, p, &t.undo));
+    let phrase = |t: &Trial| super::messages::cause(&work.cell, &describe(work, p, &t.undo));
     let mut others: Vec<String> = trials.iter().map(phrase).collect();
     // The sign of an angle is tried both as it stands and as fitted.
     others.retain(|other| *other != phrase(&first));

@@ -22,7 +22,7 @@ const SHAKE: f64 = 0.5;
 
 /// A chain with its incumbent.
 #[derive(Debug, Clone)]
-pub(super) struct Island {
+pub(super) struct Chain {
     pub local: Local,
     criterion: Criterion,
     base: Base,
@@ -35,11 +35,11 @@ pub(super) struct Island {
     idle: usize,
 }
 
-impl Island {
+impl Chain {
     pub fn new(local: Local, criterion: Criterion, index: Index, joints: usize) -> Self {
         let base = Base::new(index, local.given(), criterion.triangle());
         let count = local.angle_count() / joints;
-        Island {
+        Chain {
             local,
             criterion,
             base,

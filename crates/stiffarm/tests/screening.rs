@@ -10,11 +10,11 @@ use stiffarm::findings::Severity;
 use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,
 };
-use stiffarm::measure::sanity::{Cause, Sanity, Suspicion, inspect};
+use stiffarm::measure::screening::{Cause, Screening, Suspicion, screen};
 use stiffarm::model::cell::{Cell, Limits};
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Load;
-use stiffarm::model::measurement::{ReadingTable, Target};
+use stiffarm::model::measurement::{ReadingTable, ReadingTarget};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
 use stiffarm::plan::select::{StartKind, random_group};
@@ -80,7 +80,7 @@ fn group1_table(seed: u64) -> ReadingTable {
 }
 
 /// Sentences, with a code before each.
-fn sentences(sanity: &Sanity) -> String {
+fn sentences(sanity: &Screening) -> String {
     let all = sanity.findings.iter();
     let all = all.map(|f| {
         format!(
@@ -92,7 +92,7 @@ fn sentences(sanity: &Sanity) -> String {
 }
 
 /// The one suspicion there is.
-fn only(sanity: &Sanity) -> &Suspicion {
+fn only(sanity: &Screening) -> &Suspicion {
     assert_eq!(sanity.suspicions.len(), 1, "{}", sentences(sanity));
     assert_eq!(sanity.findings.len(), 1);
     &sanity.suspicions[0]
@@ -106,8 +106,8 @@ fn relabel(table: &mut ReadingTable, at: Option<(usize, usize)>, a: usize, b: us
             }
             for reading in &mut state.readings {
                 reading.target = match &reading.target {
-                    Target::Point(i) if *i == a => Target::Point(b),
-                    Target::Point(i) if *i == b => Target::Point(a),
+                    ReadingTarget::Point(i) if *i == a => ReadingTarget::Point(b),
+                    ReadingTarget::Point(i) if *i == b => ReadingTarget::Point(a),
                     other => other.clone(),
                 };
             }
@@ -129,7 +129,7 @@ fn names(list: &[&str]) -> Vec<String> {
 #[test]
 fn no_fault_no_finding() {
     let table = group1_table(1);
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     assert!(sanity.findings.is_empty(), "{}", sentences(&sanity));
     assert_eq!(sanity.states_checked, 12);
     // 0.0166 mm is the RMS distance by noise alone: sqrt(3 · 9.23e-5 mm²).
@@ -209,7 +209,7 @@ fn false_alarms(cell: &Cell, runs: u64, arm: Arm, count: usize) -> Vec<String> {
         .into_par_iter()
         .flat_map(|seed| {
             let table = random_table(cell, arm, count, seed);
-            let sanity = inspect(cell, &table, None).unwrap();
+            let sanity = screen(cell, &table, None).unwrap();
             let text = sentences(&sanity);
             (!text.is_empty()).then(|| format!("seed {seed}: {text}"))
         })
@@ -268,7 +268,7 @@ fn two_points_exchanged_in_one_state() {
     ] {
         let mut table = group1_table(2);
         relabel(&mut table, Some(at), a, b);
-        let sanity = inspect(&cell(), &table, None).unwrap();
+        let sanity = screen(&cell(), &table, None).unwrap();
         let found = only(&sanity);
         assert_eq!(found.cause, Cause::ExchangedPoints);
         assert_eq!(found.postures, [(at.0 + 1).to_string()]);
@@ -285,7 +285,7 @@ fn two_points_exchanged_throughout() {
     for (a, b) in [(0, 1), (0, 2), (1, 3)] {
         let mut table = group1_table(3);
         relabel(&mut table, None, a, b);
-        let sanity = inspect(&cell(), &table, None).unwrap();
+        let sanity = screen(&cell(), &table, None).unwrap();
         let found = only(&sanity);
         assert_eq!(found.cause, Cause::ExchangedPoints);
         assert!(found.postures.is_empty());
@@ -300,7 +300,7 @@ fn two_points_exchanged_in_all_states_of_a_posture() {
     let mut table = group1_table(3);
     relabel(&mut table, Some((2, 0)), 0, 2);
     relabel(&mut table, Some((2, 1)), 0, 2);
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(found.cause, Cause::ExchangedPoints);
     assert_eq!(
@@ -318,7 +318,7 @@ fn one_angle_with_the_wrong_sign() {
         let mut table = group1_table(4);
         let q = &mut table.postures[p].posture.q;
         q[j] = -q[j];
-        let sanity = inspect(&cell(), &table, None).unwrap();
+        let sanity = screen(&cell(), &table, None).unwrap();
         let found = only(&sanity);
         assert_eq!(found.cause, Cause::AngleSign);
         assert_eq!(found.postures, [(p + 1).to_string()]);
@@ -344,7 +344,7 @@ fn one_angle_mistyped() {
         let q = &mut table.postures[p].posture.q;
         let right = rad_to_deg(q[j]);
         q[j] = wrong.to_radians();
-        let sanity = inspect(&cell(), &table, None).unwrap();
+        let sanity = screen(&cell(), &table, None).unwrap();
         let found = only(&sanity);
         assert_eq!(found.cause, Cause::MistypedAngle);
         assert_eq!(found.postures, [(p + 1).to_string()]);
@@ -367,7 +367,7 @@ fn another_unit() {
     for factor in [1e-3, 1e3, 25.4, 1.0 / 25.4] {
         let mut table = group1_table(6);
         each_position(&mut table, |p| *p *= factor);
-        let sanity = inspect(&cell(), &table, None).unwrap();
+        let sanity = screen(&cell(), &table, None).unwrap();
         let found = only(&sanity);
         assert_eq!((found.cause, found.factor), (Cause::Units, Some(factor)));
         assert!(found.postures.is_empty());
@@ -382,7 +382,7 @@ fn another_unit() {
     {
         reading.position *= 1e-3;
     }
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(found.cause, Cause::Units);
     assert_eq!(
@@ -396,7 +396,7 @@ fn another_unit() {
     for point in &mut wrong.setup.tool.measuring_points {
         point.position *= 1e-3;
     }
-    let sanity = inspect(&wrong, &table, None).unwrap();
+    let sanity = screen(&wrong, &table, None).unwrap();
     assert_eq!(only(&sanity).cause, Cause::ToolUnits);
     said.push(sentences(&sanity));
     insta::assert_snapshot!("sanity_units", said.join("\n"));
@@ -408,7 +408,7 @@ fn mirrored_tracker_axes() {
     for axis in 0..3 {
         let mut table = group1_table(7);
         each_position(&mut table, |p| p[axis] = -p[axis]);
-        let sanity = inspect(&cell(), &table, None).unwrap();
+        let sanity = screen(&cell(), &table, None).unwrap();
         assert_eq!(only(&sanity).cause, Cause::MirroredFrame);
         said.push(sentences(&sanity));
     }
@@ -417,7 +417,7 @@ fn mirrored_tracker_axes() {
     deep.setup.tool.measuring_points[2].position.z += 0.12;
     let mut table = simulated(&deep, &named(group1()), 7);
     each_position(&mut table, |p| p.swap_rows(0, 1));
-    let sanity = inspect(&deep, &table, None).unwrap();
+    let sanity = screen(&deep, &table, None).unwrap();
     assert_eq!(only(&sanity).cause, Cause::MirroredFrame);
     insta::assert_snapshot!("sanity_mirrored", said[0]);
 }
@@ -432,7 +432,7 @@ fn force_sign_reversed() {
         if !prior {
             wrong.prior = None;
         }
-        let sanity = inspect(&wrong, &table, None).unwrap();
+        let sanity = screen(&wrong, &table, None).unwrap();
         assert_eq!(only(&sanity).cause, Cause::ReversedForce);
         said.push(sentences(&sanity));
     }
@@ -452,7 +452,7 @@ fn force_sign_reversed() {
     for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
         state.wrench = None;
     }
-    let sanity = inspect(&wrong, &table, None).unwrap();
+    let sanity = screen(&wrong, &table, None).unwrap();
     assert_eq!(only(&sanity).cause, Cause::ReversedForce);
     said.push(sentences(&sanity));
     insta::assert_snapshot!("sanity_force_sign", said.join("\n"));
@@ -470,7 +470,7 @@ fn loaded_and_unloaded_rows_exchanged() {
                 posture.states[0].readings = second;
             }
         }
-        let sanity = inspect(&cell(), &table, None).unwrap();
+        let sanity = screen(&cell(), &table, None).unwrap();
         let found = only(&sanity);
         match all {
             true => assert_eq!(found.cause, Cause::ReversedForce),
@@ -495,7 +495,7 @@ fn a_load_of_another_size() {
             wrench.moment *= 1e-3;
         }
     }
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     assert_eq!(only(&sanity).cause, Cause::DisplacementSize);
     said.push(sentences(&sanity));
     // One posture measured without load; one whose loaded rows are copies.
@@ -515,7 +515,7 @@ fn a_load_of_another_size() {
     {
         now.readings.clone_from(&then.readings);
     }
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
         (found.cause, &found.postures),
@@ -526,7 +526,7 @@ fn a_load_of_another_size() {
     for posture in &mut table.postures {
         posture.states[1].readings = posture.states[0].readings.clone();
     }
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     assert_eq!(only(&sanity).cause, Cause::NoDisplacement);
     assert!(only(&sanity).postures.is_empty());
     said.push(sentences(&sanity));
@@ -545,14 +545,14 @@ fn axis_three_uncoupled_or_a_joint_turned_round() {
         wrong
     };
     let wrong = with(&|c| c[(2, 1)] = 0.0);
-    let sanity = inspect(&wrong, &table, None).unwrap();
+    let sanity = screen(&wrong, &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!((found.cause, found.factor), (Cause::Coupling, Some(-1.0)));
     assert!(found.joints.is_empty() && found.alternatives.is_empty());
     said.push(sentences(&sanity));
     for j in 0..6 {
         let wrong = with(&|c| c.column_mut(j).neg_mut());
-        let sanity = inspect(&wrong, &table, None).unwrap();
+        let sanity = screen(&wrong, &table, None).unwrap();
         let found = only(&sanity);
         assert_eq!(found.cause, Cause::JointSign, "{}", sentences(&sanity));
         assert_eq!(found.joints, [format!("joint {}", j + 1)]);
@@ -561,7 +561,7 @@ fn axis_three_uncoupled_or_a_joint_turned_round() {
     }
     // A newcomer's chain: no signs, no coupling.
     let wrong = with(&|c| *c = nalgebra::DMatrix::identity(6, 6));
-    let sanity = inspect(&wrong, &table, None).unwrap();
+    let sanity = screen(&wrong, &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!((found.cause, found.factor), (Cause::Coupling, Some(-1.0)));
     assert_eq!(
@@ -579,7 +579,7 @@ fn a_joint_with_an_offset_and_angles_in_radians() {
     for posture in &mut table.postures {
         posture.posture.q[2] += 90.0_f64.to_radians();
     }
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(found.cause, Cause::JointOffset);
     assert_eq!(found.joints, ["joint 3"]);
@@ -597,7 +597,7 @@ fn a_joint_with_an_offset_and_angles_in_radians() {
             .iter_mut()
             .for_each(|q| *q = q.to_radians());
     }
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     assert_eq!(only(&sanity).cause, Cause::Radians);
     said.push(sentences(&sanity));
     insta::assert_snapshot!("sanity_offset_radians", said.join("\n"));
@@ -609,7 +609,7 @@ fn rows_of_two_postures_exchanged() {
     let mut table = group1_table(13);
     let first = table.postures[1].states.clone();
     table.postures[1].states = std::mem::replace(&mut table.postures[4].states, first);
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
         (found.cause, &found.postures),
@@ -620,7 +620,7 @@ fn rows_of_two_postures_exchanged() {
     let mut table = group1_table(13);
     let first = table.postures[1].states[1].clone();
     table.postures[1].states[1] = std::mem::replace(&mut table.postures[4].states[1], first);
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
         (found.cause, &found.postures),
@@ -631,7 +631,7 @@ fn rows_of_two_postures_exchanged() {
     // A posture measured twice in place of another.
     let mut table = group1_table(13);
     table.postures[3].states = table.postures[0].states.clone();
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
         (found.cause, &found.postures),
@@ -750,7 +750,7 @@ fn strays(cell: &Cell, runs: u64, arm: Arm, across: bool, off: f64) -> Tally {
                 direction = edge(1).cross(&edge(2)).normalize();
             }
             readings[a].position += direction * off;
-            let sanity = inspect(cell, &table, None).unwrap();
+            let sanity = screen(cell, &table, None).unwrap();
             let here = |f: &&Suspicion| {
                 f.cause == Cause::StrayReading
                     && f.postures == [(p + 1).to_string()]
@@ -923,7 +923,7 @@ fn planted_faults_on_other_robots() {
                     let mut table = random_table(&cell, Arm::Rough, 6, seed);
                     let mut dice = Dice::new(seed + 5);
                     let expected = plant(kind, &mut cell, &mut table, &mut dice);
-                    let sanity = inspect(&cell, &table, None).unwrap();
+                    let sanity = screen(&cell, &table, None).unwrap();
                     let right = |f: &&Suspicion| {
                         f.cause == kind
                             && (expected.postures.is_empty() || f.postures == expected.postures)
@@ -974,14 +974,14 @@ fn repeats_that_stray_and_reflectors_that_move() {
     let mut options = options(14);
     options.states.iter_mut().for_each(|s| s.repeats = 3);
     let three = experiment(&cell(), &named(group1()), &truth(&cell()), &options, 14, 0).unwrap();
-    assert!(inspect(&cell(), &three, None).unwrap().findings.is_empty());
+    assert!(screen(&cell(), &three, None).unwrap().findings.is_empty());
     let mut table = three.clone();
     // Third round of point 2.
     let reading = &mut table.postures[1].states[0].readings[9];
-    assert_eq!(reading.target, Target::Point(1));
+    assert_eq!(reading.target, ReadingTarget::Point(1));
     reading.position.y += 1e-3;
     reading.line = 38;
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, Some(3)));
     assert_eq!((&found.points, &found.lines), (&names(&["2"]), &vec![38]));
@@ -991,7 +991,7 @@ fn repeats_that_stray_and_reflectors_that_move() {
     let mut table =
         experiment(&cell(), &named(group1()), &truth(&cell()), &options, 14, 0).unwrap();
     table.postures[1].states[0].readings[5].position.y += 1e-3;
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, None));
     said.push(sentences(&sanity));
@@ -1003,7 +1003,7 @@ fn repeats_that_stray_and_reflectors_that_move() {
             state.readings[2].position += along.normalize() * 8e-4;
         }
     }
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
         (found.cause, &found.postures),
@@ -1020,7 +1020,7 @@ fn a_reading_off_by_a_millimetre_in_words() {
     // Along the plane of the points; across it on an arm that nobody knows well.
     let mut table = group1_table(15);
     table.postures[2].states[1].readings[1].position.x += 1e-3;
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     assert_eq!(only(&sanity).points, ["2"]);
     said.push(sentences(&sanity));
     let mut table = random_table(&cell(), Arm::Rough, 6, 2);
@@ -1028,7 +1028,7 @@ fn a_reading_off_by_a_millimetre_in_words() {
     let edge = |i: usize| readings[i].position - readings[0].position;
     let direction = edge(1).cross(&edge(2)).normalize();
     readings[1].position += direction * 1e-3;
-    let sanity = inspect(&cell(), &table, None).unwrap();
+    let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
     assert!(
         !found.certain && found.points.len() > 1,
@@ -1046,7 +1046,7 @@ fn a_tool_that_differs_from_its_drawing() {
     for off in [8e-4, 3e-2] {
         let mut wrong = cell();
         wrong.setup.tool.measuring_points[2].position.x += off;
-        let sanity = inspect(&wrong, &table, None).unwrap();
+        let sanity = screen(&wrong, &table, None).unwrap();
         let found = only(&sanity);
         assert_eq!(
             (found.cause, &found.points),
@@ -1069,13 +1069,13 @@ fn a_transform_that_is_given() {
     let table = group1_table(17);
     let right = tracker_pose(17);
     assert!(
-        inspect(&cell(), &table, Some(&right))
+        screen(&cell(), &table, Some(&right))
             .unwrap()
             .findings
             .is_empty()
     );
     let moved = Isometry3::translation(0.02, 0.0, 0.0) * right;
-    let sanity = inspect(&cell(), &table, Some(&moved)).unwrap();
+    let sanity = screen(&cell(), &table, Some(&moved)).unwrap();
     assert_eq!(only(&sanity).cause, Cause::GivenTransform);
     insta::assert_snapshot!("sanity_given_transform", sentences(&sanity));
 }
@@ -1085,7 +1085,7 @@ fn too_few_readings_are_said_to_be_too_few() {
     let mut few = cell();
     few.setup.tool.measuring_points.truncate(1);
     let table = simulated(&few, &named(group1()[..2].to_vec()), 18);
-    let sanity = inspect(&few, &table, None).unwrap();
+    let sanity = screen(&few, &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
         (found.cause, sanity.unloaded_rms_m),
@@ -1093,19 +1093,19 @@ fn too_few_readings_are_said_to_be_too_few() {
     );
     assert_eq!(sanity.findings[0].severity, Severity::Note);
     // With a given transform the model can still be held against them.
-    let sanity = inspect(&few, &table, Some(&tracker_pose(18))).unwrap();
+    let sanity = screen(&few, &table, Some(&tracker_pose(18))).unwrap();
     assert!(sanity.findings.is_empty(), "{}", sentences(&sanity));
     let none = ReadingTable {
         postures: Vec::new(),
         ..table.clone()
     };
     assert_eq!(
-        only(&inspect(&few, &none, None).unwrap()).cause,
+        only(&screen(&few, &none, None).unwrap()).cause,
         Cause::NotChecked
     );
     let mut broken = table;
     broken.postures[1].states[0].readings[0].position.x = f64::NAN;
-    let error = inspect(&few, &broken, None).unwrap_err();
+    let error = screen(&few, &broken, None).unwrap_err();
     insta::assert_snapshot!("sanity_not_finite", error.to_string());
 }
 
@@ -1113,19 +1113,19 @@ fn too_few_readings_are_said_to_be_too_few() {
 fn the_same_table_gives_the_same_findings_in_any_frame() {
     let mut table = group1_table(19);
     table.postures[4].posture.q[4] += 0.2;
-    let first = inspect(&cell(), &table, None).unwrap();
-    assert_eq!(first, inspect(&cell(), &table, None).unwrap());
+    let first = screen(&cell(), &table, None).unwrap();
+    assert_eq!(first, screen(&cell(), &table, None).unwrap());
     let turn = tracker_pose(20);
     each_position(&mut table, |p| {
         *p = turn.rotation * *p + turn.translation.vector
     });
-    let second = inspect(&cell(), &table, None).unwrap();
-    let causes = |s: &Sanity| s.suspicions.iter().map(|f| f.cause).collect::<Vec<_>>();
+    let second = screen(&cell(), &table, None).unwrap();
+    let causes = |s: &Screening| s.suspicions.iter().map(|f| f.cause).collect::<Vec<_>>();
     assert_eq!(causes(&first), [Cause::MistypedAngle]);
     assert_eq!(causes(&first), causes(&second));
     // Saved and read back.
     let text = serde_json::to_string(&first).unwrap();
-    let again: Sanity = serde_json::from_str(&text).unwrap();
+    let again: Screening = serde_json::from_str(&text).unwrap();
     assert_eq!(again.findings, first.findings);
 }
 
@@ -1157,7 +1157,7 @@ fn mangled_tables_are_survived() {
                     posture.posture.q[dice.below(6)] = 1e6;
                 }
             }
-            let sanity = inspect(&cell(), &table, None).unwrap();
+            let sanity = screen(&cell(), &table, None).unwrap();
             for finding in &sanity.findings {
                 assert!(
                     !finding.sentence.contains("NaN") && !finding.sentence.contains("inf "),
@@ -1181,7 +1181,7 @@ fn of_three_points_one_is_said_to_be_off_by_its_size() {
     let readings = &mut table.postures[1].states[1].readings;
     let along = (readings[0].position - readings[1].position).normalize();
     readings[1].position += along * 1e-3;
-    let sanity = inspect(&three, &table, None).unwrap();
+    let sanity = screen(&three, &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
         (found.cause, &found.postures),

@@ -34,7 +34,7 @@ struct Deleted {
 }
 
 /// The data at hand with their fit.
-pub(super) struct View<'a> {
+pub(super) struct Kept<'a> {
     cell: &'a Cell,
     measured: Vec<MeasuredPosture>,
     options: &'a IdentifyOptions,
@@ -43,7 +43,7 @@ pub(super) struct View<'a> {
     shifts: bool,
 }
 
-impl<'a> View<'a> {
+impl<'a> Kept<'a> {
     pub(super) fn new(
         cell: &'a Cell,
         measured: &[MeasuredPosture],
@@ -51,7 +51,7 @@ impl<'a> View<'a> {
     ) -> Result<Self> {
         let fit = fit(cell, measured, options)?;
         let shifts = options.estimator == Estimator::TwoVariance && !fit.solution.independent_rows;
-        Ok(View {
+        Ok(Kept {
             cell,
             measured: measured.to_vec(),
             options,
@@ -138,7 +138,7 @@ impl<'a> View<'a> {
         posture: &str,
         point: usize,
     ) -> Result<Option<Outlier>> {
-        let view = View::new(self.cell, rest, self.options)?;
+        let view = Kept::new(self.cell, rest, self.options)?;
         if !view.has_residuals() {
             return Ok(None);
         }

@@ -5,7 +5,7 @@ use super::{Cause, Suspicion};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::measurement::{Reading, ReadingTable, Role, Target, WrenchColumns};
+use crate::model::measurement::{Reading, ReadingTable, ReadingTarget, Role, WrenchColumns};
 use crate::model::observation::check_angles;
 use crate::numerics::sample::median;
 use nalgebra::Vector3;
@@ -99,7 +99,7 @@ impl Sheet {
                     let readings: Vec<&Reading> = state
                         .readings
                         .iter()
-                        .filter(|r| r.target == Target::Point(a))
+                        .filter(|r| r.target == ReadingTarget::Point(a))
                         .collect();
                     let Some(first) = readings.first() else {
                         continue;
@@ -232,7 +232,7 @@ fn repeat_spread(table: &ReadingTable, points: usize) -> f64 {
             let all: Vec<&Vector3<f64>> = state
                 .readings
                 .iter()
-                .filter(|r| r.target == Target::Point(a))
+                .filter(|r| r.target == ReadingTarget::Point(a))
                 .map(|r| &r.position)
                 .collect();
             // Differences of neighbours: slow drift does not count.

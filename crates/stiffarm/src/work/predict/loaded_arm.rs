@@ -2,7 +2,7 @@
 //! first order, and how that depends on the identified compliances.
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::predictor::Predictor;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Ve
 /// (tilts, lost motion), are added as small motions under the loads of the
 /// equilibrium.
 #[derive(Debug, Clone)]
-pub struct ArmAtWork {
+pub struct LoadedArm {
     /// Loaded and measured at the tip.
     setup: Setup,
     tip: Isometry3<f64>,
@@ -33,7 +33,7 @@ pub struct ArmAtWork {
 
 /// What a load does to the tip.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bent {
+pub struct Deflection {
     /// Tip pose without load, base frame \[m\].
     pub before: Isometry3<f64>,
     /// Tip pose under the load.
@@ -44,12 +44,12 @@ pub struct Bent {
     pub linear: Vector6<f64>,
 }
 
-impl ArmAtWork {
+impl LoadedArm {
     /// The arm of `cell` with the values of `predictor`.
     ///
     /// # Errors
     /// A compliance that is not above zero.
-    pub fn new(cell: &Cell, predictor: &Predictor) -> Result<Self> {
+    pub fn new(cell: &Cell, predictor: &IdentifiedCompliance) -> Result<Self> {
         let robot = &cell.setup.robot;
         let springs = robot.spring_count();
         let names = robot.spring_names();
@@ -63,7 +63,7 @@ impl ArmAtWork {
         }
         let tip = cell.work.tip(&cell.setup.tool);
         let extra = predictor.extra.iter().copied();
-        Ok(ArmAtWork {
+        Ok(LoadedArm {
             setup: at_tip(cell, &tip),
             tip,
             compliance: compliance_of_springs(robot, values.rows(0, springs).as_slice()),
@@ -82,9 +82,12 @@ impl ArmAtWork {
     /// The arm of `cell` with a known joint stiffness \[N·m/rad\].
     ///
     /// # Errors
-    /// As [`Predictor::from_stiffness`].
+    /// As [`IdentifiedCompliance::from_stiffness`].
     pub fn from_stiffness(cell: &Cell, stiffness: &[f64]) -> Result<Self> {
-        ArmAtWork::new(cell, &Predictor::from_stiffness(cell, stiffness)?)
+        LoadedArm::new(
+            cell,
+            &IdentifiedCompliance::from_stiffness(cell, stiffness)?,
+        )
     }
 
     /// The robot.
@@ -129,14 +132,14 @@ impl ArmAtWork {
     ///
     /// # Errors
     /// Angles of the wrong number or not finite; a load that buckles the arm.
-    pub fn bend(&self, q: &[f64], wrench: &Wrench) -> Result<Bent> {
+    pub fn deflect(&self, q: &[f64], wrench: &Wrench) -> Result<Deflection> {
         let terms = self.terms(q, wrench)?;
         let before = terms.frames().flange() * self.tip;
         let linear = self.linear(&terms);
         let start = self.setup.robot.serial_angles(q);
         let found = equilibrium_from(&self.setup, &self.compliance, &start, terms, Some(wrench))?;
         let after = self.loaded_tip(&found.terms);
-        Ok(Bent {
+        Ok(Deflection {
             displacement: motion(&before, &after),
             before,
             after,

@@ -41,7 +41,7 @@ pub enum Truth {
 
 /// What happens in an experiment beyond the cell's noise of single readings.
 #[derive(Debug, Clone, PartialEq)]
-pub struct World {
+pub struct ErrorModel {
     /// Load of each state as a fraction of the cell's load. The differences of
     /// one posture share one unloaded reading where the cell counts two
     /// readings for a displacement.
@@ -63,9 +63,9 @@ pub struct World {
     pub tracker_errors: bool,
 }
 
-impl Default for World {
+impl Default for ErrorModel {
     fn default() -> Self {
-        World {
+        ErrorModel {
             load_states: vec![1.0],
             common_ratio: 0.0,
             outliers: None,
@@ -160,7 +160,7 @@ impl<'a> Scene<'a> {
                     state: format!("loaded-{}", s + 1),
                     wrench: Some(wrench),
                     common_readings: [0.0; 2],
-                    servo_give: None,
+                    servo_deflection: None,
                     displacements,
                 });
             }
@@ -302,7 +302,7 @@ fn gap(terms: &PostureTerms, angle: f64) -> DVector<f64> {
     out
 }
 
-fn check(world: &World, springs: usize) -> Result<()> {
+fn check(world: &ErrorModel, springs: usize) -> Result<()> {
     let invalid = |message: &str| Err(Error::new(Code::InvalidValue, message));
     let loads = &world.load_states;
     if loads.is_empty() || loads.iter().any(|s| !s.is_finite() || *s == 0.0) {

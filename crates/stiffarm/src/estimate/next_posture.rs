@@ -39,7 +39,7 @@ pub struct AssumedLoad {
 /// The posture that would help most.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Advice {
+pub struct NextPosture {
     /// Its controller angles \[deg\].
     pub posture_deg: Vec<f64>,
     /// Relative standard error of each joint's stiffness with the postures so
@@ -67,7 +67,7 @@ pub fn next_posture(
     result: &Identification,
     options: &GlobalOptions,
     control: Control<'_>,
-) -> Result<Advice> {
+) -> Result<NextPosture> {
     let mut cell = cell.clone();
     cell.prior = Some(stiffness(&cell, result)?);
     let two = f64::from(cell.noise.readings_per_displacement);
@@ -95,7 +95,7 @@ pub fn next_posture(
     };
     given.push(chosen.clone());
     let after = evaluate(&cell, "after", &given)?;
-    Ok(Advice {
+    Ok(NextPosture {
         posture_deg: selection.postures_deg.concat(),
         before: before.relative_standard_error,
         after: after.relative_standard_error,

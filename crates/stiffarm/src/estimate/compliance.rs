@@ -2,10 +2,10 @@
 //! and the noise that a fit saw.
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::budget::Budget;
 use crate::estimate::identify::{
     Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
 };
+use crate::estimate::systematic::SystematicErrors;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, DVector};
@@ -33,7 +33,7 @@ impl Spread {
 
 /// Values of the unknowns with which displacements are calculated.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Predictor {
+pub struct IdentifiedCompliance {
     /// Compliance of each spring, then further terms.
     pub values: DVector<f64>,
     /// The further terms.
@@ -41,14 +41,14 @@ pub struct Predictor {
     /// How sure the values are, where that is known.
     pub spread: Option<Spread>,
     /// What errors common to the whole experiment do to the values.
-    pub common: Vec<CommonError>,
+    pub common: Vec<SystematicError>,
 }
 
 /// An error common to the experiment behind the values, of one standard
 /// uncertainty.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CommonError {
-    /// Name of the source, as in [`Budget`].
+pub struct SystematicError {
+    /// Name of the source, as in [`SystematicErrors`].
     pub name: String,
     /// Change of the values by each independent part of it.
     pub parts: Vec<DVector<f64>>,
@@ -63,14 +63,14 @@ pub struct FittedNoise {
     pub posture_common_std: Option<f64>,
 }
 
-impl Predictor {
+impl IdentifiedCompliance {
     /// Joint stiffness alone, one per spring \[N·m/rad\]: no bands.
     ///
     /// # Errors
     /// A wrong number of values, or one that is not above zero.
     pub fn from_stiffness(cell: &Cell, stiffness: &[f64]) -> Result<Self> {
         crate::model::stiffness::joint_compliance(&cell.setup.robot, stiffness)?;
-        Ok(Predictor {
+        Ok(IdentifiedCompliance {
             values: DVector::from_iterator(stiffness.len(), stiffness.iter().map(|k| 1.0 / k)),
             extra: Vec::new(),
             spread: None,
@@ -81,13 +81,13 @@ impl Predictor {
     /// The result of an identification with its covariance.
     ///
     /// # Errors
-    /// As [`Predictor::from_estimates`].
+    /// As [`IdentifiedCompliance::from_estimates`].
     pub fn from_identification(cell: &Cell, result: &Identification) -> Result<Self> {
         let noise = FittedNoise {
             residual_std: result.residual_std_m,
             posture_common_std: result.posture_common_std_m,
         };
-        Predictor::from_estimates(cell, &result.estimates, noise)
+        IdentifiedCompliance::from_estimates(cell, &result.estimates, noise)
     }
 
     /// The estimates of an identification. Bands take the noise from the fit
@@ -142,7 +142,7 @@ impl Predictor {
             }
             _ => declared,
         };
-        Ok(Predictor {
+        Ok(IdentifiedCompliance {
             values: DVector::from_vec(values),
             extra: estimates.extra.clone(),
             spread: covariance.map(|covariance| Spread {
@@ -160,7 +160,7 @@ impl Predictor {
     /// H by the factor 1/(1 + c); where a source can explain all of a joint's
     /// give, all of it is in doubt. Further terms have none.
     #[must_use]
-    pub fn with_budget(mut self, budget: &Budget) -> Self {
+    pub fn with_systematic_errors(mut self, budget: &SystematicErrors) -> Self {
         let values = &self.values;
         let change = |changes: &[Option<f64>]| {
             let mut out = DVector::zeros(values.len());
@@ -172,7 +172,7 @@ impl Predictor {
         self.common = budget
             .sources
             .iter()
-            .map(|source| CommonError {
+            .map(|source| SystematicError {
                 name: source.name.clone(),
                 parts: match source.parts.is_empty() {
                     true => vec![change(&source.change)],
@@ -205,7 +205,7 @@ impl Predictor {
                 degrees_of_freedom: solution.t_degrees_of_freedom,
                 confidence,
             });
-        Predictor {
+        IdentifiedCompliance {
             values: solution.values.clone(),
             extra: system.extra.clone(),
             spread,

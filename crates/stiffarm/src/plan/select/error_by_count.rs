@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// The best group of one size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct CurvePoint {
+pub struct ErrorAtCount {
     /// Number of postures.
     pub postures: usize,
     /// The index of the best group found; `None` where so few postures cannot
@@ -30,13 +30,13 @@ pub struct CurvePoint {
 ///
 /// # Errors
 /// As [`select_global`], except where too few postures are the reason.
-pub fn curve(
+pub fn error_by_count(
     cell: &Cell,
     index: Index,
     sizes: impl IntoIterator<Item = usize>,
     options: &GlobalOptions,
     control: Control<'_>,
-) -> Result<Vec<CurvePoint>> {
+) -> Result<Vec<ErrorAtCount>> {
     let sizes: Vec<usize> = sizes.into_iter().collect();
     let mut points = Vec::with_capacity(sizes.len());
     for (done, postures) in sizes.iter().enumerate() {
@@ -49,14 +49,14 @@ pub fn curve(
         };
         let found = select_global::<Vec<f64>>(cell, index, *postures, &[], options, quiet);
         points.push(match found {
-            Ok(selection) => CurvePoint {
+            Ok(selection) => ErrorAtCount {
                 postures: *postures,
                 value: Some(selection.value),
                 expected_error: selection.indices.expected_error,
                 rounds: selection.rounds,
                 evaluations: selection.evaluations,
             },
-            Err(error) if error.code() == Code::NotIdentifiable => CurvePoint {
+            Err(error) if error.code() == Code::NotIdentifiable => ErrorAtCount {
                 postures: *postures,
                 value: None,
                 expected_error: None,

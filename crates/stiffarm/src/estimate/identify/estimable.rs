@@ -18,7 +18,7 @@ const COMBINED: f64 = 0.1;
 /// parts from each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Combination {
+pub struct EstimableCombination {
     /// Names of the unknowns.
     pub unknowns: Vec<String>,
     /// Their coefficients; the first is 1.
@@ -32,11 +32,11 @@ pub struct Combination {
 /// The combinations that `solution` determines, if it cannot separate all
 /// unknowns; empty where each stands for itself. `reference` is the size of
 /// each unknown against which an error counts as large.
-pub(super) fn combinations(
+pub(super) fn estimable_combinations(
     system: &MeasuredSystem,
     solution: &Solution,
     reference: &[f64],
-) -> Vec<Combination> {
+) -> Vec<EstimableCombination> {
     let n = system.unknowns.len();
     let seen = solution.factor.seen();
     let sigma = solution.sigma.unwrap_or(0.0);
@@ -70,7 +70,7 @@ pub(super) fn combinations(
             .covariance
             .as_ref()
             .map(|c| coefficients.dot(&(c * &coefficients)));
-        out.push(Combination {
+        out.push(EstimableCombination {
             unknowns: parts.iter().map(|j| system.unknowns[*j].clone()).collect(),
             coefficients: parts.iter().map(|j| coefficients[*j]).collect(),
             compliance: coefficients.dot(&solution.values),
