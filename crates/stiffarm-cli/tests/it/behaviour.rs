@@ -1,0 +1,350 @@
+//! Behaviour that all commands share: exit codes, files, streams, repeatability.
+
+use crate::support;
+
+use std::io::Read;
+use std::process::Stdio;
+use support::{Folder, command};
+
+#[test]
+fn equal_runs_are_equal_bytes_on_any_number_of_threads() {
+    let folder = Folder::new();
+    let lines = [
+        "select builtin:comau-reference -n 3 --rounds 2 --seed 3 --index d",
+        "select builtin:comau-reference -n 4 --rounds 1 --index novel",
+        "select builtin:comau-reference --given builtin:comau-group1 --add 2 --rounds 2",
+        "select builtin:comau-reference --curve -n 3 --rounds 1",
+        "select builtin:comau-reference -n 2 --rounds 1 --sensitivity --no-certificate",
+        "select builtin:comau -n 3 --rounds 1 --no-certificate --anchor-box-mm 1600,-200,0,2000,200,0",
+        "simulate builtin:comau builtin:comau-group1 --runs 20 --levels 1,2 --seed 9",
+    ];
+    for line in lines {
+        let one = folder.run(&format!("{line} --json --threads 1"));
+        assert_eq!(one.code, Some(0), "{}", one.out);
+        for threads in [2, 4] {
+            let more = folder.run(&format!("{line} --json --threads {threads}"));
+            assert_eq!(one.out, more.out, "{line} --threads {threads}");
+            assert_eq!((one.err.as_str(), more.err.as_str()), ("", ""));
+        }
+    }
+    let seed = |seed: u32| {
+        folder.ok(&format!(
+            "select builtin:comau --rounds 1 -n 5 --seed {seed} --no-certificate --json"
+        ))
+    };
+    assert_ne!(seed(1), seed(2));
+}
+
+#[test]
+fn results_hold_no_paths() {
+    let folder = Folder::new();
+    folder.write(
+        "cell.toml",
+        stiffarm::files::builtin::cell_text("comau").unwrap(),
+    );
+    let relative = folder.ok("check cell.toml --json");
+    let absolute = folder.ok(&format!(
+        "check {} --json",
+        folder.path("cell.toml").display()
+    ));
+    assert_eq!(relative, absolute);
+    assert!(!relative.contains("cell.toml"));
+}
+
+#[test]
+fn existing_files_are_kept_unless_forced() {
+    let folder = Folder::new();
+    folder.write("plan.csv", "mine");
+    let line =
+        "select builtin:comau --from builtin:comau-group1 --output plan.csv --sheet sheet.csv";
+    let ran = folder.run(line);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
+    assert_eq!(folder.read("plan.csv"), "mine");
+    // Neither the other file nor a temporary one is left.
+    assert_eq!(folder.names(), ["plan.csv"]);
+    folder.ok(&format!("{line} --force"));
+    assert_eq!(folder.names(), ["plan.csv", "sheet.csv"]);
+    assert!(folder.read("plan.csv").starts_with("posture,q1_deg"));
+}
+
+#[test]
+fn init_writes_all_or_nothing() {
+    let folder = Folder::new();
+    folder.write("measurements.csv", "mine");
+    assert_eq!(folder.run("init").code, Some(2));
+    assert_eq!(folder.names(), ["measurements.csv"]);
+    assert_eq!(folder.read("measurements.csv"), "mine");
+    folder.ok("init --force");
+    assert_eq!(
+        folder.names(),
+        ["cell.toml", "measurements.csv", "postures.csv"]
+    );
+}
+
+#[test]
+fn a_file_in_a_folder_that_does_not_exist_is_refused_before_the_work() {
+    let folder = Folder::new();
+    let ran = folder.run("select builtin:comau --rounds 100000 --output nowhere/plan.csv");
+    assert_eq!(ran.code, Some(2));
+    assert!(
+        ran.err.contains("There is no folder nowhere"),
+        "{}",
+        ran.err
+    );
+}
+
+#[test]
+fn dashes_are_standard_input_and_output() {
+    let folder = Folder::new();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let ran = folder.run_with("check -", cell.as_bytes());
+    assert_eq!(ran.code, Some(0));
+    assert!(
+        ran.out
+            .starts_with("cell: standard input (COMAU NJ 165-3.0, rope load)\n"),
+        "{}",
+        ran.out
+    );
+    // The plan alone is on standard output; the table goes to standard error.
+    let ran = folder.run("select builtin:comau --from builtin:comau-group1 --output -");
+    assert!(
+        ran.out.starts_with("posture,q1_deg") && ran.out.lines().count() == 7,
+        "{}",
+        ran.out
+    );
+    assert!(ran.err.starts_with("cell: builtin:comau"), "{}", ran.err);
+    let plan = ran.out;
+    let ran = folder.run_with("evaluate builtin:comau -", plan.as_bytes());
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let ran = folder.run("select builtin:comau --from builtin:comau-group1 --output - --quiet");
+    assert_eq!((ran.out, ran.err.as_str()), (plan, ""));
+    let ran = folder.run("select builtin:comau --from builtin:comau-group1 --output - --sheet -");
+    assert_eq!(ran.code, Some(2));
+    let ran = folder.run_with("evaluate - -", cell.as_bytes());
+    assert_eq!(ran.code, Some(2));
+    assert!(
+        ran.err
+            .contains("Standard input (`-`) can stand for one file only"),
+        "{}",
+        ran.err
+    );
+}
+
+#[test]
+fn excel_s_semicolons_and_decimal_commas_are_read() {
+    let folder = Folder::new();
+    let group = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
+    let rows = group.lines().filter(|line| !line.starts_with('#'));
+    let excel: String = rows
+        .map(|row| row.replace(',', ";").replace("15", "15,0") + "\r\n")
+        .collect();
+    folder.write("excel.csv", [b"\xef\xbb\xbf", excel.as_bytes()].concat());
+    let read = folder.json("evaluate builtin:comau excel.csv");
+    let plain = folder.json("evaluate builtin:comau builtin:comau-group1");
+    assert_eq!(
+        read["result"]["groups"][0]["indices"],
+        plain["result"]["groups"][0]["indices"]
+    );
+}
+
+#[test]
+fn groups_of_one_name_stay_apart() {
+    let folder = Folder::new();
+    let group = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
+    std::fs::create_dir(folder.path("other")).unwrap();
+    folder.write("plan.csv", group);
+    folder.write("other/plan.csv", group);
+    let value = folder.json("evaluate builtin:comau plan.csv other/plan.csv");
+    let names: Vec<_> = value["result"]["groups"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|g| g["name"].clone())
+        .collect();
+    assert_eq!(names, ["plan", "plan (2)"]);
+    assert!(value["inputs"]["postures_2"].is_string());
+}
+
+#[test]
+fn colours_only_where_they_are_wanted() {
+    let folder = Folder::new();
+    let escape = '\u{1b}';
+    assert!(!folder.ok("check").contains(escape));
+    assert!(folder.ok("check --color always").contains(escape));
+    assert!(!folder.ok("check --color never").contains(escape));
+    let help = folder.ok("check --help --color always");
+    assert!(help.contains(escape), "{help}");
+    let ran = folder.run("check nothing.toml --color always");
+    assert!(ran.err.contains(escape), "{}", ran.err);
+    assert!(!folder.ok("check --json --color always").contains(escape));
+}
+
+#[test]
+fn a_reader_that_has_gone_is_no_error() {
+    let folder = Folder::new();
+    let mut child = command(&folder.path(""))
+        .args(["docs", "commands"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let status = child.wait().unwrap();
+    let mut err = String::new();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut err)
+        .unwrap();
+    assert_eq!((status.code(), err.as_str()), (Some(0), ""));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_the_best_so_far() {
+    let folder = Folder::new();
+    let line = "select builtin:comau --rounds 1000000 -n 3 --sensitivity --output plan.csv --json";
+    let child = command(&folder.path(""))
+        .args(line.split(' '))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Some rounds are over within this time; how many does not matter.
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    let id = child.id().to_string();
+    std::process::Command::new("kill")
+        .args(["-INT", &id])
+        .status()
+        .unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(130),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let result = &value["result"];
+    assert_eq!(result["termination"], "interrupted");
+    assert_eq!(folder.read("plan.csv").lines().count(), 4);
+    // What comes after the search is left out, and it says so.
+    assert!(result["certificate"].is_null() && result["sensitivity"].is_null());
+    assert_eq!(
+        result["certificate_missing"],
+        "stopped before the bound was found"
+    );
+    // The rounds that were completed repeat it, searched to the end.
+    let rounds = result["rounds"].as_u64().unwrap();
+    if rounds > 0 {
+        let again = folder.json(&format!(
+            "select builtin:comau --rounds {rounds} -n 3 --no-certificate"
+        ));
+        let (interrupted, repeated) = (
+            result["value"].as_f64().unwrap(),
+            again["result"]["value"].as_f64().unwrap(),
+        );
+        assert!(
+            repeated <= interrupted && repeated > 0.999 * interrupted,
+            "{repeated} {interrupted}"
+        );
+    }
+}
+
+#[test]
+fn a_time_limit_ends_the_search_and_its_rounds_repeat_it() {
+    let folder = Folder::new();
+    let line = "select builtin:comau-reference -n 4 --no-certificate";
+    let limited = folder.json(&format!("{line} --time-limit 0.5"));
+    assert_eq!(limited["result"]["termination"], "time_limit");
+    assert_eq!(limited["options"]["time_limit_s"], 0.5);
+    let rounds = limited["result"]["rounds"].as_u64().unwrap();
+    let repeated = folder.json(&format!("{line} --rounds {rounds}"));
+    for key in ["value", "postures_deg", "indices", "rounds"] {
+        assert_eq!(repeated["result"][key], limited["result"][key], "{key}");
+    }
+    let table = folder.ok(&format!("{line} --time-limit 0.01"));
+    assert!(
+        table.contains("the time was over; --rounds 1 repeats it"),
+        "{table}"
+    );
+}
+
+#[test]
+fn links_stay_links() {
+    #[cfg(unix)]
+    {
+        let folder = Folder::new();
+        folder.write("real.csv", "old");
+        std::os::unix::fs::symlink("real.csv", folder.path("link.csv")).unwrap();
+        folder.ok("select builtin:comau --from builtin:comau-group1 --output link.csv --force");
+        assert!(folder.path("link.csv").is_symlink());
+        assert!(folder.read("real.csv").starts_with("posture"));
+        // A device is written in place.
+        folder.ok("select builtin:comau --from builtin:comau-group1 --output /dev/null");
+    }
+}
+
+#[test]
+fn manual_pages_and_completions() {
+    let folder = Folder::new();
+    folder.ok("man --output-dir man");
+    assert!(folder.read("man/stiffarm.1").contains(".TH stiffarm 1"));
+    assert!(folder.read("man/stiffarm-select.1").contains("expected"));
+    assert!(!folder.path("man/stiffarm-docs.1").exists());
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        assert!(
+            folder
+                .ok(&format!("completions {shell}"))
+                .contains("stiffarm"),
+            "{shell}"
+        );
+    }
+}
+
+#[test]
+fn an_input_is_never_overwritten() {
+    let folder = Folder::new();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv");
+    let before = folder.read("m.csv");
+    let ran = folder.run("identify builtin:comau m.csv --output m.csv --force");
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("input of the same command"), "{}", ran.err);
+    assert_eq!(folder.read("m.csv"), before);
+    let ran =
+        folder.run("select builtin:comau --from builtin:comau-group1 --output a.csv --sheet a.csv");
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("same file"), "{}", ran.err);
+}
+
+#[test]
+fn displacements_in_metres_are_suspected() {
+    let folder = Folder::new();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv");
+    let metres: String = folder
+        .read("m.csv")
+        .lines()
+        .map(|line| {
+            let fields: Vec<String> = line
+                .split(',')
+                .enumerate()
+                .map(|(i, field)| match (i, field.parse::<f64>()) {
+                    (3..=5, Ok(mm)) => (mm / 1e3).to_string(),
+                    _ => field.to_string(),
+                })
+                .collect();
+            fields.join(",") + "\n"
+        })
+        .collect();
+    folder.write("metres.csv", metres);
+    let ran = folder.run("identify builtin:comau metres.csv");
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.out.contains("in metres instead of millimetres"),
+        "{}",
+        ran.out
+    );
+}

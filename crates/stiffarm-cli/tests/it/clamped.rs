@@ -1,0 +1,114 @@
+//! `identify --clamped`.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use stiffarm::estimate::clamped::{ClampedPosture, ClampedSimulation, MotorMove, simulate_clamped};
+use stiffarm::files::table::{read_postures, write_clamped};
+use stiffarm::model::cell::Cell;
+use support::Folder;
+
+fn cell() -> Cell {
+    let text = stiffarm::files::builtin::cell_text("comau").unwrap();
+    stiffarm::files::cell::parse_cell(text, "comau").unwrap()
+}
+
+/// Group 1 pushed up and down against a fixture.
+fn clamped(cell: &Cell) -> Vec<ClampedPosture> {
+    let text = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
+    let postures = read_postures(text.as_bytes(), "group", &cell.setup.robot).unwrap();
+    let truth = cell.require_prior().unwrap();
+    let torque = [900.0, -1200.0, 700.0, 300.0, -250.0, 200.0];
+    let motor: Vec<f64> = torque.iter().zip(truth).map(|(t, k)| t / k).collect();
+    let back = motor.iter().map(|q| -q).collect();
+    let simulation = ClampedSimulation {
+        moves: vec![
+            MotorMove {
+                state: "push".to_string(),
+                motor,
+            },
+            MotorMove {
+                state: "pull".to_string(),
+                motor: back,
+            },
+        ],
+        angle_std: 1e-5,
+        force_std: 1.0,
+        moment_std: 0.5,
+        ..ClampedSimulation::default()
+    };
+    simulate_clamped(cell, &postures, truth, &simulation, 7, 0).unwrap()
+}
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let cell = cell();
+    folder.write(
+        "clamped.csv",
+        write_clamped(&clamped(&cell), &cell.setup.robot),
+    );
+    folder
+}
+
+#[test]
+fn the_stiffness_of_a_clamped_arm() {
+    let folder = folder();
+    let line = "identify builtin:comau clamped.csv --clamped --angle-noise-deg 0.0006";
+    assert_snapshot!(folder.run(line).transcript(line));
+    let value = folder.json(line);
+    let schema: serde_json::Value =
+        serde_json::from_str(&folder.ok("schema result-identify-clamped")).unwrap();
+    let described = &schema["$defs"]["ClampedIdentification"]["properties"];
+    for key in value["result"].as_object().unwrap().keys() {
+        assert!(described.get(key).is_some(), "{key} is not described");
+        assert!(!key.ends_with("_m"), "{key}: these residuals are angles");
+    }
+    // What is saved can be validated with a free end.
+    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements simulated.csv");
+    folder.ok("identify builtin:comau clamped.csv --clamped --exclude 6 --output k.json");
+    let value = folder.json("validate builtin:comau k.json simulated.csv");
+    assert_eq!(value["result"]["band"]["components"], 72);
+}
+
+#[test]
+fn the_wrench_on_the_fixture_is_named() {
+    let folder = Folder::new();
+    let cell = cell();
+    let mut data = clamped(&cell);
+    for c in &mut data {
+        c.wrench.force = -c.wrench.force;
+        c.wrench.moment = -c.wrench.moment;
+    }
+    folder.write("wrong.csv", write_clamped(&data, &cell.setup.robot));
+    let ran = folder.run("identify builtin:comau wrong.csv --clamped");
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.out.contains("of the robot on the fixture"),
+        "{}",
+        ran.out
+    );
+    assert!(ran.out.contains("sign or model fault"), "{}", ran.out);
+}
+
+#[test]
+fn wrong_requests_are_answered() {
+    let folder = folder();
+    folder.write(
+        "heading.csv",
+        folder.read("clamped.csv").lines().next().unwrap(),
+    );
+    let lines = [
+        "identify builtin:comau clamped.csv",
+        "identify builtin:comau clamped.csv --angle-noise-deg 0.001",
+        "identify builtin:comau clamped.csv --clamped --noise known",
+        "identify builtin:comau clamped.csv --clamped --angle-noise-deg 0",
+        "identify builtin:comau clamped.csv --clamped --exclude 9",
+        "identify builtin:comau clamped.csv --clamped --exclude 1,2,3,4,5,6",
+        "identify builtin:comau heading.csv --clamped",
+    ];
+    let said: Vec<String> = lines
+        .iter()
+        .map(|line| folder.run(line).transcript(line))
+        .collect();
+    assert_snapshot!(said.join("\n"));
+}

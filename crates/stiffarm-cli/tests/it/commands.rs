@@ -1,0 +1,355 @@
+//! What the main commands print on built-in inputs.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use support::{Folder, redact, rounded};
+
+/// A folder with simulated measurements of Group 1's six postures.
+fn measured() -> Folder {
+    let folder = Folder::new();
+    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements simulated.csv");
+    folder
+}
+
+fn transcript(folder: &Folder, line: &str) -> String {
+    folder.run(line).transcript(line)
+}
+
+fn json(folder: &Folder, line: &str) -> String {
+    let value = rounded(&folder.json(line));
+    redact(&serde_json::to_string_pretty(&value).unwrap())
+}
+
+#[test]
+fn help() {
+    assert_snapshot!(transcript(&Folder::new(), "--help"));
+}
+
+#[test]
+fn init() {
+    let folder = Folder::new();
+    let printed = transcript(&folder, "init --robot kuka-kr240-2 --output-dir cell");
+    assert_snapshot!(printed.replace('\\', "/"));
+    assert_eq!(folder.names(), ["cell"]);
+    for file in [
+        "cell/cell.toml",
+        "cell/postures.csv",
+        "cell/measurements.csv",
+    ] {
+        assert!(folder.read(file).contains('#'), "{file} has comments");
+    }
+    folder.ok("check cell/cell.toml");
+}
+
+#[test]
+fn check() {
+    assert_snapshot!(transcript(&Folder::new(), "check"));
+}
+
+#[test]
+fn check_finds_a_dark_joint() {
+    let folder = Folder::new();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    folder.write(
+        "cell.toml",
+        cell.replace("[200, 0, 250]", "[0, 0, 250]")
+            .replace("[1800, 0, 0]", "[1.8, 0, 0]"),
+    );
+    let ran = folder.run("check cell.toml");
+    assert_eq!(ran.code, Some(1));
+    assert_snapshot!(ran.transcript("check cell.toml"));
+}
+
+#[test]
+fn evaluate() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau --from builtin:comau-group1 --output plan.csv");
+    assert_snapshot!(transcript(
+        &folder,
+        "evaluate builtin:comau builtin:comau-group1 plan.csv"
+    ));
+}
+
+#[test]
+fn evaluate_json() {
+    assert_snapshot!(json(
+        &Folder::new(),
+        "evaluate builtin:comau-reference builtin:comau-group1"
+    ));
+}
+
+#[test]
+fn evaluate_names_undetermined_joints_first() {
+    let folder = Folder::new();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
+    let line = "evaluate cell.toml builtin:comau-group1";
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(1));
+    assert_eq!(
+        ran.out.lines().nth(1).unwrap().split(':').next().unwrap(),
+        "comau-group1 cannot determine joint 6"
+    );
+    assert_snapshot!(ran.transcript(line));
+    let value = folder.json(line);
+    assert_eq!(
+        value["result"]["groups"][0]["undetermined_joints"][0],
+        "joint 6"
+    );
+    assert!(value["result"]["groups"][0]["indices"]["condition"].is_null());
+}
+
+#[test]
+fn evaluate_notes_postures_outside_bounds_and_limits() {
+    let folder = Folder::new();
+    folder.write("p.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,10,0,-90,10,50,20\nB,100,60,-90,200,50,20\n");
+    assert_snapshot!(transcript(&folder, "evaluate builtin:comau p.csv"));
+}
+
+#[test]
+fn simulate() {
+    let line = "simulate builtin:comau builtin:comau-group1 --levels 0.5,2 --runs 100 --seed 3";
+    assert_snapshot!(transcript(&Folder::new(), line));
+}
+
+#[test]
+fn simulate_with_model_errors_is_worse_than_expected() {
+    let folder = Folder::new();
+    let line =
+        "simulate builtin:comau builtin:comau-group1 --levels 1 --runs 50 --force-scale-percent 5";
+    let out = folder.ok(line);
+    assert!(out.contains("simulated with errors of the model"), "{out}");
+    let level = &folder.json(line)["result"]["groups"][0]["levels"][0];
+    assert!(
+        level["compliance_mean_deviation"][0].as_f64() > level["expected_deviation"][0].as_f64()
+    );
+}
+
+#[test]
+fn identify() {
+    assert_snapshot!(transcript(
+        &measured(),
+        "identify builtin:comau simulated.csv"
+    ));
+}
+
+#[test]
+fn identify_json() {
+    assert_snapshot!(json(
+        &measured(),
+        "identify builtin:comau simulated.csv --exclude 6 --noise known"
+    ));
+}
+
+#[test]
+fn identify_names_undetermined_joints_before_any_number() {
+    let folder = measured();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
+    let line = "identify cell.toml simulated.csv --output stiffness.json";
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(1));
+    assert_snapshot!(ran.transcript(line));
+    // The full result is there all the same; only nothing can be validated with it.
+    let refused = folder.run("validate cell.toml stiffness.json simulated.csv");
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused.err.contains("no stiffness of joint 6"),
+        "{}",
+        refused.err
+    );
+}
+
+#[test]
+fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
+    let folder = measured();
+    let mut lines = folder
+        .read("simulated.csv")
+        .lines()
+        .map(String::from)
+        .collect::<Vec<_>>();
+    // Displacements against the force: every compliance turns negative.
+    for line in lines.iter_mut().skip(1) {
+        let mut fields: Vec<String> = line.split(',').map(String::from).collect();
+        for field in &mut fields[3..6] {
+            *field = (-field.parse::<f64>().unwrap()).to_string();
+        }
+        *line = fields.join(",");
+    }
+    folder.write("wrong-sign.csv", lines.join("\n"));
+    let ran = folder.run("identify builtin:comau wrong-sign.csv");
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.out.contains("sign or model fault"), "{}", ran.out);
+
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    folder.write(
+        "noisy.toml",
+        cell.replace("variance_mm2 = 9.23e-5", "variance_mm2 = 9.23e-2"),
+    );
+    let ran = folder.run("identify noisy.toml simulated.csv --noise known");
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.out.contains("only a lower bound"), "{}", ran.out);
+    assert!(
+        ran.out.contains("the noise is stated too large"),
+        "{}",
+        ran.out
+    );
+}
+
+#[test]
+fn validate() {
+    let folder = measured();
+    folder.ok("identify builtin:comau simulated.csv --exclude 5,6 --output stiffness.json");
+    assert_snapshot!(transcript(
+        &folder,
+        "validate builtin:comau stiffness.json simulated.csv --only 5,6 --tolerance-mm 0.2"
+    ));
+    let strict =
+        folder.run("validate builtin:comau stiffness.json simulated.csv --tolerance-mm 0.001");
+    assert_eq!(strict.code, Some(1));
+    assert!(
+        strict.out.contains("failed") && strict.out.contains("took part in the identification"),
+        "{}",
+        strict.out
+    );
+    // Another version of the cell is named.
+    let other = folder.ok("validate builtin:comau-reference stiffness.json simulated.csv --only 5");
+    assert!(
+        other.contains("identified with another version of this cell"),
+        "{other}"
+    );
+}
+
+#[test]
+fn validate_json_takes_a_bare_list() {
+    let folder = measured();
+    folder.write(
+        "k.json",
+        r#"{"stiffness_nm_per_rad": [950000, 3000000, 900000, 250000, 200000, 150000]}"#,
+    );
+    let value = folder.json("validate builtin:comau k.json simulated.csv --model equilibrium");
+    let result = &value["result"];
+    // The truth leaves the noise alone.
+    let ratio = result["deviation_rms_m"].as_f64().unwrap()
+        / result["noise_expectation_m"].as_f64().unwrap();
+    assert!((0.7..1.6).contains(&ratio), "{ratio}");
+    assert_eq!(result["points"][0]["label"], "1-1");
+}
+
+#[test]
+fn robots() {
+    let folder = Folder::new();
+    assert_snapshot!(transcript(&folder, "robots"));
+    let value = folder.json("robots comau-nj165-3.0");
+    assert_eq!(
+        value["result"]["robots"][0]["stiffness"][0]["verified"],
+        true
+    );
+}
+
+#[test]
+fn schemas_describe_what_the_commands_print() {
+    let folder = measured();
+    folder.ok("identify builtin:comau simulated.csv --output stiffness.json");
+    let lines = [
+        ("result-check", "check"),
+        (
+            "result-evaluate",
+            "evaluate builtin:comau builtin:comau-group1",
+        ),
+        (
+            "result-select",
+            "select builtin:comau --from builtin:comau-group1",
+        ),
+        (
+            "result-select",
+            "select builtin:comau -n 2 --rounds 1 --sensitivity --anchor-box-mm 1700,0,0,1800,0,0",
+        ),
+        (
+            "result-select",
+            "select builtin:comau --given builtin:comau-group1 --rounds 1",
+        ),
+        (
+            "result-select-drop",
+            "select builtin:comau --given builtin:comau-group1 --drop",
+        ),
+        (
+            "result-select-curve",
+            "select builtin:comau --curve -n 2 --rounds 1",
+        ),
+        (
+            "result-select-space-filling",
+            "select builtin:comau --space-filling",
+        ),
+        (
+            "result-simulate",
+            "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1",
+        ),
+        ("result-register", "register builtin:example-pairs"),
+        ("result-identify", "identify builtin:comau simulated.csv"),
+        (
+            "result-validate",
+            "validate builtin:comau stiffness.json simulated.csv",
+        ),
+        (
+            "result-validate",
+            "validate builtin:comau simulated.csv --folds 3 --terms tilt3 --estimator ordinary",
+        ),
+        ("result-zones", "zones --steps 5"),
+        (
+            "result-study",
+            "study --runs 2 --starts 2 --output-dir study",
+        ),
+    ];
+    for (name, line) in lines {
+        let schema: serde_json::Value =
+            serde_json::from_str(&folder.ok(&format!("schema {name}"))).unwrap();
+        let printed = folder.json(line);
+        same_keys(&schema, &schema, &printed, name);
+    }
+}
+
+/// Every key that is printed is described, and every required key is printed.
+fn same_keys(
+    root: &serde_json::Value,
+    schema: &serde_json::Value,
+    printed: &serde_json::Value,
+    at: &str,
+) {
+    if let Some(name) = schema["$ref"].as_str() {
+        return same_keys(
+            root,
+            root.pointer(name.trim_start_matches('#')).unwrap(),
+            printed,
+            at,
+        );
+    }
+    if let Some(options) = schema["anyOf"].as_array() {
+        let option = options.iter().find(|o| o["type"] != "null").unwrap();
+        if !printed.is_null() {
+            same_keys(root, option, printed, at);
+        }
+        return;
+    }
+    match (printed, schema["properties"].as_object()) {
+        (serde_json::Value::Object(object), Some(properties)) => {
+            for (key, value) in object {
+                let described = properties
+                    .get(key)
+                    .unwrap_or_else(|| panic!("{at}.{key} is not described"));
+                same_keys(root, described, value, &format!("{at}.{key}"));
+            }
+            let required = schema["required"].as_array().into_iter().flatten();
+            for key in required.filter_map(|key| key.as_str()) {
+                assert!(object.contains_key(key), "{at}.{key} is not printed");
+            }
+        }
+        (serde_json::Value::Array(items), _) => {
+            for item in items {
+                same_keys(root, &schema["items"], item, &format!("{at}[]"));
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,75 @@
+//! Every example of every help runs, in the order of the helps, in one folder.
+
+use crate::support;
+
+use support::Folder;
+
+/// Commands that `stiffarm --help` lists, and the hidden one.
+fn commands(folder: &Folder) -> Vec<String> {
+    let help = folder.ok("--help");
+    let list = help
+        .split("Commands:")
+        .nth(1)
+        .unwrap()
+        .split("\n\n")
+        .next()
+        .unwrap();
+    // Names stand two spaces from the edge, wrapped descriptions further in.
+    let named = list
+        .lines()
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let mut names: Vec<String> = named
+        .map(|line| line.split_whitespace().next().unwrap().to_string())
+        .collect();
+    names.retain(|name| name != "help");
+    names.push("docs".to_string());
+    names
+}
+
+#[test]
+fn every_help_ends_with_examples_and_they_run() {
+    let folder = Folder::new();
+    let names = commands(&folder);
+    assert!(names.len() >= 13, "{names:?}");
+    for name in &names {
+        let help = folder.ok(&format!("{name} --help"));
+        let (_, examples) = help
+            .rsplit_once("\n\nExamples:\n")
+            .unwrap_or_else(|| panic!("{name}: no examples\n{help}"));
+        let typed = |line: &&str| line.starts_with("  $") || line.starts_with("      ");
+        for line in examples.lines().filter(typed) {
+            assert!(line.len() <= 80, "too wide: {line}");
+        }
+        // As in a shell, a line that ends in a backslash goes on.
+        let joined = examples.replace("\\\n", " ");
+        let lines: Vec<String> = joined
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("$ stiffarm "))
+            .map(|line| line.split_whitespace().collect::<Vec<&str>>().join(" "))
+            .collect();
+        assert!(!lines.is_empty(), "{name}: {examples}");
+        for line in &lines {
+            assert!(line.starts_with(name.as_str()), "{name}: {line}");
+            let out = folder.ok(line);
+            assert!(!out.is_empty() || line.contains("--output"), "{line}");
+        }
+    }
+}
+
+#[test]
+fn the_generated_pages_hold_every_command_and_every_code() {
+    let folder = Folder::new();
+    let names = commands(&folder);
+    let page = folder.ok("docs commands");
+    for name in names.iter().filter(|name| *name != "docs") {
+        assert!(page.contains(&format!("## stiffarm {name}\n")), "{name}");
+    }
+    assert!(!page.contains("## stiffarm docs"));
+    let errors = folder.ok("docs errors");
+    for code in stiffarm::Code::ALL {
+        assert!(
+            errors.contains(&format!("| `{}` |", code.as_str())),
+            "{code:?}"
+        );
+    }
+}

@@ -1,0 +1,16 @@
+//! All tests of the crate in one binary; a file per subject.
+
+mod behaviour;
+mod clamped;
+mod commands;
+mod edges;
+mod errors;
+mod examples;
+mod fanuc;
+mod map;
+mod register;
+mod select;
+mod support;
+mod validate;
+mod work;
+mod zones;

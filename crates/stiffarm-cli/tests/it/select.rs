@@ -1,0 +1,425 @@
+//! `stiffarm select` in all its ways to work.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use serde_json::Value;
+use support::Folder;
+
+const GROUP: &str = "builtin:comau-group1";
+
+fn transcript(folder: &Folder, line: &str) -> String {
+    folder.run(line).transcript(line)
+}
+
+/// The words of a transcript without its numbers: another platform's rounding
+/// may lead a search to another plan, but never to other words.
+fn words(folder: &Folder, line: &str) -> String {
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(0), "{line}\n{}", ran.err);
+    let mut text = format!("$ stiffarm {line}\n");
+    // Whether a posture happens to be near a singularity is a matter of the plan.
+    let said = ran
+        .out
+        .lines()
+        .filter(|l| !l.contains("close to a singularity"));
+    for row in said {
+        let fields = row.split_whitespace().map(masked).collect::<Vec<_>>();
+        text += &(fields.join(" ") + "\n");
+    }
+    text
+}
+
+/// `#` for a number with what stands around it.
+fn masked(word: &str) -> String {
+    let inner = word.trim_matches(|c: char| "()[],;:".contains(c));
+    match inner.parse::<f64>() {
+        Ok(_) => word.replacen(inner, "#", 1),
+        Err(_) => word.to_string(),
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn close(a: f64, b: f64, tolerance: f64) {
+    assert!((a / b - 1.0).abs() < tolerance, "{a} {b}");
+}
+
+#[test]
+fn from_group_1() {
+    let folder = Folder::new();
+    let line = "select builtin:comau --index expected-error --from builtin:comau-group1 --output plan.csv --sheet sheet.csv";
+    assert_snapshot!(transcript(&folder, line));
+    assert_eq!(folder.names(), ["plan.csv", "sheet.csv"]);
+    // The plan is read back, and the sheet has a row per posture and point.
+    folder.ok("evaluate builtin:comau plan.csv");
+    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 6 * 2 * 4);
+}
+
+#[test]
+fn a_global_search_and_its_certificate() {
+    let folder = Folder::new();
+    assert_snapshot!(words(
+        &folder,
+        "select builtin:comau-reference -n 3 --rounds 1 --output plan.csv"
+    ));
+    let value = folder.json("select builtin:comau-reference -n 4 --rounds 2 --seed 7");
+    assert_eq!(
+        (&value["seed"], &value["options"]["mode"]),
+        (&7.into(), &"global".into())
+    );
+    assert_eq!(value["options"]["postures"], 4);
+    let result = &value["result"];
+    assert_eq!(
+        (&result["index"], &result["rounds"]),
+        (&"expected_error".into(), &2.into())
+    );
+    assert_eq!(result["postures_deg"].as_array().unwrap().len(), 4);
+    assert_eq!(
+        result["posture_names"],
+        serde_json::json!(["1", "2", "3", "4"])
+    );
+    // Four postures: within a few percent of the bound, and never below it.
+    let certificate = &result["certificate"];
+    let efficiency = number(&certificate["efficiency"]);
+    assert!((0.95..=1.0).contains(&efficiency), "{efficiency}");
+    close(
+        number(&certificate["bound"]) / number(&result["value"]),
+        efficiency,
+        1e-12,
+    );
+    let joints = result["joint_efficiencies"].as_array().unwrap();
+    assert_eq!(joints.len(), 6);
+    for joint in joints {
+        assert!(number(&joint["efficiency"]) <= 1.0, "{joint}");
+    }
+    // The same number from the plan that was written.
+    let written = folder.json("evaluate builtin:comau-reference plan.csv");
+    let plan = folder.json("select builtin:comau-reference -n 3 --rounds 1 --no-certificate");
+    assert!(plan["result"]["certificate"].is_null());
+    close(
+        number(&written["result"]["groups"][0]["indices"]["expected_error"]),
+        number(&plan["result"]["value"]),
+        1e-9,
+    );
+}
+
+#[test]
+fn only_indices_with_a_bound_have_a_certificate() {
+    let folder = Folder::new();
+    let of = |cell: &str, index: &str| {
+        folder.json(&format!(
+            "select builtin:{cell} -n 3 --rounds 1 --index {index}"
+        ))["result"]["certificate"]
+            .clone()
+    };
+    for (cell, index) in [("comau-reference", "d"), ("comau", "task")] {
+        let efficiency = number(&of(cell, index)["efficiency"]);
+        assert!((0.9..=1.0).contains(&efficiency), "{index}: {efficiency}");
+    }
+    assert!(of("comau-reference", "o3").is_null());
+    let out = folder.ok("select builtin:comau-reference -n 3 --rounds 1 --index condition");
+    assert!(
+        !out.contains("certificate") && !out.contains("best any"),
+        "{out}"
+    );
+}
+
+#[test]
+fn larger_is_better_where_the_index_says_so() {
+    let folder = Folder::new();
+    let value = |rounds: u32| {
+        let line = format!("select builtin:comau --index o3 -n 3 --rounds {rounds}");
+        number(&folder.json(&line)["result"]["value"])
+    };
+    // A search that goes on never gets worse, but for the last digits of its end.
+    assert!(value(3) > (1.0 - 1e-5) * value(1));
+    let group = folder.json(&format!("evaluate builtin:comau {GROUP}"));
+    assert!(value(1) > number(&group["result"]["groups"][0]["indices"]["o3"]));
+}
+
+#[test]
+fn the_task_index_is_in_millimetres() {
+    let out =
+        Folder::new().ok("select builtin:comau --index task -n 3 --rounds 1 --no-certificate");
+    let line = out
+        .lines()
+        .find(|l| l.starts_with("index: task = "))
+        .unwrap();
+    assert!(line.ends_with(" mm"), "{line}");
+}
+
+#[test]
+fn the_next_postures_beside_those_measured() {
+    let folder = Folder::new();
+    let line = "select builtin:comau-reference --given builtin:comau-group1 --add 2 --rounds 2 --output new.csv --sheet sheet.csv --sheet-of displacements";
+    assert_snapshot!(words(&folder, line));
+    assert_eq!(folder.read("new.csv").lines().count(), 3);
+
+    // Together they are worth what was said.
+    let result = folder.json(&line.replace(
+        "new.csv --sheet sheet.csv --sheet-of displacements",
+        "again.csv",
+    ))["result"]
+        .clone();
+    assert_eq!(folder.read("new.csv"), folder.read("again.csv"));
+    assert_eq!(result["posture_names"], serde_json::json!(["7", "8"]));
+    assert_eq!(result["given"], 6);
+    let group = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
+    let new: String = folder
+        .read("new.csv")
+        .lines()
+        .skip(1)
+        .map(|l| format!("{l}\n"))
+        .collect();
+    folder.write("all.csv", format!("{group}{new}"));
+    let all = folder.json("evaluate builtin:comau-reference all.csv");
+    let value = number(&all["result"]["groups"][0]["indices"]["expected_error"]);
+    close(value, number(&result["value"]), 1e-9);
+    assert!(value < 0.5 * number(&result["given_value"]));
+    assert!(number(&result["certificate"]["efficiency"]) <= 1.0);
+
+    // The sheet, filled in, is read together with what was measured before.
+    folder.ok(&format!(
+        "simulate builtin:comau-reference {GROUP} --runs 1 --levels 1 --measurements old-readings.csv"
+    ));
+    folder.ok("simulate builtin:comau-reference new.csv --runs 1 --levels 1 --measurements new-readings.csv");
+    let sheet = folder.read("sheet.csv");
+    let readings = folder.read("new-readings.csv");
+    assert_eq!(sheet.lines().count(), 1 + 2 * 4);
+    let mut filled = folder.read("old-readings.csv");
+    for (blank, read) in sheet.lines().zip(readings.lines()).skip(1) {
+        let mut fields: Vec<&str> = blank.split(',').collect();
+        assert_eq!(fields[3..6], ["", "", ""]);
+        let read: Vec<&str> = read.split(',').collect();
+        fields[3..6].copy_from_slice(&read[3..6]);
+        filled += &(fields.join(",") + "\n");
+    }
+    folder.write("readings.csv", filled);
+    let identified = folder.json("identify builtin:comau-reference readings.csv");
+    assert_eq!(identified["result"]["joints"].as_array().unwrap().len(), 6);
+    let only_old = folder.json("identify builtin:comau-reference old-readings.csv");
+    let freedom = |value: &Value| number(&value["result"]["degrees_of_freedom"]);
+    assert_eq!(freedom(&identified) - freedom(&only_old), 2.0 * 4.0 * 3.0);
+}
+
+#[test]
+fn a_sheet_asks_for_what_will_be_read() {
+    let folder = Folder::new();
+    let select = "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --index d";
+    folder.ok(&format!(
+        "{select} --sheet sheet.csv --states preload,up-250,down-250 --drift --base-reflector"
+    ));
+    let sheet = folder.read("sheet.csv");
+    let rows: Vec<Vec<&str>> = sheet.lines().map(|row| row.split(',').collect()).collect();
+    assert_eq!(
+        rows[0][..8],
+        [
+            "posture", "state", "point", "x_mm", "y_mm", "z_mm", "load_n", "time_s"
+        ]
+    );
+    let states = ["unloaded", "preload", "up-250", "down-250", "unloaded-2"];
+    let points = ["1", "2", "3", "4", "base"];
+    assert_eq!(rows.len(), 1 + 6 * states.len() * points.len());
+    let expected = states
+        .iter()
+        .flat_map(|state| points.map(|point| ["1", state, point]));
+    for (row, expected) in rows[1..].iter().zip(expected) {
+        assert_eq!(row[..3], expected);
+        assert_eq!(row[3..8], [""; 5]);
+        assert!(row[8..].iter().all(|angle| angle.parse::<f64>().is_ok()));
+    }
+    folder.ok(&format!(
+        "{select} --sheet old.csv --sheet-of displacements --states up,down"
+    ));
+    let sheet = folder.read("old.csv");
+    assert!(
+        sheet.starts_with("posture,state,point,dx_mm,dy_mm,dz_mm,q1_deg,"),
+        "{sheet}"
+    );
+    assert_eq!(sheet.lines().count(), 1 + 6 * 2 * 4);
+}
+
+#[test]
+fn new_names_never_meet_given_ones() {
+    let folder = Folder::new();
+    folder.write(
+        "given.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n\
+         5,-35,-10,-95,10,15,-20\nshelf,-20,15,-110,-15,-10,25\n4,-5,-25,-80,5,20,10\n",
+    );
+    let value = folder.json("select builtin:comau --given given.csv --add 2 --rounds 1");
+    assert_eq!(
+        value["result"]["posture_names"],
+        serde_json::json!(["6", "7"])
+    );
+    assert_eq!(
+        value["result"]["given_names"],
+        serde_json::json!(["5", "shelf", "4"])
+    );
+    // One posture more is the default.
+    let value = folder.json("select builtin:comau --given given.csv --rounds 1 --no-certificate");
+    assert_eq!(value["result"]["posture_names"], serde_json::json!(["6"]));
+    assert_eq!(value["options"]["mode"], "add");
+}
+
+#[test]
+fn given_postures_that_leave_a_joint_undetermined_are_completed() {
+    let folder = Folder::new();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let (start, end) = (
+        cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap(),
+        cell.find("[load]").unwrap(),
+    );
+    folder.write(
+        "one-point.toml",
+        format!("{}{}", &cell[..start], &cell[end..]),
+    );
+    folder.write(
+        "one.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,-35,-10,-95,10,15,-20\n",
+    );
+    let out = folder.ok("select one-point.toml --given one.csv --add 3 --rounds 1");
+    assert!(
+        out.contains("the 1 posture given cannot determine every joint"),
+        "{out}"
+    );
+}
+
+#[test]
+fn the_postures_least_worth_their_time() {
+    let folder = Folder::new();
+    let line = "select builtin:comau --given builtin:comau-group1 --drop 2 --output stay.csv --sheet sheet.csv";
+    assert_snapshot!(transcript(&folder, line));
+    let result =
+        folder.json("select builtin:comau --given builtin:comau-group1 --drop 2")["result"].clone();
+    let stay = folder.json("evaluate builtin:comau stay.csv");
+    assert_eq!(
+        stay["result"]["groups"][0]["indices"]["expected_error"],
+        result["value"]
+    );
+    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 4 * 2 * 4);
+    // Without a number, one is left out.
+    let one = folder.json("select builtin:comau --given builtin:comau-group1 --drop");
+    assert_eq!(one["result"]["dropped"].as_array().unwrap().len(), 1);
+    assert_eq!(one["options"]["mode"], "drop");
+}
+
+#[test]
+fn the_curve_of_the_number_of_postures() {
+    let folder = Folder::new();
+    let line = "select builtin:comau-reference --curve -n 4 --rounds 2 --output curve.csv";
+    assert_snapshot!(words(&folder, line));
+    let sizes = folder.json(&line.replace(" --output curve.csv", ""))["result"]["sizes"].clone();
+    let sizes = sizes.as_array().unwrap();
+    assert_eq!(sizes.len(), 4);
+    for pair in sizes.windows(2) {
+        let gain = 1.0 - number(&pair[1]["value"]) / number(&pair[0]["value"]);
+        assert!(gain > 0.0);
+        close(number(&pair[0]["gain"]), gain, 1e-9);
+        assert!(number(&pair[0]["efficiency"]) < 1.0);
+    }
+    let csv = folder.read("curve.csv");
+    let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
+    assert_eq!(
+        rows[0],
+        ["postures", "expected_error", "gain", "bound", "efficiency"]
+    );
+    assert_eq!(rows.len(), 5);
+    assert_eq!(
+        rows[4][1].parse::<f64>().unwrap(),
+        number(&sizes[3]["value"])
+    );
+    // Each size is what a selection of that size gives.
+    let three = folder.json("select builtin:comau-reference -n 3 --rounds 2 --no-certificate");
+    assert_eq!(three["result"]["value"], sizes[2]["value"]);
+    // Sizes that cannot be are said, and another index has its own column.
+    let out = folder.ok("select builtin:comau-reference --curve -n 2 --rounds 1 --index drop-one");
+    assert!(
+        out.contains("so few postures cannot determine every joint"),
+        "{out}"
+    );
+    folder.ok("select builtin:comau-reference --curve -n 2 --rounds 1 --index d --output d.csv");
+    assert!(
+        folder
+            .read("d.csv")
+            .starts_with("postures,d,expected_error,gain")
+    );
+}
+
+#[test]
+fn what_wrong_assumptions_would_change() {
+    let folder = Folder::new();
+    let line = "select builtin:comau-reference -n 3 --rounds 1 --no-certificate --sensitivity";
+    let mut text = words(&folder, line);
+    // Which prior matters most is a matter of the plan.
+    let at = text.find("the recommendation ").unwrap();
+    let end = at + text[at..].find('\n').unwrap();
+    text.replace_range(at..end, "the recommendation […]");
+    assert_snapshot!(text);
+    let found = folder.json(line)["result"]["sensitivity"].clone();
+    assert_eq!(found["priors"].as_array().unwrap().len(), 12);
+    let out = folder.ok("select builtin:comau-reference -n 3 --rounds 1 --index o3 --sensitivity");
+    assert!(out.contains("o3 does not use the prior stiffness"), "{out}");
+}
+
+#[test]
+fn the_load_chosen_with_the_postures_goes_into_the_cell() {
+    let folder = Folder::new();
+    let line = "select builtin:comau -n 4 --rounds 2 --no-certificate --output plan.csv --anchor-box-mm 1600,-300,0,2000,300,0 \
+                --loading-point-box-mm 150,-50,200,250,50,300 --largest-load-n 650";
+    assert_snapshot!(words(&folder, line));
+    folder.write(
+        "builtin.toml",
+        stiffarm::files::builtin::cell_text("comau").unwrap(),
+    );
+    let out = folder.ok(&format!("{line} --force"));
+    let mut cell = folder.read("builtin.toml");
+    for key in ["loading_point_mm", "magnitude_n", "anchor_mm"] {
+        let chosen = out
+            .lines()
+            .find(|l| l.trim_start().starts_with(key))
+            .unwrap();
+        let old = cell
+            .lines()
+            .find(|l| l.starts_with(key))
+            .unwrap()
+            .to_string();
+        cell = cell.replace(&old, chosen.trim());
+    }
+    folder.write("cell.toml", cell);
+    let value = folder.json(&format!("{line} --force"))["result"]["value"].clone();
+    let evaluated = folder.json("evaluate cell.toml plan.csv");
+    // The lines are rounded to a tenth of a millimetre.
+    close(
+        number(&evaluated["result"]["groups"][0]["indices"]["expected_error"]),
+        number(&value),
+        2e-3,
+    );
+}
+
+#[test]
+fn evenly_spread_postures_as_a_baseline() {
+    let folder = Folder::new();
+    let line =
+        "select builtin:comau --space-filling -n 8 --seed 3 --output even.csv --sheet sheet.csv";
+    assert_snapshot!(words(&folder, line));
+    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 8 * 2 * 4);
+    let even = folder.json("select builtin:comau --space-filling -n 8 --seed 3")["result"].clone();
+    let evaluated = folder.json("evaluate builtin:comau even.csv");
+    close(
+        number(&evaluated["result"]["groups"][0]["indices"]["expected_error"]),
+        number(&even["evaluation"]["indices"]["expected_error"]),
+        1e-9,
+    );
+    // A baseline it is: the same number chosen for the purpose is better.
+    let plan = folder.json("select builtin:comau -n 8 --rounds 1 --no-certificate");
+    assert!(
+        number(&plan["result"]["value"]) < number(&even["evaluation"]["indices"]["expected_error"])
+    );
+    assert!(number(&even["smallest_distance"]) > 0.3);
+}

@@ -1,0 +1,212 @@
+//! `stiffarm predict` and `stiffarm compensate`: tables, objects, files and errors.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use serde_json::Value;
+use support::Folder;
+
+/// A folder with an identified stiffness: k.json with covariance and common-mode errors.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    folder.ok("identify builtin:comau m.csv --output k.json");
+    folder
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn rows(text: &str) -> Vec<Vec<String>> {
+    let fields = |line: &str| line.split(',').map(String::from).collect();
+    text.lines().map(fields).collect()
+}
+
+#[test]
+fn tasks_and_the_contour() {
+    let folder = folder();
+    assert_snapshot!("tasks", folder.ok("predict builtin:comau k.json"));
+    assert_snapshot!(
+        "matrices",
+        folder.ok("predict builtin:comau prior --matrix")
+    );
+    let line = "predict builtin:comau k.json builtin:contour --free-turn=18";
+    assert_snapshot!("contour", folder.ok(line));
+    let line = "compensate builtin:comau k.json builtin:contour --output c.csv --figure c.svg";
+    assert_snapshot!("compensated", folder.ok(line));
+    assert!(folder.read("c.svg").starts_with("<svg"));
+}
+
+#[test]
+fn the_object_and_the_table_agree() {
+    let folder = folder();
+    let line =
+        "predict builtin:comau k.json builtin:contour --output p.csv --load-uncertainty-percent 5";
+    let printed = folder.json(line);
+    assert_eq!(printed["command"], "predict");
+    assert_eq!(printed["options"]["model"], "equilibrium");
+    let result = &printed["result"];
+    let points = result["points"].as_array().unwrap();
+    let rows = rows(&folder.read("p.csv"));
+    assert_eq!((points.len(), rows.len()), (61, 62));
+    let column = |name: &str| rows[0].iter().position(|h| h == name).unwrap();
+    for (point, row) in points.iter().zip(&rows[1..]) {
+        let mm: f64 = row[column("deflection_mm")].parse().unwrap();
+        assert!((mm - 1e3 * number(&point["deflection_m"])).abs() < 1e-12);
+        let half: f64 = row[column("total_half_width_mm")].parse().unwrap();
+        assert!((half - 1e3 * number(&point["band"]["size_m"][3])).abs() < 1e-12);
+        let load = number(&point["band"]["size_m"][2]);
+        assert!((load / (1.959_964 * 0.05 * number(&point["deflection_m"])) - 1.0).abs() < 1e-6);
+    }
+    // Same bytes for any number of threads.
+    let one = folder.run(&format!("{line} --json --force --threads 1"));
+    let two = folder.run(&format!("{line} --json --force --threads 2"));
+    assert_eq!(one.out, two.out);
+}
+
+#[test]
+fn commands_bring_the_loaded_tip_back_in_every_format() {
+    let folder = folder();
+    // A force that does not turn with the commanded feed.
+    let contour = "builtin:contour --axes base --force-n 80,-200,300";
+    folder.ok(&format!(
+        "compensate builtin:comau k.json {contour} --output poses.csv"
+    ));
+    folder.ok(&format!(
+        "compensate builtin:comau k.json {contour} --output angles.csv --write angles"
+    ));
+    // The commanded poses are those of the commanded angles.
+    let poses = rows(&folder.read("poses.csv"));
+    assert_eq!(
+        poses[0].join(","),
+        "point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg"
+    );
+    let angles = rows(&folder.read("angles.csv"));
+    assert_eq!(
+        angles[0].join(","),
+        "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg"
+    );
+    assert_eq!((poses.len(), angles.len()), (62, 62));
+    // Each command's deflection, which its own prediction gives, ends on the contour.
+    let given = rows(stiffarm::files::builtin::path_text("contour").unwrap());
+    let predicted =
+        folder.json("predict builtin:comau k.json angles.csv --axes base --force-n 80,-200,300");
+    let start = [1700.0, -200.0, 800.0];
+    for (point, row) in predicted["result"]["points"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(&given[3..])
+    {
+        for axis in 0..3 {
+            let loaded = number(&point["tip_m"][axis]) + number(&point["shift_m"][axis]);
+            let nominal = start[axis] + row[1 + axis].parse::<f64>().unwrap();
+            assert!(
+                (1e3 * loaded - nominal).abs() < 1e-6,
+                "{}: {axis}",
+                point["point"]
+            );
+        }
+    }
+    // Tool axes in, tool axes out.
+    let mut axes = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n".to_string();
+    for i in 0..6 {
+        axes += &format!("{},{},0,0,0,-1\n", 20 * i, 15 * i);
+    }
+    folder.write("axes.csv", axes);
+    folder.ok("compensate builtin:comau k.json axes.csv --output out.csv");
+    assert!(
+        folder
+            .read("out.csv")
+            .starts_with("x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n")
+    );
+}
+
+#[test]
+fn predictions_under_the_cells_load_are_those_of_validate() {
+    let folder = folder();
+    let predicted =
+        folder.json("predict builtin:comau k.json builtin:comau-group1 --cell-load --model linear");
+    let validated = folder.json("validate builtin:comau k.json m.csv");
+    let first = |p: &&Value| p["point"] == "1";
+    let points = validated["result"]["points"].as_array().unwrap();
+    let ours = predicted["result"]["points"].as_array().unwrap();
+    let theirs: Vec<&Value> = points.iter().filter(first).collect();
+    assert_eq!((ours.len(), theirs.len()), (6, 6));
+    for (a, b) in ours.iter().zip(theirs) {
+        for axis in 0..3 {
+            let gap = number(&a["shift_m"][axis]) - number(&b["calculated_m"][axis]);
+            assert!(gap.abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn slips() {
+    let folder = folder();
+    let mut far = stiffarm::files::builtin::path_text("contour")
+        .unwrap()
+        .to_string();
+    far = far.replace("5,120,0,0,", "5,2620,0,0,");
+    folder.write("far.csv", far);
+    folder.write(
+        "forces.csv",
+        "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n\n0,20,-120,0,50,0,100,0,0\n",
+    );
+    folder.write("metres.csv", "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\n0.10,0.20,0,180,0,0\n0.12,0.20,0,180,0,0\n0.14,0.2,0,180,0,0\n");
+    folder.write(
+        "mixed.csv",
+        "x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,0,0,0,20,-120,0,50,0\n",
+    );
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let (bare, _) = cell.split_once("[[task]]").unwrap();
+    folder.write("bare.toml", bare);
+    let lines = [
+        "predict builtin:comau k.json far.csv",
+        "predict builtin:comau k.json forces.csv",
+        "predict builtin:comau k.json metres.csv",
+        "predict builtin:comau k.json mixed.csv",
+        "predict bare.toml k.json",
+        "predict builtin:comau k.json builtin:contour --force-n 1,2,3",
+        "predict builtin:comau k.json builtin:contour --force-n 1,2",
+        "predict builtin:comau k.json builtin:contour --cell-load",
+        "predict builtin:comau k.json builtin:contour --start-deg 1,2,3",
+        "predict builtin:comau k.json builtin:contour --max-step-deg 0.1",
+        "predict builtin:comau k.json builtin:contour --load-uncertainty-percent -3",
+        "predict builtin:fanuc-r2000ic prior builtin:contour",
+        "compensate builtin:comau k.json far.csv --output out.csv",
+        "compensate builtin:comau m.csv builtin:contour",
+        "compensate builtin:comau k.json builtin:contour --output - --json",
+    ];
+    let mut all = String::new();
+    for line in lines {
+        let ran = folder.run(line);
+        assert_eq!(ran.code, Some(2), "{line}");
+        all += &ran.transcript(line);
+        all.push('\n');
+    }
+    assert_snapshot!(all);
+    assert!(!folder.names().contains(&"out.csv".to_string()));
+    let before = folder.read("k.json");
+    let ran = folder.run("predict builtin:comau k.json builtin:contour --output k.json --force");
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("input of the same command"), "{}", ran.err);
+    assert_eq!(folder.read("k.json"), before);
+}
+
+#[test]
+fn a_wrist_held_straight_is_named_with_its_row() {
+    let folder = folder();
+    folder.write(
+        "straight.csv",
+        "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,20,-120,0,50,0\n0,20,-120,0,0.1,0\n",
+    );
+    let line = "predict builtin:comau k.json straight.csv --axes base --force-n 0,0,300";
+    let shown = folder.ok(line);
+    let named = "The posture at point 2 (line 3) is singular";
+    assert!(shown.contains(named), "{shown}");
+}

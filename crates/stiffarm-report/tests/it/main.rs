@@ -1,0 +1,4 @@
+//! All tests of the crate in one binary; a file per subject.
+
+mod maps;
+mod render;

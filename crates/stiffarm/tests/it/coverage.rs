@@ -1,0 +1,418 @@
+//! The coverage of intervals, in runs small enough for every day, and the table
+//! that the library embeds.
+//!
+//! Seeds are fixed, so a failure is a change in behaviour and not bad luck.
+
+#![cfg(feature = "files")]
+
+use crate::common;
+#[path = "../../examples/coverage/page.rs"]
+mod page;
+
+use common::{random_group, reference_cell};
+use stiffarm::Code;
+use stiffarm::Control;
+use stiffarm::error::Result;
+use stiffarm::estimate::coverage::{
+    Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,
+    records,
+};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter};
+use stiffarm::estimate::simulate::ModelErrors;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::instruments::TrackerAccuracy;
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::plan::select::{StartKind, random_group as draw_group};
+
+/// The reference cell with `points` measuring points and two readings for a displacement.
+fn cell(points: usize) -> Cell {
+    let mut cell = reference_cell();
+    cell.setup.tool.measuring_points.truncate(points);
+    cell.noise.readings_per_displacement = 2;
+    cell
+}
+
+fn postures(count: usize) -> Vec<Posture> {
+    let angles = draw_group(&reference_cell(), StartKind::Uniform, count, 5, 0).unwrap();
+    PostureGroup::from_angles("random", angles).postures
+}
+
+fn case(estimator: Estimator, experiments: usize) -> CoverageCase {
+    CoverageCase {
+        options: IdentifyOptions {
+            estimator,
+            ..IdentifyOptions::default()
+        },
+        world: ErrorModel::default(),
+        resamples: None,
+        experiments,
+        seed: 11,
+    }
+}
+
+fn count(cell: &Cell, postures: &[Posture], case: &CoverageCase) -> Coverage {
+    coverage(cell, postures, case, Control::default()).unwrap()
+}
+
+/// Every joint and all joints together within so many standard errors of 95 %.
+fn assert_exact(found: &Coverage, what: &str) {
+    let z = (found.coverage - 0.95) / found.standard_error;
+    println!("{what}: {:.2} %, z = {z:.2}", 100.0 * found.coverage);
+    assert!(z.abs() < 4.0, "{what}: {} (z = {z})", found.coverage);
+    let single = (0.95 * 0.05 / found.experiments as f64).sqrt();
+    for joint in &found.joints {
+        let z = (joint.coverage - 0.95) / single;
+        assert!(z.abs() < 4.5, "{what}, {}: {}", joint.name, joint.coverage);
+    }
+    // The joints of an experiment share its estimated noise.
+    assert!(found.standard_error > 0.99 * single / 6f64.sqrt() && found.standard_error < single);
+}
+
+#[test]
+fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
+    const EXPERIMENTS: usize = 20_000;
+    for (number, points, dof) in [(3, 1, 3), (4, 1, 6), (6, 1, 12), (6, 4, 66)] {
+        let (cell, postures) = (cell(points), postures(number));
+        let ordinary = case(Estimator::Ordinary, EXPERIMENTS);
+        let found = count(&cell, &postures, &ordinary);
+        assert_eq!(found.degrees_of_freedom, Some(dof));
+        assert_exact(&found, &format!("ordinary, {dof}"));
+
+        let mut known = ordinary.clone();
+        known.options.noise = NoiseSource::Known;
+        let found = count(&cell, &postures, &known);
+        assert_eq!(found.degrees_of_freedom, None);
+        assert_exact(&found, &format!("known, {dof}"));
+
+        let mut repeats = ordinary.clone();
+        repeats.options.noise = NoiseSource::Repeats;
+        repeats.options.scatter = Some(ReadingScatter {
+            reading_std_m: cell.noise.reading_variance.sqrt(),
+            degrees_of_freedom: dof,
+        });
+        let found = count(&cell, &postures, &repeats);
+        assert_eq!(found.degrees_of_freedom, Some(dof));
+        assert_exact(&found, &format!("repeats, {dof}"));
+
+        // The cell knows of a shift, and three loads share an unloaded reading.
+        let mut weighted = case(Estimator::Weighted, EXPERIMENTS);
+        weighted.world.common_ratio = 1.0;
+        let mut informed = cell.clone();
+        informed.noise.posture_common_std = informed.noise.displacement_std();
+        assert_exact(
+            &count(&informed, &postures, &weighted),
+            &format!("weighted, {dof}"),
+        );
+        let mut three = case(Estimator::Weighted, EXPERIMENTS);
+        three.world.load_states = vec![0.4, 1.0, -0.7];
+        assert_exact(
+            &count(&cell, &postures, &three),
+            &format!("three loads, {dof}"),
+        );
+    }
+}
+
+#[test]
+fn the_two_variance_model_covers_whatever_the_shift() {
+    for number in [6, 12] {
+        let postures = postures(number);
+        for common_ratio in [0.0, 1.0, 3.0] {
+            for load_states in [vec![1.0], vec![1.0 / 3.0, 2.0 / 3.0, 1.0]] {
+                let mut case = case(Estimator::TwoVariance, 4000);
+                case.world.common_ratio = common_ratio;
+                case.world.load_states = load_states;
+                let found = count(&cell(4), &postures, &case);
+                assert_eq!(found.degrees_of_freedom, Some(3 * number - 6));
+                println!(
+                    "{number} postures, τ/σ = {common_ratio}: {:.2} ± {:.2} %",
+                    100.0 * found.coverage,
+                    100.0 * found.standard_error
+                );
+                assert!(
+                    found.coverage > 0.94 - 3.0 * found.standard_error,
+                    "{number} postures, τ/σ = {common_ratio}: {}",
+                    found.coverage
+                );
+                // Careful, but not by any width.
+                assert!(found.coverage < 0.985);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_the_model_leaves_out_is_missed() {
+    let postures = postures(6);
+    let mut shifted = case(Estimator::Ordinary, 1000);
+    shifted.world.common_ratio = 3.0;
+    let ignored = count(&cell(4), &postures, &shifted);
+    assert!(ignored.coverage < 0.75, "{}", ignored.coverage);
+    let mut lost = case(Estimator::Ordinary, 1000);
+    lost.world.lost_motion_rad = 3e-4;
+    assert!(count(&cell(4), &postures, &lost).coverage < 0.5);
+    let mut scale = case(Estimator::Ordinary, 1000);
+    scale.world.model_errors = ModelErrors {
+        force_scale: 0.2,
+        ..ModelErrors::default()
+    };
+    assert!(count(&cell(4), &postures, &scale).coverage < 0.5);
+    // Gross errors spoil least squares by wide intervals, and Huber's less.
+    let mut gross = case(Estimator::Ordinary, 1000);
+    gross.world.outliers = Some(Outliers {
+        share: 0.05,
+        size: 30.0,
+    });
+    let wide = count(&cell(4), &postures, &gross);
+    gross.options.estimator = Estimator::Huber;
+    let robust = count(&cell(4), &postures, &gross);
+    let width = |c: &Coverage| c.relative_half_width.unwrap();
+    assert!(width(&robust) < 0.5 * width(&wide));
+    assert!(robust.coverage > 0.92, "{}", robust.coverage);
+}
+
+#[test]
+fn the_prior_helps_where_it_is_true_and_harms_where_not() {
+    let postures = postures(6);
+    let mut noisy = cell(4);
+    noisy.noise.reading_variance *= 100.0;
+    let with = |truth| {
+        let mut case = case(Estimator::Prior, 2000);
+        case.world.truth = truth;
+        count(&noisy, &postures, &case)
+    };
+    let (drawn, off) = (with(Truth::Drawn), with(Truth::Off(2.0)));
+    assert!(drawn.coverage > 0.94, "{}", drawn.coverage);
+    assert!(
+        off.coverage < drawn.coverage - 0.02,
+        "{} {}",
+        off.coverage,
+        drawn.coverage
+    );
+    let free = count(&noisy, &postures, &case(Estimator::TwoVariance, 2000));
+    assert!(drawn.relative_half_width < free.relative_half_width);
+}
+
+#[test]
+fn tracker_weights_cover_under_the_trackers_noise() {
+    let mut cell = cell(4);
+    cell.tracker.accuracy = Some(TrackerAccuracy {
+        station: nalgebra::Vector3::new(2.0, -4.0, 1.5),
+        range: 2e-6,
+        range_per_metre: 0.5e-6,
+        angle: 1e-5,
+    });
+    let mut case = case(Estimator::Weighted, 20_000);
+    case.world.tracker_errors = true;
+    case.options.weights = stiffarm::estimate::identify::Weights::Tracker;
+    let weighted = count(&cell, &postures(6), &case);
+    assert_exact(&weighted, "tracker");
+    case.options.weights = stiffarm::estimate::identify::Weights::Readings;
+    let plain = count(&cell, &postures(6), &case);
+    assert!(weighted.relative_half_width < plain.relative_half_width);
+}
+
+#[test]
+fn a_bootstrap_is_counted_like_the_others() {
+    let mut case = case(Estimator::Ordinary, 60);
+    case.resamples = Some(200);
+    case.world.common_ratio = 1.0;
+    let found = count(&cell(4), &postures(12), &case);
+    assert_eq!(found.degrees_of_freedom, Some(30));
+    // Between the half that no interval could miss and what it cannot exceed.
+    assert!((0.75..0.99).contains(&found.coverage), "{}", found.coverage);
+    case.resamples = Some(10);
+    let few = coverage(&cell(4), &postures(12), &case, Control::default()).unwrap_err();
+    assert_eq!(few.code(), Code::InvalidValue);
+}
+
+#[test]
+#[cfg(feature = "parallel")]
+fn counts_do_not_depend_on_threads_or_on_later_experiments() {
+    let postures = postures(6);
+    let mut plain = case(Estimator::TwoVariance, 1100);
+    plain.world.common_ratio = 1.0;
+    let mut bootstrap = case(Estimator::Ordinary, 12);
+    bootstrap.resamples = Some(200);
+    let with = |threads: usize, case: &CoverageCase| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let found = pool.install(|| count(&cell(4), &postures, case));
+        serde_json::to_string(&found).unwrap()
+    };
+    for case in [&plain, &bootstrap] {
+        let one = with(1, case);
+        assert_eq!(one, with(3, case));
+        let other = CoverageCase {
+            seed: 12,
+            ..case.clone()
+        };
+        assert_ne!(one, with(1, &other));
+    }
+    // Counts of more experiments contain those of fewer.
+    let held = |experiments| {
+        let case = CoverageCase {
+            experiments,
+            ..plain.clone()
+        };
+        let found = count(&cell(4), &postures, &case);
+        (found.joints[0].coverage * experiments as f64).round() as i64
+    };
+    let (first, both) = (held(250), held(251));
+    assert!((0..=1).contains(&(both - first)));
+}
+
+#[test]
+fn cases_that_make_no_sense_are_refused() {
+    let cell = cell(4);
+    let fails = |cell: &Cell, postures: &[Posture], case: &CoverageCase| -> Code {
+        let found: Result<Coverage> = coverage(cell, postures, case, Control::default());
+        found.unwrap_err().code()
+    };
+    let good = case(Estimator::Ordinary, 10);
+    let six = PostureGroup::from_angles("", random_group()).postures;
+    let edit = |change: &dyn Fn(&mut CoverageCase)| {
+        let mut case = good.clone();
+        change(&mut case);
+        fails(&cell, &six, &case)
+    };
+    assert_eq!(edit(&|c| c.experiments = 0), Code::InvalidValue);
+    assert_eq!(edit(&|c| c.world.load_states.clear()), Code::InvalidValue);
+    assert_eq!(
+        edit(&|c| c.world.load_states = vec![1.0, 0.0]),
+        Code::InvalidValue
+    );
+    assert_eq!(
+        edit(&|c| c.world.common_ratio = f64::NAN),
+        Code::InvalidValue
+    );
+    assert_eq!(
+        edit(&|c| c.world.lost_motion_rad = -1.0),
+        Code::InvalidValue
+    );
+    assert_eq!(
+        edit(&|c| c.world.stiffness_factors = vec![1.0]),
+        Code::Dimension
+    );
+    assert_eq!(
+        edit(&|c| c.world.stiffness_factors = vec![0.0; 6]),
+        Code::InvalidValue
+    );
+    assert_eq!(edit(&|c| c.world.truth = Truth::Drawn), Code::Conflict);
+    assert_eq!(edit(&|c| c.world.tracker_errors = true), Code::MissingKey);
+    assert_eq!(
+        edit(&|c| c.options.noise = NoiseSource::Repeats),
+        Code::TooFewData
+    );
+    assert_eq!(
+        edit(&|c| {
+            c.world.load_states = vec![0.5, 1.0];
+            c.world.model_errors.force_scale = 0.01;
+        }),
+        Code::Conflict
+    );
+    // One posture with one point has three rows: the joints are named.
+    let mut single = cell.clone();
+    single.setup.tool.measuring_points.truncate(1);
+    let error = coverage(&single, &six[..1], &good, Control::default()).unwrap_err();
+    assert_eq!(error.code(), Code::NotIdentifiable);
+    assert!(error.to_string().contains("joint 6"), "{error}");
+    let mut blank = cell.clone();
+    blank.prior = None;
+    assert_eq!(fails(&blank, &six, &good), Code::MissingKey);
+    let stop = || true;
+    let control = Control {
+        stop: Some(&stop),
+        progress: None,
+    };
+    let stopped = coverage(&cell, &six, &good, control).unwrap_err();
+    assert_eq!(stopped.code(), Code::Interrupted);
+}
+
+#[test]
+fn the_page_shows_the_embedded_table() {
+    let page = include_str!("../../../../docs/coverage.md");
+    assert_eq!(
+        page::page(records()),
+        page,
+        "run: cargo run --release -p stiffarm --example coverage"
+    );
+}
+
+#[test]
+fn the_table_holds_what_is_promised() {
+    let of =
+        |table: &str| -> Vec<&Record> { records().iter().filter(|r| r.table == table).collect() };
+    let exact = of(page::EXACT);
+    for dof in [3, 6, 12, 66] {
+        let own = exact.iter().filter(|r| r.degrees_of_freedom == Some(dof));
+        assert!(own.count() >= 3, "{dof}");
+    }
+    for r in exact {
+        assert!(r.experiments >= 50_000);
+        assert!(
+            (r.coverage - 0.95).abs() <= 0.005,
+            "{}: {}",
+            r.situation,
+            r.coverage
+        );
+    }
+    let two = of(page::TWO_VARIANCE);
+    for r in &two {
+        assert!(r.experiments >= 50_000);
+        assert!(r.coverage >= 0.94, "{}: {}", r.situation, r.coverage);
+    }
+    for (number, ratio) in [(6, 0), (6, 1), (6, 3), (12, 0), (12, 1), (12, 3)] {
+        let ends = format!("τ/σ = {ratio}");
+        let own = two
+            .iter()
+            .filter(|r| r.postures == number && r.situation.ends_with(&ends));
+        assert!(own.count() >= 2, "{number} {ratio}");
+    }
+}
+
+#[test]
+fn the_nearest_row_not_above_speaks_and_none_below_the_table() {
+    for intervals in [
+        Intervals::Huber,
+        Intervals::NonNegative,
+        Intervals::Prior,
+        Intervals::Bootstrap,
+    ] {
+        let rows: Vec<&Record> = records()
+            .iter()
+            .filter(|r| r.intervals == Some(intervals) && !r.adverse)
+            .collect();
+        let mut known: Vec<usize> = rows.iter().filter_map(|r| r.degrees_of_freedom).collect();
+        known.sort_unstable();
+        assert!(
+            known.len() >= 2 && known.len() == rows.len(),
+            "{intervals:?}"
+        );
+        let smallest = known[0];
+        assert!(measured(intervals, 0).is_none());
+        assert!(measured(intervals, smallest - 1).is_none());
+        for pair in known.windows(2) {
+            assert!(pair[0] < pair[1], "one row for each number of degrees");
+            for dof in [pair[0], pair[1] - 1] {
+                let found = measured(intervals, dof).unwrap();
+                assert_eq!(found.degrees_of_freedom, pair[0]);
+                let row = rows
+                    .iter()
+                    .find(|r| r.degrees_of_freedom == Some(pair[0]))
+                    .unwrap();
+                assert_eq!(
+                    (found.coverage, found.standard_error, found.experiments),
+                    (row.coverage, row.standard_error, row.experiments)
+                );
+                assert!(!found.adverse.is_empty());
+            }
+        }
+        let far = measured(intervals, 10_000).unwrap();
+        assert_eq!(far.degrees_of_freedom, *known.last().unwrap());
+    }
+    for estimator in Estimator::ALL {
+        assert_eq!(Intervals::of(estimator).is_none(), estimator.is_exact());
+    }
+}

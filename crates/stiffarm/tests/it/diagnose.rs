@@ -1,0 +1,723 @@
+//! Diagnostics: each finding appears where its cause was planted, and rarely
+//! otherwise.
+
+use crate::common;
+#[cfg(feature = "files")]
+#[path = "../../examples/convert_fanuc.rs"]
+#[allow(dead_code, missing_docs, reason = "its main belongs to the example")]
+mod convert_fanuc;
+
+use common::random::Dice;
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::collections::BTreeMap;
+use stiffarm::estimate::diagnose::{
+    Agreement, Diagnosis, OutlierKind, diagnose, joint_signals, load_states, noise_test, outliers,
+    second_order_shares, try_terms,
+};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, identify};
+use stiffarm::estimate::validate::{Model, calculated_displacements, simulate_measurements};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::posture::{Posture, PostureGroup};
+
+/// Twelve postures: Group 1 and the random group.
+fn postures() -> Vec<Posture> {
+    let angles = common::group1().into_iter().chain(common::random_group());
+    PostureGroup::from_angles("", angles).postures
+}
+
+fn truth(cell: &Cell) -> Vec<f64> {
+    cell.prior.clone().unwrap()
+}
+
+fn measure(cell: &Cell, seed: u64) -> Vec<MeasuredPosture> {
+    simulate_measurements(cell, &postures(), &truth(cell), Model::Linear, seed, 0).unwrap()
+}
+
+fn options(estimator: Estimator) -> IdentifyOptions {
+    IdentifyOptions {
+        estimator,
+        ..IdentifyOptions::default()
+    }
+}
+
+fn codes(diagnosis: &Diagnosis) -> Vec<&str> {
+    diagnosis.findings.iter().map(|f| f.code.as_str()).collect()
+}
+
+/// The cell with an honest difference of two readings and a common part.
+fn noisy_cell(common_part: f64) -> Cell {
+    let mut cell = common::default_cell();
+    cell.noise.readings_per_displacement = 2;
+    cell.noise.posture_common_std = common_part * cell.noise.displacement_std();
+    cell
+}
+
+/// Measurements in several load states: name and force \[N\] of each; every
+/// posture and point has one unloaded reading that its states share. `extra`
+/// adds to the exact displacement, from posture, terms of the state, and state.
+fn in_states(
+    cell: &Cell,
+    states: &[(&str, f64)],
+    seed: u64,
+    extra: impl Fn(&PostureTerms, usize, Displacement) -> Vector3<f64>,
+) -> Vec<MeasuredPosture> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let sigma = cell.noise.reading_variance.sqrt();
+    let points = cell.setup.tool.point_count();
+    let mut out = Vec::new();
+    for posture in postures() {
+        let mut draw = || {
+            Vector3::from_fn(|_, _| {
+                let z: f64 = StandardNormal.sample(&mut rng);
+                sigma * z
+            })
+        };
+        let unloaded: Vec<Vector3<f64>> = (0..points).map(|_| draw()).collect();
+        for (s, (state, newton)) in states.iter().enumerate() {
+            let mut loaded = cell.clone();
+            if let Load::Rope { magnitude, .. } = &mut loaded.setup.load {
+                *magnitude = *newton;
+            }
+            let terms = PostureTerms::new(&loaded.setup, &posture.q, None).unwrap();
+            let mut measured = MeasuredPosture {
+                posture: posture.clone(),
+                state: (*state).to_string(),
+                wrench: Some(*terms.wrench()),
+                common_readings: [0.0; 2],
+                servo_deflection: None,
+                displacements: Vec::new(),
+            };
+            let exact = calculated_displacements(&loaded, &measured, &truth(cell), Model::Linear);
+            for (point, value) in exact.unwrap().into_iter().enumerate() {
+                let more = extra(&terms, s, Displacement::new(point, value));
+                let value = value + more + draw() - unloaded[point];
+                measured.displacements.push(Displacement::new(point, value));
+            }
+            out.push(measured);
+        }
+    }
+    out
+}
+
+const UP: [(&str, f64); 3] = [("up-150", 150.0), ("up-300", 300.0), ("up-500", 500.0)];
+const BOTH: [(&str, f64); 5] = [
+    ("up-150", 150.0),
+    ("up-300", 300.0),
+    ("up-500", 500.0),
+    ("down-300", 300.0),
+    ("down-150", 150.0),
+];
+
+/// Findings that say that something is wrong, in `seeds` clean experiments.
+fn false_alarms(
+    cell: &Cell,
+    postures: &[Posture],
+    estimator: Estimator,
+    seeds: u64,
+) -> BTreeMap<String, u64> {
+    let faults = [
+        "residuals-above-noise",
+        "residuals-below-noise",
+        "outlying-displacement",
+        "outlying-posture",
+        "outlying-point",
+        "more-outliers",
+        "further-term",
+        "weak-joint",
+        "correlated",
+        "posture-needed",
+    ];
+    let mut counts = BTreeMap::new();
+    for seed in 0..seeds {
+        let truth = truth(cell);
+        let measured = simulate_measurements(cell, postures, &truth, Model::Linear, seed, 0);
+        let found = diagnose(cell, &measured.unwrap(), &options(estimator)).unwrap();
+        for fault in faults.iter().filter(|f| codes(&found).contains(f)) {
+            *counts.entry((*fault).to_string()).or_default() += 1;
+        }
+    }
+    println!(
+        "τ = {:.1} σ, {} postures, {}: {counts:?} of {seeds}",
+        cell.noise.posture_common_std / cell.noise.displacement_std(),
+        postures.len(),
+        estimator.as_str()
+    );
+    counts
+}
+
+#[test]
+fn a_clean_experiment_raises_few_findings() {
+    const SEEDS: u64 = 30;
+    for (common_part, estimator) in [(0.0, Estimator::Ordinary), (3.0, Estimator::TwoVariance)] {
+        let counts = false_alarms(&noisy_cell(common_part), &postures(), estimator, SEEDS);
+        for (fault, count) in counts {
+            // 1 % of 30: four or more have a probability of 2e-4.
+            assert!(count <= 3, "{fault}: {count} of {SEEDS}");
+        }
+    }
+}
+
+/// Measured with the 200 seeds of this test (experiments of 200 with the
+/// finding; none had any of the others):
+///
+/// | τ/σ | postures | estimator | above noise | below noise | displacement | further term |
+/// |--:|--:|:--|--:|--:|--:|--:|
+/// | 0 | 12 | ordinary | 0 | 1 | 1 | 0 |
+/// | 0 | 12 | two-variance | 0 | 1 | 1 | 0 |
+/// | 1 | 12 | two-variance | 0 | 0 | 0 | 1 |
+/// | 3 | 12 | two-variance | 0 | 0 | 0 | 0 |
+/// | 3 | 6 | two-variance | 1 | 1 | 0 | 0 |
+#[test]
+#[ignore = "takes a minute or more"]
+fn false_alarm_rates() {
+    const SEEDS: u64 = 200;
+    let all = postures();
+    for (common_part, estimator, count) in [
+        (0.0, Estimator::Ordinary, 12),
+        (0.0, Estimator::TwoVariance, 12),
+        (1.0, Estimator::TwoVariance, 12),
+        (3.0, Estimator::TwoVariance, 12),
+        (3.0, Estimator::TwoVariance, 6),
+    ] {
+        let counts = false_alarms(
+            &noisy_cell(common_part),
+            &all[12 - count..],
+            estimator,
+            SEEDS,
+        );
+        for (fault, count) in counts {
+            // 1 % expects 2; 9 or more have a probability of 2e-4.
+            assert!(count <= 8, "{fault}: {count} of {SEEDS}");
+        }
+    }
+}
+
+/// The same for load states. Measured: up only, curvature 1 and offset 1 of 200;
+/// both ways, scatter 2 of 200.
+#[test]
+fn clean_load_states_raise_few_findings() {
+    const SEEDS: u64 = 200;
+    let cell = noisy_cell(0.0);
+    for states in [&UP[..], &BOTH[..]] {
+        let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+        for seed in 0..SEEDS {
+            let measured = in_states(&cell, states, seed, |_, _, _| Vector3::zeros());
+            let options = options(Estimator::TwoVariance);
+            let noise = noise_test(&cell, &measured, &options).unwrap();
+            let found = load_states(&cell, &measured, &options, noise.as_ref())
+                .unwrap()
+                .unwrap();
+            assert_eq!(
+                found.scatter_degrees_of_freedom.is_some(),
+                states.len() == 5
+            );
+            assert_eq!(found.hysteresis.is_some(), states.len() == 5);
+            for finding in found.findings() {
+                *counts.entry(finding.code).or_default() += 1;
+            }
+        }
+        println!("{} states: {counts:?} of {SEEDS}", states.len());
+        for (code, count) in counts {
+            assert!(code == "load-linear" || count <= 8, "{code}: {count}");
+        }
+    }
+}
+
+#[test]
+fn residuals_are_compared_with_the_noise_in_words() {
+    let cell = noisy_cell(0.0);
+    let measured = measure(&cell, 5);
+    let test = |factor: f64| {
+        let mut stated = cell.clone();
+        stated.noise.reading_variance /= factor * factor;
+        noise_test(&stated, &measured, &options(Estimator::Ordinary))
+            .unwrap()
+            .unwrap()
+    };
+    let honest = test(1.0);
+    assert_eq!(honest.agreement, Agreement::Agrees);
+    assert!((honest.p_larger + honest.p_smaller - 1.0).abs() < 1e-9);
+    let understated = test(22.0);
+    assert_eq!(understated.agreement, Agreement::Larger);
+    assert!((understated.ratio / honest.ratio / 22.0 - 1.0).abs() < 1e-9);
+    let said = understated.finding(None).sentence;
+    assert!(
+        said.contains("times the cell's noise") && said.contains("limits the result"),
+        "{said}"
+    );
+    let slightly = test(1.4);
+    assert!(slightly.finding(None).sentence.contains("stated too small"));
+    let overstated = test(0.5);
+    assert_eq!(overstated.agreement, Agreement::Smaller);
+    assert_eq!(overstated.finding(None).code, "residuals-below-noise");
+    // The whitened residual with the declared common part is what it is.
+    let cell = noisy_cell(3.0);
+    let shared = noise_test(&cell, &measure(&cell, 5), &options(Estimator::TwoVariance));
+    assert_eq!(shared.unwrap().unwrap().agreement, Agreement::Agrees);
+    let mut undeclared = cell.clone();
+    undeclared.noise.posture_common_std = 0.0;
+    let test = noise_test(
+        &undeclared,
+        &measure(&cell, 5),
+        &options(Estimator::TwoVariance),
+    );
+    let test = test.unwrap().unwrap();
+    assert_eq!(test.agreement, Agreement::Larger);
+    assert!(test.within_ratio.is_some_and(|r| r < 1.3), "{test:?}");
+    assert!(
+        test.finding(None)
+            .sentence
+            .contains("moves all points alike")
+    );
+    // As the result says it, where no common part is declared.
+    let result = identify(
+        &undeclared,
+        &measure(&cell, 5),
+        &options(Estimator::TwoVariance),
+    );
+    assert!((result.unwrap().total_std_m.unwrap() / test.residual_std_m - 1.0).abs() < 1e-12);
+}
+
+/// One reading off by 1 mm is named with posture, point and axis, whichever
+/// it is, under either noise model.
+#[test]
+fn one_displaced_reading_is_named() {
+    for (common_part, estimator) in [(0.0, Estimator::Ordinary), (3.0, Estimator::TwoVariance)] {
+        let cell = noisy_cell(common_part);
+        for (i, axis) in (0..48).zip([0, 1, 2].into_iter().cycle()) {
+            let mut measured = measure(&cell, 1000 + i as u64);
+            let (posture, point) = (i / 4, i % 4);
+            measured[posture].displacements[point].value[axis] -= 1e-3;
+            let found = outliers(&cell, &measured, &options(estimator)).unwrap();
+            let first = &found.found[0];
+            assert_eq!(first.kind, OutlierKind::Displacement, "{i}: {first:?}");
+            assert_eq!(
+                first.posture.as_deref(),
+                Some(measured[posture].posture.name.as_str())
+            );
+            assert_eq!(
+                first.point.as_deref(),
+                Some((point + 1).to_string().as_str())
+            );
+            assert_eq!(first.axis.as_deref(), Some(["x", "y", "z"][axis]));
+            let deviation = first.deviation_m.unwrap()[axis];
+            let error = first.standard_error_m.unwrap()[axis];
+            assert!(
+                (deviation + 1e-3).abs() < 5.0 * error,
+                "{deviation} ± {error}"
+            );
+            // Once it is set aside the rest fits.
+            assert!(
+                found.found.len() == 1 && !found.more,
+                "{i}: {:?}",
+                found.found
+            );
+        }
+    }
+}
+
+/// The deleted residual is the displacement less its prediction by a fit
+/// without it, and the tests of least squares are the exact F tests.
+#[test]
+fn deleted_residuals_are_those_of_fits_without() {
+    let cell = noisy_cell(0.0);
+    let mut measured = measure(&cell, 7);
+    measured[4].displacements[2].value.y += 2e-4;
+    let options = options(Estimator::Ordinary);
+    let found = &outliers(&cell, &measured, &options).unwrap().found[0];
+    let mut without = measured.clone();
+    let taken = without[4].displacements.remove(2);
+    let fit = identify(&cell, &without, &options).unwrap();
+    let predicted = calculated_displacements(
+        &cell,
+        &measured[4],
+        &fit.stiffness().unwrap(),
+        Model::Linear,
+    )
+    .unwrap()[2];
+    let direct = taken.value - predicted;
+    let deviation = Vector3::from(found.deviation_m.unwrap());
+    assert!((deviation - direct).norm() < 1e-12, "{deviation} {direct}");
+}
+
+#[test]
+fn a_posture_that_does_not_fit_is_named_as_a_whole() {
+    for (common_part, estimator) in [(0.0, Estimator::Ordinary), (1.0, Estimator::TwoVariance)] {
+        let cell = noisy_cell(common_part);
+        for posture in 0..12 {
+            let mut measured = measure(&cell, 2000 + posture as u64);
+            // The load of this posture was 20 % larger than stated.
+            let exact =
+                calculated_displacements(&cell, &measured[posture], &truth(&cell), Model::Linear)
+                    .unwrap();
+            for d in &mut measured[posture].displacements {
+                d.value += exact[d.point] * 0.2;
+            }
+            let found = outliers(&cell, &measured, &options(estimator)).unwrap();
+            let first = &found.found[0];
+            assert_eq!(
+                first.kind,
+                OutlierKind::Posture,
+                "{posture}: {:?}",
+                found.found
+            );
+            assert_eq!(
+                first.posture.as_deref(),
+                Some(measured[posture].posture.name.as_str())
+            );
+            assert_eq!(found.found.len(), 1, "{posture}: {:?}", found.found);
+            assert!(found.postures[posture].p_value.unwrap() < 1e-4);
+        }
+    }
+}
+
+#[test]
+fn a_loose_reflector_is_named() {
+    for (common_part, estimator) in [(0.0, Estimator::Ordinary), (3.0, Estimator::TwoVariance)] {
+        let cell = noisy_cell(common_part);
+        for point in 0..4 {
+            let mut measured = measure(&cell, 3000 + point as u64);
+            let mut dice = Dice::new(point as u64);
+            for m in &mut measured {
+                m.displacements[point].value += dice.vector(2e-4);
+            }
+            let found = outliers(&cell, &measured, &options(estimator)).unwrap();
+            let first = &found.found[0];
+            assert_eq!(first.kind, OutlierKind::Point, "{point}: {:?}", found.found);
+            assert_eq!(
+                first.point.as_deref(),
+                Some((point + 1).to_string().as_str())
+            );
+            assert_eq!(found.found.len(), 1, "{point}: {:?}", found.found);
+        }
+    }
+}
+
+#[test]
+fn many_contradictions_are_the_model() {
+    let cell = noisy_cell(0.0);
+    let mut measured = measure(&cell, 11);
+    let mut dice = Dice::new(4);
+    for m in &mut measured {
+        m.displacements[dice.below(4)].value += dice.direction() * 5e-3 * dice.between(0.5, 2.0);
+    }
+    let found = outliers(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    assert!(found.more && found.found.len() == 5);
+    assert_eq!(found.findings().last().unwrap().code, "more-outliers");
+}
+
+#[test]
+fn lost_motion_loops_and_curvature_are_told_apart() {
+    let cell = noisy_cell(0.0);
+    let options = options(Estimator::TwoVariance);
+    let states = |measured: &[MeasuredPosture]| {
+        let noise = noise_test(&cell, measured, &options).unwrap();
+        load_states(&cell, measured, &options, noise.as_ref())
+            .unwrap()
+            .unwrap()
+    };
+    let said = |measured: &[MeasuredPosture]| -> Vec<String> {
+        states(measured)
+            .findings()
+            .into_iter()
+            .map(|f| f.code)
+            .collect()
+    };
+    for seed in 0..10 {
+        for levels in [&UP[..], &BOTH[..]] {
+            // Joint 2 gives way by 10 arc-seconds before it is loaded.
+            let lost = in_states(&cell, levels, seed, |terms, _, d| {
+                let column = ExtraTerm::LostMotion(1).column(terms);
+                column.fixed_rows::<3>(3 * d.point) * 4.8e-5
+            });
+            assert_eq!(said(&lost), ["load-offset"], "seed {seed}");
+            let offset = states(&lost).offset.unwrap();
+            assert!(offset.value > 10.0 * offset.standard_error);
+            // The arm gives 5 % more at the largest load than in proportion.
+            let soft = in_states(&cell, levels, seed, |_, s, d| {
+                let load = levels[s].1 / 500.0;
+                d.value * (0.05 * load)
+            });
+            assert_eq!(said(&soft), ["load-curvature"], "seed {seed}");
+            let bend = states(&soft).curvature.unwrap();
+            assert!((bend.value - 0.05 / 1.05).abs() < 5.0 * bend.standard_error);
+        }
+        // Friction holds 4 % of the largest displacement on the way back.
+        let held = in_states(&cell, &BOTH, seed, |_, s, d| match s {
+            3 => d.value * (0.04 * 500.0 / 300.0),
+            4 => d.value * (0.04 * 500.0 / 150.0),
+            _ => Vector3::zeros(),
+        });
+        assert_eq!(said(&held), ["hysteresis"], "seed {seed}");
+        let found = states(&held);
+        let width = found.hysteresis.unwrap();
+        let top: Vec<f64> = found
+            .postures
+            .iter()
+            .map(|p| p.displacements_m[2])
+            .collect();
+        let smallest = top.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = top.iter().copied().fold(0.0, f64::max);
+        assert!(width.value > 0.04 * smallest && width.value < 0.04 * largest);
+    }
+}
+
+#[test]
+fn the_tilt_that_is_there_is_found() {
+    let cell = noisy_cell(0.0);
+    let options = options(Estimator::TwoVariance);
+    for (term, size) in [
+        (ExtraTerm::JointTilt(2), 2e-7),
+        (ExtraTerm::BaseTilt, 1e-7),
+        (ExtraTerm::LostMotion(0), 5e-5),
+    ] {
+        let mut measured = measure(&cell, 9);
+        for m in &mut measured {
+            let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
+            let column = term.column(&terms) * size;
+            for d in &mut m.displacements {
+                d.value += column.fixed_rows::<3>(3 * d.point);
+            }
+        }
+        let found = try_terms(&cell, &measured, &options).unwrap();
+        // On this robot joint 1 tilts at the foot of the base.
+        assert_eq!(found.trials.len(), 12);
+        assert_eq!(
+            found
+                .trials
+                .iter()
+                .filter(|t| !t.same_as.is_empty())
+                .count(),
+            1
+        );
+        let best = &found.trials[0];
+        assert_eq!(best.term, term, "{found:?}");
+        let (value, error) = (best.value.unwrap(), best.standard_error.unwrap());
+        assert!((value - size).abs() < 5.0 * error, "{value} ± {error}");
+        let said = found.finding().unwrap();
+        assert!(said.sentence.contains(&best.name) && said.sentence.contains("axis-only"));
+        // With it in the model nothing more is asked for.
+        let mut with = options.clone();
+        with.extra.push(term);
+        let found = try_terms(&cell, &measured, &with).unwrap();
+        assert!(found.trials.len() <= 11 && !found.axis_only);
+        assert_eq!(found.finding(), None);
+    }
+}
+
+#[test]
+fn the_linear_model_is_judged_posture_by_posture() {
+    let cell = common::default_cell();
+    let measured = measure(&cell, 1);
+    let shares = second_order_shares(&cell, &measured, &truth(&cell)).unwrap();
+    assert_eq!(shares.len(), 12);
+    // docs/method.md: below 4 µm at 500 N in Group 1.
+    assert!(
+        shares[..6]
+            .iter()
+            .all(|s| s.correction_m < 4e-6 && s.linearisation_m < 4e-6)
+    );
+    assert!(
+        shares
+            .iter()
+            .all(|s| s.correction_m > 1e-8 && s.correction_share < 0.05)
+    );
+    let said = diagnose(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    let finding = said
+        .findings
+        .iter()
+        .find(|f| f.code == "second-order")
+        .unwrap();
+    assert!(
+        finding.sentence.contains("linear model is enough"),
+        "{}",
+        finding.sentence
+    );
+    let mut heavy = cell.clone();
+    if let Load::Rope { magnitude, .. } = &mut heavy.setup.load {
+        *magnitude = 30_000.0;
+    }
+    let found = diagnose(&heavy, &measure(&heavy, 1), &options(Estimator::Ordinary)).unwrap();
+    let finding = found
+        .findings
+        .iter()
+        .find(|f| f.code == "second-order")
+        .unwrap();
+    assert!(
+        finding.sentence.contains("predict with the equilibrium"),
+        "{}",
+        finding.sentence
+    );
+}
+
+#[test]
+fn a_joint_with_little_leverage_is_named_and_pairs_are() {
+    // The rope pulls 3 mm from axis 6: joint 6 is barely loaded.
+    let mut cell = noisy_cell(0.0);
+    let height = cell.setup.tool.loading_point.z;
+    cell.setup.tool.loading_point = Vector3::new(3e-3, 0.0, height);
+    let measured = measure(&cell, 3);
+    let signals = joint_signals(&cell, &measured, &options(Estimator::TwoVariance)).unwrap();
+    assert!(signals[5].torque_rms_nm < 2.0 && signals[1].torque_rms_nm > 100.0);
+    assert!(signals[5].to_residual.unwrap() < 1.0 && signals[1].to_residual.unwrap() > 10.0);
+    let found = diagnose(&cell, &measured, &options(Estimator::TwoVariance)).unwrap();
+    let weak: Vec<&str> = found
+        .findings
+        .iter()
+        .filter(|f| f.code == "weak-joint")
+        .map(|f| f.subject.as_str())
+        .collect();
+    assert_eq!(weak, ["joint 6"]);
+
+    // Six times nearly the same posture: pairs of joints cannot be told apart.
+    let cell = noisy_cell(0.0);
+    let mut dice = Dice::new(1);
+    let base = &common::group1()[0];
+    let alike = (0..6).map(|_| base.iter().map(|a| a + dice.between(-0.01, 0.01)).collect());
+    let group = PostureGroup::from_angles("", alike).postures;
+    let measured =
+        simulate_measurements(&cell, &group, &truth(&cell), Model::Linear, 1, 0).unwrap();
+    let found = diagnose(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    assert!(!found.correlated.is_empty() && codes(&found).contains(&"correlated"));
+    assert!(found.correlated.iter().all(|p| p.correlation.abs() > 0.9));
+}
+
+/// Poor data are answered, not refused.
+#[test]
+fn diagnoses_of_poor_data() {
+    let cell = noisy_cell(0.0);
+    let all = measure(&cell, 1);
+    for estimator in Estimator::ALL {
+        for count in [1, 2, 3] {
+            diagnose(&cell, &all[..count], &options(estimator)).unwrap();
+        }
+    }
+    let mut quiet = cell.clone();
+    quiet.noise.reading_variance = 0.0;
+    let exact = measure(&quiet, 1);
+    let found = diagnose(&quiet, &exact, &options(Estimator::TwoVariance)).unwrap();
+    assert!(
+        found.noise.is_none() && found.outliers.found.is_empty(),
+        "{:?}",
+        codes(&found)
+    );
+    // One point only: nothing is shared, nothing can be told apart.
+    let mut single = all.clone();
+    for m in &mut single {
+        m.displacements.truncate(1);
+    }
+    let found = diagnose(&cell, &single, &options(Estimator::TwoVariance)).unwrap();
+    assert!(found.outliers.found.is_empty());
+    let json = serde_json::to_string(&found).unwrap();
+    let back: Diagnosis = serde_json::from_str(&json).unwrap();
+    assert_eq!(back.findings, found.findings);
+}
+
+/// What an engineer reads, cause by cause.
+#[test]
+fn sentences() {
+    let cell = noisy_cell(0.0);
+    let two = options(Estimator::TwoVariance);
+    let mut out = String::new();
+    let mut tell = |title: &str, cell: &Cell, measured: &[MeasuredPosture]| {
+        out += &format!("» {title}\n");
+        for finding in diagnose(cell, measured, &two).unwrap().findings {
+            out += &format!(
+                "[{}] {}: {}\n",
+                finding.code, finding.subject, finding.sentence
+            );
+        }
+        out += "\n";
+    };
+    tell("as it should be", &cell, &measure(&cell, 2));
+    let mut measured = measure(&cell, 2);
+    measured[3].displacements[1].value.x += 1e-3;
+    tell("one reading off by 1 mm", &cell, &measured);
+    let mut measured = measure(&cell, 2);
+    for m in &mut measured {
+        let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
+        let column = ExtraTerm::JointTilt(2).column(&terms) * 5e-7;
+        for d in &mut m.displacements {
+            d.value += column.fixed_rows::<3>(3 * d.point);
+        }
+    }
+    tell("joint 3 tilts", &cell, &measured);
+    let lost = in_states(&cell, &BOTH, 2, |terms, s, d| {
+        let column = ExtraTerm::LostMotion(1).column(terms);
+        let held = if s > 2 { 6e-5 } else { 3e-5 };
+        column.fixed_rows::<3>(3 * d.point) * held
+    });
+    tell("lost motion and friction, five load states", &cell, &lost);
+    insta::assert_snapshot!(out);
+}
+
+/// The measured robot of the reference data.
+#[cfg(feature = "files")]
+mod fanuc {
+    use super::*;
+    use stiffarm::files::builtin;
+    use stiffarm::files::table::read_displacements;
+
+    #[test]
+    #[ignore = "needs STIFFARM_REFERENCE_DATA"]
+    fn what_a_careful_engineer_would_say() {
+        let folder = std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder");
+        let mut folder = std::path::PathBuf::from(folder);
+        if folder.is_relative() {
+            folder = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+                .join("../..")
+                .join(folder);
+        }
+        let cell = builtin::cell("fanuc-r2000ic").unwrap();
+        let text = convert_fanuc::convert(&folder.join("fanuc_r2000ic")).unwrap();
+        let measured = read_displacements(text.as_bytes(), "fanuc.csv", &cell, None).unwrap();
+        assert_eq!(measured.len(), 43);
+        let found = diagnose(&cell, &measured, &IdentifyOptions::default()).unwrap();
+        for finding in &found.findings {
+            println!("[{}] {}", finding.code, finding.sentence);
+        }
+        for signal in &found.signals {
+            println!("{signal:?}");
+        }
+        let terms = found.terms.as_ref().unwrap();
+        for trial in &terms.trials {
+            println!(
+                "{:26} {:?} {:?} ± {:?} {:?}",
+                trial.name, trial.rms_m, trial.value, trial.standard_error, trial.lost_joints
+            );
+        }
+        let mm = |m: f64| (1e7 * m).round() / 1e4;
+        let trial = |term| terms.trials.iter().find(|t| t.term == term).unwrap();
+        assert_eq!(mm(terms.rms_m.unwrap()), 0.2339);
+        assert_eq!(mm(trial(ExtraTerm::JointTilt(2)).rms_m.unwrap()), 0.1813);
+        assert_eq!(mm(trial(ExtraTerm::JointTilt(3)).rms_m.unwrap()), 0.1761);
+        assert_eq!(trial(ExtraTerm::JointTilt(3)).lost_joints, ["joint 3"]);
+        assert!(trial(ExtraTerm::JointTilt(2)).lost_joints.is_empty());
+        let sentence = terms.finding().unwrap().sentence;
+        assert!(
+            sentence.contains("rejected") && sentence.contains("tilt of joint 3"),
+            "{sentence}"
+        );
+        let noise = found.noise.unwrap();
+        assert!((15.0..17.0).contains(&noise.ratio), "{}", noise.ratio);
+        let joint_6 = &found.signals[5];
+        assert_eq!(joint_6.torque_rms_nm.round(), 78.0);
+        // RMS of components; as norms 0.093 mm against 0.372 mm.
+        assert_eq!(mm(joint_6.displacement_rms_m.unwrap()), 0.0536);
+        assert_eq!(
+            mm(found.signals[5].displacement_rms_m.unwrap() / joint_6.to_residual.unwrap()),
+            0.2148
+        );
+        let weak = found.findings.iter().filter(|f| f.code == "weak-joint");
+        assert_eq!(
+            weak.map(|f| f.subject.as_str()).collect::<Vec<_>>(),
+            ["joint 6"]
+        );
+    }
+}

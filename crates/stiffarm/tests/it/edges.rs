@@ -1,0 +1,384 @@
+//! What a newcomer meets first: loads that pass a joint by, too few postures or
+//! points, numbers that are none. Everything is answered or refused by name.
+
+use crate::common;
+
+use common::random::Dice;
+use common::{group1, reference_cell};
+use nalgebra::{DMatrix, Vector3, Vector6};
+use stiffarm::Control;
+use stiffarm::estimate::identify::{IdentifyOptions, Verdict, identify};
+use stiffarm::estimate::simulate::{SimulationOptions, simulate};
+use stiffarm::estimate::validate::{Model as Deflection, simulate_measurements};
+use stiffarm::internals::optimise::Options;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::MeasuredPosture;
+use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::stiffness::{equilibrium, joint_compliance, linear_displacement};
+use stiffarm::plan::characteristic_length::characteristic_length;
+use stiffarm::plan::index::{Index, IndexFunction, error_bound, evaluate};
+use stiffarm::plan::select::select_from;
+use stiffarm::{Code, Error};
+
+fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
+    PostureGroup::from_angles("", postures.iter().cloned()).postures
+}
+
+/// Exact simulated measurements of the reference cell.
+fn exact_measurements(cell: &Cell, postures: &[Vec<f64>]) -> Vec<MeasuredPosture> {
+    let mut quiet = cell.clone();
+    quiet.noise.reading_variance = 0.0;
+    let truth = cell.require_prior().unwrap();
+    simulate_measurements(&quiet, &named(postures), truth, Deflection::Linear, 1, 0).unwrap()
+}
+
+/// Asserts that every way to a result names `joints` and shows nothing for them.
+fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
+    let found = evaluate(cell, "blind", postures).unwrap();
+    assert_eq!(found.undetermined_joints, joints);
+    for index in Index::ALL {
+        assert_eq!(
+            found.indices.get(index).is_some(),
+            index == Index::Classical,
+            "{index:?}"
+        );
+    }
+    let blind = |name: &String| joints.contains(&name.as_str());
+    let names = cell.setup.robot.spring_names();
+    for (j, name) in names.iter().enumerate() {
+        assert_eq!(
+            found.relative_standard_error[j].is_none(),
+            blind(name),
+            "{name}"
+        );
+        assert_eq!(found.expected_deviation[j].is_none(), blind(name), "{name}");
+    }
+    let result = identify(
+        cell,
+        &exact_measurements(cell, postures),
+        &IdentifyOptions::default(),
+    )
+    .unwrap();
+    assert_eq!(result.undetermined_joints, joints);
+    assert!(!result.is_complete() && result.stiffness().is_none());
+    assert_eq!((result.condition, result.scaled_condition), (None, None));
+    for (joint, truth) in result.joints.iter().zip(cell.require_prior().unwrap()) {
+        if blind(&joint.name) {
+            assert_eq!(joint.verdict, Verdict::Undetermined);
+            assert_eq!(
+                (joint.stiffness, joint.compliance, joint.standard_error),
+                (None, None, None)
+            );
+            assert_eq!(joint.interval, [None, None]);
+        } else {
+            assert!(
+                (joint.stiffness.unwrap() / truth - 1.0).abs() < 1e-9,
+                "{}",
+                joint.name
+            );
+        }
+    }
+    let group = PostureGroup::from_angles("blind", postures.iter().cloned());
+    let options = SimulationOptions::default();
+    let error = simulate(cell, &[group], &options, Control::default()).unwrap_err();
+    assert_eq!(error.code(), Code::NotIdentifiable);
+    assert!(
+        joints.iter().all(|j| error.message().contains(j)),
+        "{error}"
+    );
+}
+
+/// Every number in a JSON text.
+fn all_numbers(value: &serde_json::Value, out: &mut Vec<f64>) {
+    match value {
+        serde_json::Value::Number(number) => out.push(number.as_f64().unwrap()),
+        serde_json::Value::Array(items) => items.iter().for_each(|v| all_numbers(v, out)),
+        serde_json::Value::Object(items) => items.values().for_each(|v| all_numbers(v, out)),
+        _ => {}
+    }
+}
+
+#[test]
+fn load_through_the_axis_of_joint_6_leaves_joint_6_undetermined() {
+    let mut cell = reference_cell();
+    cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
+    assert_undetermined(&cell, &group1(), &["joint 6"]);
+    // No choice of postures helps.
+    for index in [Index::ExpectedError, Index::Novel] {
+        let error = select_from(
+            &cell,
+            index,
+            &group1(),
+            Options::default(),
+            Control::default(),
+        )
+        .unwrap_err();
+        assert_eq!(error.code(), Code::NotIdentifiable, "{error}");
+        assert!(error.message().contains("joint 6"), "{error}");
+    }
+}
+
+#[test]
+fn vertical_load_on_a_floor_mounted_robot_leaves_joint_1_undetermined() {
+    let mut cell = reference_cell();
+    cell.setup.load = Load::Weight {
+        magnitude: 500.0,
+        direction: -Vector3::z(),
+    };
+    assert_undetermined(&cell, &group1(), &["joint 1"]);
+    // On the wall it works.
+    cell.setup.load = Load::Weight {
+        magnitude: 500.0,
+        direction: Vector3::x(),
+    };
+    assert!(
+        evaluate(&cell, "wall", &group1())
+            .unwrap()
+            .undetermined_joints
+            .is_empty()
+    );
+}
+
+#[test]
+fn equal_postures_with_one_point_name_what_they_cannot_tell() {
+    let mut cell = reference_cell();
+    cell.setup.tool.measuring_points.truncate(1);
+    let postures = vec![group1()[0].clone(); 6];
+    let found = evaluate(&cell, "equal", &postures).unwrap();
+    assert!(
+        found.undetermined_joints.len() >= 3,
+        "{:?}",
+        found.undetermined_joints
+    );
+    for index in Index::ALL {
+        assert_eq!(
+            found.indices.get(index).is_some(),
+            index == Index::Classical,
+            "{index:?}"
+        );
+    }
+    let measured = exact_measurements(&cell, &postures);
+    let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    assert_eq!(result.undetermined_joints, found.undetermined_joints);
+    assert_eq!(result.degrees_of_freedom, 18 - 3);
+    // Rounding must not pose as information anywhere in what is shown.
+    for json in [
+        serde_json::to_value(&found).unwrap(),
+        serde_json::to_value(&result).unwrap(),
+    ] {
+        let mut numbers = Vec::new();
+        all_numbers(&json, &mut numbers);
+        assert!(numbers.len() > 6);
+        assert!(
+            numbers.iter().all(|v| v.is_finite() && v.abs() < 1e9),
+            "{numbers:?}"
+        );
+    }
+}
+
+#[test]
+fn one_posture_with_one_point_is_answered() {
+    let mut cell = reference_cell();
+    cell.setup.tool.measuring_points.truncate(1);
+    let one = group1()[..1].to_vec();
+    let found = evaluate(&cell, "one", &one).unwrap();
+    assert!(!found.undetermined_joints.is_empty());
+    assert!(found.indices.classical.is_some() && found.indices.condition.is_none());
+    let result = identify(
+        &cell,
+        &exact_measurements(&cell, &one),
+        &IdentifyOptions::default(),
+    )
+    .unwrap();
+    assert_eq!(
+        (
+            result.rows,
+            result.degrees_of_freedom,
+            result.residual_std_m
+        ),
+        (3, 0, None)
+    );
+    assert_eq!(result.undetermined_joints, found.undetermined_joints);
+    let error = select_from(
+        &cell,
+        Index::D,
+        &one,
+        Options::default(),
+        Control::default(),
+    )
+    .unwrap_err();
+    assert_eq!(error.code(), Code::NotIdentifiable);
+    // The classical index asks nothing of Ψ.
+    let classical = select_from(
+        &cell,
+        Index::Classical,
+        &one,
+        Options::default(),
+        Control::default(),
+    )
+    .unwrap();
+    assert!((classical.value - 1.2157).abs() < 1e-4);
+    // A robot of one joint, too.
+    let mut dice = Dice::new(1);
+    let mut model = dice.model(3, 0, false, false);
+    model.rows.truncate(1);
+    model.tasks.clear();
+    model.prior.truncate(1);
+    model.measuring_points.truncate(1);
+    model.coupling = DMatrix::identity(1, 1);
+    let found = evaluate(&model.cell(), "one joint", &[vec![0.4]]).unwrap();
+    assert!(found.undetermined_joints.is_empty());
+    assert!((found.indices.condition.unwrap() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn angles_and_numbers_that_are_not_finite_are_errors() {
+    let cell = reference_cell();
+    let truth = cell.require_prior().unwrap().to_vec();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut postures = group1();
+        postures[2][4] = bad;
+        let refused = |error: Error| {
+            assert_eq!(error.code(), Code::NotFinite, "{error}");
+            assert!(error.message().contains("joint 5"), "{error}");
+        };
+        refused(evaluate(&cell, "", &postures).unwrap_err());
+        refused(observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap_err());
+        refused(PostureTerms::new(&cell.setup, &postures[2], None).unwrap_err());
+        refused(
+            select_from(
+                &cell,
+                Index::Classical,
+                &postures,
+                Options::default(),
+                Control::default(),
+            )
+            .unwrap_err(),
+        );
+        refused(
+            equilibrium(&cell.setup, &postures[2], &truth, None)
+                .map(|_| ())
+                .unwrap_err(),
+        );
+        let group = PostureGroup::from_angles("", postures.iter().cloned());
+        refused(
+            simulate(
+                &cell,
+                &[group],
+                &SimulationOptions::default(),
+                Control::default(),
+            )
+            .unwrap_err(),
+        );
+        let named = named(&postures);
+        refused(
+            simulate_measurements(&cell, &named, &truth, Deflection::Equilibrium, 1, 0)
+                .unwrap_err(),
+        );
+        let mut measured = exact_measurements(&cell, &group1());
+        measured[2].posture.q[4] = bad;
+        refused(identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err());
+
+        let mut measured = exact_measurements(&cell, &group1());
+        measured[0].displacements[0].value.y = bad;
+        let error = identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err();
+        assert_eq!(error.code(), Code::NotFinite);
+        measured[0].displacements[0].value.y = 0.0;
+        measured[0].wrench = Some(Wrench::force(Vector3::new(bad, 0.0, 0.0)));
+        let error = identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err();
+        assert_eq!(error.code(), Code::NotFinite);
+
+        let error =
+            joint_compliance(&cell.setup.robot, &[1e6, 1e6, bad, 1e6, 1e6, 1e6]).unwrap_err();
+        assert_eq!(error.code(), Code::InvalidValue);
+        assert!(error_bound(bad, 0.0, 0.0).is_err() && error_bound(2.0, bad, 0.0).is_err());
+    }
+    assert_eq!(
+        evaluate(&cell, "", &[vec![0.0; 5]]).unwrap_err().code(),
+        Code::Dimension
+    );
+    assert_eq!(
+        evaluate::<Vec<f64>>(&cell, "", &[]).unwrap_err().code(),
+        Code::TooFewData
+    );
+    assert_eq!(
+        identify(&cell, &[], &IdentifyOptions::default())
+            .unwrap_err()
+            .code(),
+        Code::TooFewData
+    );
+    for confidence in [0.0, 1.0, f64::NAN] {
+        let options = IdentifyOptions {
+            confidence,
+            ..IdentifyOptions::default()
+        };
+        let measured = exact_measurements(&cell, &group1());
+        assert_eq!(
+            identify(&cell, &measured, &options).unwrap_err().code(),
+            Code::InvalidValue
+        );
+    }
+}
+
+#[test]
+fn a_load_that_buckles_the_arm_is_said_so() {
+    let mut cell = reference_cell();
+    cell.setup.load = Load::Weight {
+        magnitude: 5e7,
+        direction: -Vector3::z(),
+    };
+    let truth = cell.require_prior().unwrap().to_vec();
+    let error = equilibrium(&cell.setup, &group1()[0], &truth, None)
+        .map(|_| ())
+        .unwrap_err();
+    assert_eq!(error.code(), Code::InvalidValue);
+    assert!(error.message().contains("equilibrium"), "{error}");
+}
+
+#[test]
+fn short_chains_have_no_condition_number_and_say_so() {
+    let mut dice = Dice::new(5);
+    let model = dice.model(5, 0, false, false);
+    let cell = model.cell();
+    let postures = dice.postures(5, 6);
+    let found = evaluate(&cell, "", &postures).unwrap();
+    assert!(found.k_jn.iter().all(Option::is_none));
+    assert_eq!(
+        (
+            found.indices.classical,
+            found.indices.novel,
+            found.indices.scaled
+        ),
+        (None, None, None)
+    );
+    assert!(found.indices.condition.is_some() && found.indices.expected_error.is_some());
+    for index in [Index::Classical, Index::Novel, Index::Scaled] {
+        let error = IndexFunction::new(&cell, index, 6).map(|_| ()).unwrap_err();
+        assert_eq!(error.code(), Code::Unsupported);
+    }
+    assert_eq!(
+        characteristic_length(&cell).unwrap_err().code(),
+        Code::Unsupported
+    );
+}
+
+#[test]
+fn the_displacement_of_a_rigid_body_is_one_twist() {
+    // What the linear model says of two points of the tool differs by rotation × arm.
+    let cell = reference_cell();
+    let truth = cell.require_prior().unwrap();
+    for q in group1() {
+        let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+        let at = |p: &Vector3<f64>| -> Vector6<f64> {
+            linear_displacement(&cell.setup, &terms, p, truth, None).unwrap()
+        };
+        let [a, b] = [0, 2].map(|i| terms.measuring_points()[i]);
+        let (first, second) = (at(&a), at(&b));
+        let turn = first.fixed_rows::<3>(3).into_owned();
+        assert!((second.fixed_rows::<3>(3) - turn).amax() < 1e-15);
+        let arm = turn.cross(&(b - a));
+        assert!((second.fixed_rows::<3>(0) - first.fixed_rows::<3>(0) - arm).amax() < 1e-15);
+    }
+}

@@ -1,0 +1,262 @@
+//! Identification beyond the plain case: joints that cannot be told apart,
+//! further springs, the next posture.
+
+use crate::common;
+
+use common::reference_cell;
+use nalgebra::{DVector, Vector3};
+use stiffarm::Control;
+use stiffarm::estimate::identify::{
+    Estimator, Identification, IdentifyOptions, Verdict, Weights, identify, leave_one_out,
+    measured_system,
+};
+use stiffarm::estimate::next_posture::next_posture;
+use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::posture::Posture;
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
+
+/// Postures in which only joints 1 and 2 move and the wrist stays as given.
+fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {
+    let rows = [
+        [-40.0, -20.0],
+        [-20.0, -5.0],
+        [-5.0, 10.0],
+        [10.0, 25.0],
+        [25.0, -15.0],
+        [40.0, 5.0],
+    ];
+    rows.iter()
+        .enumerate()
+        .map(|(i, [q1, q2])| {
+            let [q4, q5, q6] = wrist_deg;
+            let q = [*q1, *q2, -90.0, q4, q5, q6].map(f64::to_radians);
+            Posture {
+                name: (i + 1).to_string(),
+                q: q.to_vec(),
+            }
+        })
+        .collect()
+}
+
+fn answer(cell: &Cell, postures: &[Posture], stream: usize) -> Identification {
+    let truth = cell.require_prior().unwrap();
+    let measured = simulate_measurements(cell, postures, truth, Model::Linear, 5, stream).unwrap();
+    identify(cell, &measured, &IdentifyOptions::default()).unwrap()
+}
+
+#[test]
+fn joints_on_one_axis_are_answered_by_their_sum() {
+    let cell = reference_cell();
+    // With q5 = 0 the axes of joints 4 and 6 are one line.
+    let found = answer(&cell, &two_joints_move([0.0; 3]), 0);
+    assert_eq!(found.undetermined_joints, ["joint 4", "joint 6"]);
+    assert!(!found.is_complete());
+    let sum = found
+        .combinations
+        .iter()
+        .find(|c| c.unknowns.len() == 2 && c.unknowns.contains(&"joint 4".to_string()))
+        .expect("the sum of both compliances is determined");
+    assert!(sum.unknowns.contains(&"joint 6".to_string()));
+    assert!(
+        sum.coefficients.iter().all(|c| (c - 1.0).abs() < 1e-6),
+        "{sum:?}"
+    );
+    let prior = cell.require_prior().unwrap();
+    let truth = 1.0 / prior[3] + 1.0 / prior[5];
+    let error = sum.standard_error.unwrap();
+    assert!(error < 0.2 * truth, "{sum:?}");
+    assert!(
+        (sum.compliance - truth).abs() < 4.0 * error,
+        "{sum:?}, {truth:e}"
+    );
+}
+
+#[test]
+fn joints_nearly_on_one_axis_get_no_negative_stiffness() {
+    let cell = reference_cell();
+    let postures = two_joints_move([0.0, 0.02, 0.0]);
+    let mut summed = 0;
+    for stream in 0..40 {
+        let found = answer(&cell, &postures, stream);
+        for joint in &found.joints {
+            if joint.verdict != Verdict::SignOrModelFault {
+                assert!(joint.stiffness.is_none_or(|k| k > 0.0), "{joint:?}");
+            }
+        }
+        assert!(!found.is_complete());
+        summed += usize::from(found.combinations.iter().any(|c| {
+            c.unknowns.contains(&"joint 4".to_string())
+                && c.unknowns.contains(&"joint 6".to_string())
+        }));
+    }
+    assert_eq!(summed, 40);
+}
+
+#[test]
+fn columns_of_further_terms_are_small_turns() {
+    let cell = reference_cell();
+    let q = [0.3, -0.2, -1.4, 0.5, 0.9, -0.4];
+    let robot = &cell.setup.robot;
+    let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+    let frames = Frames::new(robot, &q);
+    let compliance = 1e-7;
+    for term in ["tilt1", "tilt3", "tilt6", "base", "lost2"] {
+        let term = ExtraTerm::parse(term, robot).unwrap()[0];
+        let (axis, origin) = match term {
+            ExtraTerm::JointTilt(j) | ExtraTerm::LostMotion(j) => {
+                (frames.axes()[j], frames.origins()[j])
+            }
+            ExtraTerm::BaseTilt => {
+                // The foot of axis 1.
+                let origin = frames.origins()[0];
+                (Vector3::z(), Vector3::new(origin.x, origin.y, 0.0))
+            }
+        };
+        let force = terms.wrench().force;
+        let moment = (terms.loading_point() - origin).cross(&force);
+        let turn = match term {
+            // Turn about each of two axes across, under the moment about it.
+            ExtraTerm::JointTilt(_) | ExtraTerm::BaseTilt => {
+                let one = axis.cross(&Vector3::new(0.3, 0.5, 0.8)).normalize();
+                let other = axis.cross(&one);
+                (one * one.dot(&moment) + other * other.dot(&moment)) * compliance
+            }
+            ExtraTerm::LostMotion(j) => axis * terms.torque()[j].signum() * compliance,
+        };
+        let rotation = nalgebra::Rotation3::new(turn);
+        let column = term.column(&terms) * compliance;
+        for (a, p) in terms.measuring_points().iter().enumerate() {
+            let moved = rotation * (p - origin) - (p - origin);
+            let ours = column.fixed_rows::<3>(3 * a);
+            let small = turn.norm_squared() * p.norm() + 1e-15;
+            assert!((moved - ours).norm() < 2.0 * small, "{term:?}");
+        }
+    }
+}
+
+/// Measurements of `postures` with compliances of joints and further terms.
+fn measured_with(
+    cell: &Cell,
+    postures: &[Posture],
+    extra: &[ExtraTerm],
+    values: &[f64],
+    stream: usize,
+) -> Vec<MeasuredPosture> {
+    let truth = cell.require_prior().unwrap();
+    let mut measured =
+        simulate_measurements(cell, postures, truth, Model::Linear, 9, stream).unwrap();
+    let system = measured_system(cell, &measured, extra, Weights::Readings).unwrap();
+    let further = system.psi.columns(system.springs, extra.len());
+    let shift = further * DVector::from_column_slice(values);
+    for (i, label) in system.labels.iter().enumerate() {
+        let displacement: &mut Displacement =
+            &mut measured[label.measured].displacements[label.displacement];
+        displacement.value += shift.fixed_rows::<3>(3 * i);
+    }
+    measured
+}
+
+#[test]
+fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
+    let cell = reference_cell();
+    let postures = random_group(&cell, StartKind::Uniform, 15, 3, 0).unwrap();
+    let postures: Vec<Posture> = postures
+        .into_iter()
+        .enumerate()
+        .map(|(i, q)| Posture {
+            name: (i + 1).to_string(),
+            q,
+        })
+        .collect();
+    let robot = &cell.setup.robot;
+    let extra = [
+        ExtraTerm::parse("tilt3", robot).unwrap(),
+        ExtraTerm::parse("lost2", robot).unwrap(),
+    ]
+    .concat();
+    let values = [5e-7, 3e-5];
+    let measured = measured_with(&cell, &postures, &extra, &values, 0);
+    let plain = IdentifyOptions::default();
+    let with = IdentifyOptions {
+        extra,
+        ..plain.clone()
+    };
+    let found = identify(&cell, &measured, &with).unwrap();
+    let tilt = &found.extra_springs[0];
+    assert_eq!(tilt.name, "tilt of joint 3");
+    let [low, high] = tilt.interval.map(|v| v.unwrap());
+    assert!(low < 2e6 && 2e6 < high, "{tilt:?}");
+    let lost = &found.lost_motion[0];
+    let [low, high] = lost.interval.map(|v| v.unwrap());
+    assert!(low < 3e-5 && 3e-5 < high && low > 1e-5, "{lost:?}");
+    for (joint, truth) in found.joints.iter().zip(cell.require_prior().unwrap()) {
+        let error = (joint.stiffness.unwrap() - truth) / joint.standard_error.unwrap();
+        assert!(error.abs() < 4.5, "{joint:?}");
+    }
+    let without = leave_one_out(&cell, &measured, &plain)
+        .unwrap()
+        .rms_m
+        .unwrap();
+    let better = leave_one_out(&cell, &measured, &with)
+        .unwrap()
+        .rms_m
+        .unwrap();
+    assert!(better < 0.5 * without, "{better} {without}");
+}
+
+#[test]
+fn the_next_posture_beats_random_ones() {
+    let cell = reference_cell();
+    let group = random_group(&cell, StartKind::SmallWrist, 6, 3, 0).unwrap();
+    let postures: Vec<Posture> = group
+        .into_iter()
+        .enumerate()
+        .map(|(i, q)| Posture {
+            name: (i + 1).to_string(),
+            q,
+        })
+        .collect();
+    let truth = cell.require_prior().unwrap().to_vec();
+    let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 5, 0).unwrap();
+    let options = IdentifyOptions {
+        estimator: Estimator::Weighted,
+        ..IdentifyOptions::default()
+    };
+    let result = identify(&cell, &measured, &options).unwrap();
+    let advice = next_posture(
+        &cell,
+        &measured,
+        &result,
+        &GlobalOptions::default(),
+        Control::default(),
+    )
+    .unwrap();
+    let mut judged = cell.clone();
+    judged.prior = result.stiffness();
+    judged.noise.reading_variance = result.residual_std_m.unwrap().powi(2);
+    let error = |q: Vec<f64>| {
+        let mut all = postures.clone();
+        all.push(Posture {
+            name: "next".into(),
+            q,
+        });
+        let found = evaluate(&judged, "all", &all).unwrap();
+        found.indices.get(Index::ExpectedError).unwrap()
+    };
+    let own = error(advice.posture_deg.iter().map(|d| d.to_radians()).collect());
+    assert!((own / advice.expected_error - 1.0).abs() < 1e-9);
+    for i in 0..50 {
+        let other = random_group(&cell, StartKind::Uniform, 1, 8, i)
+            .unwrap()
+            .concat();
+        assert!(own <= error(other), "random posture {i}");
+    }
+    for (before, after) in advice.before.iter().zip(&advice.after) {
+        assert!(after.unwrap() <= before.unwrap() * (1.0 + 1e-12));
+    }
+}

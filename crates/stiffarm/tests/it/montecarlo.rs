@@ -1,0 +1,467 @@
+//! Monte Carlo against closed forms, and the coverage of intervals.
+//!
+//! Seeds are fixed and thresholds are those of tests at a total level of one
+//! in a thousand, so a failure is a change in behaviour and not bad luck.
+//! `cargo test --test montecarlo -- --nocapture` prints the largest deviations.
+
+use crate::common;
+
+use common::random::Dice;
+use common::{group1, random_group, reference_cell};
+use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
+use stiffarm::Control;
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::estimate::simulate::{LevelResult, Simulation, SimulationOptions, simulate};
+use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::internals::optimise::Options;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::select::select_from;
+
+/// Probability of a false alarm in all comparisons of one test together.
+const FALSE_ALARM: f64 = 1e-3;
+
+fn standard_normal() -> Normal {
+    Normal::new(0.0, 1.0).unwrap()
+}
+
+/// |z| that one of `comparisons` exceeds by chance with [`FALSE_ALARM`] (Bonferroni).
+fn threshold(comparisons: usize) -> f64 {
+    standard_normal().inverse_cdf(1.0 - 0.5 * FALSE_ALARM / comparisons as f64)
+}
+
+/// Hand-picked, random and optimised postures.
+fn groups(cell: &Cell) -> Vec<PostureGroup> {
+    let plan = select_from(
+        cell,
+        Index::ExpectedError,
+        &group1(),
+        Options::default(),
+        Control::default(),
+    )
+    .unwrap();
+    vec![
+        PostureGroup::from_angles("hand-picked", group1()),
+        PostureGroup::from_angles("random", random_group()),
+        plan.to_group("optimised"),
+    ]
+}
+
+fn run(cell: &Cell, groups: &[PostureGroup], runs: usize, seed: u64) -> Simulation {
+    let options = SimulationOptions {
+        runs,
+        seed,
+        ..SimulationOptions::default()
+    };
+    simulate(cell, groups, &options, Control::default()).unwrap()
+}
+
+/// Relative standard error of k behind an expected deviation.
+fn relative_error(level: &LevelResult, joint: usize) -> f64 {
+    level.expected_deviation[joint] / std::f64::consts::FRAC_2_PI.sqrt()
+}
+
+/// z of the median of |1/(1 + x) − 1|, which has an exact form at any noise:
+/// half of all x lie between −m/(1 + m) and m/(1 − m).
+fn median_z(level: &LevelResult, joint: usize, runs: usize) -> f64 {
+    let (m, error) = (level.median_deviation[joint], relative_error(level, joint));
+    assert!(m < 1.0, "the form holds below 1");
+    let normal = standard_normal();
+    let share = normal.cdf(m / (1.0 - m) / error) - normal.cdf(-m / (1.0 + m) / error);
+    (share - 0.5) / (0.5 / (runs as f64).sqrt())
+}
+
+#[test]
+fn twenty_thousand_runs_meet_the_closed_forms() {
+    const RUNS: usize = 20_000;
+    let cell = reference_cell();
+    let groups = groups(&cell);
+    let simulation = run(&cell, &groups, RUNS, 2021);
+    let all: Vec<(&str, &LevelResult, usize)> = simulation
+        .groups
+        .iter()
+        .flat_map(|g| {
+            g.levels
+                .iter()
+                .flat_map(move |l| (0..6).map(move |j| (g.name.as_str(), l, j)))
+        })
+        .collect();
+    assert_eq!(all.len(), 3 * 6 * 6);
+    let limit = threshold(all.len());
+    let (mut flagged, mut within_5) = (0, 0);
+    let (mut on_h, mut on_k, mut on_k_second, mut on_median) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+    for (group, level, j) in all {
+        let what = format!("{group}, factor {}, joint {}", level.variance_factor, j + 1);
+        let expected = level.expected_deviation[j];
+        let error = relative_error(level, j);
+
+        // On Ĥ the closed form is exact.
+        let z =
+            (level.compliance_mean_deviation[j] - expected) / level.compliance_standard_error[j];
+        assert!(z.abs() < limit, "{what}: z = {z} on the compliance");
+        on_h = on_h.max(z.abs());
+
+        // On k̂ = 1/Ĥ it is of first order; the next term is a factor 1 + 2ε².
+        if error < 0.05 {
+            within_5 += 1;
+            let z = (level.mean_deviation[j] - expected) / level.standard_error[j];
+            assert!(z.abs() < limit, "{what}: z = {z} on the stiffness");
+            on_k = on_k.max(z.abs());
+            let second = expected * (1.0 + 2.0 * error * error);
+            let z = (level.mean_deviation[j] - second) / level.standard_error[j];
+            assert!(
+                z.abs() < limit,
+                "{what}: z = {z} on the stiffness, second order"
+            );
+            on_k_second = on_k_second.max(z.abs());
+        }
+
+        let z = median_z(level, j, RUNS);
+        assert!(z.abs() < limit, "{what}: z = {z} on the median");
+        on_median = on_median.max(z.abs());
+
+        assert_eq!(level.beyond_first_order[j], error > 0.1, "{what}");
+        flagged += usize::from(level.beyond_first_order[j]);
+    }
+    println!(
+        "largest |z| (limit {limit:.2}): compliance {on_h:.2}, stiffness {on_k:.2} ({within_5} cases), \
+         with the second order {on_k_second:.2}, median {on_median:.2}; {flagged} flagged"
+    );
+    // The flag must have been seen both ways, or it was not tested.
+    assert!(flagged >= 2 && within_5 > 60);
+    // The simulation's closed form is the evaluation's at level 2.
+    for (group, simulated) in groups.iter().zip(&simulation.groups) {
+        let evaluated = evaluate(&cell, &group.name, &group.postures).unwrap();
+        for (a, b) in evaluated
+            .expected_deviation
+            .iter()
+            .zip(&simulated.levels[1].expected_deviation)
+        {
+            assert!((a.unwrap() / b - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+/// The closed form holds on cells of any size, load and springs, not only on
+/// the reference cell.
+#[test]
+fn the_closed_form_holds_on_random_cells() {
+    const RUNS: usize = 4_000;
+    let mut compared = Vec::new();
+    for seed in 0..24_u64 {
+        let mut dice = Dice::new(1000 + seed);
+        let n = 4 + dice.below(4);
+        let kind = dice.below(4);
+        let (elastic, common) = (dice.chance(0.5), dice.chance(0.5));
+        let cell = dice.model(n, kind, elastic, common).cell();
+        let count = 4 + dice.below(3);
+        let group = PostureGroup::from_angles(format!("cell {seed}"), dice.postures(n, count));
+        let determined = evaluate(&cell, &group.name, &group.postures)
+            .unwrap()
+            .undetermined_joints
+            .is_empty();
+        if determined {
+            compared.extend(run(&cell, &[group], RUNS, seed).groups);
+        }
+    }
+    assert!(compared.len() >= 12, "{} cells", compared.len());
+    let cases: Vec<(&str, &LevelResult, usize)> = compared
+        .iter()
+        .flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)))
+        .flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)))
+        .collect();
+    let limit = threshold(2 * cases.len());
+    let mut largest = 0.0_f64;
+    for (name, level, j) in cases {
+        let expected = level.expected_deviation[j];
+        let z =
+            (level.compliance_mean_deviation[j] - expected) / level.compliance_standard_error[j];
+        assert!(
+            z.abs() < limit,
+            "{name}, joint {}: z = {z} on the compliance",
+            j + 1
+        );
+        largest = largest.max(z.abs());
+        if relative_error(level, j) < 0.05 {
+            let z = (level.mean_deviation[j] - expected) / level.standard_error[j];
+            assert!(
+                z.abs() < limit,
+                "{name}, joint {}: z = {z} on the stiffness",
+                j + 1
+            );
+        }
+    }
+    println!(
+        "{} random cells, largest |z| {largest:.2} (limit {limit:.2})",
+        compared.len()
+    );
+}
+
+#[test]
+fn the_median_holds_where_the_mean_does_not_exist() {
+    const RUNS: usize = 20_000;
+    let cell = reference_cell();
+    let groups = [PostureGroup::from_angles("hand-picked", group1())];
+    let options = SimulationOptions {
+        variance_factors: vec![20.0, 40.0],
+        runs: RUNS,
+        ..SimulationOptions::default()
+    };
+    let simulation = simulate(&cell, &groups, &options, Control::default()).unwrap();
+    let limit = threshold(12);
+    for level in &simulation.groups[0].levels {
+        for j in 0..6 {
+            let z = median_z(level, j, RUNS);
+            assert!(
+                z.abs() < limit,
+                "factor {}, joint {}: z = {z}",
+                level.variance_factor,
+                j + 1
+            );
+        }
+        // Joint 4 has a standard error of a third and more: the mean is far off the closed form.
+        assert!(relative_error(level, 3) > 0.3 && level.beyond_first_order[3]);
+        assert!(level.mean_deviation[3] > 1.2 * level.expected_deviation[3]);
+    }
+}
+
+#[test]
+fn a_shift_common_to_a_posture_is_simulated_and_weighted() {
+    let mut cell = reference_cell();
+    cell.noise.posture_common_std = 1.5 * cell.noise.displacement_std();
+    let groups = [PostureGroup::from_angles("random", random_group())];
+    let simulation = run(&cell, &groups, 20_000, 5);
+    let limit = threshold(36);
+    for level in &simulation.groups[0].levels {
+        for j in 0..6 {
+            let difference = level.compliance_mean_deviation[j] - level.expected_deviation[j];
+            let z = difference / level.compliance_standard_error[j];
+            assert!(
+                z.abs() < limit,
+                "factor {}, joint {}: z = {z}",
+                level.variance_factor,
+                j + 1
+            );
+        }
+    }
+}
+
+#[test]
+fn noise_grows_with_the_square_root_of_its_variance() {
+    let cell = reference_cell();
+    let groups = [PostureGroup::from_angles("random", random_group())];
+    let simulation = run(&cell, &groups, 2, 1);
+    let levels = &simulation.groups[0].levels;
+    let factors: Vec<f64> = levels.iter().map(|l| l.variance_factor).collect();
+    assert_eq!(factors, [0.5, 1.0, 1.5, 2.0, 2.5, 3.0]);
+    for level in levels {
+        for j in 0..6 {
+            let ratio = level.expected_deviation[j] / levels[1].expected_deviation[j];
+            assert!((ratio - level.variance_factor.sqrt()).abs() < 1e-12);
+        }
+    }
+    // Without noise nothing deviates, and two readings double the variance.
+    let quiet = SimulationOptions {
+        variance_factors: vec![0.0],
+        runs: 3,
+        ..SimulationOptions::default()
+    };
+    let quiet = simulate(&cell, &groups, &quiet, Control::default()).unwrap();
+    assert_eq!(quiet.groups[0].levels[0].mean_deviation, [0.0; 6]);
+    let mut honest = cell.clone();
+    honest.noise.readings_per_displacement = 2;
+    let honest = run(&honest, &groups, 2, 1);
+    for j in 0..6 {
+        let ratio =
+            honest.groups[0].levels[0].expected_deviation[j] / levels[1].expected_deviation[j];
+        assert!((ratio - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+#[cfg(feature = "parallel")]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let cell = reference_cell();
+    let groups = groups(&cell);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| run(&cell, &groups, 200, 3))
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(4));
+    assert_ne!(
+        one,
+        run(&cell, &groups, 200, 4),
+        "another seed, other numbers"
+    );
+}
+
+#[test]
+fn longer_simulations_begin_with_the_runs_of_shorter_ones() {
+    let cell = reference_cell();
+    let groups = groups(&cell);
+    let [one, two, three, many] = [1, 2, 3, 50].map(|runs| run(&cell, &groups, runs, 9));
+    let levels = |s: &Simulation| {
+        s.groups
+            .iter()
+            .flat_map(|g| g.levels.clone())
+            .collect::<Vec<LevelResult>>()
+    };
+    let (one, two, three, many) = (levels(&one), levels(&two), levels(&three), levels(&many));
+    for (((one, two), three), many) in one.iter().zip(&two).zip(&three).zip(&many) {
+        assert_eq!(one.mean_deviation, one.first_run_deviation);
+        assert_eq!(one.first_run_deviation, many.first_run_deviation);
+        for j in 0..6 {
+            let first = one.mean_deviation[j];
+            let second = 2.0 * two.mean_deviation[j] - first;
+            let third = 3.0 * three.mean_deviation[j] - first - second;
+            let mut runs = [first, second, third];
+            runs.sort_by(f64::total_cmp);
+            // The median is another statistic of the same three numbers.
+            assert!((three.median_deviation[j] - runs[1]).abs() < 1e-12);
+        }
+    }
+    // Neither do further groups and levels change what came before.
+    let options = SimulationOptions {
+        variance_factors: vec![0.5],
+        runs: 50,
+        seed: 9,
+        ..Default::default()
+    };
+    let part = simulate(&cell, &groups[..1], &options, Control::default()).unwrap();
+    assert_eq!(part.groups[0].levels[0], many[0]);
+    // Each level and group draws its own numbers.
+    let scaled = |l: &LevelResult| l.first_run_deviation[0] / l.variance_factor.sqrt();
+    assert!((scaled(&many[0]) / scaled(&many[1]) - 1.0).abs() > 1e-3);
+}
+
+#[test]
+fn simulation_refuses_what_it_cannot_answer() {
+    let cell = reference_cell();
+    let groups = [PostureGroup::from_angles("one", group1())];
+    let fails = |cell: &Cell, options: SimulationOptions| {
+        simulate(cell, &groups, &options, Control::default())
+            .unwrap_err()
+            .code()
+    };
+    let default = SimulationOptions::default;
+    assert_eq!(
+        fails(
+            &cell,
+            SimulationOptions {
+                runs: 0,
+                ..default()
+            }
+        ),
+        stiffarm::Code::InvalidValue
+    );
+    for factors in [vec![], vec![-1.0], vec![f64::NAN]] {
+        let options = SimulationOptions {
+            variance_factors: factors,
+            ..default()
+        };
+        assert_eq!(fails(&cell, options), stiffarm::Code::InvalidValue);
+    }
+    let blank = Cell {
+        prior: None,
+        ..cell.clone()
+    };
+    assert_eq!(fails(&blank, default()), stiffarm::Code::MissingKey);
+    let stop = || true;
+    let control = Control {
+        stop: Some(&stop),
+        progress: None,
+    };
+    let error = simulate(&cell, &groups, &default(), control).unwrap_err();
+    assert_eq!(error.code(), stiffarm::Code::Interrupted);
+}
+
+/// How often the interval of each joint holds the truth when measurements of
+/// `world` are identified with what `cell` believes of the noise.
+fn coverage(
+    group: &PostureGroup,
+    world: &Cell,
+    cell: &Cell,
+    noise: NoiseSource,
+    runs: usize,
+) -> Vec<u64> {
+    let postures = &group.postures;
+    let truth = world.require_prior().unwrap();
+    let options = IdentifyOptions {
+        estimator: Estimator::Weighted,
+        noise,
+        ..IdentifyOptions::default()
+    };
+    let mut covered = vec![0; 6];
+    for stream in 0..runs {
+        let measured =
+            simulate_measurements(world, postures, truth, Model::Linear, 17, stream).unwrap();
+        let result = identify(cell, &measured, &options).unwrap();
+        for (j, joint) in result.joints.iter().enumerate() {
+            // An interval of k that is open above is one of H that holds zero.
+            let [low, high] = joint.interval;
+            let above = low.is_some_and(|low| low <= truth[j]);
+            covered[j] += u64::from(above && high.is_none_or(|high| truth[j] <= high));
+        }
+    }
+    covered
+}
+
+#[test]
+fn intervals_cover_as_often_as_they_say() {
+    const RUNS: usize = 4000;
+    let independent = reference_cell();
+    let mut common = independent.clone();
+    common.noise.posture_common_std = common.noise.displacement_std();
+    let cases = [
+        (&independent, NoiseSource::Estimated),
+        (&independent, NoiseSource::Known),
+        (&common, NoiseSource::Estimated),
+        (&common, NoiseSource::Known),
+    ];
+    let binomial = Binomial::new(0.95, RUNS as u64).unwrap();
+    // Two-sided, over all joints and cases.
+    let tail = 0.5 * FALSE_ALARM / (6 * cases.len()) as f64;
+    let (least, most) = (binomial.inverse_cdf(tail), binomial.inverse_cdf(1.0 - tail));
+    let group = PostureGroup::from_angles("random", random_group());
+    for (cell, noise) in cases {
+        let covered = coverage(&group, cell, cell, noise, RUNS);
+        let shares: Vec<String> = covered
+            .iter()
+            .map(|c| format!("{:.2}", 100.0 * *c as f64 / RUNS as f64))
+            .collect();
+        println!(
+            "{noise:?}, common shift {:.1e} m: {} %",
+            cell.noise.posture_common_std,
+            shares.join(" ")
+        );
+        for c in covered {
+            assert!(
+                (least..=most).contains(&c),
+                "{noise:?}: {c} of {RUNS}, expected {least} to {most}"
+            );
+        }
+    }
+}
+
+#[test]
+fn intervals_that_ignore_a_common_shift_are_too_short() {
+    let cell = reference_cell();
+    let mut world = cell.clone();
+    world.noise.posture_common_std = world.noise.displacement_std();
+    for group in groups(&cell) {
+        let covered = coverage(&group, &world, &cell, NoiseSource::Estimated, 1000);
+        let mean = covered.iter().sum::<u64>() as f64 / 6000.0;
+        println!(
+            "{}: ignoring the common shift: {:.1} % {covered:?}",
+            group.name,
+            100.0 * mean
+        );
+        assert!((0.70..0.86).contains(&mean), "{}: {mean}", group.name);
+    }
+}

@@ -1,0 +1,320 @@
+//! Postures along paths: continuity, limits, branches, and the free turn about
+//! the tool axis.
+
+use crate::common;
+
+use common::default_cell;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
+use stiffarm::Code;
+use stiffarm::Control;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::inverse::InverseKinematics;
+use stiffarm::model::path::{LoadedPosture, PathPoint, PathTarget};
+use stiffarm::model::process::{ForceAxes, TipLoad};
+use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
+use stiffarm::work::predict::LoadedArm;
+
+fn arm(cell: &Cell) -> LoadedArm {
+    LoadedArm::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
+}
+
+fn point(i: usize, target: PathTarget) -> PathPoint {
+    PathPoint {
+        name: (i + 1).to_string(),
+        line: Some(i + 2),
+        target,
+        load: None,
+    }
+}
+
+/// The tool points down onto a circle in front of the robot.
+fn circle(count: usize) -> Vec<Isometry3<f64>> {
+    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    (0..count)
+        .map(|i| {
+            let angle = std::f64::consts::TAU * i as f64 / (count - 1) as f64;
+            let at = Vector3::new(1.9 + 0.25 * angle.cos(), 0.25 * angle.sin(), 0.8);
+            Isometry3::from_parts(at.into(), down)
+        })
+        .collect()
+}
+
+fn poses(poses: &[Isometry3<f64>]) -> Vec<PathPoint> {
+    let targets = poses.iter().map(|pose| PathTarget::Pose(*pose));
+    targets.enumerate().map(|(i, t)| point(i, t)).collect()
+}
+
+fn milling() -> Option<TipLoad> {
+    Some(TipLoad {
+        force: Vector3::new(-180.0, 240.0, -60.0),
+        moment: Vector3::zeros(),
+        axes: ForceAxes::Path,
+    })
+}
+
+fn run(
+    cell: &Cell,
+    points: &[PathPoint],
+    options: &PosturePathOptions,
+) -> stiffarm::Result<(Vec<LoadedPosture>, PosturePathSummary)> {
+    let inverse = InverseKinematics::new(&cell.setup.robot);
+    posture_path(&arm(cell), &inverse, points, options, Control::default())
+}
+
+/// Distance of the tips from their poses, up to a turn about z where it is free.
+fn worst_gap(cell: &Cell, found: &[LoadedPosture], poses: &[Isometry3<f64>], free: bool) -> f64 {
+    let arm = arm(cell);
+    let gaps = found.iter().zip(poses).map(|(posture, pose)| {
+        let tip = arm.tip_pose(&posture.q);
+        let shift = (tip.translation.vector - pose.translation.vector).norm();
+        let turn = match free {
+            true => (tip.rotation * Vector3::z() - pose.rotation * Vector3::z()).norm(),
+            false => tip.rotation.angle_to(&pose.rotation),
+        };
+        shift.max(turn)
+    });
+    gaps.fold(0.0, f64::max)
+}
+
+fn assert_continuous(cell: &Cell, found: &[LoadedPosture], step: f64) {
+    for pair in found.windows(2) {
+        for (a, b) in pair[0].q.iter().zip(&pair[1].q) {
+            assert!((b - a).abs() <= step);
+        }
+    }
+    for posture in found {
+        assert!(cell.setup.robot.outside_limits(&posture.q).is_none());
+    }
+}
+
+#[test]
+fn poses_are_held_on_one_branch() {
+    let cell = default_cell();
+    let circle = circle(90);
+    let options = PosturePathOptions {
+        process: milling(),
+        ..PosturePathOptions::default()
+    };
+    let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
+    assert_eq!(summary.origin, Origin::ClosedForm);
+    assert!(worst_gap(&cell, &found, &circle, false) < 1e-11);
+    assert_continuous(&cell, &found, 0.2);
+    // The load turns with the feed: 300 N and more everywhere, never the same.
+    assert!(
+        found
+            .iter()
+            .all(|p| (p.wrench.force.norm() - 305.9).abs() < 0.1)
+    );
+    assert!((found[0].wrench.force - found[45].wrench.force).norm() > 400.0);
+    // Among all branches the one that bends least: any start gives no less.
+    let inverse = InverseKinematics::new(&cell.setup.robot);
+    let arm = arm(&cell);
+    let mut others = 0;
+    for branch in inverse
+        .branches(&(circle[0] * arm.tip().inverse()))
+        .unwrap()
+    {
+        let options = PosturePathOptions {
+            start: Some(branch.q.clone()),
+            ..options.clone()
+        };
+        if let Ok((_, other)) = run(&cell, &poses(&circle), &options) {
+            assert!(other.deflection_rms_m >= summary.deflection_rms_m * (1.0 - 1e-12));
+            others += 1;
+        }
+    }
+    assert!(others >= 2);
+}
+
+#[test]
+fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
+    let cell = default_cell();
+    let circle = circle(60);
+    let fixed = PosturePathOptions {
+        process: milling(),
+        ..PosturePathOptions::default()
+    };
+    let free = PosturePathOptions {
+        free_turn: true,
+        ..fixed.clone()
+    };
+    let (_, given) = run(&cell, &poses(&circle), &fixed).unwrap();
+    let (found, summary) = run(&cell, &poses(&circle), &free).unwrap();
+    println!(
+        "RMS deflection {:.4} mm as given, {:.4} mm with the turn free; largest step {:.2}°",
+        1e3 * given.deflection_rms_m,
+        1e3 * summary.deflection_rms_m,
+        summary.largest_step_deg
+    );
+    let as_given = summary.given_rms_m.unwrap();
+    assert!((as_given / given.deflection_rms_m - 1.0).abs() < 1e-9);
+    assert!(summary.deflection_rms_m < 0.98 * given.deflection_rms_m);
+    assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
+    assert_continuous(&cell, &found, free.largest_step);
+    // No single turn does better: a thousandth of the RMS for the finite grid.
+    let arm = arm(&cell);
+    for turn in 0..36 {
+        let spin = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), f64::from(turn) * 0.1745);
+        let turned: Vec<_> = circle.iter().map(|pose| pose * spin).collect();
+        if let Ok((_, other)) = run(&cell, &poses(&turned), &fixed) {
+            assert!(other.deflection_rms_m >= 0.999 * summary.deflection_rms_m);
+        }
+    }
+    // Axis rows are the same freedom.
+    let axes: Vec<PathPoint> = circle
+        .iter()
+        .enumerate()
+        .map(|(i, pose)| {
+            let target = PathTarget::Axis {
+                position: pose.translation.vector,
+                axis: UnitVector3::new_normalize(pose.rotation * Vector3::z()),
+            };
+            point(i, target)
+        })
+        .collect();
+    let (found, by_axis) = run(&cell, &axes, &fixed).unwrap();
+    assert!((by_axis.deflection_rms_m / summary.deflection_rms_m - 1.0).abs() < 1e-3);
+    assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
+    // And joint angles, whose own turn is then the given one.
+    let angles: Vec<PathPoint> = found
+        .iter()
+        .enumerate()
+        .map(|(i, posture)| point(i, PathTarget::Angles(posture.q.clone())))
+        .collect();
+    let (kept, from_angles) = run(&cell, &angles, &free).unwrap();
+    assert!(from_angles.deflection_rms_m <= from_angles.given_rms_m.unwrap() * (1.0 + 1e-12));
+    assert_continuous(&cell, &kept, free.largest_step);
+    let (same, given) = run(&cell, &angles, &fixed).unwrap();
+    assert_eq!(given.origin, Origin::Given);
+    assert_eq!(same[7].q, found[7].q);
+    assert_eq!(arm.tip_pose(&same[7].q), arm.tip_pose(&found[7].q));
+}
+
+#[test]
+fn long_paths_choose_turns_at_knots() {
+    let cell = default_cell();
+    let circle = circle(3000);
+    let options = PosturePathOptions {
+        process: milling(),
+        free_turn: true,
+        turns: 24,
+        ..PosturePathOptions::default()
+    };
+    let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
+    assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
+    assert_continuous(&cell, &found, 0.1);
+    assert!(summary.deflection_rms_m < summary.given_rms_m.unwrap());
+}
+
+#[test]
+fn unreachable_points_jumps_and_limits_are_named_with_their_line() {
+    let cell = default_cell();
+    let options = PosturePathOptions::default();
+    let mut far = circle(10);
+    far[4].translation.vector.x = 4.5;
+    let error = run(&cell, &poses(&far), &options).unwrap_err();
+    assert_eq!(
+        (error.code(), error.place().line),
+        (Code::Unreachable, Some(6))
+    );
+    assert!(
+        error.message().starts_with("Point 5: ") && error.message().contains("mm"),
+        "{error}"
+    );
+    // Three points of a circle are a jump of some joint.
+    let narrow = PosturePathOptions {
+        largest_step: 0.01,
+        ..options.clone()
+    };
+    let error = run(&cell, &poses(&circle(8)), &narrow).unwrap_err();
+    assert_eq!(error.place().line, Some(3));
+    assert!(error.message().contains("From point 1 to 2"), "{error}");
+    let free = PosturePathOptions {
+        free_turn: true,
+        ..narrow
+    };
+    let error = run(&cell, &poses(&circle(8)), &free).unwrap_err();
+    assert!(error.message().contains("every posture jumps"), "{error}");
+    // A feed load where nothing moves.
+    let still = vec![circle(3)[0]; 3];
+    let fed = PosturePathOptions {
+        process: milling(),
+        ..options.clone()
+    };
+    let error = run(&cell, &poses(&still), &fed).unwrap_err();
+    assert!(error.message().contains("does not move"), "{error}");
+    assert!(run(&cell, &[], &options).is_err());
+    // Joints that cannot get there.
+    let mut held = cell.clone();
+    let mut limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
+    limits[0] = [1.2, 1.6];
+    held.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
+    let error = run(&held, &poses(&circle(8)), &options).unwrap_err();
+    assert_eq!(error.code(), Code::OutsideLimits);
+    assert!(error.message().contains("joint 1"), "{error}");
+}
+
+#[test]
+fn singular_postures_are_found() {
+    let cell = default_cell();
+    let q: Vec<f64> = [0.0, 20.0, -120.0, 0.0, 0.2, 0.0]
+        .map(f64::to_radians)
+        .to_vec();
+    let (_, summary) = run(
+        &cell,
+        &[point(0, PathTarget::Angles(q))],
+        &PosturePathOptions::default(),
+    )
+    .unwrap();
+    let finding = &summary.findings[0];
+    assert_eq!(finding.code, "singular-posture");
+    assert!(
+        finding.sentence.contains("1 (line 2)"),
+        "{}",
+        finding.sentence
+    );
+}
+
+#[test]
+fn arms_without_closed_form_follow_and_turn_as_well() {
+    // The shape of a KUKA KR240 whose axes 2 and 3 are not parallel by half a
+    // degree and whose wrist axes miss each other by a millimetre.
+    let rows = [
+        [0.0, 0.0, 0.0, 0.75],
+        [-FRAC_PI_2, 0.35, 0.0, 0.0],
+        [0.009, 1.25, -FRAC_PI_2, 0.0],
+        [-FRAC_PI_2, -0.055, 0.0, 1.1],
+        [FRAC_PI_2, 0.001, 0.0, 0.0],
+        [-FRAC_PI_2, 0.0, PI, 0.23],
+    ];
+    let rows = rows.map(|[alpha, a, offset, d]| DhRow {
+        alpha,
+        a,
+        d,
+        offset,
+    });
+    let base = Isometry3::identity();
+    let mut cell = default_cell();
+    cell.setup.robot = Robot::from_dh("calibrated", DhConvention::Modified, &rows, base).unwrap();
+    cell.prior = Some(vec![3.8e6, 6.6e6, 3.9e6, 5.6e5, 6.6e5, 4.7e5]);
+    let circle = circle(30);
+    let options = PosturePathOptions {
+        process: milling(),
+        turns: 24,
+        ..PosturePathOptions::default()
+    };
+    let (found, fixed) = run(&cell, &poses(&circle), &options).unwrap();
+    assert_eq!(fixed.origin, Origin::Numeric);
+    assert!(worst_gap(&cell, &found, &circle, false) < 1e-9);
+    let free = PosturePathOptions {
+        free_turn: true,
+        ..options
+    };
+    let (found, turned) = run(&cell, &poses(&circle), &free).unwrap();
+    assert!(worst_gap(&cell, &found, &circle, true) < 1e-9);
+    assert_continuous(&cell, &found, free.largest_step);
+    assert!(turned.deflection_rms_m < fixed.deflection_rms_m);
+}

@@ -1,0 +1,293 @@
+//! Maps of dexterity and of the influence of K_C over joints 2 and 3.
+
+use crate::common;
+
+use common::{cases, default_cell, random::Dice, reference_cell};
+use nalgebra::{DMatrix, DVector, Vector3};
+use proptest::prelude::*;
+use stiffarm::Code;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::dexterity::condition_number;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Axes, Load, Wrench};
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones, zones};
+
+fn options(steps: usize) -> ZoneOptions {
+    ZoneOptions { steps, q: None }
+}
+
+fn posture(zones: &Zones, row: usize, column: usize) -> Vec<f64> {
+    let mut q: Vec<f64> = zones.held_deg.iter().map(|q| q.unwrap_or(0.0)).collect();
+    (q[1], q[2]) = (zones.q2_deg[column], zones.q3_deg[row]);
+    q.iter().map(|a| a.to_radians()).collect()
+}
+
+/// Relative deviations of translation and rotation, with K_C by differences of
+/// Γ = J(θ)ᵀ W at a constant W.
+fn deviations(cell: &Cell, q: &[f64]) -> [f64; 2] {
+    let robot = &cell.setup.robot;
+    let theta = robot.serial_angles(q);
+    let frames = Frames::new(robot, q);
+    let loading = &cell.setup.tool.loading_point;
+    let load = cell
+        .setup
+        .load
+        .wrench(&frames, &frames.point(loading))
+        .unwrap();
+    let wrench = DVector::from_iterator(6, load.force.iter().chain(load.moment.iter()).copied());
+    let torque = |theta: &DVector<f64>| {
+        let frames = Frames::at_serial_angles(robot, theta.as_slice());
+        frames.jacobian(&frames.point(loading)).tr_mul(&wrench)
+    };
+    let n = theta.len();
+    let h = 1e-5;
+    let mut correction = DMatrix::zeros(n, n);
+    for j in 0..n {
+        let (mut up, mut down) = (theta.clone(), theta.clone());
+        up[j] += h;
+        down[j] -= h;
+        correction.set_column(j, &((torque(&up) - torque(&down)) / (2.0 * h)));
+    }
+    let stiffness = DMatrix::from_diagonal(&DVector::from_row_slice(cell.prior.as_ref().unwrap()));
+    let jacobian = frames.jacobian(&frames.point(&cell.setup.tool.tcp()));
+    let shift =
+        |stiffness: DMatrix<f64>| &jacobian * stiffness.lu().solve(&torque(&theta)).unwrap();
+    let (without, with) = (shift(stiffness.clone()), shift(stiffness - correction));
+    [0, 3].map(|at| {
+        let before = without.rows(at, 3);
+        (with.rows(at, 3) - before).norm() / before.norm()
+    })
+}
+
+fn values(map: &ZoneMap) -> Vec<f64> {
+    map.iter().flatten().flatten().copied().collect()
+}
+
+#[test]
+fn values_are_those_of_the_formulas() {
+    let cell = reference_cell();
+    let found = zones(&cell, &options(7)).unwrap();
+    assert_eq!(found.joints, ["joint 2", "joint 3"]);
+    assert_eq!(
+        found.held_deg,
+        [Some(0.0), None, None, Some(45.0), Some(45.0), Some(45.0)]
+    );
+    assert_eq!((found.q2_deg[0], found.q2_deg[6]), (-60.0, 40.0));
+    assert_eq!((found.q3_deg[0], found.q3_deg[6]), (-180.0, -40.0));
+    assert_eq!((found.postures, found.within_limits), (49, 49));
+    for (row, column) in [(0, 0), (2, 5), (6, 1), (3, 3)] {
+        let q = posture(&found, row, column);
+        let frames = Frames::new(&cell.setup.robot, &q);
+        let tcp = frames.point(&cell.setup.tool.tcp());
+        let k = condition_number(&frames, &tcp, 0.773).unwrap();
+        let ours = found.inverse_condition[row][column].unwrap();
+        assert!((ours * k - 1.0).abs() < 1e-12, "{ours} {k}");
+        let [translation, rotation] = deviations(&cell, &q);
+        let ours = found.translation_deviation[row][column].unwrap();
+        assert!(
+            (ours / translation - 1.0).abs() < 1e-5,
+            "{ours} {translation}"
+        );
+        let ours = found.rotation_deviation[row][column].unwrap();
+        assert!((ours / rotation - 1.0).abs() < 1e-5, "{ours} {rotation}");
+    }
+    // Below 2 % at 500 N, and not nothing.
+    let largest = found.translation_range.unwrap().largest;
+    assert!((1e-4..0.02).contains(&largest), "{largest}");
+}
+
+#[test]
+fn postures_outside_the_limits_have_no_values() {
+    let cell = default_cell();
+    let found = zones(&cell, &options(15)).unwrap();
+    let mut inside = 0;
+    for row in 0..15 {
+        for column in 0..15 {
+            let q = posture(&found, row, column);
+            let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+            let margin = cell.limits.smallest(&cell.setup, &terms).unwrap().margin;
+            let maps = [
+                &found.inverse_condition,
+                &found.translation_deviation,
+                &found.rotation_deviation,
+            ];
+            for map in maps {
+                assert_eq!(map[row][column].is_some(), margin >= 0.0, "{row} {column}");
+            }
+            inside += usize::from(margin >= 0.0);
+        }
+    }
+    assert_eq!(found.within_limits, inside);
+    assert!((20..200).contains(&inside), "{inside}");
+}
+
+#[test]
+fn the_best_zone_is_dexterous_untouched_and_in_one_piece() {
+    for cell in [reference_cell(), default_cell()] {
+        let found = zones(&cell, &options(31)).unwrap();
+        let best = found.best.clone().unwrap();
+        let sorted = |map: &ZoneMap| {
+            let mut values = values(map);
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let dexterity = sorted(&found.inverse_condition);
+        // As many postures as the upper quarter holds.
+        let above = dexterity
+            .iter()
+            .filter(|v| **v > best.inverse_condition)
+            .count();
+        assert!(above < dexterity.len() / 4);
+        assert!(best.translation_deviation <= found.translation_range.unwrap().median);
+        assert!(best.rotation_deviation <= found.rotation_range.unwrap().median);
+        assert_eq!(
+            found.inverse_condition_range.unwrap().largest,
+            dexterity[dexterity.len() - 1]
+        );
+        // Nothing else that is as little touched is more dexterous.
+        for row in 0..31 {
+            for column in 0..31 {
+                let Some(value) = found.inverse_condition[row][column] else {
+                    continue;
+                };
+                let calm = found.translation_deviation[row][column].unwrap()
+                    <= found.translation_range.unwrap().median
+                    && found.rotation_deviation[row][column].unwrap()
+                        <= found.rotation_range.unwrap().median;
+                assert!(!calm || value <= best.inverse_condition);
+            }
+        }
+        let [low, high] = best.q2_deg;
+        assert!((low..=high).contains(&best.best_q_deg[1]), "{best:?}");
+        let [low, high] = best.q3_deg;
+        assert!((low..=high).contains(&best.best_q_deg[2]), "{best:?}");
+        assert!(best.posture_count >= 1 && best.posture_count <= found.within_limits / 4 + 1);
+        assert_eq!([best.best_q_deg[0], best.best_q_deg[3]], [0.0, 45.0]);
+    }
+}
+
+#[test]
+fn joint_1_turns_the_dexterity_nowhere_and_held_angles_are_held() {
+    let cell = reference_cell();
+    let straight = zones(&cell, &options(5)).unwrap();
+    let q = [70.0, 1e6, -1e6, 45.0, 45.0, 45.0].map(f64::to_radians);
+    let turned = ZoneOptions {
+        steps: 5,
+        q: Some(q.to_vec()),
+    };
+    let turned = zones(&cell, &turned).unwrap();
+    assert_eq!(turned.held_deg[0], Some(70.0));
+    let pairs = values(&straight.inverse_condition);
+    for (a, b) in pairs.iter().zip(values(&turned.inverse_condition)) {
+        assert!((a / b - 1.0).abs() < 1e-10);
+    }
+    // The rope does not turn with joint 1.
+    assert_ne!(straight.translation_deviation, turned.translation_deviation);
+    let wrist = [0.0, 0.0, 0.0, 10.0, 20.0, 30.0].map(f64::to_radians);
+    let wrist = ZoneOptions {
+        steps: 5,
+        q: Some(wrist.to_vec()),
+    };
+    let wrist = zones(&cell, &wrist).unwrap();
+    assert_ne!(straight.inverse_condition, wrist.inverse_condition);
+}
+
+#[test]
+fn what_is_missing_is_said() {
+    let cell = reference_cell();
+    let error = |cell: &Cell, options: &ZoneOptions| zones(cell, options).unwrap_err();
+    for steps in [0, 1, 501] {
+        assert_eq!(error(&cell, &options(steps)).code(), Code::InvalidValue);
+    }
+    let mut other = cell.clone();
+    other.prior = None;
+    let fault = error(&other, &options(3));
+    assert_eq!(
+        fault.place().key.as_deref(),
+        Some("stiffness.prior_nm_per_rad")
+    );
+    let mut other = cell.clone();
+    other.characteristic_length = None;
+    assert_eq!(error(&other, &options(3)).code(), Code::MissingKey);
+    let mut other = cell.clone();
+    other.setup.load = Load::Measured;
+    assert_eq!(error(&other, &options(3)).code(), Code::MissingKey);
+    let held = |q: Vec<f64>| ZoneOptions {
+        steps: 3,
+        q: Some(q),
+    };
+    assert_eq!(error(&cell, &held(vec![0.0; 5])).code(), Code::Dimension);
+    assert_eq!(
+        error(&cell, &held(vec![f64::NAN; 6])).code(),
+        Code::NotFinite
+    );
+    let mut limited = cell.clone();
+    let limits = vec![[-3.2, 3.2]; 6];
+    limited.setup.robot = limited.setup.robot.with_limits(&limits).unwrap();
+    let fault = error(&limited, &held(vec![0.0, 0.0, 0.0, 4.0, 0.0, 0.0]));
+    assert_eq!(fault.code(), Code::OutsideLimits);
+    assert!(fault.message().contains("joint 4"), "{fault}");
+    // Other than six joints.
+    let mut dice = Dice::new(3);
+    let five = dice.model(5, 0, false, false).cell();
+    assert_eq!(error(&five, &options(3)).code(), Code::Unsupported);
+    let seven = dice.model(7, 0, false, false).cell();
+    let fault = error(&seven, &options(3));
+    assert!(
+        fault.hint_text().unwrap().contains("all 7 joints"),
+        "{fault}"
+    );
+    assert!(zones(&seven, &held(vec![0.3; 7])).is_ok());
+}
+
+#[test]
+fn a_load_that_bends_nothing_gives_no_values_and_no_zone() {
+    let mut cell = reference_cell();
+    cell.setup.load = Load::Constant {
+        wrench: Wrench::force(Vector3::zeros()),
+        axes: Axes::Base,
+    };
+    let found = zones(&cell, &options(4)).unwrap();
+    assert!(values(&found.inverse_condition).is_empty());
+    assert_eq!((found.within_limits, found.best), (16, None));
+    assert_eq!(found.translation_range, None);
+}
+
+proptest! {
+    #![proptest_config(cases(12))]
+
+    #[test]
+    fn deviations_grow_with_the_load_and_agree_with_differences(
+        n in 6..8_usize,
+        kind in 0..4_usize,
+        seed in any::<u64>(),
+    ) {
+        let mut dice = Dice::new(seed);
+        let mut cell = dice.model(n, kind, false, false).cell();
+        let held = ZoneOptions { steps: 3, q: Some(dice.posture(n)) };
+        let before = zones(&cell, &held).unwrap();
+        let q = posture(&before, 1, 2);
+        if let Some(ours) = before.translation_deviation[1][2] {
+            let [translation, rotation] = deviations(&cell, &q);
+            prop_assert!((ours / translation - 1.0).abs() < 1e-4, "{ours} {translation}");
+            let ours = before.rotation_deviation[1][2].unwrap();
+            prop_assert!((ours / rotation - 1.0).abs() < 1e-4, "{ours} {rotation}");
+        }
+        // To first order the influence of K_C is proportional to the load.
+        match &mut cell.setup.load {
+            Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => *magnitude *= 1e-3,
+            Load::Constant { wrench, .. } => {
+                wrench.force *= 1e-3;
+                wrench.moment *= 1e-3;
+            }
+            Load::Measured => {}
+        }
+        let after = zones(&cell, &held).unwrap();
+        for (a, b) in values(&before.translation_deviation).iter().zip(values(&after.translation_deviation)) {
+            if *a < 1e-2 {
+                prop_assert!((1e-3 * a / b - 1.0).abs() < 0.1, "{a} {b}");
+            }
+        }
+    }
+}
