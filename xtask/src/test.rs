@@ -9,7 +9,7 @@ use crate::run::{Failure, Workspace, quoted};
 use crate::tally::{Ignored, Tally, Total};
 
 /// Names the folder of the reference data; the tests read it, and their `#[ignore]` reason names it.
-const REFERENCE_VARIABLE: &str = "STIFFARM_REFERENCE_DATA";
+pub const REFERENCE_VARIABLE: &str = "STIFFARM_REFERENCE_DATA";
 
 /// Parts of the test suite that belong to a version of the project that has their folder.
 const LATER_PARTS: [(Part, &str); 2] = [
@@ -97,7 +97,7 @@ fn run_rust(
 
 /// The folder that `value` names, absolute because `cargo test` starts every test in its package's folder; otherwise
 /// why there is none.
-fn reference_folder(value: Option<OsString>) -> Result<PathBuf, String> {
+pub fn reference_folder(value: Option<OsString>) -> Result<PathBuf, String> {
     let Some(value) = value.filter(|value| !value.is_empty()) else {
         return Err(format!("{REFERENCE_VARIABLE} is not set"));
     };
