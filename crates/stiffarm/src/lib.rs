@@ -27,5 +27,10 @@ pub use numerics::control::{Control, Report, Stop, Termination};
 /// What this project's own tests and benches measure. No promise is made about it.
 #[doc(hidden)]
 pub mod internals {
+    pub use crate::estimate::clamped::clamped_system;
+    pub use crate::estimate::identify::internals::{
+        Assumptions, Block, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale, Solution,
+        Whitened, measured_system,
+    };
     pub use crate::numerics::{information, jobs, optimise, sample, streams};
 }

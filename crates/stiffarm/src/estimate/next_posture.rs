@@ -1,7 +1,7 @@
 //! What to measure next: the posture that would help an identification most.
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::identify::{Identification, Verdict};
+use crate::estimate::identify::{Fit, Identification, Verdict};
 use crate::model::cell::Cell;
 use crate::model::load::{Axes, Load, Wrench};
 use crate::model::measurement::MeasuredPosture;
@@ -62,13 +62,12 @@ pub struct NextPosture {
 /// No stiffness to weigh joints by, measured forces from which no
 /// load can be assumed, or as [`select_global`].
 pub fn next_posture(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    result: &Identification,
+    fit: &Fit,
     options: &GlobalOptions,
     control: Control<'_>,
 ) -> Result<NextPosture> {
-    let mut cell = cell.clone();
+    let (result, measured) = (fit.identification()?, fit.postures());
+    let mut cell = fit.cell().clone();
     cell.prior = Some(stiffness(&cell, result)?);
     let two = f64::from(cell.noise.readings_per_displacement);
     if let Some(sigma) = result.residual_std_m.filter(|s| *s > 0.0) {

@@ -17,7 +17,7 @@ use stiffarm::estimate::diagnose::{
     Agreement, Diagnosis, OutlierKind, diagnose, joint_signals, load_states, noise_test, outliers,
     second_order_shares, try_terms,
 };
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, identify};
+use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, identify};
 use stiffarm::estimate::validate::{Model, calculated_displacements, simulate_measurements};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
@@ -137,7 +137,9 @@ fn false_alarms(
     for seed in 0..seeds {
         let truth = truth(cell);
         let measured = simulate_measurements(cell, postures, &truth, Model::Linear, seed, 0);
-        let found = diagnose(cell, &measured.unwrap(), &options(estimator)).unwrap();
+        let found = Fit::new(cell, &measured.unwrap(), &options(estimator))
+            .and_then(|fit| diagnose(&fit))
+            .unwrap();
         for fault in faults.iter().filter(|f| codes(&found).contains(f)) {
             *counts.entry((*fault).to_string()).or_default() += 1;
         }
@@ -209,8 +211,11 @@ fn clean_load_states_raise_few_findings() {
         for seed in 0..SEEDS {
             let measured = in_states(&cell, states, seed, |_, _, _| Vector3::zeros());
             let options = options(Estimator::TwoVariance);
-            let noise = noise_test(&cell, &measured, &options).unwrap();
-            let found = load_states(&cell, &measured, &options, noise.as_ref())
+            let noise = Fit::new(&cell, &measured, &options)
+                .and_then(|fit| noise_test(&fit))
+                .unwrap();
+            let found = Fit::new(&cell, &measured, &options)
+                .and_then(|fit| load_states(&fit, noise.as_ref()))
                 .unwrap()
                 .unwrap();
             assert_eq!(
@@ -236,7 +241,8 @@ fn residuals_are_compared_with_the_noise_in_words() {
     let test = |factor: f64| {
         let mut stated = cell.clone();
         stated.noise.reading_variance /= factor * factor;
-        noise_test(&stated, &measured, &options(Estimator::Ordinary))
+        Fit::new(&stated, &measured, &options(Estimator::Ordinary))
+            .and_then(|fit| noise_test(&fit))
             .unwrap()
             .unwrap()
     };
@@ -258,15 +264,17 @@ fn residuals_are_compared_with_the_noise_in_words() {
     assert_eq!(overstated.finding(None).code, "residuals-below-noise");
     // The whitened residual with the declared common part is what it is.
     let cell = noisy_cell(3.0);
-    let shared = noise_test(&cell, &measure(&cell, 5), &options(Estimator::TwoVariance));
+    let shared = Fit::new(&cell, &measure(&cell, 5), &options(Estimator::TwoVariance))
+        .and_then(|fit| noise_test(&fit));
     assert_eq!(shared.unwrap().unwrap().agreement, Agreement::Agrees);
     let mut undeclared = cell.clone();
     undeclared.noise.posture_common_std = 0.0;
-    let test = noise_test(
+    let test = Fit::new(
         &undeclared,
         &measure(&cell, 5),
         &options(Estimator::TwoVariance),
-    );
+    )
+    .and_then(|fit| noise_test(&fit));
     let test = test.unwrap().unwrap();
     assert_eq!(test.agreement, Agreement::Larger);
     assert!(test.within_ratio.is_some_and(|r| r < 1.3), "{test:?}");
@@ -294,7 +302,9 @@ fn one_displaced_reading_is_named() {
             let mut measured = measure(&cell, 1000 + i as u64);
             let (posture, point) = (i / 4, i % 4);
             measured[posture].displacements[point].value[axis] -= 1e-3;
-            let found = outliers(&cell, &measured, &options(estimator)).unwrap();
+            let found = Fit::new(&cell, &measured, &options(estimator))
+                .and_then(|fit| outliers(&fit))
+                .unwrap();
             let first = &found.found[0];
             assert_eq!(first.kind, OutlierKind::Displacement, "{i}: {first:?}");
             assert_eq!(
@@ -330,7 +340,10 @@ fn deleted_residuals_are_those_of_fits_without() {
     let mut measured = measure(&cell, 7);
     measured[4].displacements[2].value.y += 2e-4;
     let options = options(Estimator::Ordinary);
-    let found = &outliers(&cell, &measured, &options).unwrap().found[0];
+    let found = &Fit::new(&cell, &measured, &options)
+        .and_then(|fit| outliers(&fit))
+        .unwrap()
+        .found[0];
     let mut without = measured.clone();
     let taken = without[4].displacements.remove(2);
     let fit = identify(&cell, &without, &options).unwrap();
@@ -359,7 +372,9 @@ fn a_posture_that_does_not_fit_is_named_as_a_whole() {
             for d in &mut measured[posture].displacements {
                 d.value += exact[d.point] * 0.2;
             }
-            let found = outliers(&cell, &measured, &options(estimator)).unwrap();
+            let found = Fit::new(&cell, &measured, &options(estimator))
+                .and_then(|fit| outliers(&fit))
+                .unwrap();
             let first = &found.found[0];
             assert_eq!(
                 first.kind,
@@ -387,7 +402,9 @@ fn a_loose_reflector_is_named() {
             for m in &mut measured {
                 m.displacements[point].value += dice.vector(2e-4);
             }
-            let found = outliers(&cell, &measured, &options(estimator)).unwrap();
+            let found = Fit::new(&cell, &measured, &options(estimator))
+                .and_then(|fit| outliers(&fit))
+                .unwrap();
             let first = &found.found[0];
             assert_eq!(first.kind, OutlierKind::Point, "{point}: {:?}", found.found);
             assert_eq!(
@@ -407,7 +424,9 @@ fn many_contradictions_are_the_model() {
     for m in &mut measured {
         m.displacements[dice.below(4)].value += dice.direction() * 5e-3 * dice.between(0.5, 2.0);
     }
-    let found = outliers(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    let found = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
+        .and_then(|fit| outliers(&fit))
+        .unwrap();
     assert!(found.more && found.found.len() == 5);
     assert_eq!(found.findings().last().unwrap().code, "more-outliers");
 }
@@ -417,8 +436,11 @@ fn lost_motion_loops_and_curvature_are_told_apart() {
     let cell = noisy_cell(0.0);
     let options = options(Estimator::TwoVariance);
     let states = |measured: &[MeasuredPosture]| {
-        let noise = noise_test(&cell, measured, &options).unwrap();
-        load_states(&cell, measured, &options, noise.as_ref())
+        let noise = Fit::new(&cell, measured, &options)
+            .and_then(|fit| noise_test(&fit))
+            .unwrap();
+        Fit::new(&cell, measured, &options)
+            .and_then(|fit| load_states(&fit, noise.as_ref()))
             .unwrap()
             .unwrap()
     };
@@ -485,7 +507,9 @@ fn the_tilt_that_is_there_is_found() {
                 d.value += column.fixed_rows::<3>(3 * d.point);
             }
         }
-        let found = try_terms(&cell, &measured, &options).unwrap();
+        let found = Fit::new(&cell, &measured, &options)
+            .and_then(|fit| try_terms(&fit))
+            .unwrap();
         // On this robot joint 1 tilts at the foot of the base.
         assert_eq!(found.trials.len(), 12);
         assert_eq!(
@@ -505,7 +529,9 @@ fn the_tilt_that_is_there_is_found() {
         // With it in the model nothing more is asked for.
         let mut with = options.clone();
         with.extra.push(term);
-        let found = try_terms(&cell, &measured, &with).unwrap();
+        let found = Fit::new(&cell, &measured, &with)
+            .and_then(|fit| try_terms(&fit))
+            .unwrap();
         assert!(found.trials.len() <= 11 && !found.axis_only);
         assert_eq!(found.finding(), None);
     }
@@ -528,7 +554,9 @@ fn the_linear_model_is_judged_posture_by_posture() {
             .iter()
             .all(|s| s.correction_m > 1e-8 && s.correction_share < 0.05)
     );
-    let said = diagnose(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    let said = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     let finding = said
         .findings
         .iter()
@@ -543,7 +571,9 @@ fn the_linear_model_is_judged_posture_by_posture() {
     if let Load::Rope { magnitude, .. } = &mut heavy.setup.load {
         *magnitude = 30_000.0;
     }
-    let found = diagnose(&heavy, &measure(&heavy, 1), &options(Estimator::Ordinary)).unwrap();
+    let found = Fit::new(&heavy, &measure(&heavy, 1), &options(Estimator::Ordinary))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     let finding = found
         .findings
         .iter()
@@ -563,10 +593,14 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let height = cell.setup.tool.loading_point.z;
     cell.setup.tool.loading_point = Vector3::new(3e-3, 0.0, height);
     let measured = measure(&cell, 3);
-    let signals = joint_signals(&cell, &measured, &options(Estimator::TwoVariance)).unwrap();
+    let signals = Fit::new(&cell, &measured, &options(Estimator::TwoVariance))
+        .map(|fit| joint_signals(&fit))
+        .unwrap();
     assert!(signals[5].torque_rms_nm < 2.0 && signals[1].torque_rms_nm > 100.0);
     assert!(signals[5].to_residual.unwrap() < 1.0 && signals[1].to_residual.unwrap() > 10.0);
-    let found = diagnose(&cell, &measured, &options(Estimator::TwoVariance)).unwrap();
+    let found = Fit::new(&cell, &measured, &options(Estimator::TwoVariance))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     let weak: Vec<&str> = found
         .findings
         .iter()
@@ -583,7 +617,9 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let group = PostureGroup::from_angles("", alike).postures;
     let measured =
         simulate_measurements(&cell, &group, &truth(&cell), Model::Linear, 1, 0).unwrap();
-    let found = diagnose(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    let found = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     assert!(!found.correlated.is_empty() && codes(&found).contains(&"correlated"));
     assert!(found.correlated.iter().all(|p| p.correlation.abs() > 0.9));
 }
@@ -595,13 +631,17 @@ fn diagnoses_of_poor_data() {
     let all = measure(&cell, 1);
     for estimator in Estimator::ALL {
         for count in [1, 2, 3] {
-            diagnose(&cell, &all[..count], &options(estimator)).unwrap();
+            Fit::new(&cell, &all[..count], &options(estimator))
+                .and_then(|fit| diagnose(&fit))
+                .unwrap();
         }
     }
     let mut quiet = cell.clone();
     quiet.noise.reading_variance = 0.0;
     let exact = measure(&quiet, 1);
-    let found = diagnose(&quiet, &exact, &options(Estimator::TwoVariance)).unwrap();
+    let found = Fit::new(&quiet, &exact, &options(Estimator::TwoVariance))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     assert!(
         found.noise.is_none() && found.outliers.found.is_empty(),
         "{:?}",
@@ -612,7 +652,9 @@ fn diagnoses_of_poor_data() {
     for m in &mut single {
         m.displacements.truncate(1);
     }
-    let found = diagnose(&cell, &single, &options(Estimator::TwoVariance)).unwrap();
+    let found = Fit::new(&cell, &single, &options(Estimator::TwoVariance))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     assert!(found.outliers.found.is_empty());
     let json = serde_json::to_string(&found).unwrap();
     let back: Diagnosis = serde_json::from_str(&json).unwrap();
@@ -627,7 +669,11 @@ fn sentences() {
     let mut out = String::new();
     let mut tell = |title: &str, cell: &Cell, measured: &[MeasuredPosture]| {
         out += &format!("» {title}\n");
-        for finding in diagnose(cell, measured, &two).unwrap().findings {
+        for finding in Fit::new(cell, measured, &two)
+            .and_then(|fit| diagnose(&fit))
+            .unwrap()
+            .findings
+        {
             out += &format!(
                 "[{}] {}: {}\n",
                 finding.code, finding.subject, finding.sentence
@@ -678,7 +724,9 @@ mod fanuc {
         let text = convert_fanuc::convert(&folder.join("fanuc_r2000ic")).unwrap();
         let measured = read_displacements(text.as_bytes(), "fanuc.csv", &cell, None).unwrap();
         assert_eq!(measured.len(), 43);
-        let found = diagnose(&cell, &measured, &IdentifyOptions::default()).unwrap();
+        let found = Fit::new(&cell, &measured, &IdentifyOptions::default())
+            .and_then(|fit| diagnose(&fit))
+            .unwrap();
         for finding in &found.findings {
             println!("[{}] {}", finding.code, finding.sentence);
         }
