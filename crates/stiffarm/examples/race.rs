@@ -10,6 +10,7 @@ use stiffarm::files::builtin;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction};
 use stiffarm::plan::select::{GlobalOptions, select_watched};
+use stiffarm::units::rad_to_shortest_deg;
 
 /// Time spent on one rate.
 const RATE_SECONDS: f64 = 1.0;
@@ -192,8 +193,13 @@ fn run() -> Result<String, String> {
         }
     }
     let best: Vec<String> = selection
-        .postures_deg
+        .group
         .iter()
+        .map(|q| {
+            q.iter()
+                .map(|a| rad_to_shortest_deg(*a))
+                .collect::<Vec<f64>>()
+        })
         .map(|q| format!("{q:?}"))
         .collect();
     Ok(format!(

@@ -160,7 +160,8 @@ fn rounded(value: f64, digits: usize) -> Option<f64> {
 /// Angles that are radians in memory and degrees in JSON.
 ///
 /// For a field of `f64`, and of options, lists and arrays of it:
-/// `#[serde(rename = "angles_deg", with = "stiffarm::units::degrees")]`. The
+/// `#[serde(rename = "angles_deg", with = "stiffarm::units::degrees")]`; with a
+/// schema also `#[schemars(with = "Vec<f64>")]`, the type of the field. The
 /// numbers written are those of [`rad_to_shortest_deg`], so what was written is
 /// read and written again as the same text.
 pub mod degrees {

@@ -15,7 +15,6 @@ use stiffarm::plan::select::{
     DesignedLoad, GlobalOptions, LoadDesign, drop_postures, select_global, space_filling,
 };
 use stiffarm::plan::zones::Zone;
-use stiffarm::units::deg_to_rad;
 
 /// Numbers of postures of the curve.
 const SIZES: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 30];
@@ -210,11 +209,11 @@ pub struct ZoneGroups {
 impl ZoneGroups {
     pub fn new(cell: &Cell, zone: &Zone) -> Result<Self> {
         let mut free = cell.clone();
-        free.bounds[1] = zone.q2_deg.map(deg_to_rad);
-        free.bounds[2] = zone.q3_deg.map(deg_to_rad);
+        free.bounds[1] = zone.q2;
+        free.bounds[2] = zone.q3;
         let mut held = free.clone();
         for j in [0, 3, 4, 5] {
-            held.bounds[j] = [deg_to_rad(zone.best_q_deg[j]); 2];
+            held.bounds[j] = [zone.best_q[j]; 2];
         }
         Ok(ZoneGroups {
             held: Band::new(&held, 200, 6)?,

@@ -40,8 +40,10 @@ pub struct AssumedLoad {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextPosture {
-    /// Its controller angles \[deg\].
-    pub posture_deg: Vec<f64>,
+    /// Its controller angles \[rad; degrees in JSON\].
+    #[serde(rename = "posture_deg", with = "crate::units::degrees")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    pub angles: Vec<f64>,
     /// Relative standard error of each joint's stiffness with the postures so
     /// far (fraction); `None` where they do not determine it.
     pub before: Vec<Option<f64>>,
@@ -89,16 +91,10 @@ pub fn next_posture(
     }
     let selection = select_global(&cell, Index::ExpectedError, 1, &given, options, control)?;
     let before = evaluate(&cell, "before", &given)?;
-    let chosen = Posture {
-        name: "next".to_string(),
-        q: selection.group.concat(),
-    };
-    given.push(chosen.clone());
-    let after = evaluate(&cell, "after", &given)?;
     Ok(NextPosture {
-        posture_deg: selection.postures_deg.concat(),
+        angles: selection.group.concat(),
         before: before.relative_standard_error,
-        after: after.relative_standard_error,
+        after: selection.evaluation.relative_standard_error,
         expected_error: selection.value,
         assumed_load: assumed,
     })

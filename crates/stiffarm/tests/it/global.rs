@@ -60,7 +60,7 @@ fn reference_cell_reaches_the_best_known_values() {
         assert!(plan.value <= 0.009253, "seed {seed}: {}", plan.value);
         assert_eq!(plan.termination, Termination::Converged);
         assert_eq!(violation(&cell, &plan.group), 0.0);
-        assert_eq!(plan.postures_deg.len(), 6);
+        assert_eq!(plan.group.len(), 6);
     }
     for seed in 1..=3 {
         let plan = select(&cell, Index::Novel, 6, &rounds(seed, 8));
@@ -470,7 +470,7 @@ proptest! {
         };
         let outside = violation(&cell, &plan.group);
         prop_assert!(outside <= 1e-9, "outside by {outside:e}");
-        prop_assert_eq!(plan.value, plan.indices.get(index).unwrap());
+        prop_assert_eq!(plan.value, plan.evaluation.indices.get(index).unwrap());
         let after = ln_index(&cell, index, &plan.group);
         for stream in 0..20 {
             let Ok(random) = random_group(&cell, StartKind::Uniform, 4, 9, stream) else {

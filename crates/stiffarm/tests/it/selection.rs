@@ -180,7 +180,7 @@ fn larger_is_better_where_the_index_says_so() {
         );
         assert!(plan.value >= least, "{index:?}: {}", plan.value);
         assert!(plan.value > plan.start_value.unwrap());
-        assert_eq!(plan.value, plan.indices.get(index).unwrap());
+        assert_eq!(plan.value, plan.evaluation.indices.get(index).unwrap());
     }
     // O2 is the reciprocal of the condition index, and so is the plan.
     let condition = select(&cell, Index::Condition, &group1());
@@ -425,6 +425,6 @@ proptest! {
         prop_assert!(after <= before + 1e-9, "{index:?}: {after} from {before}");
         let outside = violation(&cell, &plan.group);
         prop_assert!(outside <= 1e-9, "outside by {outside:e}");
-        prop_assert_eq!(plan.value, plan.indices.get(index).unwrap());
+        prop_assert_eq!(plan.value, plan.evaluation.indices.get(index).unwrap());
     }
 }

@@ -114,7 +114,7 @@ fn searched(
                 points.push(ErrorAtCount {
                     postures: largest,
                     value: Some(selection.value),
-                    expected_error: selection.indices.expected_error,
+                    expected_error: selection.evaluation.indices.expected_error,
                     rounds: selection.rounds,
                     evaluations: selection.evaluations,
                 });

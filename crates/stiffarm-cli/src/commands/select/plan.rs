@@ -162,13 +162,15 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         true => None,
         false => Some(evaluate(&cell, before_name, known)?),
     };
-    let all: Vec<Posture> = given.iter().chain(&selected).cloned().collect();
     let after_name = if given.is_empty() {
         "selected"
     } else {
         "with new"
     };
-    let after = evaluate(&cell, after_name, &all)?;
+    let after = GroupEvaluation {
+        name: after_name.to_string(),
+        ..selection.evaluation.clone()
+    };
     job.outputs.write_postures(session, &cell, &selected)?;
 
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();

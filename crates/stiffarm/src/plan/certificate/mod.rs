@@ -43,7 +43,6 @@ use crate::model::cell::{Cell, task_matrix};
 use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
 use crate::plan::index::{Index, evaluate};
-use crate::units::rad_to_shortest_deg;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -82,8 +81,10 @@ impl Default for CertificateOptions {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SupportPosture {
-    /// Controller angles \[deg\].
-    pub angles_deg: Vec<f64>,
+    /// Controller angles \[rad; degrees in JSON\].
+    #[serde(rename = "angles_deg", with = "crate::units::degrees")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    pub angles: Vec<f64>,
     /// Its share of the measurements; the shares sum to 1.
     pub weight: f64,
 }
@@ -214,7 +215,7 @@ pub fn certify_further<Q: AsRef<[f64]>>(
             .iter()
             .zip(&design.weights)
             .map(|(q, weight)| SupportPosture {
-                angles_deg: q.iter().map(|a| rad_to_shortest_deg(*a)).collect(),
+                angles: q.clone(),
                 weight: *weight,
             })
             .collect(),

@@ -52,7 +52,7 @@ pub fn error_by_count(
             Ok(selection) => ErrorAtCount {
                 postures: *postures,
                 value: Some(selection.value),
-                expected_error: selection.indices.expected_error,
+                expected_error: selection.evaluation.indices.expected_error,
                 rounds: selection.rounds,
                 evaluations: selection.evaluations,
             },

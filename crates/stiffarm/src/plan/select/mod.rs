@@ -28,12 +28,11 @@ use crate::model::posture::PostureGroup;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::optimise::Options;
 use crate::plan::index::{GroupEvaluation, Index, Indices, evaluate};
-use crate::units::rad_to_shortest_deg;
 use search::Search;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Result of a selection.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Selection {
     /// The index that was minimised (maximised for O1 to O5).
@@ -45,18 +44,20 @@ pub struct Selection {
     /// any group inside them.
     pub start_value: Option<f64>,
     /// Every index of the selected postures.
-    pub indices: Indices,
-    /// Selected postures, controller angles \[deg\].
-    pub postures_deg: Vec<Vec<f64>>,
+    #[serde(rename = "indices", serialize_with = "indices_of")]
+    #[cfg_attr(feature = "schema", schemars(with = "Indices"))]
+    pub evaluation: GroupEvaluation,
+    /// Selected postures, controller angles \[rad; degrees in JSON\].
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
+    pub group: Vec<Vec<f64>>,
     /// Number of postures that were given and stay as they are; `value` and
     /// `indices` are those of given and selected postures together.
-    #[serde(default)]
     pub given: usize,
     /// Why the search ended.
     pub termination: Termination,
     /// Rounds of a global search that were completed: asking for as many gives
     /// the same result again. `None` for a local one.
-    #[serde(default)]
     pub rounds: Option<u64>,
     /// Number of local searches.
     pub starts: usize,
@@ -70,11 +71,16 @@ pub struct Selection {
     /// Smallest margin to a limit of the cell \[m\], `None` without limits.
     pub smallest_margin_m: Option<f64>,
     /// The load, where it was chosen together with the postures.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<DesignedLoad>,
-    /// Controller angles of the selected group \[rad\]; not saved, see `postures_deg`.
-    #[serde(skip)]
-    pub group: Vec<Vec<f64>>,
+}
+
+/// Of an evaluation, a selection's JSON holds the indices.
+fn indices_of<S: serde::Serializer>(
+    evaluation: &GroupEvaluation,
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    evaluation.indices.serialize(serializer)
 }
 
 impl Selection {
@@ -146,11 +152,7 @@ pub fn select_from<Q: AsRef<[f64]>>(
         index,
         value,
         start_value: start_evaluation.indices.get(index),
-        indices: evaluation.indices,
-        postures_deg: group
-            .iter()
-            .map(|q| q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
-            .collect(),
+        evaluation,
         given: 0,
         termination: solution.termination,
         rounds: None,

@@ -20,7 +20,6 @@ use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::chain_rng;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::{Index, evaluate};
-use crate::units::rad_to_shortest_deg;
 use chain::Chain;
 use local::{Effort, Local};
 use options::Schedule;
@@ -305,11 +304,7 @@ impl<'a> Global<'a> {
             index: self.index,
             value,
             start_value: None,
-            indices: evaluation.indices,
-            postures_deg: group
-                .iter()
-                .map(|q| q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
-                .collect(),
+            evaluation,
             given: given.len(),
             termination,
             rounds: Some(self.completed),
