@@ -124,22 +124,19 @@ fn run() -> Result<String, String> {
     })
     .collect();
 
-    let options = GlobalOptions {
-        seed: asked.seed,
-        time_limit: Some(Duration::from_secs_f64(asked.seconds)),
-        ..GlobalOptions::default()
-    };
+    let mut options = GlobalOptions::default();
+    options.seed = asked.seed;
+    options.time_limit = Some(Duration::from_secs_f64(asked.seconds));
     rayon::ThreadPoolBuilder::new()
         .num_threads(asked.threads)
         .build_global()
         .map_err(|e| e.to_string())?;
     let begin = Instant::now();
     let mut trace = Vec::new();
-    let selection = select_watched::<Vec<f64>>(
+    let selection = select_watched(
         &cell,
         Index::Novel,
         6,
-        &[],
         &options,
         Control::default(),
         &mut |round| {
@@ -165,18 +162,15 @@ fn run() -> Result<String, String> {
                 continue;
             }
             let function = IndexFunction::new(&cell, index, count).map_err(text)?;
-            let options = GlobalOptions {
-                seed: asked.seed,
-                ..GlobalOptions::default()
-            };
+            let mut options = GlobalOptions::default();
+            options.seed = asked.seed;
             let value = 1e6 / rate(&function, &cell.bounds, false, 1);
             let gradient = 1e6 / rate(&function, &cell.bounds, true, 1);
             let begin = Instant::now();
-            let selection = select_watched::<Vec<f64>>(
+            let selection = select_watched(
                 &cell,
                 index,
                 count,
-                &[],
                 &options,
                 Control::default(),
                 &mut |_| {},

@@ -28,4 +28,15 @@ pub use numerics::control::{Control, Report, Stop, Termination};
 #[doc(hidden)]
 pub mod internals {
     pub use crate::numerics::{information, jobs, optimise, sample, streams};
+    pub use crate::plan::index::minimax::Minimax;
+
+    /// Optimal continuous designs over any space of points.
+    pub mod design {
+        pub use crate::plan::certificate::continuous::optimal_design;
+        pub use crate::plan::certificate::criterion::Criterion;
+        pub use crate::plan::certificate::design::{
+            ContinuousDesign, DesignOptions, DesignSpace, Effort,
+        };
+        pub use crate::plan::certificate::space::PostureSpace;
+    }
 }

@@ -35,10 +35,9 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
     let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
     let q = (!args.q_deg.is_empty()).then(|| args.q_deg.iter().copied().map(deg_to_rad).collect());
-    let options = ZoneOptions {
-        steps: args.steps,
-        q,
-    };
+    let mut options = ZoneOptions::default();
+    options.steps = args.steps;
+    options.q = q;
     let result = zones(&named.cell, &options)?;
     let envelope = session.envelope(
         "zones",

@@ -12,7 +12,7 @@ use stiffarm::plan::certificate::{
 };
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{
-    DesignedLoad, GlobalOptions, LoadDesign, drop_postures, select_global, space_filling,
+    DesignedLoad, GlobalOptions, drop_postures, select_global, space_filling,
 };
 use stiffarm::plan::zones::Zone;
 
@@ -163,18 +163,12 @@ pub fn load(cell: &Cell) -> Result<Vec<LoadCase>> {
         ("loading point", None, corners(POINT_BOX)),
         ("both", corners(ANCHOR_BOX), corners(POINT_BOX)),
     ] {
-        let options = GlobalOptions {
-            rounds: Some(8),
-            load: LoadDesign {
-                anchor,
-                loading_point,
-                magnitude: None,
-            },
-            ..GlobalOptions::default()
-        };
-        let none: &[Vec<f64>] = &[];
+        let mut options = GlobalOptions::default();
+        options.rounds = Some(8);
+        options.load.anchor = anchor;
+        options.load.loading_point = loading_point;
         let index = Index::ExpectedError;
-        let found = select_global(cell, index, 6, none, &options, Control::default())?;
+        let found = select_global(cell, index, 6, &options, Control::default())?;
         let mut changed = cell.clone();
         if let Some(design) = &found.load {
             changed.setup.tool.loading_point = design.loading_point_m.into();

@@ -89,7 +89,11 @@ pub fn next_posture(
             given.push(posture.clone());
         }
     }
-    let selection = select_global(&cell, Index::ExpectedError, 1, &given, options, control)?;
+    let search = GlobalOptions {
+        given: given.iter().map(|posture| posture.q.clone()).collect(),
+        ..options.clone()
+    };
+    let selection = select_global(&cell, Index::ExpectedError, 1, &search, control)?;
     let before = evaluate(&cell, "before", &given)?;
     Ok(NextPosture {
         angles: selection.group.concat(),

@@ -31,6 +31,7 @@ const UNTOUCHED: f64 = 0.5;
 
 /// What is mapped.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ZoneOptions {
     /// Angles per axis of the map, from bound to bound.
     pub steps: usize,

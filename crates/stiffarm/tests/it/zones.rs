@@ -15,8 +15,15 @@ use stiffarm::model::observation::PostureTerms;
 use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones, zones};
 use stiffarm::units::rad_to_shortest_deg;
 
+fn held(steps: usize, q: Option<Vec<f64>>) -> ZoneOptions {
+    let mut options = ZoneOptions::default();
+    options.steps = steps;
+    options.q = q;
+    options
+}
+
 fn options(steps: usize) -> ZoneOptions {
-    ZoneOptions { steps, q: None }
+    held(steps, None)
 }
 
 fn posture(zones: &Zones, row: usize, column: usize) -> Vec<f64> {
@@ -187,11 +194,7 @@ fn joint_1_turns_the_dexterity_nowhere_and_held_angles_are_held() {
     let cell = reference_cell();
     let straight = zones(&cell, &options(5)).unwrap();
     let q = [70.0, 1e6, -1e6, 45.0, 45.0, 45.0].map(f64::to_radians);
-    let turned = ZoneOptions {
-        steps: 5,
-        q: Some(q.to_vec()),
-    };
-    let turned = zones(&cell, &turned).unwrap();
+    let turned = zones(&cell, &held(5, Some(q.to_vec()))).unwrap();
     assert_eq!(turned.held[0], Some(70_f64.to_radians()));
     let pairs = values(&straight.inverse_condition);
     for (a, b) in pairs.iter().zip(values(&turned.inverse_condition)) {
@@ -200,11 +203,7 @@ fn joint_1_turns_the_dexterity_nowhere_and_held_angles_are_held() {
     // The rope does not turn with joint 1.
     assert_ne!(straight.translation_deviation, turned.translation_deviation);
     let wrist = [0.0, 0.0, 0.0, 10.0, 20.0, 30.0].map(f64::to_radians);
-    let wrist = ZoneOptions {
-        steps: 5,
-        q: Some(wrist.to_vec()),
-    };
-    let wrist = zones(&cell, &wrist).unwrap();
+    let wrist = zones(&cell, &held(5, Some(wrist.to_vec()))).unwrap();
     assert_ne!(straight.inverse_condition, wrist.inverse_condition);
 }
 
@@ -228,10 +227,7 @@ fn what_is_missing_is_said() {
     let mut other = cell.clone();
     other.setup.load = Load::Measured;
     assert_eq!(error(&other, &options(3)).code(), Code::MissingKey);
-    let held = |q: Vec<f64>| ZoneOptions {
-        steps: 3,
-        q: Some(q),
-    };
+    let held = |q: Vec<f64>| held(3, Some(q));
     assert_eq!(error(&cell, &held(vec![0.0; 5])).code(), Code::Dimension);
     assert_eq!(
         error(&cell, &held(vec![f64::NAN; 6])).code(),
@@ -280,7 +276,7 @@ proptest! {
     ) {
         let mut dice = Dice::new(seed);
         let mut cell = dice.model(n, kind, false, false).cell();
-        let held = ZoneOptions { steps: 3, q: Some(dice.posture(n)) };
+        let held = held(3, Some(dice.posture(n)));
         let before = zones(&cell, &held).unwrap();
         let q = posture(&before, 1, 2);
         if let Some(ours) = before.translation_deviation[1][2] {

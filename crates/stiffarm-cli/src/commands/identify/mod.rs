@@ -170,11 +170,9 @@ fn identified(
     out.profile = profile(cell, measured, options)?;
     out.budget = Some(systematic_errors(cell, measured, options)?);
     out.diagnosis = Some(diagnose(cell, measured, options)?);
-    let search = GlobalOptions {
-        seed: args.seed,
-        rounds: Some(ADVICE_ROUNDS),
-        ..GlobalOptions::default()
-    };
+    let mut search = GlobalOptions::default();
+    search.seed = args.seed;
+    search.rounds = Some(ADVICE_ROUNDS);
     match next_posture(cell, measured, &out.identification, &search, quiet) {
         Ok(advice) => out.next_posture = Some(advice),
         Err(error) if error.code() == Code::Interrupted => return Err(error),

@@ -1,6 +1,6 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
-use super::{Job, Mode, number, postures_text, shown, to_usize, with_unit};
+use super::job::{Job, Mode, number, postures_text, shown, to_usize, with_unit};
 use crate::commands::posture_remarks;
 use crate::numbers::percent;
 use crate::table::{Align, Table, title, yellow};

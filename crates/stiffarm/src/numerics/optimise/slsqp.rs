@@ -42,6 +42,7 @@ pub trait Problem {
 
 /// SystematicErrors and tolerance of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// Iterations in all restarts together.
     pub max_iterations: u64,

@@ -19,24 +19,27 @@
 //!
 //! What is certain and what is not: *given s*, the bound is a theorem, whatever
 //! M₀ is. That s is the maximum over all feasible postures rests on a
-//! multi-start search ([`PostureSpace`]) and is not proved: a maximum that every
+//! multi-start search and is not proved: a maximum that every
 //! search misses makes the bound too high. A result therefore says how many
 //! searches looked, how many of them ended at the largest value, and how often
 //! the rarest posture of the design itself was met ([`Verification`]). The
 //! postures of the plan are among the points looked at, so that no plan is
 //! ever reported as better than its bound.
 
-mod continuous;
-mod criterion;
+mod climb;
+pub(crate) mod continuous;
+pub(crate) mod criterion;
+pub(crate) mod design;
 mod generation;
-mod space;
+pub(crate) mod space;
 mod weights;
 
-pub use continuous::{
-    ContinuousDesign, DesignOptions, DesignSpace, Effort, Verification, optimal_design,
-};
-pub use criterion::Criterion;
-pub use space::PostureSpace;
+pub use design::Verification;
+
+use continuous::optimal_design;
+use criterion::Criterion;
+use design::{ContinuousDesign, DesignOptions, DesignSpace};
+use space::PostureSpace;
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_matrix};
@@ -53,6 +56,7 @@ const STARTS: usize = 64;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
+#[non_exhaustive]
 pub struct CertificateOptions {
     /// Residual of the equivalence condition to reach (fraction). The bound of
     /// an index, a square root, is loose by half of it at most.

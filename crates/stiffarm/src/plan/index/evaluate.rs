@@ -1,5 +1,6 @@
 //! All indices and the expected errors of one group of postures.
 
+use super::kinds::Index;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_rows};
 use crate::model::dexterity;
@@ -49,8 +50,8 @@ pub struct Indices {
 
 impl Indices {
     /// Value of one index.
-    pub fn get(&self, index: super::Index) -> Option<f64> {
-        use super::Index as I;
+    pub fn get(&self, index: Index) -> Option<f64> {
+        use Index as I;
         match index {
             I::Classical => self.classical,
             I::Condition => self.condition,

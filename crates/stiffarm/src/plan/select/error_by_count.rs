@@ -47,7 +47,7 @@ pub fn error_by_count(
             progress: None,
             ..control
         };
-        let found = select_global::<Vec<f64>>(cell, index, *postures, &[], options, quiet);
+        let found = select_global(cell, index, *postures, options, quiet);
         points.push(match found {
             Ok(selection) => ErrorAtCount {
                 postures: *postures,

@@ -18,6 +18,7 @@ pub const WORTH_CHANGING: f64 = 0.05;
 /// What is assumed about errors, and how much is searched.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct SensitivityOptions {
     /// Factors on the prior stiffness of one joint at a time.
     pub prior_factors: Vec<f64>,
@@ -133,10 +134,9 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     progress: None,
                     ..control
                 };
-                let best =
-                    select_global::<Vec<f64>>(&changed, index, plan.len(), &[], &search, quiet)
-                        .ok()
-                        .map(|s| s.value);
+                let best = select_global(&changed, index, plan.len(), &search, quiet)
+                    .ok()
+                    .map(|s| s.value);
                 let own = own.is_finite().then(|| index.of_log(own));
                 priors.push(PriorCase {
                     joint: joint.clone(),
