@@ -40,9 +40,12 @@ pub struct AssumedLoad {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextPosture {
-    /// Its controller angles \[rad; degrees in JSON\].
+    /// Its controller angles \[rad\].
     #[serde(rename = "posture_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
+    )]
     pub angles: Vec<f64>,
     /// Relative standard error of each joint's stiffness with the postures so
     /// far (fraction); `None` where they do not determine it.

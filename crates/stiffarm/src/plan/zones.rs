@@ -70,18 +70,29 @@ pub struct MapRange {
 pub struct Zone {
     /// Postures of the map that belong to it.
     pub posture_count: usize,
-    /// Smallest and largest q2 \[rad; degrees in JSON\].
+    /// Smallest and largest q2 \[rad\].
     #[serde(rename = "q2_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "[f64; 2]", description = "Smallest and largest q2 \\[deg\\].")
+    )]
     pub q2: [f64; 2],
-    /// Smallest and largest q3 \[rad; degrees in JSON\].
+    /// Smallest and largest q3 \[rad\].
     #[serde(rename = "q3_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "[f64; 2]", description = "Smallest and largest q3 \\[deg\\].")
+    )]
     pub q3: [f64; 2],
-    /// Its most dexterous posture, controller angles of all joints \[rad;
-    /// degrees in JSON\].
+    /// Its most dexterous posture, controller angles of all joints \[rad\].
     #[serde(rename = "best_q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "Its most dexterous posture, controller angles of all joints \\[deg\\]."
+        )
+    )]
     pub best_q: Vec<f64>,
     /// 1/k(J_N) there.
     pub inverse_condition: f64,
@@ -97,18 +108,29 @@ pub struct Zone {
 pub struct Zones {
     /// Names of the joints of the map: its horizontal, its vertical axis.
     pub joints: [String; 2],
-    /// Controller angles of all joints \[rad; degrees in JSON\]; `null` for the
-    /// two that are mapped.
+    /// Controller angles of all joints \[rad\]; `null` for the two that are mapped.
     #[serde(rename = "held_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Option<f64>>",
+            description = "Controller angles of all joints \\[deg\\]; `null` for the two that are mapped."
+        )
+    )]
     pub held: Vec<Option<f64>>,
-    /// Angles q2, ascending \[rad; degrees in JSON\].
+    /// Angles q2, ascending \[rad\].
     #[serde(rename = "q2_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Angles q2, ascending \\[deg\\].")
+    )]
     pub q2: Vec<f64>,
-    /// Angles q3, ascending \[rad; degrees in JSON\].
+    /// Angles q3, ascending \[rad\].
     #[serde(rename = "q3_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Angles q3, ascending \\[deg\\].")
+    )]
     pub q3: Vec<f64>,
     /// 1/k(J_N) at the TCP, 0 to 1: rows by q3, columns by q2; `null` where the
     /// posture violates a limit of the cell or is singular.
@@ -148,6 +170,23 @@ struct Values {
 /// ([`rope_correction`](crate::model::stiffness::rope_correction)) is not in it.
 /// Displacements are those of the TCP by the linear model with the prior
 /// stiffness.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::characteristic_length::with_characteristic_length;
+/// use stiffarm::plan::zones::{ZoneOptions, zones};
+///
+/// let cell = with_characteristic_length(builtin::cell("comau-reference")?)?;
+/// let mut options = ZoneOptions::default();
+/// options.steps = 5;
+/// let maps = zones(&cell, &options)?;
+/// assert_eq!((maps.postures, maps.q2.len()), (25, 5));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// Fewer than six joints; another number than six and no angles given; angles

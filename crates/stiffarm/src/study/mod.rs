@@ -81,9 +81,15 @@ pub struct StudyGroup {
     pub selection: Option<Selection>,
     /// Its indices and expected errors.
     pub evaluation: GroupEvaluation,
-    /// Its postures, controller angles \[rad; degrees in JSON\].
+    /// Its postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Its postures, controller angles \\[deg\\]."
+        )
+    )]
     pub postures: Vec<Vec<f64>>,
     /// Points of the arm per posture, base to TCP, base frame \[m\].
     pub arms_m: Vec<Vec<[f64; 3]>>,

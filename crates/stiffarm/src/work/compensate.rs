@@ -49,13 +49,25 @@ pub struct CompensateOptions {
 pub struct PointCompensation {
     /// Name of the point.
     pub point: String,
-    /// Nominal controller angles \[rad; degrees in JSON\].
+    /// Nominal controller angles \[rad\].
     #[serde(rename = "nominal_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "Nominal controller angles \\[deg\\]."
+        )
+    )]
     pub nominal: Vec<f64>,
-    /// Controller angles to command \[rad; degrees in JSON\].
+    /// Controller angles to command \[rad\].
     #[serde(rename = "command_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "Controller angles to command \\[deg\\]."
+        )
+    )]
     pub command: Vec<f64>,
     /// Shift of the command's unloaded tip from the nominal one, base axes \[m\].
     pub correction_m: [f64; 3],

@@ -239,11 +239,11 @@ fn the_posture_least_worth_measuring_is_found() {
                 };
                 assert!(ln_index(&cell, index, &rest) >= value - 1e-12);
             }
-            let losses: Vec<f64> = found.worth.iter().map(|w| w.loss.unwrap()).collect();
+            let losses: Vec<f64> = found.values.iter().map(|w| w.loss.unwrap()).collect();
             assert!(losses.windows(2).all(|w| w[0] <= w[1]));
             if count == 1 {
-                assert_eq!(found.worth[0].posture, found.dropped[0]);
-                assert_eq!(found.worth[0].value.unwrap(), found.value);
+                assert_eq!(found.values[0].posture, found.dropped[0]);
+                assert_eq!(found.values[0].value.unwrap(), found.value);
             }
         }
     }

@@ -20,10 +20,16 @@ pub struct RegistrationRecord {
     pub rotation: [[f64; 3]; 3],
     /// Origin of the tracker frame in the base frame \[m\].
     pub translation_m: [f64; 3],
-    /// The rotation as roll, pitch, yaw: turns about the base's x, then y, then z axis \[rad;
-    /// degrees in JSON\].
+    /// The rotation as roll, pitch, yaw: turns about the base's x, then y, then z
+    /// axis \[rad\].
     #[serde(rename = "rpy_deg", with = "crate::units::degrees::all_digits")]
-    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "[f64; 3]",
+            description = "The rotation as roll, pitch, yaw: turns about the base's x, then y, then z axis \\[deg\\]."
+        )
+    )]
     pub roll_pitch_yaw: [f64; 3],
     /// Names of the pairs.
     pub pairs: Vec<String>,

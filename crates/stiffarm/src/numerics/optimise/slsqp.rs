@@ -40,7 +40,7 @@ pub trait Problem {
     fn prepare(&mut self, _x: &mut [f64]) {}
 }
 
-/// SystematicErrors and tolerance of one minimisation.
+/// Budget and tolerance of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {

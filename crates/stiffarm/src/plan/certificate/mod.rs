@@ -52,7 +52,7 @@ use serde::{Deserialize, Serialize};
 /// Sampled postures a continuous design starts from.
 const STARTS: usize = 64;
 
-/// SystematicErrors and tolerance of a certificate.
+/// Budget and tolerance of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
@@ -85,9 +85,12 @@ impl Default for CertificateOptions {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SupportPosture {
-    /// Controller angles \[rad; degrees in JSON\].
+    /// Controller angles \[rad\].
     #[serde(rename = "angles_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
+    )]
     pub angles: Vec<f64>,
     /// Its share of the measurements; the shares sum to 1.
     pub weight: f64,
@@ -154,6 +157,25 @@ pub struct JointEfficiency {
 /// the plan with the bound. For [`Index::ExpectedError`],
 /// [`Index::D`] and [`Index::Task`].
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::certificate::{CertificateOptions, certify};
+/// use stiffarm::plan::index::Index;
+///
+/// let cell = builtin::cell("comau")?;
+/// let plan = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let mut options = CertificateOptions::default();
+/// options.samples = 64; // few searches: a quick look, not a bound to rely on
+/// let found = certify(&cell, Index::D, &plan, &options, Control::default())?;
+/// assert!(found.value > Some(found.bound));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// Another index; a cell without a prior stiffness or with a load that only a
 /// measurement gives; no postures, angles of the wrong length or not finite;
@@ -172,6 +194,27 @@ pub fn certify<Q: AsRef<[f64]>>(
 /// As [`certify`], for postures that come on top of `measured` ones: both the
 /// bound and the value count the information of all. Measured postures may lie
 /// outside the bounds and limits.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::certificate::{CertificateOptions, certify_further};
+/// use stiffarm::plan::index::Index;
+///
+/// let cell = builtin::cell("comau")?;
+/// let all = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let (measured, new) = all.split_at(4);
+/// let mut options = CertificateOptions::default();
+/// options.samples = 64;
+/// let control = Control::default();
+/// let found = certify_further(&cell, Index::D, measured, new, &options, control)?;
+/// assert_eq!(found.measured_count, 4);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// As [`certify`].
@@ -237,6 +280,26 @@ pub fn certify_further<Q: AsRef<[f64]>>(
 /// The best design for a single joint may leave others undetermined; the bound
 /// then comes from a design with a small share of others and is loose by an
 /// eighth of the tolerance at most.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::certificate::{CertificateOptions, joint_efficiencies};
+///
+/// let cell = builtin::cell("comau")?;
+/// let plan = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let mut options = CertificateOptions::default();
+/// options.samples = 16;
+/// options.max_rounds = 5;
+/// for joint in joint_efficiencies(&cell, &plan, &options, Control::default())? {
+///     assert!(joint.efficiency.is_none_or(|share| share <= 1.0));
+/// }
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// As [`certify`].

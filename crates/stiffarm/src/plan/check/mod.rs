@@ -51,6 +51,21 @@ impl CellCheck {
 /// Checks a cell on [`SAMPLES`] postures spread over its bounds. The same cell
 /// always gives the same result.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::check::check;
+///
+/// let cell = builtin::cell("comau")?;
+/// let found = check(&cell)?;
+/// assert!(found.joints.iter().all(|joint| joint.determined));
+/// assert!(!found.is_serious());
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// Bounds whose number differs from the joints', or that are not finite.
 pub fn check(cell: &Cell) -> Result<CellCheck> {

@@ -108,6 +108,24 @@ impl GroupEvaluation {
 /// Indices that need a prior stiffness, tasks or the characteristic length are
 /// `None` when the cell has none.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::{Index, evaluate};
+///
+/// let cell = builtin::cell("comau")?;
+/// let group = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let found = evaluate(&cell, "Group 1", &group)?;
+/// for index in [Index::Condition, Index::ExpectedError] {
+///     println!("{}: {:?}", index.as_str(), found.indices.get(index));
+/// }
+/// assert!(found.undetermined_joints.is_empty());
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// An empty group, angles (of postures or tasks) of the wrong length or not
 /// finite, or a load that only a measurement gives.

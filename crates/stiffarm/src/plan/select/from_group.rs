@@ -16,6 +16,25 @@ use crate::plan::index::{Index, evaluate};
 /// `initial` holds controller angles \[rad\]; its length is the number of
 /// postures. Angles outside the bounds are moved onto them first.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{LocalOptions, select_from};
+///
+/// let cell = builtin::cell("comau")?;
+/// let initial = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let mut options = LocalOptions::default();
+/// options.max_iterations = 50;
+/// let plan = select_from(&cell, Index::D, &initial, options, Control::default())?;
+/// assert!(Some(plan.value) < plan.start_value);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// An empty group, a cell without what the index needs, postures that cannot
 /// determine all joints, or limits that the search could not meet.

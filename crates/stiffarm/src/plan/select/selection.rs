@@ -26,9 +26,15 @@ pub struct Selection {
     #[serde(rename = "indices", serialize_with = "indices_of")]
     #[cfg_attr(feature = "schema", schemars(with = "Indices"))]
     pub evaluation: GroupEvaluation,
-    /// Selected postures, controller angles \[rad; degrees in JSON\].
+    /// Selected postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Selected postures, controller angles \\[deg\\]."
+        )
+    )]
     pub group: Vec<Vec<f64>>,
     /// Number of postures that were given and stay as they are; `value` and
     /// `indices` are those of given and selected postures together.
@@ -85,6 +91,20 @@ pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
 }
 
 /// Smallest margin of a group to the cell's limits \[m\], `None` without limits.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
+///
+/// let cell = builtin::cell("comau")?;
+/// let group = random_group(&cell, StartKind::Uniform, 3, 1, 0)?;
+/// assert!(smallest_margin(&cell, &group)? >= Some(0.0));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// As [`PostureTerms::new`].

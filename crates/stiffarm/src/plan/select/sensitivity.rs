@@ -97,6 +97,26 @@ pub struct Sensitivity {
 
 /// Examines a plan (controller angles, rad; given and selected postures).
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{SensitivityOptions, sensitivity};
+///
+/// let cell = builtin::cell("comau")?;
+/// let plan = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let mut options = SensitivityOptions::default();
+/// options.prior_factors = vec![2.0];
+/// options.rounds = 1;
+/// let found = sensitivity(&cell, Index::D, &plan, &options, Control::default())?;
+/// assert_eq!(found.priors.len(), 6); // one per joint
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// As [`select_global`].
 pub fn sensitivity<Q: AsRef<[f64]>>(

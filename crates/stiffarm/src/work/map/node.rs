@@ -42,13 +42,25 @@ impl Status {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NodeValues {
-    /// The posture that bends least, controller angles \[rad; degrees in JSON\].
+    /// The posture that bends least, controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "The posture that bends least, controller angles \\[deg\\]."
+        )
+    )]
     pub q: Vec<f64>,
-    /// Turn about the tool axis where that is free \[rad; degrees in JSON\].
+    /// Turn about the tool axis where that is free \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<f64>",
+            description = "Turn about the tool axis where that is free \\[deg\\]."
+        )
+    )]
     pub turn: Option<f64>,
     /// Force per shift along the map's direction, the tip being free to turn
     /// \[N/m\]; `None` where it does not give way.

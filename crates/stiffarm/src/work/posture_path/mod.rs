@@ -69,12 +69,18 @@ impl Default for PosturePathOptions {
 pub struct PosturePathSummary {
     /// Where the postures come from.
     pub origin: Origin,
-    /// Largest change of a joint from one point to the next \[rad; degrees in JSON\].
+    /// Largest change of a joint from one point to the next \[rad\].
     #[serde(
         rename = "largest_step_deg",
         with = "crate::units::degrees::all_digits"
     )]
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Largest change of a joint from one point to the next \\[deg\\]."
+        )
+    )]
     pub largest_step: f64,
     /// RMS of the deflections, linear model \[m\].
     pub deflection_rms_m: f64,
@@ -82,10 +88,15 @@ pub struct PosturePathSummary {
     /// followed as it is.
     pub given_rms_m: Option<f64>,
     /// Turn about the tool axis at each point, from the given one or, where only
-    /// the axis is given, from one carried along without twist \[rad; degrees
-    /// in JSON\].
+    /// the axis is given, from one carried along without twist \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<Vec<f64>>",
+            description = "Turn about the tool axis at each point, from the given one or, where only the axis is given, from one carried along without twist \\[deg\\]."
+        )
+    )]
     pub turn: Option<Vec<f64>>,
     /// What to know, in sentences.
     pub findings: Vec<Finding>,

@@ -61,9 +61,12 @@ impl Default for PredictOptions {
 pub struct PointPrediction {
     /// Name of the point.
     pub point: String,
-    /// Controller angles \[rad; degrees in JSON\].
+    /// Controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
+    )]
     pub q: Vec<f64>,
     /// Position of the unloaded tip, base frame \[m\].
     pub tip_m: [f64; 3],

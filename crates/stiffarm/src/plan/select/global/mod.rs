@@ -41,6 +41,25 @@ const LEAST: f64 = 1e-6;
 /// limits of the cell: the best of many local searches. Postures given in the
 /// options stay as they are and count too.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{GlobalOptions, select_global};
+///
+/// let cell = builtin::cell("comau")?;
+/// let mut options = GlobalOptions::default();
+/// options.rounds = Some(1); // more find better plans
+/// let plan = select_global(&cell, Index::ExpectedError, 6, &options, Control::default())?;
+/// assert_eq!(plan.group.len(), 6);
+/// println!("expected error {:.2} %", 100.0 * plan.value);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// A cell without what the index needs, postures that cannot determine all
 /// joints, or limits that no posture meets.
@@ -55,6 +74,26 @@ pub fn select_global(
 }
 
 /// [`select_global`], with a report after each round.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{GlobalOptions, select_watched};
+///
+/// let cell = builtin::cell("comau")?;
+/// let mut options = GlobalOptions::default();
+/// options.rounds = Some(2);
+/// let mut values = Vec::new();
+/// let control = Control::default();
+/// select_watched(&cell, Index::D, 3, &options, control, &mut |round| values.push(round.value))?;
+/// assert_eq!(values.len(), 2);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// As [`select_global`].
