@@ -2,6 +2,7 @@
 
 use crate::study::{Cell, Table};
 use crate::{Axis, Figure, Panel, Series, Style};
+use stiffarm::units::{rad_to_deg, rad_to_shortest_deg};
 use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
@@ -358,7 +359,7 @@ pub fn map_table(map: &StiffnessMap) -> Table {
     .map(String::from)
     .to_vec();
     let joints = map.nodes.iter().find_map(|n| n.values.as_ref());
-    let joints = joints.map_or(0, |v| v.q_deg.len());
+    let joints = joints.map_or(0, |v| v.q.len());
     headings.extend((1..=joints).map(|j| format!("q{j}_deg")));
     let micro = |v: Option<f64>| Cell::Number(v.map(|v| 1e6 * v));
     let rows = map.nodes.iter().map(|node| {
@@ -378,8 +379,8 @@ pub fn map_table(map: &StiffnessMap) -> Table {
         ]);
         row.extend([0, 1, 2].map(|i| Cell::Number(softest.map(|s| s.direction[i]))));
         row.push(values.and_then(|v| v.k_jn).into());
-        row.push(values.and_then(|v| v.turn_deg).into());
-        row.extend((0..joints).map(|j| Cell::Number(values.map(|v| v.q_deg[j]))));
+        row.push(values.and_then(|v| v.turn.map(rad_to_deg)).into());
+        row.extend((0..joints).map(|j| Cell::Number(values.map(|v| rad_to_shortest_deg(v.q[j])))));
         row
     });
     Table {

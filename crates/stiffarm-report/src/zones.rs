@@ -3,6 +3,7 @@
 use crate::study::{Cell, Table};
 use crate::{Axis, Figure, Panel, Series, Style};
 use stiffarm::plan::zones::{MapRange, ZoneMap, Zones};
+use stiffarm::units::rad_to_shortest_deg;
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.
@@ -18,10 +19,18 @@ pub fn zones_figure(zones: &Zones) -> Figure {
         _ => Axis::linear("relative deviation", "%"),
     };
     let held: Vec<String> = zones
-        .held_deg
+        .held
         .iter()
         .enumerate()
-        .filter_map(|(j, q)| q.map(|q| format!("q{} = {}°", j + 1, (q * 1e6).round() / 1e6)))
+        .filter_map(|(j, q)| {
+            q.map(|q| {
+                format!(
+                    "q{} = {}°",
+                    j + 1,
+                    (rad_to_shortest_deg(q) * 1e6).round() / 1e6
+                )
+            })
+        })
         .collect();
     Figure {
         id: "zones".into(),
@@ -63,7 +72,7 @@ pub fn zones_figure(zones: &Zones) -> Figure {
 
 /// One map; `factor` brings its values to the unit of `axis`.
 fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> Panel {
-    let (columns, rows) = (&zones.q2_deg, &zones.q3_deg);
+    let (columns, rows) = (&degrees(&zones.q2), &degrees(&zones.q3));
     let values: Vec<f64> = map
         .iter()
         .flatten()
@@ -83,8 +92,8 @@ fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> 
         series.push(Series::new(
             "best posture",
             Style::Hollow,
-            vec![best.best_q_deg[1]],
-            vec![best.best_q_deg[2]],
+            vec![rad_to_shortest_deg(best.best_q[1])],
+            vec![rad_to_shortest_deg(best.best_q[2])],
         ));
     }
     Panel {
@@ -94,6 +103,10 @@ fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> 
         series,
         equal_aspect: false,
     }
+}
+
+fn degrees(angles: &[f64]) -> Vec<f64> {
+    angles.iter().map(|a| rad_to_shortest_deg(*a)).collect()
 }
 
 /// An axis that ends where the outermost cells end.
@@ -117,8 +130,9 @@ pub fn zones_table(zones: &Zones) -> Table {
         "rotation_deviation_percent",
     ];
     let mut rows = Vec::new();
-    for (r, q3) in zones.q3_deg.iter().enumerate() {
-        for (c, q2) in zones.q2_deg.iter().enumerate() {
+    let columns = degrees(&zones.q2);
+    for (r, q3) in degrees(&zones.q3).iter().enumerate() {
+        for (c, q2) in columns.iter().enumerate() {
             let percent = |map: &ZoneMap| Cell::Number(map[r][c].map(|v| 100.0 * v));
             rows.push(vec![
                 (*q2).into(),

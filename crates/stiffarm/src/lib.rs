@@ -33,4 +33,15 @@ pub mod internals {
         Whitened, measured_system,
     };
     pub use crate::numerics::{information, jobs, optimise, sample, streams};
+    pub use crate::plan::index::minimax::Minimax;
+
+    /// Optimal continuous designs over any space of points.
+    pub mod design {
+        pub use crate::plan::certificate::continuous::optimal_design;
+        pub use crate::plan::certificate::criterion::Criterion;
+        pub use crate::plan::certificate::design::{
+            ContinuousDesign, DesignOptions, DesignSpace, Effort,
+        };
+        pub use crate::plan::certificate::space::PostureSpace;
+    }
 }

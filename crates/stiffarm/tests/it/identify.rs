@@ -244,7 +244,7 @@ fn the_next_posture_beats_random_ones() {
         let found = evaluate(&judged, "all", &all).unwrap();
         found.indices.get(Index::ExpectedError).unwrap()
     };
-    let own = error(advice.posture_deg.iter().map(|d| d.to_radians()).collect());
+    let own = error(advice.angles.clone());
     assert!((own / advice.expected_error - 1.0).abs() < 1e-9);
     for i in 0..50 {
         let other = random_group(&cell, StartKind::Uniform, 1, 8, i)

@@ -61,10 +61,6 @@ fn map(cell: &Cell, predictor: &IdentifiedCompliance, options: &MapOptions) -> S
     stiffness_map(cell, predictor, options, Control::default()).unwrap()
 }
 
-fn radians(degrees: &[f64]) -> Vec<f64> {
-    degrees.iter().map(|a| a.to_radians()).collect()
-}
-
 /// A prediction at every reachable node's posture.
 fn pointwise(
     cell: &Cell,
@@ -77,7 +73,7 @@ fn pointwise(
         .map(|values| LoadedPosture {
             name: String::new(),
             line: None,
-            q: radians(&values.q_deg),
+            q: values.q.clone(),
             wrench,
         })
         .collect();
@@ -133,7 +129,7 @@ fn values_are_those_of_pointwise_predictions() {
                 .map(|(i, j)| u[i] * cartesian.compliance[i][j] * u[j])
                 .sum();
             assert!(close(values.stiffness_n_per_m.unwrap(), 1.0 / along));
-            assert_eq!(values.turn_deg.is_some(), free_turn.is_some());
+            assert_eq!(values.turn.is_some(), free_turn.is_some());
             assert!(values.k_jn.unwrap() >= 1.0);
         }
     }
@@ -272,11 +268,11 @@ fn a_free_turn_can_only_help() {
         let better = free.values.as_ref().unwrap();
         assert!(better.deflection_m <= values.deflection_m * 1.001);
         // The turn is about the tool axis.
-        let frames = Frames::new(&cell.setup.robot, &radians(&better.q_deg));
+        let frames = Frames::new(&cell.setup.robot, &better.q);
         let tip = frames.flange() * cell.work.tip(&cell.setup.tool);
         assert!((tip.rotation * Vector3::z() + Vector3::z()).norm() < 1e-9);
         let x = tip.rotation * Vector3::x();
-        let turn = better.turn_deg.unwrap().to_radians();
+        let turn = better.turn.unwrap();
         assert!((x - down() * Vector3::new(turn.cos(), turn.sin(), 0.0)).norm() < 1e-9);
     }
     assert!(gained > 0);
@@ -430,13 +426,13 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
             let pose = Isometry3::from_parts(
                 Translation3::from(placed.position_m),
                 UnitQuaternion::from_euler_angles(
-                    placed.rpy_deg[0].to_radians(),
-                    placed.rpy_deg[1].to_radians(),
-                    placed.rpy_deg[2].to_radians(),
+                    placed.roll_pitch_yaw[0],
+                    placed.roll_pitch_yaw[1],
+                    placed.roll_pitch_yaw[2],
                 ),
             );
             let by = pose * cell.work.workpiece.inverse();
-            let start = radians(placed.start_deg.as_ref().unwrap());
+            let start = placed.start.clone().unwrap();
             let rms = walked(&cell, &points, &by, &start);
             assert!(
                 (rms / placed.deflection_rms_m.unwrap() - 1.0).abs() < 1e-9,
@@ -566,7 +562,7 @@ fn a_free_tool_axis_takes_the_best_turn() {
     let found = search(&cell, &free, &options);
     let fixed = search(&cell, &points, &options);
     let rms = |p: &Placement| p.best.as_ref().unwrap().deflection_rms_m.unwrap();
-    assert!(found.best.as_ref().unwrap().turn_deg.is_some());
+    assert!(found.best.as_ref().unwrap().turn.is_some());
     assert!(rms(&found) <= rms(&fixed) * 1.001);
     assert!(found.given.deflection_rms_m <= fixed.given.deflection_rms_m.map(|r| 1.001 * r));
 }
@@ -625,12 +621,12 @@ fn random_maps_hold_the_tip_where_they_say() {
         let node = &map(&cell, &predictor, &options).nodes[0];
         let Some(values) = &node.values else { continue };
         reached += 1;
-        let q = radians(&values.q_deg);
+        let q = values.q.clone();
         assert!(cell.outside_machine_limits(&q).is_none());
         let tip = Frames::new(&cell.setup.robot, &q).flange() * cell.work.tip(&cell.setup.tool);
         assert!((tip.translation.vector - Vector3::from(at)).norm() < 1e-9);
-        let turned = options.rotation
-            * UnitQuaternion::from_euler_angles(0.0, 0.0, values.turn_deg.unwrap().to_radians());
+        let turned =
+            options.rotation * UnitQuaternion::from_euler_angles(0.0, 0.0, values.turn.unwrap());
         assert!(tip.rotation.angle_to(&turned) < 1e-9);
     }
     assert!(reached >= 5, "{reached}");

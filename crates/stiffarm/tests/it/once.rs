@@ -36,10 +36,8 @@ fn whole(fit: &Fit) {
     systematic_errors(fit).unwrap();
     diagnose(fit).unwrap();
     bootstrap(fit, 200, 1, 0.95).unwrap();
-    let search = GlobalOptions {
-        rounds: Some(1),
-        ..GlobalOptions::default()
-    };
+    let mut search = GlobalOptions::default();
+    search.rounds = Some(1);
     next_posture(fit, &search, Control::default()).unwrap();
     let count = fit.measured().postures.len() / 3;
     cross_validate(fit, count, None).unwrap();

@@ -158,11 +158,9 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
     out.profile = profile(fit)?;
     out.budget = Some(systematic_errors(fit)?);
     out.diagnosis = Some(diagnose(fit)?);
-    let search = GlobalOptions {
-        seed: args.seed,
-        rounds: Some(ADVICE_ROUNDS),
-        ..GlobalOptions::default()
-    };
+    let mut search = GlobalOptions::default();
+    search.seed = args.seed;
+    search.rounds = Some(ADVICE_ROUNDS);
     match next_posture(fit, &search, quiet) {
         Ok(advice) => out.next_posture = Some(advice),
         Err(error) if error.code() == Code::Interrupted => return Err(error),

@@ -22,7 +22,7 @@ use std::path::Path;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::process::ForceAxes;
-use stiffarm::units::deg_to_rad;
+use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::map::{MapNode, MapOptions, MapRange, StiffnessMap, stiffness_map};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{map_figure, map_table, render_svg};
@@ -291,7 +291,7 @@ fn extremes(map: &StiffnessMap) -> String {
         return String::new();
     };
     let joints = map.nodes[extremes.best].values.as_ref();
-    let joints = 1..=joints.map_or(0, |v| v.q_deg.len());
+    let joints = 1..=joints.map_or(0, |v| v.q.len());
     let headings = ["node", "x [mm]", "y [mm]", "z [mm]", "deflection [µm]"].map(String::from);
     let confidence = map.confidence.map(|c| format!("± {} %", 100.0 * c));
     let angles = joints.map(|j| format!("q{j} [deg]"));
@@ -306,7 +306,7 @@ fn extremes(map: &StiffnessMap) -> String {
             fields.push(width.unwrap_or_else(|| NONE.to_string()));
         }
         // Adding zero turns −0 into 0.
-        let angles = values.q_deg.iter();
+        let angles = values.q.iter().map(|q| rad_to_shortest_deg(*q));
         fields.extend(angles.map(|q| format!("{:.2}", (q * 100.0).round() / 100.0 + 0.0)));
         table.row(fields);
     };

@@ -12,7 +12,6 @@ use crate::model::cell::Cell;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::units::deg_to_rad;
 use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
@@ -58,8 +57,16 @@ pub struct PlacementCandidate {
     pub round: usize,
     /// Origin of the workpiece, base frame \[m\].
     pub position_m: [f64; 3],
-    /// Turn about the base's z, added to the given orientation \[deg\].
-    pub yaw_deg: f64,
+    /// Turn about the base's z, added to the given orientation \[rad\].
+    #[serde(rename = "yaw_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Turn about the base's z, added to the given orientation \\[deg\\]."
+        )
+    )]
+    pub yaw: f64,
     /// Whether the arm can go along the path there.
     pub status: Status,
     /// RMS of the deflections along the path, linear model, thinned path \[m\].
@@ -78,12 +85,36 @@ pub struct PlacementCandidate {
 pub struct Placed {
     /// Origin of the workpiece, base frame \[m\].
     pub position_m: [f64; 3],
-    /// Its orientation: turns about x, then y, then z of the base \[deg\].
-    pub rpy_deg: [f64; 3],
-    /// Turn about the base's z, added to the given orientation \[deg\].
-    pub yaw_deg: f64,
-    /// Turn about the tool axis, where the path leaves it free \[deg\].
-    pub turn_deg: Option<f64>,
+    /// Its orientation: turns about x, then y, then z of the base \[rad\].
+    #[serde(rename = "rpy_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "[f64; 3]",
+            description = "Its orientation: turns about x, then y, then z of the base \\[deg\\]."
+        )
+    )]
+    pub roll_pitch_yaw: [f64; 3],
+    /// Turn about the base's z, added to the given orientation \[rad\].
+    #[serde(rename = "yaw_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Turn about the base's z, added to the given orientation \\[deg\\]."
+        )
+    )]
+    pub yaw: f64,
+    /// Turn about the tool axis, where the path leaves it free \[rad\].
+    #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<f64>",
+            description = "Turn about the tool axis, where the path leaves it free \\[deg\\]."
+        )
+    )]
+    pub turn: Option<f64>,
     /// Whether the arm can go along the path.
     pub status: Status,
     /// Why not.
@@ -96,8 +127,16 @@ pub struct Placed {
     pub deflection_max_m: Option<f64>,
     /// Point of the largest deflection.
     pub deflection_max_point: Option<String>,
-    /// Posture at the first point, controller angles \[deg\].
-    pub start_deg: Option<Vec<f64>>,
+    /// Posture at the first point, controller angles \[rad\].
+    #[serde(rename = "start_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<Vec<f64>>",
+            description = "Posture at the first point, controller angles \\[deg\\]."
+        )
+    )]
+    pub start: Option<Vec<f64>>,
 }
 
 /// Result of a search for the best place.
@@ -187,7 +226,7 @@ pub fn place(
         let candidate = &candidates[i];
         let placed = search.whole(&Place {
             position: candidate.position_m,
-            yaw: deg_to_rad(candidate.yaw_deg),
+            yaw: candidate.yaw,
         })?;
         if placed.status == Status::Reachable {
             best = Some(placed);
@@ -243,7 +282,7 @@ impl Region {
             lower: best.position_m,
             upper: best.position_m,
             steps: [1; 3],
-            yaws: vec![deg_to_rad(best.yaw_deg)],
+            yaws: vec![best.yaw],
         };
         for axis in 0..3 {
             let count = self.steps[axis];
