@@ -1,7 +1,7 @@
 //! Stiffness maps as figures and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
 use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is

@@ -1,6 +1,6 @@
 //! Deflection along a path, before and after compensation, as a figure.
 
-use crate::{Axis, Figure, Panel, Series, Style};
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 
 /// Most points that are drawn of a curve.
 const DRAWN: usize = 400;

@@ -1,8 +1,8 @@
 //! Places of a workpiece as a figure and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::map::{fitted, shortest_mm};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
 use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
 /// What a place cannot be, in the order of the legend.

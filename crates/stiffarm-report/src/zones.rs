@@ -1,7 +1,7 @@
 //! Dumas' zones as a figure and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
 use stiffarm::plan::zones::{MapRange, ZoneMap, Zones};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is

@@ -1,8 +1,16 @@
-//! What a figure shows: panels, axes and series as plain data.
+//! What a figure shows: panels, axes and series as plain data, and how it is
+//! drawn.
 //!
 //! The types carry no drawing decisions beyond the kind of mark, so the same
 //! value can be rendered, written as JSON next to the picture, or checked in a
 //! test.
+//!
+//! This module and everything below it is generic: it knows nothing of robots
+//! and uses neither the crate `stiffarm` nor any other module of this crate, so
+//! that it could be a crate of its own. A test (`tests/it/generic.rs`) reads
+//! the sources and fails where they do.
+
+pub mod svg;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -78,7 +86,7 @@ pub enum Scale {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Series {
     /// Legend text; it also decides the colour (see
-    /// [`series_colour`](crate::series_colour)). Empty for no legend entry.
+    /// [`series_colour`](svg::series_colour)). Empty for no legend entry.
     pub label: String,
     /// Kind of mark.
     pub style: Style,

@@ -8,7 +8,7 @@ use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::data;
 use super::look::{Look, hatch};
 use super::marks::{Frame, Trace};
-use super::plan::{ColourPlan, NORMAL, SMALL, TICK_GAP};
+use super::plan::{BAR, BAR_GAP, ColourPlan, NORMAL, SMALL, TICK_GAP};
 use super::scale::Extent;
 use crate::figure::{Panel, Series, Style};
 use std::collections::BTreeMap;
@@ -59,9 +59,6 @@ const MISSING: [Missing; 4] = [
         hatch: &[(1.0, 1.0)],
     },
 ];
-/// Distance between the plot area and the colour bar, and the bar's width.
-pub(super) const BAR_GAP: f64 = 9.0;
-pub(super) const BAR: f64 = 11.0;
 /// Length of a tick mark.
 const TICK: f64 = 4.0;
 
