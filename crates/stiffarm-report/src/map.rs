@@ -318,7 +318,7 @@ fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
     Panel {
         title: quantity.title.clone(),
         x: Axis::linear(AXES[axis], "mm"),
-        y: quantity.axis.clone(),
+        y: quantity.axis.clone().from_zero(),
         series: vec![Series::new("", Style::Points, x, y)],
         equal_aspect: false,
     }

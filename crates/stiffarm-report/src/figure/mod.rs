@@ -70,6 +70,10 @@ pub struct Axis {
     /// axis) counts as `None`.
     #[serde(default)]
     pub range: Option<[f64; 2]>,
+    /// A linear axis that fits its data begins at zero, so that lengths can be
+    /// compared; one with values on both sides shows zero.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub from_zero: bool,
 }
 
 /// How values are spread along an axis.
@@ -186,6 +190,12 @@ impl Axis {
         self
     }
 
+    /// The same axis, from zero on.
+    pub fn from_zero(mut self) -> Self {
+        self.from_zero = true;
+        self
+    }
+
     /// Label and unit as drawn: `label [unit]`.
     pub fn heading(&self) -> String {
         match (self.label.is_empty(), self.unit.is_empty()) {
@@ -220,6 +230,11 @@ impl Series {
         self.colour = Some(Colour { axis, values });
         self
     }
+}
+
+/// What a written figure leaves out.
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// JSON has no way to write a value that is not finite; such values are

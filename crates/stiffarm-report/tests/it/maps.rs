@@ -142,6 +142,7 @@ fn a_box_is_planes_with_one_colour_bar_and_a_line_is_curves() {
     check(&along);
     assert_eq!(along.panels.len(), 3);
     assert_eq!(along.panels[0].x.heading(), "x [mm]");
+    assert!(along.panels.iter().all(|p| p.y.from_zero));
     check(&map_figure(&map([1, 1, 1])));
 }
 
@@ -236,6 +237,27 @@ fn a_path_keeps_its_extremes_when_it_is_thinned() {
         .map(|s| series_colour(&s.label));
     let colours: Vec<_> = colours.collect();
     assert_ne!(colours[0], colours[1]);
+    // The deflection begins at zero; a line is not called a band.
+    assert!(figure.panels[0].y.from_zero);
+    assert_eq!(figure.panels[0].x.heading(), "distance along the path [mm]");
+    let labels: Vec<(Style, &str)> = figure
+        .panels
+        .iter()
+        .flat_map(|p| &p.series)
+        .map(|s| (s.style, s.label.as_str()))
+        .collect();
+    assert_eq!(
+        labels,
+        [
+            (Style::Band, "without compensation, its 95 % band"),
+            (Style::Curve, "without compensation"),
+            (Style::Curve, "without compensation"),
+            (
+                Style::Curve,
+                "left after compensation, upper end of its 95 % band"
+            ),
+        ]
+    );
     // Without bands, without compensation, without a length.
     let bare: Vec<PathCurvePoint> = (0..5)
         .map(|i| PathCurvePoint {
