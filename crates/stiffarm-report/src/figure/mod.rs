@@ -117,6 +117,10 @@ pub struct Colour {
     /// One value per point; one that the axis cannot show is a missing one.
     #[serde(deserialize_with = "null_as_nan")]
     pub values: Vec<f64>,
+    /// Small values are bright, not large ones: where small is good beside maps
+    /// of which large is.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub small_is_bright: bool,
 }
 
 /// Kind of mark a series is drawn with.
@@ -227,7 +231,19 @@ impl Series {
 
     /// The same series with values shown as colour.
     pub fn with_colour(mut self, axis: Axis, values: Vec<f64>) -> Self {
-        self.colour = Some(Colour { axis, values });
+        self.colour = Some(Colour {
+            axis,
+            values,
+            small_is_bright: false,
+        });
+        self
+    }
+
+    /// The same series, small values bright if `yes`.
+    pub fn with_small_bright(mut self, yes: bool) -> Self {
+        if let Some(colour) = &mut self.colour {
+            colour.small_is_bright = yes;
+        }
         self
     }
 }

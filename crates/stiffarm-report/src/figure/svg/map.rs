@@ -155,7 +155,7 @@ pub(super) fn bar(canvas: &mut Canvas, area: Rect, plan: &ColourPlan, frame_colo
             w: BAR,
             h: step,
         };
-        canvas.cells(&[rect], &colour(level));
+        canvas.cells(&[rect], &colour(turned(level, plan.small_is_bright)));
     }
     let frame = Rect {
         x: left,
@@ -191,8 +191,17 @@ fn level(series: &Series, i: usize, extent: Option<&Extent>) -> Option<usize> {
     let value = *colour.values.get(i)?;
     extent.kind.accepts(value).then(|| {
         let fraction = extent.fraction(value).clamp(0.0, 1.0);
-        ((fraction * LEVELS as f64) as usize).min(LEVELS - 1)
+        let level = ((fraction * LEVELS as f64) as usize).min(LEVELS - 1);
+        turned(level, colour.small_is_bright)
     })
+}
+
+/// A level, or where small values are bright the one as far from the other end.
+fn turned(level: usize, small_is_bright: bool) -> usize {
+    match small_is_bright {
+        true => LEVELS - 1 - level,
+        false => level,
+    }
 }
 
 /// Colour of a level as `#rrggbb`.

@@ -60,6 +60,8 @@ pub(super) struct ColourPlan {
     pub extent: Extent,
     pub ticks: Vec<Tick>,
     pub label: Vec<String>,
+    /// Whether the lower end is the bright one.
+    pub small_is_bright: bool,
     /// Room of the widest tick label.
     tick_width: f64,
 }
@@ -75,6 +77,7 @@ impl ColourPlan {
         let ticks = ticks::ticks(&extent, (height / 30.0).max(2.0) as usize);
         Some(Self {
             extent,
+            small_is_bright: colour.small_is_bright,
             label: text::wrap(&colour.axis.heading(), NORMAL, height + 16.0, 3),
             tick_width: ticks.iter().map(|t| t.width(SMALL)).fold(0.0, f64::max),
             ticks,
