@@ -154,6 +154,9 @@ pub enum Style {
     /// Area between y − error and y + error around a curve without a line, e.g.
     /// how sure it is.
     Band,
+    /// Dark grey squares with a cross: fixed things among the surroundings, such
+    /// as an anchor. No data are drawn with this marker.
+    Landmark,
     /// Short straight pieces, from each even point to the one after it: axes
     /// drawn on a map.
     Strokes,

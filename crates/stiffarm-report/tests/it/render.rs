@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use roxmltree::{Document, Node};
 use stiffarm_report::{Axis, Figure, Panel, Scale, Series, Style, render_svg, series_colour};
 
-const STYLES: [Style; 12] = [
+const STYLES: [Style; 13] = [
     Style::Line,
     Style::Dashed,
     Style::Curve,
@@ -19,6 +19,7 @@ const STYLES: [Style; 12] = [
     Style::Map,
     Style::Band,
     Style::Strokes,
+    Style::Landmark,
 ];
 
 fn panel(x: Axis, y: Axis, series: Vec<Series>) -> Panel {
@@ -249,6 +250,49 @@ fn a_label_has_one_colour_everywhere_and_one_legend_entry() {
         entries.iter().filter(|t| *t == "Group 3 (novel)").count(),
         1
     );
+}
+
+#[test]
+fn a_landmark_looks_like_no_data() {
+    // More postures than there are colours, so that every one of them is used.
+    let mut series: Vec<Series> = (1..=9)
+        .map(|p| {
+            let at = f64::from(p);
+            let x = vec![0.0, at];
+            Series::new(format!("Posture {p}"), Style::Path, x, vec![0.0, 1.0])
+        })
+        .collect();
+    let data = render_svg(&figure(vec![panel(
+        Axis::linear("x", "m"),
+        Axis::linear("z", "m"),
+        series.clone(),
+    )]));
+    series.push(Series::new(
+        "rope anchor",
+        Style::Landmark,
+        vec![5.0],
+        vec![0.5],
+    ));
+    let both = render_svg(&figure(vec![panel(
+        Axis::linear("x", "m"),
+        Axis::linear("z", "m"),
+        series,
+    )]));
+    check(&both);
+    let strokes = |svg: &str| -> Vec<String> {
+        let document = Document::parse(svg).unwrap();
+        let nodes = document.descendants();
+        let strokes = nodes.filter_map(|n| n.attribute("stroke").map(str::to_owned));
+        strokes.collect()
+    };
+    let used = strokes(&data);
+    let own: Vec<String> = strokes(&both)
+        .into_iter()
+        .filter(|s| !used.contains(s))
+        .collect();
+    // Square and cross, in the panel and in the legend.
+    assert_eq!(own, vec!["#4a4a4a"; 4]);
+    assert!(!data.contains("#4a4a4a"));
 }
 
 #[test]
