@@ -1,6 +1,6 @@
 //! Reading: files, standard input, built-in files.
 
-use crate::session::Session;
+use crate::session::{Input, Session};
 use std::io::Read;
 use std::path::Path;
 use stiffarm::files::builtin;
@@ -16,20 +16,6 @@ use stiffarm::{Code, Error, Result};
 
 /// Name of standard input in messages.
 const STDIN: &str = "standard input";
-
-/// One file that was read.
-pub struct Input {
-    /// What the command reads it as, for example `cell`.
-    pub role: String,
-    /// Its name in messages.
-    pub name: String,
-    /// Its content.
-    pub bytes: Vec<u8>,
-    /// SHA-256 of the content.
-    pub sha256: String,
-    /// True for standard input.
-    pub is_stdin: bool,
-}
 
 /// A cell with the name it was asked for by.
 pub struct NamedCell {

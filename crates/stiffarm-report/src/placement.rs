@@ -1,8 +1,8 @@
 //! Places of a workpiece as a figure and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::map::{fitted, shortest_mm};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
 use stiffarm::units::rad_to_shortest_deg;
 use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
@@ -45,7 +45,7 @@ pub fn placement_figure(placement: &Placement) -> Figure {
         title: "Deflection along the path over the place of the workpiece".into(),
         caption: format!(
             "Root mean square of the deflections along the path, over the origin of the workpiece in the base frame \
-             at z = {} mm. Places that the path forbids say why.",
+             at z = {} mm; the brighter, the stiffer. Places that the path forbids say why.",
             shortest_mm(height)
         ),
         columns: panels.len().min(3),
@@ -73,8 +73,10 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     let values = reached
         .iter()
         .map(|c| c.deflection_rms_m.map_or(f64::NAN, |rms| 1e3 * rms));
-    let mut series =
-        vec![Series::new("", Style::Map, x, y).with_colour(axis.clone(), values.collect())];
+    let values = Series::new("", Style::Map, x, y)
+        .with_colour(axis.clone(), values.collect())
+        .with_small_bright(true);
+    let mut series = vec![values];
     for status in REFUSED {
         let [x, y] = places(&of(status));
         if !x.is_empty() {

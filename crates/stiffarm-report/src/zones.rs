@@ -1,7 +1,7 @@
 //! Dumas' zones as a figure and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
 use stiffarm::plan::zones::{MapRange, ZoneMap, Zones};
 use stiffarm::units::rad_to_shortest_deg;
 
@@ -37,8 +37,8 @@ pub fn zones_figure(zones: &Zones) -> Figure {
         title: "Zones for stiffness identification (Dumas et al.)".into(),
         caption: format!(
             "Dexterity 1/k(J_N), larger is better, and relative deviation of translation and rotation of the TCP \
-             computed with and without K_C, smaller is better, over {} and {} with {}. Marked: the most \
-             dexterous posture of the zone where both are good.",
+             computed with and without K_C, smaller is better, over {} and {} with {}. The brighter, the better. Marked: \
+             the most dexterous posture of the zone where both are good.",
             zones.joints[0],
             zones.joints[1],
             held.join(", ")
@@ -51,6 +51,7 @@ pub fn zones_figure(zones: &Zones) -> Figure {
                 &zones.inverse_condition,
                 1.0,
                 Axis::linear("1/k(J_N)", ""),
+                false,
             ),
             panel(
                 zones,
@@ -58,6 +59,7 @@ pub fn zones_figure(zones: &Zones) -> Figure {
                 &zones.translation_deviation,
                 100.0,
                 deviation(zones.translation_range),
+                true,
             ),
             panel(
                 zones,
@@ -65,13 +67,21 @@ pub fn zones_figure(zones: &Zones) -> Figure {
                 &zones.rotation_deviation,
                 100.0,
                 deviation(zones.rotation_range),
+                true,
             ),
         ],
     }
 }
 
 /// One map; `factor` brings its values to the unit of `axis`.
-fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> Panel {
+fn panel(
+    zones: &Zones,
+    title: &str,
+    map: &ZoneMap,
+    factor: f64,
+    axis: Axis,
+    small_is_good: bool,
+) -> Panel {
     let (columns, rows) = (&degrees(&zones.q2), &degrees(&zones.q3));
     let values: Vec<f64> = map
         .iter()
@@ -87,7 +97,10 @@ fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> 
         .iter()
         .flat_map(|row| columns.iter().map(move |_| *row))
         .collect();
-    let mut series = vec![Series::new(missing, Style::Map, x, y).with_colour(axis, values)];
+    let values = Series::new(missing, Style::Map, x, y)
+        .with_colour(axis, values)
+        .with_small_bright(small_is_good);
+    let mut series = vec![values];
     if let Some(best) = &zones.best {
         series.push(Series::new(
             "best posture",

@@ -1,6 +1,7 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
-use super::{head, region::Region, sides, write_folder};
+use super::common::{head, sides, write_folder};
+use super::region::Region;
 use crate::args::MapArgs;
 use crate::commands::finding_line;
 use crate::files::check_folder;
