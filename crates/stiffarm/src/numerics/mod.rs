@@ -7,4 +7,5 @@ pub mod information;
 pub mod jobs;
 pub mod optimise;
 pub mod sample;
+pub(crate) mod scalar;
 pub mod streams;

@@ -24,6 +24,7 @@ use super::whitened::{Whitened, best_ratio};
 use crate::error::Result;
 use crate::findings::{Finding, Severity, percent};
 use crate::numerics::jobs::in_order;
+use crate::numerics::scalar::{minimum, zero};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -136,38 +137,27 @@ fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
             None => best_ratio(|gamma| criterion.value(gamma)).1,
         })
     };
-    let Some(lowest) = minimum(&value, centre, half) else {
+    let Some(lowest) = lowest(&value, centre, half) else {
         // The residuals are rounding: there is no likelihood to speak of.
         return Ok([None, None]);
     };
-    let above = |h: f64| value(h).is_some_and(|v| v - lowest.1 >= level);
+    // Where it lies above or below the level; what has no value lies above.
+    let above = |h: f64| value(h).map_or(level, |v| v - lowest.1 - level);
     let end = |sign: f64| -> Option<f64> {
-        let mut inside = lowest.0;
+        let mut inside = (lowest.0, -level);
         let mut reach = STEP;
-        let mut outside = inside;
         while reach <= FAR {
-            outside = lowest.0 + sign * reach * half;
-            if above(outside) {
-                break;
+            let place = lowest.0 + sign * reach * half;
+            let outside = (place, above(place));
+            if outside.1 >= 0.0 {
+                let tolerance = TOLERANCE * half.max(place.abs());
+                return Some(zero(above, inside, outside, tolerance));
             }
             inside = outside;
             // Small steps where the end should be, larger ones beyond.
             reach += STEP * reach.max(1.0);
         }
-        if inside == outside {
-            return None;
-        }
-        while (outside - inside).abs() > TOLERANCE * half.max(outside.abs()) {
-            let middle = 0.5 * (inside + outside);
-            if middle == inside || middle == outside {
-                break;
-            }
-            match above(middle) {
-                true => outside = middle,
-                false => inside = middle,
-            }
-        }
-        Some(0.5 * (inside + outside))
+        None
     };
     Ok([end(-1.0), end(1.0)])
 }
@@ -182,26 +172,12 @@ fn held(fit: &Fit, j: usize) -> Result<(Whitened, DVector<f64>, DVector<f64>)> {
     Ok((whitened, delta, column))
 }
 
-/// Place and value of the minimum near `centre`, by golden sections.
-fn minimum(value: &impl Fn(f64) -> Option<f64>, centre: f64, half: f64) -> Option<(f64, f64)> {
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let mut best = (centre, value(centre)?);
-    let (mut low, mut high) = (centre - 0.5 * half, centre + 0.5 * half);
-    while high - low > 1e-6 * half {
-        let left = high - golden * (high - low);
-        let right = low + golden * (high - low);
-        let (f_left, f_right) = (value(left)?, value(right)?);
-        for (place, size) in [(left, f_left), (right, f_right)] {
-            if size < best.1 {
-                best = (place, size);
-            }
-        }
-        match f_left <= f_right {
-            true => high = right,
-            false => low = left,
-        }
-    }
-    Some(best)
+/// Place and value of the minimum near `centre`.
+fn lowest(value: &impl Fn(f64) -> Option<f64>, centre: f64, half: f64) -> Option<(f64, f64)> {
+    let start = (centre, value(centre)?);
+    let ends = [centre - 0.5 * half, centre + 0.5 * half];
+    let value = |h: f64| value(h).unwrap_or(f64::INFINITY);
+    Some(minimum(value, ends, start, 1e-6 * half))
 }
 
 fn joint_profile(

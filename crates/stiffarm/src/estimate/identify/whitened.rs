@@ -4,6 +4,7 @@
 use super::system::{Block, MeasuredSystem};
 use crate::error::{Code, Error, Result};
 use crate::numerics::information::{Factor, svd};
+use crate::numerics::scalar::minimum;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
@@ -74,7 +75,7 @@ pub struct Whitened {
     factor: Factor,
     /// Orthonormal basis of its columns, rows × rank.
     basis: DMatrix<f64>,
-    /// Uᵀ·basis of each posture, k × rank.
+    /// basisᵀ·U of each posture, rank × k.
     seen: Vec<DMatrix<f64>>,
     shifts: usize,
     separable: bool,
@@ -311,22 +312,24 @@ impl Restricted<'_> {
         let mut moment = DVector::<f64>::zeros(rank);
         let mut size = self.size;
         let mut logarithms = 0.0;
-        for ((block, seen), moved) in self
-            .system
-            .blocks
-            .iter()
-            .zip(&self.system.seen)
-            .zip(&self.moved)
-        {
+        let seen = self.system.seen.iter();
+        for ((block, seen), moved) in self.system.blocks.iter().zip(seen).zip(&self.moved) {
             for (k, s) in block.by.sizes.iter().enumerate() {
                 let part = gamma * s / (1.0 + gamma * s);
-                size -= part * moved[k] * moved[k];
+                let (row, moved) = (&seen.as_slice()[k * rank..(k + 1) * rank], moved[k]);
+                size -= part * moved * moved;
                 logarithms += (gamma * s).ln_1p();
-                let row = seen.row(k);
-                for i in 0..rank {
-                    moment[i] -= part * row[i] * moved[k];
-                    for j in 0..=i {
-                        information[(i, j)] -= part * row[i] * row[j];
+                for (moment, seen) in moment.iter_mut().zip(row) {
+                    *moment -= part * seen * moved;
+                }
+                for (j, column) in information
+                    .as_mut_slice()
+                    .chunks_exact_mut(rank)
+                    .enumerate()
+                {
+                    let scale = part * row[j];
+                    for (entry, seen) in column[j..].iter_mut().zip(&row[j..]) {
+                        *entry -= scale * seen;
                     }
                 }
             }
@@ -347,43 +350,25 @@ impl Restricted<'_> {
 }
 
 /// The γ ≥ 0 with the smallest `criterion`, and that value: a grid over all
-/// sizes, then golden sections about its best point.
+/// sizes, then Brent's method about its best point.
 pub(super) fn best_ratio(criterion: impl Fn(f64) -> f64) -> (f64, f64) {
     const LOW: f64 = -12.0;
-    const STEP: f64 = 1.0;
-    const POINTS: usize = 36;
+    const STEP: f64 = 2.0;
+    const POINTS: usize = 18;
+    const TOLERANCE: f64 = 1e-8;
     let at = |i: usize| LOW + STEP * i as f64;
-    let mut best = (0.0, criterion(0.0));
-    let mut place = None;
-    for i in 0..POINTS {
-        let gamma = at(i).exp();
-        let value = criterion(gamma);
-        if value < best.1 {
-            best = (gamma, value);
-            place = Some(i);
-        }
+    let none = (0.0, criterion(0.0));
+    let best = (0..POINTS)
+        .map(|i| (at(i), criterion(at(i).exp())))
+        .reduce(|best, next| if next.1 < best.1 { next } else { best });
+    // A flat criterion may fall below that of γ = 0 between two points only.
+    let Some(best) = best.filter(|best| best.1.is_finite()) else {
+        return none;
+    };
+    let ends = [best.0 - STEP, best.0 + STEP];
+    let (place, value) = minimum(|x| criterion(x.exp()), ends, best, TOLERANCE);
+    match value < none.1 {
+        true => (place.exp(), value),
+        false => none,
     }
-    let Some(i) = place else { return best };
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (at(i) - STEP, at(i) + STEP);
-    let mut left = high - golden * (high - low);
-    let mut right = low + golden * (high - low);
-    let (mut f_left, mut f_right) = (criterion(left.exp()), criterion(right.exp()));
-    while high - low > 1e-7 {
-        if f_left <= f_right {
-            (high, right, f_right) = (right, left, f_left);
-            left = high - golden * (high - low);
-            f_left = criterion(left.exp());
-        } else {
-            (low, left, f_left) = (left, right, f_right);
-            right = low + golden * (high - low);
-            f_right = criterion(right.exp());
-        }
-    }
-    let middle = 0.5 * (low + high);
-    let value = criterion(middle.exp());
-    if value < best.1 {
-        best = (middle.exp(), value);
-    }
-    best
 }

@@ -181,13 +181,16 @@ pub(super) fn mean_shape(work: &Work) -> Option<Vec<Option<Vector3<f64>>>> {
         all.sort_by(f64::total_cmp);
         all[half]
     };
-    let mut shape = whole
+    let (rms, mut shape) = whole
         .iter()
         .step_by(step)
-        .map(|s| positions(s))
-        .min_by(|a, b| resemblance(a).total_cmp(&resemblance(b)))?;
+        .map(|s| {
+            let shape = positions(s);
+            (resemblance(&shape), shape)
+        })
+        .min_by(|(a, _), (b, _)| a.total_cmp(b))?;
     // States with mixed up names would shift even a median.
-    let typical = ALIKE_SHAPES * resemblance(&shape) + work.sheet.typical_std();
+    let typical = ALIKE_SHAPES * rms + work.sheet.typical_std();
     let resembles = |s: &&State| best_rms(&pairs(s, &shape, None)) <= typical;
     let whole: Vec<&State> = whole.iter().copied().filter(resembles).collect();
     for _ in 0..3 {

@@ -7,7 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Termination;
-use crate::plan::index::{GroupEvaluation, Index, Indices};
+use crate::plan::index::{GroupEvaluation, Index};
 use serde::Serialize;
 
 /// Result of a selection.
