@@ -2,7 +2,7 @@
 
 use crate::arguments::TestOptions;
 use crate::run::{Failure, Workspace, step};
-use crate::{generate, test};
+use crate::{generate, structure, test};
 
 /// Every check that is not a test; stops at the first that fails.
 pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
@@ -10,6 +10,7 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
         .cargo(&["fmt", "--all", "--check"])
         .fix("run `cargo fmt --all`");
     step(&format, || format.run())?;
+    step("structure of the code", || structure::check(workspace))?;
     run_step(
         workspace,
         &[

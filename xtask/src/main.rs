@@ -7,6 +7,7 @@ mod arguments;
 mod checks;
 mod generate;
 mod run;
+mod structure;
 mod tally;
 mod test;
 
