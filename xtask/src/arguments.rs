@@ -19,7 +19,10 @@ Commands:
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
   lint
-      Formatting, clippy, documentation, feature combinations, generated files, licences, unused dependencies.
+      Formatting, structure of the code, clippy with all, the default and no features, documentation, generated
+      files, licences, unused dependencies.
+  features
+      Clippy on the library with every set of its features; takes minutes, the nightly workflow runs it.
   ci [options of test]
       lint, then test: what the continuous integration runs.
   help
@@ -43,6 +46,8 @@ pub enum Command {
     },
     /// Every check that is not a test.
     Lint,
+    /// The library with every set of its features.
+    Features,
     /// [`Command::Lint`], then [`Command::Test`].
     Ci(TestOptions),
 }
@@ -99,13 +104,14 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [flag] => Err(unexpected(name, flag)),
             [_, second, ..] => Err(unexpected(name, second)),
         },
-        "lint" => match rest {
-            [] => Ok(Command::Lint),
+        "lint" | "features" => match rest {
+            [] if name == "lint" => Ok(Command::Lint),
+            [] => Ok(Command::Features),
             [first, ..] => Err(unexpected(name, first)),
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, generate, lint, ci or help",
+            "use test, generate, lint, features, ci or help",
         )),
     }
 }
@@ -201,6 +207,7 @@ mod tests {
             Command::Generate { check: true }
         );
         assert_eq!(parsed("lint").unwrap(), Command::Lint);
+        assert_eq!(parsed("features").unwrap(), Command::Features);
     }
 
     #[test]

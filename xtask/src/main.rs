@@ -39,6 +39,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Test(options) => test::run(&workspace, &options),
         Command::Generate { check } => generate::run(&workspace, check),
         Command::Lint => checks::lint(&workspace),
+        Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),
     }
 }
