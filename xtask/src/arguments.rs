@@ -1,5 +1,7 @@
 //! The command line of `cargo xtask`: text to [`Command`].
 
+use std::path::PathBuf;
+
 use crate::run::Failure;
 
 /// What `cargo xtask help` prints.
@@ -18,6 +20,12 @@ Commands:
   generate [--check]
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
+  outputs FOLDER [--against OTHER] [--binary PATH]
+      Runs the commands of xtask/src/outputs/commands.txt and keeps everything that they print and write in
+      FOLDER, which is new, empty, or filled by an earlier run.
+      --against OTHER   compares FOLDER with OTHER, the outputs before a change, byte by byte
+      --binary PATH     runs this executable; without it `stiffarm` is built for release
+      The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
   lint
       Formatting, structure of the code, clippy with all, the default and no features, documentation, generated
       files, licences, unused dependencies.
@@ -28,8 +36,8 @@ Commands:
   help
       This text.
 
-Exit codes: 0 done, 1 a test failed or a generated file is out of date, 2 wrong usage, 3 a command could not be
-run; a step of lint that fails passes on its own code.
+Exit codes: 0 done, 1 a test failed, a generated file is out of date or an output differs, 2 wrong usage,
+3 a command could not be run; a step of lint that fails passes on its own code.
 ";
 
 /// One parsed command line.
@@ -44,6 +52,8 @@ pub enum Command {
         /// Compare only.
         check: bool,
     },
+    /// Keep what `stiffarm` prints and writes, and compare it.
+    Outputs(OutputsOptions),
     /// Every check that is not a test.
     Lint,
     /// The library with every set of its features.
@@ -59,6 +69,17 @@ pub struct TestOptions {
     pub install: bool,
     /// Parts that must not skip anything.
     pub require: Vec<Part>,
+}
+
+/// Options of `cargo xtask outputs`.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct OutputsOptions {
+    /// The folder to fill.
+    pub folder: PathBuf,
+    /// The folder to compare it with.
+    pub against: Option<PathBuf>,
+    /// The executable to run instead of one that is built.
+    pub binary: Option<PathBuf>,
 }
 
 /// A part of the test suite that a machine may or may not be able to run.
@@ -104,6 +125,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [flag] => Err(unexpected(name, flag)),
             [_, second, ..] => Err(unexpected(name, second)),
         },
+        "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
         "lint" | "features" => match rest {
             [] if name == "lint" => Ok(Command::Lint),
             [] => Ok(Command::Features),
@@ -111,7 +133,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, generate, lint, features, ci or help",
+            "use test, generate, outputs, lint, features, ci or help",
         )),
     }
 }
@@ -137,6 +159,44 @@ fn parse_test(command: &str, rest: &[String]) -> Result<TestOptions, Failure> {
             return Err(unexpected(command, argument));
         }
     }
+    Ok(options)
+}
+
+/// Parses the folder and the options of `outputs`.
+fn parse_outputs(rest: &[String]) -> Result<OutputsOptions, Failure> {
+    let mut options = OutputsOptions::default();
+    let mut folder = None;
+    let mut rest = rest.iter();
+    while let Some(argument) = rest.next() {
+        let (name, joined) = match argument.split_once('=') {
+            Some((name, value)) => (name, Some(value.to_string())),
+            None => (argument.as_str(), None),
+        };
+        let slot = match name {
+            "--against" => &mut options.against,
+            "--binary" => &mut options.binary,
+            _ if argument.starts_with('-') || folder.is_some() => {
+                return Err(unexpected("outputs", argument));
+            }
+            _ => {
+                folder = Some(PathBuf::from(argument));
+                continue;
+            }
+        };
+        let value = joined.or_else(|| rest.next().cloned()).ok_or_else(|| {
+            Failure::usage(
+                format!("`{name}` has no value"),
+                format!("name a path after it, for example `{name} target/path`"),
+            )
+        })?;
+        *slot = Some(PathBuf::from(value));
+    }
+    options.folder = folder.ok_or_else(|| {
+        Failure::usage(
+            "`cargo xtask outputs` needs the folder to fill",
+            "name it, for example `cargo xtask outputs target/outputs`",
+        )
+    })?;
     Ok(options)
 }
 
@@ -211,6 +271,26 @@ mod tests {
     }
 
     #[test]
+    fn outputs_takes_a_folder_and_two_paths() {
+        let plain = OutputsOptions {
+            folder: PathBuf::from("now"),
+            ..OutputsOptions::default()
+        };
+        assert_eq!(parsed("outputs now").unwrap(), Command::Outputs(plain));
+        for line in [
+            "outputs now --against before --binary target/release/stiffarm",
+            "outputs --binary=target/release/stiffarm --against=before now",
+        ] {
+            let expected = OutputsOptions {
+                folder: PathBuf::from("now"),
+                against: Some(PathBuf::from("before")),
+                binary: Some(PathBuf::from("target/release/stiffarm")),
+            };
+            assert_eq!(parsed(line).unwrap(), Command::Outputs(expected), "{line}");
+        }
+    }
+
+    #[test]
     fn wrong_usage_is_a_sentence_with_a_fix_and_code_2() {
         for (line, message) in [
             ("tset", "`tset` is no command of `cargo xtask`"),
@@ -222,6 +302,10 @@ mod tests {
                 "`cargo xtask generate` does not take `x`",
             ),
             ("test --require", "`--require` has no value"),
+            ("outputs", "`cargo xtask outputs` needs the folder to fill"),
+            ("outputs a b", "`cargo xtask outputs` does not take `b`"),
+            ("outputs a -q", "`cargo xtask outputs` does not take `-q`"),
+            ("outputs a --against", "`--against` has no value"),
             (
                 "test --require rust,",
                 "`--require rust,`: `` is no part of the tests",

@@ -237,7 +237,7 @@ fn unreadable(path: &str, error: &std::io::Error) -> Failure {
 }
 
 /// The number of the first line in which two different contents differ, counted from 1.
-fn first_difference(left: &[u8], right: &[u8]) -> usize {
+pub fn first_difference(left: &[u8], right: &[u8]) -> usize {
     let same = left.iter().zip(right).take_while(|(l, r)| l == r).count();
     1 + left[..same].iter().filter(|byte| **byte == b'\n').count()
 }

@@ -6,6 +6,7 @@
 mod arguments;
 mod checks;
 mod generate;
+mod outputs;
 mod run;
 mod structure;
 mod tally;
@@ -38,6 +39,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         }
         Command::Test(options) => test::run(&workspace, &options),
         Command::Generate { check } => generate::run(&workspace, check),
+        Command::Outputs(options) => outputs::run(&workspace, &options),
         Command::Lint => checks::lint(&workspace),
         Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),

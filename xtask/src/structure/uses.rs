@@ -74,11 +74,6 @@ impl Crate {
         self.files.get(module).map_or(Path::new("?"), |f| &f.path)
     }
 
-    /// The words of the file of `module`, where there is one.
-    pub fn words(&self, module: &[String]) -> &[String] {
-        self.files.get(module).map_or(&[], |file| &file.words)
-    }
-
     /// Every use of another file's items, each once. A parent's use of its own descendants is none: that is how a
     /// folder shows what it holds.
     pub fn uses(&self) -> BTreeSet<Use> {

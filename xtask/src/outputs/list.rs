@@ -1,0 +1,185 @@
+//! The list of commands: text to [`Call`].
+
+use crate::run::Failure;
+
+/// The commands that need nothing but this repository.
+pub const COMMANDS: &str = include_str!("commands.txt");
+/// The commands on the measured robot of the reference data.
+pub const FANUC: &str = include_str!("fanuc.txt");
+
+/// Options with which a command writes a file or a folder.
+const WRITING: [&str; 6] = [
+    "--output",
+    "--output-dir",
+    "--sheet",
+    "--figure",
+    "--measurements",
+    "--readings",
+];
+
+/// One run of `stiffarm`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Call {
+    /// Name of the file that keeps what it prints.
+    pub file: String,
+    /// Its arguments.
+    pub words: Vec<String>,
+    /// The file that is its standard input.
+    pub input: Option<String>,
+    /// Whether wrong usage or wrong input is what it is there for.
+    pub is_wrong: bool,
+}
+
+impl Call {
+    /// The call as it would be typed.
+    pub fn line(&self) -> String {
+        let input = self.input.as_ref().map(|file| format!(" < {file}"));
+        format!(
+            "stiffarm {}{}",
+            self.words.join(" "),
+            input.unwrap_or_default()
+        )
+    }
+
+    /// The exit codes that it may end with.
+    pub fn codes(&self) -> &'static [i32] {
+        if self.is_wrong { &[2] } else { &[0, 1] }
+    }
+}
+
+/// Every call of a list: one or two for each of its lines.
+pub fn calls(list: &str) -> Result<Vec<Call>, Failure> {
+    let mut calls: Vec<Call> = Vec::new();
+    for (number, line) in (1..).zip(list.lines()) {
+        if line.trim().is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let added = calls_of(line).map_err(|why| malformed(number, line, why))?;
+        if calls.iter().any(|call| call.file == added[0].file) {
+            return Err(malformed(number, line, "its name is taken"));
+        }
+        calls.extend(added);
+    }
+    Ok(calls)
+}
+
+/// The calls of one line of the list: `KIND NAME WORDS… [< FILE]`.
+fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
+    let mut words: Vec<&str> = line.split_whitespace().collect();
+    let input = match words.iter().position(|word| *word == "<") {
+        Some(at) if at + 2 == words.len() => words.drain(at..).nth(1).map(String::from),
+        Some(_) => return Err("`<` and a file are the end of a line"),
+        None => None,
+    };
+    let [kind, name, words @ ..] = words.as_slice() else {
+        return Err("it has no name");
+    };
+    let (has_json, is_wrong) = match *kind {
+        "once" => (false, false),
+        "both" => (true, false),
+        "wrong" => (true, true),
+        _ => return Err("it begins with none of once, both, wrong"),
+    };
+    let call = |file: String, added: &[&str]| Call {
+        file,
+        words: words.iter().chain(added).map(|w| w.to_string()).collect(),
+        input: input.clone(),
+        is_wrong,
+    };
+    let mut calls = vec![call(format!("{name}.txt"), &[])];
+    if has_json {
+        // What it writes is there already.
+        let writes = !is_wrong && words.iter().any(|word| WRITING.contains(word));
+        let added: &[&str] = if writes {
+            &["--force", "--json"]
+        } else {
+            &["--json"]
+        };
+        calls.push(call(format!("{name}.json.txt"), added));
+    }
+    Ok(calls)
+}
+
+fn malformed(number: usize, line: &str, why: &str) -> Failure {
+    Failure::internal(
+        format!("line {number} of the list of commands, `{line}`: {why}"),
+        "see how its lines are built at the head of xtask/src/outputs/commands.txt",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(list: &str) -> Vec<(String, String)> {
+        let calls = calls(list).unwrap();
+        calls.iter().map(|c| (c.file.clone(), c.line())).collect()
+    }
+
+    fn pair(file: &str, line: &str) -> (String, String) {
+        (file.to_string(), line.to_string())
+    }
+
+    #[test]
+    fn a_line_is_one_call_or_two() {
+        let list = "# Comment\n\nonce  man  man --output-dir man\nboth  check  check - < cell.toml\n\
+                    both  plan  select a --output b\nwrong  slip  check --output b\n";
+        assert_eq!(
+            lines(list),
+            [
+                pair("man.txt", "stiffarm man --output-dir man"),
+                pair("check.txt", "stiffarm check - < cell.toml"),
+                pair("check.json.txt", "stiffarm check - --json < cell.toml"),
+                pair("plan.txt", "stiffarm select a --output b"),
+                pair(
+                    "plan.json.txt",
+                    "stiffarm select a --output b --force --json"
+                ),
+                pair("slip.txt", "stiffarm check --output b"),
+                pair("slip.json.txt", "stiffarm check --output b --json"),
+            ]
+        );
+        let calls = calls(list).unwrap();
+        assert_eq!(
+            (calls[0].codes(), calls[5].codes()),
+            (&[0, 1][..], &[2][..])
+        );
+    }
+
+    #[test]
+    fn slips_in_the_list_are_named_with_their_line() {
+        for (list, why) in [
+            ("\nboth", "it has no name"),
+            (
+                "\ntwice a check",
+                "it begins with none of once, both, wrong",
+            ),
+            ("once a check\nboth a check", "its name is taken"),
+            ("\nonce a check - <", "`<` and a file are the end of a line"),
+        ] {
+            let message = calls(list).unwrap_err().message;
+            assert!(message.starts_with("line 2 of the list"), "{message}");
+            assert!(message.ends_with(why), "{message}");
+        }
+    }
+
+    #[test]
+    fn the_list_repeats_every_command_without_a_clock() {
+        let all = calls(&format!("{COMMANDS}{FANUC}")).unwrap();
+        let begins = |name: &str| all.iter().any(|c| !c.is_wrong && c.words[0] == name);
+        for name in "study init check select evaluate simulate register identify validate predict compensate map zones \
+                     robots schema completions man docs"
+            .split(' ')
+        {
+            assert!(begins(name), "{name}");
+        }
+        // Searches that would go on until nothing improves depend on no clock either, but take long.
+        for call in all.iter().filter(|c| !c.is_wrong && c.words[0] == "select") {
+            let has = |word: &str| call.words.iter().any(|w| w == word);
+            let ends = ["--rounds", "--from", "--drop", "--space-filling"].map(has);
+            let asks = ["--help", "-h"].map(has);
+            assert!(ends.contains(&true) || asks.contains(&true), "{call:?}");
+            assert!(!has("--time-limit"), "{call:?}");
+        }
+    }
+}
