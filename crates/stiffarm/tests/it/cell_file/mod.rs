@@ -39,6 +39,9 @@ fn assert_close(found: f64, expected: f64) {
 /// A cell with every table, on lines of known number.
 const FULL: &str = include_str!("../../full-cell.toml");
 
+/// Zhang et al. 2021, Table 2 \[N·m/rad\].
+const TABLE_2: [f64; 6] = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
+
 #[test]
 fn every_key_arrives_in_si_units() -> Check {
     let cell = parse_cell(FULL, "cell.toml")?;

@@ -1,4 +1,5 @@
-//! The JSON Schema of the cell file agrees with its parser.
+//! The JSON Schema of the cell file agrees with its parser. Its text is
+//! `docs/cell.schema.json`, which `cargo xtask generate --check` compares.
 #![cfg(feature = "schema")]
 
 use serde_json::Value;
@@ -91,6 +92,5 @@ fn the_schema_has_no_null_and_no_rust_names() -> Check {
     for word in ["null", "Raw", "anyOf", "\"double\"", "\"int64\""] {
         assert!(!text.contains(word), "{word}");
     }
-    insta::assert_snapshot!("cell_schema", text);
     Ok(())
 }

@@ -1,11 +1,12 @@
 //! Noise, intervals and gross errors of clamped data.
 
 use super::*;
+use common::runs::runs;
 
 #[test]
 fn intervals_cover_as_often_as_they_say() {
-    const RUNS: usize = 3000;
-    let binomial = Binomial::new(0.95, RUNS as u64).unwrap();
+    let runs = runs(300) as usize;
+    let binomial = Binomial::new(0.95, runs as u64).unwrap();
     for (cell, what) in [(reference_cell(), "COMAU"), (panda(), "Panda")] {
         let truth = cell.require_prior().unwrap();
         let n = truth.len();
@@ -27,7 +28,7 @@ fn intervals_cover_as_often_as_they_say() {
                 ..IdentifyOptions::default()
             };
             let mut covered = vec![0; n];
-            for run in 0..RUNS {
+            for run in 0..runs {
                 let data = simulate_clamped(&cell, &postures, truth, &simulation, 9, run).unwrap();
                 let result =
                     identify_clamped(&cell, &data, Some(simulation.angle_std), &options).unwrap();
@@ -38,7 +39,7 @@ fn intervals_cover_as_often_as_they_say() {
                     covered[j] += u64::from(above && high.is_none_or(|high| truth[j] <= high));
                 }
             }
-            println!("{what}, {noise:?}: {covered:?} of {RUNS}");
+            println!("{what}, {noise:?}: {covered:?} of {runs}");
             let tail = 0.5 * FALSE_ALARM / (4 * n) as f64;
             let (least, most) = (binomial.inverse_cdf(tail), binomial.inverse_cdf(1.0 - tail));
             assert!(

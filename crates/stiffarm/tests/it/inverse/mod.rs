@@ -159,3 +159,8 @@ fn multi_start(
     }
     found
 }
+
+/// Six angles with the COMAU's wrist at `bend` from straight.
+fn with_wrist(bend: f64) -> Vec<f64> {
+    vec![0.3, 0.2, -1.9, 0.7, bend, -0.4]
+}

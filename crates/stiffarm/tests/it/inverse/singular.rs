@@ -2,11 +2,6 @@
 
 use super::*;
 
-/// Six angles with the COMAU's wrist at `bend` from straight.
-fn with_wrist(bend: f64) -> Vec<f64> {
-    vec![0.3, 0.2, -1.9, 0.7, bend, -0.4]
-}
-
 #[test]
 fn singular_poses_give_a_representative() {
     for entry in catalogue() {

@@ -29,10 +29,6 @@ fn pointwise(
     predict(cell, predictor, &postures, &options, Control::default()).unwrap()
 }
 
-fn close(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-10 * a.abs().max(b.abs())
-}
-
 #[test]
 fn values_are_those_of_pointwise_predictions() {
     let cell = default_cell();

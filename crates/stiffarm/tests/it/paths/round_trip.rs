@@ -1,6 +1,7 @@
 //! Any path that is written is read again.
 
 use super::*;
+use crate::common::cases;
 
 /// Numbers of few decimals, as controllers show them, or of many.
 fn number(largest: f64) -> impl Strategy<Value = f64> {
@@ -136,7 +137,7 @@ fn few_rows(text: &str) -> String {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(cases(300))]
 
     #[test]
     fn written_angles_are_read_and_written_again(points in path(angles())) {

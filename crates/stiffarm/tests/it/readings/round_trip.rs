@@ -1,6 +1,7 @@
 //! Any table that is written is read again.
 
 use super::*;
+use crate::common::cases;
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
@@ -107,6 +108,8 @@ fn nearly(a: &[f64], b: &[f64]) -> bool {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn written_readings_are_read_and_written_again(table in any_table()) {
         let cell = rope_cell();

@@ -1,6 +1,7 @@
 //! Any table that is written is read again.
 
 use super::*;
+use crate::common::cases;
 
 /// Numbers that a spreadsheet shows: a few decimals.
 fn decimal(largest: i32) -> impl Strategy<Value = f64> {
@@ -75,6 +76,8 @@ fn nearly(a: &[f64], b: &[f64]) -> bool {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn written_postures_are_read_and_written_again(list in any_postures()) {
         let text = write_postures(&list);
