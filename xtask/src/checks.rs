@@ -6,6 +6,28 @@ use crate::{generate, structure, test};
 
 /// Every check that is not a test; stops at the first that fails.
 pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
+    check_code(workspace)?;
+    step("cargo xtask generate --check", || {
+        generate::run(workspace, true)
+    })?;
+    check_dependencies(workspace)
+}
+
+/// What [`lint`] does, then the tests. Their closing line is the last line of all.
+pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
+    check_code(workspace)?;
+    let build = test::build(workspace);
+    step(&build, || build.run())?;
+    step("cargo xtask generate --check", || {
+        generate::run_built(workspace, true)
+    })?;
+    check_dependencies(workspace)?;
+    println!("\n== cargo xtask test");
+    test::run(workspace, options)
+}
+
+/// Format, structure, clippy and documentation.
+fn check_code(workspace: &Workspace) -> Result<(), Failure> {
     let format = workspace
         .cargo(&["fmt", "--all", "--check"])
         .fix("run `cargo fmt --all`");
@@ -21,19 +43,13 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
     ] {
         clippy(workspace, selection)?;
     }
-    document(workspace)?;
-    step("cargo xtask generate --check", || {
-        generate::run(workspace, true)
-    })?;
-    run_if_installed(workspace, "deny", &["deny", "check", "licenses", "bans"])?;
-    run_if_installed(workspace, "machete", &["machete"])
+    document(workspace)
 }
 
-/// [`lint`], then the tests. Their closing line is the last line of all.
-pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
-    lint(workspace)?;
-    println!("\n== cargo xtask test");
-    test::run(workspace, options)
+/// Licences and unused dependencies.
+fn check_dependencies(workspace: &Workspace) -> Result<(), Failure> {
+    run_if_installed(workspace, "deny", &["deny", "check", "licenses", "bans"])?;
+    run_if_installed(workspace, "machete", &["machete"])
 }
 
 /// The library with every set of its features: what [`lint`] leaves to the nightly workflow.

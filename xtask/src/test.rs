@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::arguments::{Part, TestOptions};
-use crate::run::{Failure, Workspace, quoted};
+use crate::run::{Cargo, Failure, Workspace, quoted};
 use crate::tally::{Ignored, Tally, Total};
 
 /// Names the folder of the reference data; the tests read it, and their `#[ignore]` reason names it.
@@ -69,6 +69,12 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
 /// What `cargo test` runs, a call for each. Named one by one, because a plain `cargo test` also builds every example,
 /// optimised; clippy has checked them already.
 const TARGETS: [&[&str]; 2] = [&["--lib", "--bins", "--tests"], &["--doc"]];
+
+/// The build of everything that [`run`] runs but the doc tests.
+pub fn build(workspace: &Workspace) -> Cargo<'_> {
+    let arguments = [&["test", "--workspace", "--locked", "--no-run"], TARGETS[0]].concat();
+    workspace.cargo(&arguments)
+}
 
 /// `cargo test` with doc tests, and with the tests that need the reference data where there is its folder. The text
 /// is a failure that no test accounts for.
