@@ -15,6 +15,7 @@
 mod frame;
 mod gross_error;
 mod messages;
+mod misfit;
 mod model;
 mod motion;
 mod posture;
