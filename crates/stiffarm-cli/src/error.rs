@@ -1,10 +1,10 @@
 //! Errors as people and machines read them.
 
+use crate::excerpt::excerpt;
 use crate::output::to_json;
 use crate::session::Session;
-use miette::{
-    GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report,
-};
+use crate::table::paint;
+use anstyle::AnsiColor;
 use serde::Serialize;
 use std::io::Write;
 use std::ops::Range;
@@ -119,28 +119,21 @@ fn draw(session: &Session, error: &Error) -> String {
             (None, ..) => message,
         };
     }
-    let mut diagnostic = MietteDiagnostic::new(message).with_code(error.code().as_str());
+    let (red, cyan) = (AnsiColor::Red.on_default(), AnsiColor::Cyan.on_default());
+    let code = paint(red, error.code().as_str());
+    let message = message.replace('\n', "\n    ");
+    let mut out = format!("{code}\n\n  {} {message}\n", paint(red, "×"));
+    if let Some((span, text)) = shown {
+        let bare = text.trim_start_matches(MARK);
+        let mark = text.len() - bare.len();
+        let span = span.start.saturating_sub(mark)..span.end.saturating_sub(mark);
+        let file = place.file.as_deref().unwrap_or_default();
+        out += &excerpt(file, bare, span, place.key.as_deref());
+    }
     if let Some(hint) = error.hint_text() {
-        diagnostic = diagnostic.with_help(hint);
+        out += &format!("{}{hint}\n", paint(cyan, "  help: "));
     }
-    let report = match shown {
-        Some((span, text)) => {
-            let bare = text.trim_start_matches(MARK).to_string();
-            let start = span.start.saturating_sub(text.len() - bare.len());
-            let label = LabeledSpan::new(place.key.clone(), start, span.len());
-            let file = place.file.clone().unwrap_or_default();
-            Report::new(diagnostic.with_label(label)).with_source_code(NamedSource::new(file, bare))
-        }
-        None => Report::new(diagnostic),
-    };
-    let mut out = String::new();
-    let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode())
-        .with_wrap_lines(false)
-        .with_links(false);
-    match handler.render_report(&mut out, report.as_ref()) {
-        Ok(()) => out,
-        Err(_) => format!("error: {error}\n"),
-    }
+    out
 }
 
 /// Bytes of `text` that the error is about: its own span, else the field of a

@@ -1,34 +1,21 @@
 //! Reading: files, standard input, built-in files.
 
-use crate::session::Session;
+use crate::session::{Input, Session};
 use std::io::Read;
 use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell_bytes;
 use stiffarm::files::registration::read_registration;
-use stiffarm::files::table::{Measurements, read_measurements, read_postures, sha256_hex};
+use stiffarm::files::table::{read_measurements, read_postures, sha256_hex};
 use stiffarm::measure::reduction::ReduceOptions;
 use stiffarm::model::cell::Cell;
+use stiffarm::model::measurement::Measurements;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::robot::Robot;
 use stiffarm::{Code, Error, Result};
 
 /// Name of standard input in messages.
 const STDIN: &str = "standard input";
-
-/// One file that was read.
-pub struct Input {
-    /// What the command reads it as, for example `cell`.
-    pub role: String,
-    /// Its name in messages.
-    pub name: String,
-    /// Its content.
-    pub bytes: Vec<u8>,
-    /// SHA-256 of the content.
-    pub sha256: String,
-    /// True for standard input.
-    pub is_stdin: bool,
-}
 
 /// A cell with the name it was asked for by.
 pub struct NamedCell {

@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod error;
 mod examples;
+mod excerpt;
 mod files;
 mod input;
 mod interrupt;

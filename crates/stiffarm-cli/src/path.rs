@@ -15,7 +15,7 @@ use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::process::{ForceAxes, TipLoad};
-use stiffarm::units::{deg_to_rad, percent_to_fraction};
+use stiffarm::units::{deg_to_rad, percent_to_fraction, rad_to_deg};
 use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
@@ -159,7 +159,7 @@ impl Followed {
         format!(
             "path: {} ({count}; {origin}, largest step of a joint {}°)\n",
             self.name,
-            significant(self.summary.largest_step_deg, 3)
+            significant(rad_to_deg(self.summary.largest_step), 3)
         )
     }
 }

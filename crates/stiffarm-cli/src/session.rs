@@ -1,10 +1,23 @@
 //! What all commands share: the way they were asked to speak, and what they read.
 
 use crate::args::Global;
-use crate::input::Input;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use stiffarm::{Code, Error, Result};
+
+/// One file that was read.
+pub struct Input {
+    /// What the command reads it as, for example `cell`.
+    pub role: String,
+    /// Its name in messages.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+    /// SHA-256 of the content.
+    pub sha256: String,
+    /// True for standard input.
+    pub is_stdin: bool,
+}
 
 /// One run of the command.
 pub struct Session {

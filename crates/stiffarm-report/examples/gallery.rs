@@ -227,6 +227,9 @@ fn postures() -> Figure {
             along(f64::sin),
         ));
     }
+    let anchor = |height| Series::new("rope anchor", Style::Landmark, vec![2.4], vec![height]);
+    side.push(anchor(0.1));
+    top.push(anchor(-0.5));
     let view = |title: &str, vertical: &str, series| Panel {
         equal_aspect: true,
         ..panel(

@@ -5,18 +5,20 @@
 //! other result. [`render_svg`] turns it into a picture for a paper or a page:
 //! one legend per figure, the same colour for the same label everywhere, and
 //! the same bytes for the same data.
+//!
+//! [`figure`] is generic: it knows nothing of stiffarm. The other modules turn
+//! stiffarm's results into figures and tables.
 
 pub mod figure;
 mod map;
 mod path;
 mod placement;
 pub mod study;
-pub mod svg;
 mod zones;
 
+pub use figure::svg::{render_svg, series_colour};
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};
 pub use path::{PathCurvePoint, path_figure};
 pub use placement::{placement_figure, placement_table};
-pub use svg::{render_svg, series_colour};
 pub use zones::{zones_figure, zones_table};

@@ -1,7 +1,8 @@
 //! Stiffness maps as figures and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
+use stiffarm::units::{rad_to_deg, rad_to_shortest_deg};
 use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
@@ -30,6 +31,8 @@ struct Quantity {
     axis: Axis,
     /// Its value at a node, in the unit of the axis.
     value: fn(&NodeValues) -> Option<f64>,
+    /// Whether small values are the good ones, as of a deflection.
+    small_is_good: bool,
 }
 
 /// A plane of the map: where it lies along the axis across it.
@@ -105,16 +108,19 @@ fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
             title: "deflection under the load".into(),
             axis: scaled("deflection per newton", "µm/N", map.deflection_per_newton_m),
             value: |v| Some(1e6 * v.deflection_per_newton_m),
+            small_is_good: true,
         },
         Quantity {
             title: format!("stiffness along {}", direction_words(map)),
             axis: scaled("stiffness", "N/µm", map.stiffness_n_per_m),
             value: |v| v.stiffness_n_per_m.map(|k| 1e-6 * k),
+            small_is_good: false,
         },
         Quantity {
             title: "softest direction".into(),
             axis: scaled("stiffness along it", "N/µm", map.softest_n_per_m),
             value: |v| v.softest.stiffness_n_per_m.map(|k| 1e-6 * k),
+            small_is_good: false,
         },
     ]
 }
@@ -157,10 +163,15 @@ fn caption(map: &StiffnessMap) -> String {
         Some(turns) => format!(", the best of {turns} turns about it"),
         None => String::new(),
     };
+    let is_line = map.axes().iter().filter(|axis| axis.len() > 1).count() < 2;
+    let colours = match is_line {
+        true => "",
+        false => " The brighter, the stiffer.",
+    };
     format!(
         "Deflection per newton under a force of {} N on the robot at the tip, stiffness along {}, and stiffness \
          along the softest direction, over the position of the tip in the base frame. Tool axis {}{turn}; at each \
-         place the posture that bends least. {} of {} places are reachable.",
+         place the posture that bends least.{colours} {} of {} places are reachable.",
         vector(force),
         vector(map.direction),
         vector(column),
@@ -203,6 +214,7 @@ fn planes(map: &StiffnessMap, quantity: &Quantity) -> (usize, Vec<Panel>) {
         title: quantity.title.clone(),
         axis,
         value: quantity.value,
+        small_is_good: quantity.small_is_good,
     };
     let panels = places.map(|at| {
         let plane = Plane {
@@ -241,9 +253,10 @@ fn panel(
     let [x, y] = places(&reached);
     let values = reached.iter().filter_map(|n| n.values.as_ref());
     let values = values.map(|v| (quantity.value)(v).unwrap_or(f64::NAN));
-    let mut series = vec![
-        Series::new("", Style::Map, x, y).with_colour(quantity.axis.clone(), values.collect()),
-    ];
+    let values = Series::new("", Style::Map, x, y)
+        .with_colour(quantity.axis.clone(), values.collect())
+        .with_small_bright(quantity.small_is_good);
+    let mut series = vec![values];
     for status in REFUSED {
         let refused = nodes.iter().copied().filter(|n| n.status == status);
         let [x, y] = places(&refused.collect::<Vec<_>>());
@@ -318,7 +331,7 @@ fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
     Panel {
         title: quantity.title.clone(),
         x: Axis::linear(AXES[axis], "mm"),
-        y: quantity.axis.clone(),
+        y: quantity.axis.clone().from_zero(),
         series: vec![Series::new("", Style::Points, x, y)],
         equal_aspect: false,
     }
@@ -358,7 +371,7 @@ pub fn map_table(map: &StiffnessMap) -> Table {
     .map(String::from)
     .to_vec();
     let joints = map.nodes.iter().find_map(|n| n.values.as_ref());
-    let joints = joints.map_or(0, |v| v.q_deg.len());
+    let joints = joints.map_or(0, |v| v.q.len());
     headings.extend((1..=joints).map(|j| format!("q{j}_deg")));
     let micro = |v: Option<f64>| Cell::Number(v.map(|v| 1e6 * v));
     let rows = map.nodes.iter().map(|node| {
@@ -378,8 +391,8 @@ pub fn map_table(map: &StiffnessMap) -> Table {
         ]);
         row.extend([0, 1, 2].map(|i| Cell::Number(softest.map(|s| s.direction[i]))));
         row.push(values.and_then(|v| v.k_jn).into());
-        row.push(values.and_then(|v| v.turn_deg).into());
-        row.extend((0..joints).map(|j| Cell::Number(values.map(|v| v.q_deg[j]))));
+        row.push(values.and_then(|v| v.turn.map(rad_to_deg)).into());
+        row.extend((0..joints).map(|j| Cell::Number(values.map(|v| rad_to_shortest_deg(v.q[j])))));
         row
     });
     Table {

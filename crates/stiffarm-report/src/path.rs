@@ -1,6 +1,6 @@
 //! Deflection along a path, before and after compensation, as a figure.
 
-use crate::{Axis, Figure, Panel, Series, Style};
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 
 /// Most points that are drawn of a curve.
 const DRAWN: usize = 400;
@@ -31,7 +31,7 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
         false => (1..=points.len()).map(|i| i as f64).collect(),
     };
     let x = || match moves {
-        true => Axis::linear("way along the path", "mm"),
+        true => Axis::linear("distance along the path", "mm"),
         false => Axis::linear("point of the path", ""),
     };
     let curve = |value: &dyn Fn(&PathCurvePoint) -> Option<f64>| {
@@ -51,17 +51,13 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
         .iter()
         .map(|(i, ..)| points[*i].half_width_m.map(|w| 1e3 * w))
         .collect();
-    let level = confidence.map_or_else(
-        || "its band".to_string(),
-        |c| format!("its {} % band", (1000.0 * c).round() / 10.0),
+    let band = confidence.map_or_else(
+        || "band".to_string(),
+        |c| format!("{} % band", (1000.0 * c).round() / 10.0),
     );
     if let Some(widths) = widths {
-        let band = series(
-            &format!("without compensation, {level}"),
-            Style::Band,
-            &deflection,
-        );
-        first.push(band.with_error(widths));
+        let label = format!("without compensation, its {band}");
+        first.push(series(&label, Style::Band, &deflection).with_error(widths));
     }
     first.push(series("without compensation", Style::Curve, &deflection));
     let panel = |title: &str, x, y, series| Panel {
@@ -71,7 +67,12 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
         series,
         equal_aspect: false,
     };
-    let mut panels = vec![panel("", x(), Axis::linear("deflection", "mm"), first)];
+    let mut panels = vec![panel(
+        "",
+        x(),
+        Axis::linear("deflection", "mm").from_zero(),
+        first,
+    )];
     let left = curve(&|p| p.left_m);
     if !left.is_empty() {
         panels.push(panel(
@@ -81,7 +82,7 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
             vec![
                 series("without compensation", Style::Curve, &deflection),
                 series(
-                    "left after compensation, with its band",
+                    &format!("left after compensation, upper end of its {band}"),
                     Style::Curve,
                     &left,
                 ),

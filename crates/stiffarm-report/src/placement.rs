@@ -1,8 +1,9 @@
 //! Places of a workpiece as a figure and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::map::{fitted, shortest_mm};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
+use stiffarm::units::rad_to_shortest_deg;
 use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
 /// What a place cannot be, in the order of the legend.
@@ -18,7 +19,7 @@ const REFUSED: [Status; 4] = [
 /// and best place are marked.
 pub fn placement_figure(placement: &Placement) -> Figure {
     let first = || placement.candidates.iter().filter(|c| c.round == 0);
-    let mut yaws: Vec<f64> = first().map(|c| c.yaw_deg).collect();
+    let mut yaws: Vec<f64> = first().map(|c| c.yaw).collect();
     yaws.dedup();
     let best = first()
         .filter(|c| c.deflection_rms_m.is_some())
@@ -44,7 +45,7 @@ pub fn placement_figure(placement: &Placement) -> Figure {
         title: "Deflection along the path over the place of the workpiece".into(),
         caption: format!(
             "Root mean square of the deflections along the path, over the origin of the workpiece in the base frame \
-             at z = {} mm. Places that the path forbids say why.",
+             at z = {} mm; the brighter, the stiffer. Places that the path forbids say why.",
             shortest_mm(height)
         ),
         columns: panels.len().min(3),
@@ -56,7 +57,7 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     let here = placement
         .candidates
         .iter()
-        .filter(|c| c.round == 0 && c.yaw_deg == yaw && c.position_m[2] == height);
+        .filter(|c| c.round == 0 && c.yaw == yaw && c.position_m[2] == height);
     let here: Vec<&PlacementCandidate> = here.collect();
     let places = |chosen: &[&PlacementCandidate]| -> [Vec<f64>; 2] {
         [0, 1].map(|axis| chosen.iter().map(|c| 1e3 * c.position_m[axis]).collect())
@@ -72,8 +73,10 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     let values = reached
         .iter()
         .map(|c| c.deflection_rms_m.map_or(f64::NAN, |rms| 1e3 * rms));
-    let mut series =
-        vec![Series::new("", Style::Map, x, y).with_colour(axis.clone(), values.collect())];
+    let values = Series::new("", Style::Map, x, y)
+        .with_colour(axis.clone(), values.collect())
+        .with_small_bright(true);
+    let mut series = vec![values];
     for status in REFUSED {
         let [x, y] = places(&of(status));
         if !x.is_empty() {
@@ -102,12 +105,15 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     if yaw == 0.0 {
         mark("given place", placement.given.position_m, Style::Points);
     }
-    if let Some(best) = placement.best.as_ref().filter(|b| b.yaw_deg == yaw) {
+    if let Some(best) = placement.best.as_ref().filter(|b| b.yaw == yaw) {
         mark("best place", best.position_m, Style::Hollow);
     }
     let [x, y] = axes;
     Panel {
-        title: format!("workpiece turned by {}°", (yaw * 1e6).round() / 1e6),
+        title: format!(
+            "workpiece turned by {}°",
+            (rad_to_shortest_deg(yaw) * 1e6).round() / 1e6
+        ),
         equal_aspect: x.range.is_some() && y.range.is_some(),
         x,
         y,
@@ -137,7 +143,7 @@ pub fn placement_table(placement: &Placement) -> Table {
             x.into(),
             y.into(),
             z.into(),
-            c.yaw_deg.into(),
+            rad_to_shortest_deg(c.yaw).into(),
             c.status.describe().into(),
             micro(c.deflection_rms_m),
             micro(c.deflection_max_m),

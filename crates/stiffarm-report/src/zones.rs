@@ -1,8 +1,9 @@
 //! Dumas' zones as a figure and a table.
 
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
-use crate::{Axis, Figure, Panel, Series, Style};
 use stiffarm::plan::zones::{MapRange, ZoneMap, Zones};
+use stiffarm::units::rad_to_shortest_deg;
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.
@@ -18,18 +19,26 @@ pub fn zones_figure(zones: &Zones) -> Figure {
         _ => Axis::linear("relative deviation", "%"),
     };
     let held: Vec<String> = zones
-        .held_deg
+        .held
         .iter()
         .enumerate()
-        .filter_map(|(j, q)| q.map(|q| format!("q{} = {}°", j + 1, (q * 1e6).round() / 1e6)))
+        .filter_map(|(j, q)| {
+            q.map(|q| {
+                format!(
+                    "q{} = {}°",
+                    j + 1,
+                    (rad_to_shortest_deg(q) * 1e6).round() / 1e6
+                )
+            })
+        })
         .collect();
     Figure {
         id: "zones".into(),
         title: "Zones for stiffness identification (Dumas et al.)".into(),
         caption: format!(
             "Dexterity 1/k(J_N), larger is better, and relative deviation of translation and rotation of the TCP \
-             computed with and without K_C, smaller is better, over {} and {} with {}. Marked: the most \
-             dexterous posture of the zone where both are good.",
+             computed with and without K_C, smaller is better, over {} and {} with {}. The brighter, the better. Marked: \
+             the most dexterous posture of the zone where both are good.",
             zones.joints[0],
             zones.joints[1],
             held.join(", ")
@@ -42,6 +51,7 @@ pub fn zones_figure(zones: &Zones) -> Figure {
                 &zones.inverse_condition,
                 1.0,
                 Axis::linear("1/k(J_N)", ""),
+                false,
             ),
             panel(
                 zones,
@@ -49,6 +59,7 @@ pub fn zones_figure(zones: &Zones) -> Figure {
                 &zones.translation_deviation,
                 100.0,
                 deviation(zones.translation_range),
+                true,
             ),
             panel(
                 zones,
@@ -56,14 +67,22 @@ pub fn zones_figure(zones: &Zones) -> Figure {
                 &zones.rotation_deviation,
                 100.0,
                 deviation(zones.rotation_range),
+                true,
             ),
         ],
     }
 }
 
 /// One map; `factor` brings its values to the unit of `axis`.
-fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> Panel {
-    let (columns, rows) = (&zones.q2_deg, &zones.q3_deg);
+fn panel(
+    zones: &Zones,
+    title: &str,
+    map: &ZoneMap,
+    factor: f64,
+    axis: Axis,
+    small_is_good: bool,
+) -> Panel {
+    let (columns, rows) = (&degrees(&zones.q2), &degrees(&zones.q3));
     let values: Vec<f64> = map
         .iter()
         .flatten()
@@ -78,13 +97,16 @@ fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> 
         .iter()
         .flat_map(|row| columns.iter().map(move |_| *row))
         .collect();
-    let mut series = vec![Series::new(missing, Style::Map, x, y).with_colour(axis, values)];
+    let values = Series::new(missing, Style::Map, x, y)
+        .with_colour(axis, values)
+        .with_small_bright(small_is_good);
+    let mut series = vec![values];
     if let Some(best) = &zones.best {
         series.push(Series::new(
             "best posture",
             Style::Hollow,
-            vec![best.best_q_deg[1]],
-            vec![best.best_q_deg[2]],
+            vec![rad_to_shortest_deg(best.best_q[1])],
+            vec![rad_to_shortest_deg(best.best_q[2])],
         ));
     }
     Panel {
@@ -94,6 +116,10 @@ fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis) -> 
         series,
         equal_aspect: false,
     }
+}
+
+fn degrees(angles: &[f64]) -> Vec<f64> {
+    angles.iter().map(|a| rad_to_shortest_deg(*a)).collect()
 }
 
 /// An axis that ends where the outermost cells end.
@@ -117,8 +143,9 @@ pub fn zones_table(zones: &Zones) -> Table {
         "rotation_deviation_percent",
     ];
     let mut rows = Vec::new();
-    for (r, q3) in zones.q3_deg.iter().enumerate() {
-        for (c, q2) in zones.q2_deg.iter().enumerate() {
+    let columns = degrees(&zones.q2);
+    for (r, q3) in degrees(&zones.q3).iter().enumerate() {
+        for (c, q2) in columns.iter().enumerate() {
             let percent = |map: &ZoneMap| Cell::Number(map[r][c].map(|v| 100.0 * v));
             rows.push(vec![
                 (*q2).into(),

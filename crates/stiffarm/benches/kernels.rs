@@ -7,6 +7,7 @@ use nalgebra::Translation3;
 use std::hint::black_box;
 use stiffarm::Control;
 use stiffarm::files::builtin;
+use stiffarm::internals::Minimax;
 use stiffarm::internals::information::Factor;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
@@ -14,7 +15,7 @@ use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::observation::{Rows, observation_matrix};
 use stiffarm::plan::characteristic_length::with_characteristic_length;
-use stiffarm::plan::index::{Index, IndexFunction, Minimax, evaluate};
+use stiffarm::plan::index::{Index, IndexFunction, evaluate};
 use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
 
 fn cell(name: &str) -> Cell {
@@ -92,12 +93,10 @@ fn selections(c: &mut Criterion) {
             benches.bench_function(format!("local/{name}/{}", index.as_str()), |b| {
                 b.iter(|| select_from(&cell, index, &start, Options::default(), control));
             });
-            let options = GlobalOptions {
-                rounds: Some(1),
-                ..GlobalOptions::default()
-            };
+            let mut options = GlobalOptions::default();
+            options.rounds = Some(1);
             benches.bench_function(format!("one global round/{name}/{}", index.as_str()), |b| {
-                b.iter(|| select_global::<Vec<f64>>(&cell, index, 6, &[], &options, control));
+                b.iter(|| select_global(&cell, index, 6, &options, control));
             });
         }
     }

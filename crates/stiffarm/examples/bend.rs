@@ -103,8 +103,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             for value in given.chain(found) {
                 bytes.extend(value.to_le_bytes());
             }
-            for angle in &command.command_deg {
-                bytes.extend(angle.to_radians().to_le_bytes());
+            for angle in &command.command {
+                bytes.extend(angle.to_le_bytes());
             }
         }
         std::fs::write(file, bytes)?;

@@ -10,6 +10,7 @@ use stiffarm::files::builtin;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction};
 use stiffarm::plan::select::{GlobalOptions, select_watched};
+use stiffarm::units::rad_to_shortest_deg;
 
 /// Time spent on one rate.
 const RATE_SECONDS: f64 = 1.0;
@@ -123,22 +124,19 @@ fn run() -> Result<String, String> {
     })
     .collect();
 
-    let options = GlobalOptions {
-        seed: asked.seed,
-        time_limit: Some(Duration::from_secs_f64(asked.seconds)),
-        ..GlobalOptions::default()
-    };
+    let mut options = GlobalOptions::default();
+    options.seed = asked.seed;
+    options.time_limit = Some(Duration::from_secs_f64(asked.seconds));
     rayon::ThreadPoolBuilder::new()
         .num_threads(asked.threads)
         .build_global()
         .map_err(|e| e.to_string())?;
     let begin = Instant::now();
     let mut trace = Vec::new();
-    let selection = select_watched::<Vec<f64>>(
+    let selection = select_watched(
         &cell,
         Index::Novel,
         6,
-        &[],
         &options,
         Control::default(),
         &mut |round| {
@@ -164,18 +162,15 @@ fn run() -> Result<String, String> {
                 continue;
             }
             let function = IndexFunction::new(&cell, index, count).map_err(text)?;
-            let options = GlobalOptions {
-                seed: asked.seed,
-                ..GlobalOptions::default()
-            };
+            let mut options = GlobalOptions::default();
+            options.seed = asked.seed;
             let value = 1e6 / rate(&function, &cell.bounds, false, 1);
             let gradient = 1e6 / rate(&function, &cell.bounds, true, 1);
             let begin = Instant::now();
-            let selection = select_watched::<Vec<f64>>(
+            let selection = select_watched(
                 &cell,
                 index,
                 count,
-                &[],
                 &options,
                 Control::default(),
                 &mut |_| {},
@@ -192,8 +187,13 @@ fn run() -> Result<String, String> {
         }
     }
     let best: Vec<String> = selection
-        .postures_deg
+        .group
         .iter()
+        .map(|q| {
+            q.iter()
+                .map(|a| rad_to_shortest_deg(*a))
+                .collect::<Vec<f64>>()
+        })
         .map(|q| format!("{q:?}"))
         .collect();
     Ok(format!(

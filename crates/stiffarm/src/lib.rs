@@ -27,5 +27,21 @@ pub use numerics::control::{Control, Report, Stop, Termination};
 /// What this project's own tests and benches measure. No promise is made about it.
 #[doc(hidden)]
 pub mod internals {
+    pub use crate::estimate::clamped::clamped_system;
+    pub use crate::estimate::identify::internals::{
+        Assumptions, Block, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale, Solution,
+        Whitened, measured_system,
+    };
     pub use crate::numerics::{information, jobs, optimise, sample, streams};
+    pub use crate::plan::index::minimax::Minimax;
+
+    /// Optimal continuous designs over any space of points.
+    pub mod design {
+        pub use crate::plan::certificate::continuous::optimal_design;
+        pub use crate::plan::certificate::criterion::Criterion;
+        pub use crate::plan::certificate::design::{
+            ContinuousDesign, DesignOptions, DesignSpace, Effort,
+        };
+        pub use crate::plan::certificate::space::PostureSpace;
+    }
 }

@@ -157,11 +157,118 @@ fn rounded(value: f64, digits: usize) -> Option<f64> {
     format!("{value:.digits$e}").parse().ok()
 }
 
+/// Angles that are radians in memory and degrees in JSON.
+///
+/// For a field of `f64`, and of options, lists and arrays of it:
+/// `#[serde(rename = "angles_deg", with = "stiffarm::units::degrees")]`; with a
+/// schema also `#[schemars(with = "Vec<f64>")]`, the type of the field. The
+/// numbers written are those of [`rad_to_shortest_deg`], so what was written is
+/// read and written again as the same text.
+pub mod degrees {
+    use super::{deg_to_rad, rad_to_deg, rad_to_shortest_deg};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    /// An angle, or several.
+    pub trait Angles: Sized {
+        /// The same with every angle converted.
+        #[must_use]
+        fn converted(&self, convert: fn(f64) -> f64) -> Self;
+    }
+
+    impl Angles for f64 {
+        fn converted(&self, convert: fn(f64) -> f64) -> Self {
+            convert(*self)
+        }
+    }
+
+    impl<T: Angles> Angles for Option<T> {
+        fn converted(&self, convert: fn(f64) -> f64) -> Self {
+            self.as_ref().map(|angles| angles.converted(convert))
+        }
+    }
+
+    impl<T: Angles> Angles for Vec<T> {
+        fn converted(&self, convert: fn(f64) -> f64) -> Self {
+            self.iter().map(|a| a.converted(convert)).collect()
+        }
+    }
+
+    impl<T: Angles, const N: usize> Angles for [T; N] {
+        fn converted(&self, convert: fn(f64) -> f64) -> Self {
+            self.each_ref().map(|a| a.converted(convert))
+        }
+    }
+
+    /// Writes radians as degrees.
+    ///
+    /// # Errors
+    /// What the serializer reports.
+    pub fn serialize<T: Angles + Serialize, S: Serializer>(
+        angles: &T,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        angles.converted(rad_to_shortest_deg).serialize(serializer)
+    }
+
+    /// Reads degrees as radians.
+    ///
+    /// # Errors
+    /// What the deserializer reports.
+    pub fn deserialize<'de, T: Angles + Deserialize<'de>, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<T, D::Error> {
+        Ok(T::deserialize(deserializer)?.converted(deg_to_rad))
+    }
+
+    /// The same for angles that were computed rather than read: all their digits
+    /// are written, as [`rad_to_deg`] has them.
+    pub mod all_digits {
+        pub use super::deserialize;
+        use super::{Angles, rad_to_deg};
+        use serde::{Serialize, Serializer};
+
+        /// Writes radians as degrees.
+        ///
+        /// # Errors
+        /// What the serializer reports.
+        pub fn serialize<T: Angles + Serialize, S: Serializer>(
+            angles: &T,
+            serializer: S,
+        ) -> Result<S::Ok, S::Error> {
+            angles.converted(rad_to_deg).serialize(serializer)
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
     use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn angles_are_degrees_in_json_only() {
+        #[derive(serde::Serialize, serde::Deserialize, PartialEq, Debug)]
+        struct Record {
+            #[serde(rename = "q_deg", with = "degrees")]
+            q: Vec<Vec<f64>>,
+            #[serde(rename = "held_deg", with = "degrees")]
+            held: [Option<f64>; 2],
+            #[serde(rename = "turn_deg", with = "degrees::all_digits")]
+            turn: f64,
+        }
+        let record = Record {
+            q: vec![vec![deg_to_rad(15.0), deg_to_rad(-72.81)]],
+            held: [None, Some(deg_to_rad(45.0))],
+            turn: deg_to_rad(15.0),
+        };
+        let text = serde_json::to_string(&record).unwrap();
+        let expected =
+            r#"{"q_deg":[[15.0,-72.81]],"held_deg":[null,45.0],"turn_deg":14.999999999999998}"#;
+        assert_eq!(text, expected);
+        let read: Record = serde_json::from_str(&text).unwrap();
+        assert_eq!((&read.q, read.held), (&record.q, record.held));
+    }
 
     #[test]
     fn round_numbers_stay_round() {

@@ -1,6 +1,7 @@
 //! Commands that work on measurements.
 
-use super::{FitArgs, count};
+use super::fit::FitArgs;
+use super::values::count;
 use clap::{Args, ValueEnum};
 use stiffarm::estimate::validate::Model;
 

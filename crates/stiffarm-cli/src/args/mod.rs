@@ -4,9 +4,9 @@ mod fit;
 mod measured;
 mod path;
 mod select;
+mod values;
 mod work;
 
-pub use fit::FitArgs;
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
@@ -16,6 +16,7 @@ use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
+use values::count;
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -338,11 +339,6 @@ pub enum DocsPage {
     Errors,
     /// Reference of all commands
     Commands,
-}
-
-/// A number of things to make: at least one, and not by a slip a million.
-fn count() -> clap::builder::RangedU64ValueParser {
-    clap::value_parser!(u64).range(1..=1_000_000)
 }
 
 /// `--color` as far as it can be read before the line is parsed.

@@ -1,6 +1,6 @@
 //! The command line of `stiffarm select`.
 
-use super::count;
+use super::values::count;
 use clap::{Args, ValueEnum};
 use std::time::Duration;
 

@@ -18,7 +18,7 @@ use stiffarm::files::table::{PathFormat, PathKind, write_path};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
-use stiffarm::units::deg_to_rad;
+use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::compensate::{CompensateOptions, Compensation, PointCompensation, compensate};
 use stiffarm::work::posture_path::PosturePathSummary;
 use stiffarm::work::predict::LoadedArm;
@@ -153,7 +153,11 @@ fn commanded(
         .iter()
         .zip(&result.points)
         .map(|(point, found)| {
-            let q: Vec<f64> = found.command_deg.iter().copied().map(deg_to_rad).collect();
+            // The angles as the result writes them.
+            let command = found.command.iter();
+            let q: Vec<f64> = command
+                .map(|q| deg_to_rad(rad_to_shortest_deg(*q)))
+                .collect();
             PathPoint {
                 target: match format.kind() {
                     PathKind::Angles => Aim::Angles(q),

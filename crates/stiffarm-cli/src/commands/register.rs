@@ -13,7 +13,7 @@ use stiffarm::files::table::read_pairs;
 use stiffarm::measure::registration::{
     PointPair, RegisterOptions, Registration, RegistrationRecord, register_with,
 };
-use stiffarm::units::{m_to_mm, mm_to_m};
+use stiffarm::units::{m_to_mm, mm_to_m, rad_to_deg};
 use stiffarm::{Code, Error, Result};
 
 /// Options of the result.
@@ -106,7 +106,7 @@ fn table(file: &str, registration: &Registration, record: &RegistrationRecord) -
     out += &format!(
         "[tracker]\nxyz_mm = {}\nrpy_deg = {}\n",
         list(record.translation_m.map(m_to_mm), 4),
-        list(record.rpy_deg, 7)
+        list(record.roll_pitch_yaw.map(rad_to_deg), 7)
     );
     out
 }

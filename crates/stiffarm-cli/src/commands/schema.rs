@@ -27,7 +27,9 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::Cell => cell_schema(),
         SchemaChoice::ResultCheck => of::<check::Options, CellCheck>("check"),
         SchemaChoice::ResultEvaluate => of::<evaluate::Options, evaluate::Evaluated>("evaluate"),
-        SchemaChoice::ResultSelect => of::<select::plan::Options, select::plan::Plan>("select"),
+        SchemaChoice::ResultSelect => {
+            of::<select::planned::Options, select::planned::Plan>("select")
+        }
         SchemaChoice::ResultSelectDrop => {
             of::<select::drop::Options, select::drop::DropResult>("select --drop")
         }

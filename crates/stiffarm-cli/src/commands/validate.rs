@@ -1,7 +1,7 @@
 //! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
 //! postures kept out of the identification, or fold by fold without any.
 
-use super::identify::readings::displacements;
+use super::identify::readings::summary;
 use super::identify::{check_names, confidence};
 use crate::args::{Folds, ValidateArgs};
 use crate::numbers::{NONE, mm, percent, significant};
@@ -11,11 +11,11 @@ use crate::session::Session;
 use crate::table::{Align, Table, green, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::estimate::identify::{Estimator, NoiseSource};
+use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource};
 use stiffarm::estimate::validate::{Model, PointBand, Validation, cross_validate, validate_with};
 use stiffarm::findings::{Severity, list};
+use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::units::mm_to_m;
 use stiffarm::{Code, Error, Result};
@@ -85,13 +85,13 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
                 .hint("a saved stiffness brings its own estimator, terms and confidence"),
         );
     }
-    let mut named = session.read_cell(&args.cell)?;
+    let named = session.read_cell(&args.cell)?;
     let saved = session.read_stiffness(stiffness, &named.cell)?;
-    let measured = measured(session, args, &mut named.cell)?;
+    let measured = measured(session, args, &named.cell)?;
     let cell = &named.cell;
     let model = args.model.into();
     let tolerance = args.tolerance_mm.map(mm_to_m);
-    let result = validate_with(cell, &saved.predictor, &measured, model, tolerance)?;
+    let result = validate_with(cell, &saved.predictor, measured, model, tolerance)?;
     let envelope = session.envelope("validate", None, options(args, None), &result);
     let same_cell = !saved.is_of_another_cell(envelope.inputs.get("cell"));
     session.show(&envelope, || {
@@ -109,22 +109,27 @@ fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
         )
         .key("--model"));
     }
-    let mut named = session.read_cell(&args.cell)?;
+    let named = session.read_cell(&args.cell)?;
     let fit = args.fit.options(&named.cell.setup.robot)?;
-    let measured = measured(session, args, &mut named.cell)?;
+    let measured = measured(session, args, &named.cell)?;
     let cell = &named.cell;
     let count = match folds {
         Folds::Count(count) => count,
         Folds::All => {
-            let mut names: Vec<&str> = measured.iter().map(|m| m.posture.name.as_str()).collect();
+            let mut names: Vec<&str> = measured
+                .postures
+                .iter()
+                .map(|m| m.posture.name.as_str())
+                .collect();
             names.sort_unstable();
             names.dedup();
             names.len()
         }
     };
     let tolerance = args.tolerance_mm.map(mm_to_m);
-    let result =
-        cross_validate(cell, &measured, &fit, count, tolerance).map_err(|e| match e.code() {
+    let result = Fit::new(cell, measured, &fit)
+        .and_then(|fit| cross_validate(&fit, count, tolerance))
+        .map_err(|e| match e.code() {
             Code::InvalidValue => e.key("--folds"),
             _ => e,
         })?;
@@ -168,21 +173,17 @@ fn options(args: &ValidateArgs, fit: Option<FitOptions>) -> Options {
 }
 
 /// The measurements, or those of `--only`.
-fn measured(
-    session: &Session,
-    args: &ValidateArgs,
-    cell: &mut Cell,
-) -> Result<Vec<MeasuredPosture>> {
+fn measured(session: &Session, args: &ValidateArgs, cell: &Cell) -> Result<Measured> {
     let measurements =
         session.read_measurements(&args.measurements, args.postures.as_deref(), cell)?;
     let reduce = session.read_registration(args.registration.as_deref())?;
-    let (mut measured, reduced) = displacements(cell, measurements, &reduce)?;
-    if let Some(reduced) = &reduced {
-        session.remark(&reduced.words());
+    let mut measured = prepare(cell, measurements, &reduce)?;
+    if measured.reduction.is_some() {
+        session.remark(&summary(&measured));
     }
-    check_names("--only", &args.only, &measured)?;
+    check_names("--only", &args.only, &measured.postures)?;
     if !args.only.is_empty() {
-        measured.retain(|m| args.only.contains(&m.posture.name));
+        measured.retain(|name| args.only.iter().any(|only| only == name));
     }
     Ok(measured)
 }

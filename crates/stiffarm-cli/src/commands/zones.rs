@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::plan::zones::{MapRange, ZoneOptions, Zones, zones};
-use stiffarm::units::{deg_to_rad, m_to_mm};
+use stiffarm::units::{deg_to_rad, m_to_mm, rad_to_shortest_deg};
 use stiffarm_report::{render_svg, zones_figure, zones_table};
 
 /// Files of the folder.
@@ -35,10 +35,9 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
     let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
     let q = (!args.q_deg.is_empty()).then(|| args.q_deg.iter().copied().map(deg_to_rad).collect());
-    let options = ZoneOptions {
-        steps: args.steps,
-        q,
-    };
+    let mut options = ZoneOptions::default();
+    options.steps = args.steps;
+    options.q = q;
     let result = zones(&named.cell, &options)?;
     let envelope = session.envelope(
         "zones",
@@ -75,14 +74,17 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Angles in degrees, without digits nobody set.
+/// An angle \[rad\] in degrees, without digits nobody set.
 fn degrees(angle: f64) -> String {
-    format!("{}°", (angle * 100.0).round() / 100.0 + 0.0)
+    format!(
+        "{}°",
+        (rad_to_shortest_deg(angle) * 100.0).round() / 100.0 + 0.0
+    )
 }
 
 fn table(zones: &Zones) -> String {
     let held: Vec<String> = zones
-        .held_deg
+        .held
         .iter()
         .enumerate()
         .filter_map(|(j, q)| q.map(|q| format!("q{} = {}", j + 1, degrees(q))))
@@ -94,11 +96,11 @@ fn table(zones: &Zones) -> String {
     let mut out = format!(
         "map: {} from {}, {} from {}, {} × {} postures with {}\n",
         zones.joints[0],
-        ends(&zones.q2_deg),
+        ends(&zones.q2),
         zones.joints[1],
-        ends(&zones.q3_deg),
-        zones.q2_deg.len(),
-        zones.q3_deg.len(),
+        ends(&zones.q3),
+        zones.q2.len(),
+        zones.q3.len(),
         held.join(", ")
     );
     out += &format!(
@@ -138,7 +140,7 @@ fn table(zones: &Zones) -> String {
     out += &table.to_string();
     out += &match best {
         Some(best) => {
-            let q: Vec<String> = best.best_q_deg.iter().map(|q| degrees(*q)).collect();
+            let q: Vec<String> = best.best_q.iter().map(|q| degrees(*q)).collect();
             let range = |range: [f64; 2]| ends(&range);
             let share = |zone: usize| match zone {
                 1 => "1 posture".to_string(),
@@ -148,9 +150,9 @@ fn table(zones: &Zones) -> String {
                 "\nbest zone: {} {}, {} {} ({}): 1/k(J_N) in the map's upper quarter, both deviations in its \
                  lower half\nits most dexterous posture: {}\n",
                 zones.joints[0],
-                range(best.q2_deg),
+                range(best.q2),
                 zones.joints[1],
-                range(best.q3_deg),
+                range(best.q3),
                 share(best.posture_count),
                 q.join(", ")
             )

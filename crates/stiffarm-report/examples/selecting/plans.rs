@@ -113,13 +113,10 @@ impl Plan {
 
     /// Selects `count` postures under an index, in a fixed number of rounds.
     pub fn select(cell: &Cell, index: Index, count: usize, seed: u64, rounds: u64) -> Result<Self> {
-        let options = GlobalOptions {
-            seed,
-            rounds: Some(rounds),
-            ..GlobalOptions::default()
-        };
-        let none: &[Vec<f64>] = &[];
-        let selection = select_global(cell, index, count, none, &options, Control::default())?;
+        let mut options = GlobalOptions::default();
+        options.seed = seed;
+        options.rounds = Some(rounds);
+        let selection = select_global(cell, index, count, &options, Control::default())?;
         let name = index.as_str().replace('_', "-");
         let mut plan = Plan::new(cell, &name, &selection.group)?;
         plan.rounds = Some(rounds);

@@ -12,10 +12,9 @@ use stiffarm::plan::certificate::{
 };
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{
-    DesignedLoad, GlobalOptions, LoadDesign, drop_postures, select_global, space_filling,
+    DesignedLoad, GlobalOptions, drop_postures, select_global, space_filling,
 };
 use stiffarm::plan::zones::Zone;
-use stiffarm::units::deg_to_rad;
 
 /// Numbers of postures of the curve.
 const SIZES: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 30];
@@ -126,7 +125,7 @@ pub struct Lost {
 impl Lost {
     pub fn new(cell: &Cell, plan: &Plan) -> Result<Self> {
         let index = Index::ExpectedError;
-        let worth = drop_postures(cell, index, &plan.group, 1)?.worth;
+        let worth = drop_postures(cell, index, &plan.group, 1)?.values;
         let worst = worth.last().map_or(0, |w| w.posture);
         let mut rest = plan.group.clone();
         rest.remove(worst);
@@ -164,18 +163,12 @@ pub fn load(cell: &Cell) -> Result<Vec<LoadCase>> {
         ("loading point", None, corners(POINT_BOX)),
         ("both", corners(ANCHOR_BOX), corners(POINT_BOX)),
     ] {
-        let options = GlobalOptions {
-            rounds: Some(8),
-            load: LoadDesign {
-                anchor,
-                loading_point,
-                magnitude: None,
-            },
-            ..GlobalOptions::default()
-        };
-        let none: &[Vec<f64>] = &[];
+        let mut options = GlobalOptions::default();
+        options.rounds = Some(8);
+        options.load.anchor = anchor;
+        options.load.loading_point = loading_point;
         let index = Index::ExpectedError;
-        let found = select_global(cell, index, 6, none, &options, Control::default())?;
+        let found = select_global(cell, index, 6, &options, Control::default())?;
         let mut changed = cell.clone();
         if let Some(design) = &found.load {
             changed.setup.tool.loading_point = design.loading_point_m.into();
@@ -210,11 +203,11 @@ pub struct ZoneGroups {
 impl ZoneGroups {
     pub fn new(cell: &Cell, zone: &Zone) -> Result<Self> {
         let mut free = cell.clone();
-        free.bounds[1] = zone.q2_deg.map(deg_to_rad);
-        free.bounds[2] = zone.q3_deg.map(deg_to_rad);
+        free.bounds[1] = zone.q2;
+        free.bounds[2] = zone.q3;
         let mut held = free.clone();
         for j in [0, 3, 4, 5] {
-            held.bounds[j] = [deg_to_rad(zone.best_q_deg[j]); 2];
+            held.bounds[j] = [zone.best_q[j]; 2];
         }
         Ok(ZoneGroups {
             held: Band::new(&held, 200, 6)?,

@@ -1,7 +1,6 @@
 //! The figures of a study, as data.
 
-use super::illustration_level;
-use crate::{Axis, Figure, Panel, Series, Style};
+use crate::figure::{Axis, Figure, Panel, Series, Style};
 use stiffarm::study::{Study, StudyGroup};
 
 /// All figures of a study, in the order of the page.
@@ -82,7 +81,7 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
         if let Some(anchor) = study.anchor_m {
             series.push(Series::new(
                 "rope anchor",
-                Style::Points,
+                Style::Landmark,
                 vec![anchor[a]],
                 vec![anchor[b]],
             ));
@@ -359,4 +358,13 @@ pub(super) fn illustration(
         .iter()
         .map(|g| (g.name.as_str(), &g.levels[level]))
         .collect()
+}
+
+/// Index of the noise level nearest to variance factor 1, the one of Table 4.
+fn illustration_level(study: &Study) -> usize {
+    let factors = &study.options.simulation.variance_factors;
+    let distance = |l: &usize| (factors[*l] - 1.0).abs();
+    (0..factors.len())
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or(0)
 }

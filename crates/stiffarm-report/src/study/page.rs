@@ -6,6 +6,7 @@ use super::table::{Table, percent, significant};
 use super::tables::{find, starts_summary, stiffness_side_by_side, tables};
 use std::fmt::Write;
 use stiffarm::study::{Study, StudyGroup};
+use stiffarm::units::rad_to_shortest_deg;
 
 /// The postures of a group to a thousandth of a degree; the CSV file beside
 /// the page has every digit.
@@ -15,10 +16,10 @@ fn rounded_postures(group: &StudyGroup, joints: &[String]) -> String {
         let _ = write!(out, " q{j} [°] |");
     }
     let _ = write!(out, "\n|:--|{}\n", "--:|".repeat(joints.len()));
-    for (p, q) in group.postures_deg.iter().enumerate() {
+    for (p, q) in group.postures.iter().enumerate() {
         let _ = write!(out, "| {} |", p + 1);
         for angle in q {
-            let _ = write!(out, " {angle:.3} |");
+            let _ = write!(out, " {:.3} |", rad_to_shortest_deg(*angle));
         }
         out.push('\n');
     }

@@ -6,6 +6,7 @@ use super::table::{Cell, Table, significant};
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::Selection;
 use stiffarm::study::Study;
+use stiffarm::units::rad_to_shortest_deg;
 
 /// All tables of a study.
 pub fn tables(study: &Study) -> Vec<Table> {
@@ -18,8 +19,8 @@ pub fn tables(study: &Study) -> Vec<Table> {
                 .chain((1..=study.joints.len()).map(|j| format!("q{j}_deg")))
                 .collect(),
         );
-        for (p, q) in g.postures_deg.iter().enumerate() {
-            let angles = q.iter().map(|a| Cell::from(*a));
+        for (p, q) in g.postures.iter().enumerate() {
+            let angles = q.iter().map(|a| Cell::from(rad_to_shortest_deg(*a)));
             table.rows.push(row((p + 1).to_string(), angles));
         }
         table

@@ -1,4 +1,5 @@
 //! All tests of the crate in one binary; a file per subject.
 
+mod generic;
 mod maps;
 mod render;

@@ -10,10 +10,11 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::process::{ForceAxes, TipLoad};
+use stiffarm::plan::zones::{ZoneOptions, zones};
 use stiffarm::work::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
 use stiffarm_report::{
     Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure,
-    placement_table, render_svg, series_colour,
+    placement_table, render_svg, series_colour, zones_figure,
 };
 
 fn cell() -> (Cell, IdentifiedCompliance) {
@@ -55,6 +56,15 @@ fn cells(figure: &Figure) -> Vec<(usize, usize)> {
     figure.panels.iter().map(panel).collect()
 }
 
+/// Whether small values are bright, for each panel.
+fn small_is_bright(figure: &Figure) -> Vec<bool> {
+    let maps = figure
+        .panels
+        .iter()
+        .filter_map(|p| p.series[0].colour.as_ref());
+    maps.map(|colour| colour.small_is_bright).collect()
+}
+
 fn check(figure: &Figure) {
     let svg = render_svg(figure);
     assert!(Document::parse(&svg).is_ok() && !svg.contains("NaN"));
@@ -84,7 +94,20 @@ fn a_plane_is_three_maps_with_every_node() {
             [smallest, largest],
             [range.smallest * 1e6, range.largest * 1e6]
         );
+        // What bends least and what is stiffest have the same colour.
+        assert_eq!(small_is_bright(&figure), [true, false, false]);
     }
+}
+
+#[test]
+fn good_zones_have_the_same_colour_in_every_panel() {
+    let (cell, _) = cell();
+    let mut options = ZoneOptions::default();
+    options.steps = 7;
+    let figure = zones_figure(&zones(&cell, &options).unwrap());
+    check(&figure);
+    // Dexterity is good where it is large, the influence of K_C where it is small.
+    assert_eq!(small_is_bright(&figure), [false, true, true]);
 }
 
 #[test]
@@ -133,6 +156,7 @@ fn a_box_is_planes_with_one_colour_bar_and_a_line_is_curves() {
         .iter()
         .map(|p| p.series[0].colour.as_ref().unwrap().axis.range);
     let ranges: Vec<_> = ranges.collect();
+    assert_eq!(small_is_bright(&figure), [true; 4]);
     assert!(ranges[0].is_some() && ranges.iter().all(|r| *r == ranges[0]));
     // No more than nine planes, first and last among them.
     let many = map_figure(&map([12, 13, 11]));
@@ -142,6 +166,7 @@ fn a_box_is_planes_with_one_colour_bar_and_a_line_is_curves() {
     check(&along);
     assert_eq!(along.panels.len(), 3);
     assert_eq!(along.panels[0].x.heading(), "x [mm]");
+    assert!(along.panels.iter().all(|p| p.y.from_zero));
     check(&map_figure(&map([1, 1, 1])));
 }
 
@@ -195,6 +220,7 @@ fn places_are_a_panel_per_turn_with_given_and_best() {
         cells(&figure).iter().map(|c| c.0).collect::<Vec<_>>(),
         [20, 20]
     );
+    assert_eq!(small_is_bright(&figure), [true, true]);
     let marks = |label: &str| {
         let series = figure.panels.iter().flat_map(|p| &p.series);
         series.filter(|s| s.label == label).count()
@@ -236,6 +262,27 @@ fn a_path_keeps_its_extremes_when_it_is_thinned() {
         .map(|s| series_colour(&s.label));
     let colours: Vec<_> = colours.collect();
     assert_ne!(colours[0], colours[1]);
+    // The deflection begins at zero; a line is not called a band.
+    assert!(figure.panels[0].y.from_zero);
+    assert_eq!(figure.panels[0].x.heading(), "distance along the path [mm]");
+    let labels: Vec<(Style, &str)> = figure
+        .panels
+        .iter()
+        .flat_map(|p| &p.series)
+        .map(|s| (s.style, s.label.as_str()))
+        .collect();
+    assert_eq!(
+        labels,
+        [
+            (Style::Band, "without compensation, its 95 % band"),
+            (Style::Curve, "without compensation"),
+            (Style::Curve, "without compensation"),
+            (
+                Style::Curve,
+                "left after compensation, upper end of its 95 % band"
+            ),
+        ]
+    );
     // Without bands, without compensation, without a length.
     let bare: Vec<PathCurvePoint> = (0..5)
         .map(|i| PathCurvePoint {

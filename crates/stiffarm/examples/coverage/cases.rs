@@ -5,14 +5,13 @@ use nalgebra::Vector3;
 use stiffarm::Control;
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, Intervals, Outliers, Truth};
-use stiffarm::estimate::identify::{
-    Estimator, IdentifyOptions, NoiseSource, ReadingScatter, Weights,
-};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, Weights};
 use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::files::builtin;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;
+use stiffarm::model::measurement::ReadingScatter;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{StartKind, random_group, select_from};

@@ -3,9 +3,9 @@
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{
-    Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
+    Estimates, Estimator, Fit, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
 };
-use crate::estimate::systematic::SystematicErrors;
+use crate::estimate::systematic::{SystematicErrors, systematic_errors};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, DVector};
@@ -88,6 +88,15 @@ impl IdentifiedCompliance {
             posture_common_std: result.posture_common_std_m,
         };
         IdentifiedCompliance::from_estimates(cell, &result.estimates, noise)
+    }
+
+    /// What a fit found, with its systematic errors.
+    ///
+    /// # Errors
+    /// As [`IdentifiedCompliance::from_estimates`] and [`systematic_errors`].
+    pub fn from_fit(fit: &Fit) -> Result<Self> {
+        let found = IdentifiedCompliance::from_identification(fit.cell(), fit.identification()?)?;
+        Ok(found.with_systematic_errors(&systematic_errors(fit)?))
     }
 
     /// The estimates of an identification. Bands take the noise from the fit

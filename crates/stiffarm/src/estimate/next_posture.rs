@@ -1,7 +1,7 @@
 //! What to measure next: the posture that would help an identification most.
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::identify::{Identification, Verdict};
+use crate::estimate::identify::{Fit, Identification, Verdict};
 use crate::model::cell::Cell;
 use crate::model::load::{Axes, Load, Wrench};
 use crate::model::measurement::MeasuredPosture;
@@ -40,8 +40,13 @@ pub struct AssumedLoad {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextPosture {
-    /// Its controller angles \[deg\].
-    pub posture_deg: Vec<f64>,
+    /// Its controller angles \[rad\].
+    #[serde(rename = "posture_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
+    )]
+    pub angles: Vec<f64>,
     /// Relative standard error of each joint's stiffness with the postures so
     /// far (fraction); `None` where they do not determine it.
     pub before: Vec<Option<f64>>,
@@ -62,13 +67,12 @@ pub struct NextPosture {
 /// No stiffness to weigh joints by, measured forces from which no
 /// load can be assumed, or as [`select_global`].
 pub fn next_posture(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    result: &Identification,
+    fit: &Fit,
     options: &GlobalOptions,
     control: Control<'_>,
 ) -> Result<NextPosture> {
-    let mut cell = cell.clone();
+    let (result, measured) = (fit.identification()?, fit.postures());
+    let mut cell = fit.cell().clone();
     cell.prior = Some(stiffness(&cell, result)?);
     let two = f64::from(cell.noise.readings_per_displacement);
     if let Some(sigma) = result.residual_std_m.filter(|s| *s > 0.0) {
@@ -87,18 +91,16 @@ pub fn next_posture(
             given.push(posture.clone());
         }
     }
-    let selection = select_global(&cell, Index::ExpectedError, 1, &given, options, control)?;
-    let before = evaluate(&cell, "before", &given)?;
-    let chosen = Posture {
-        name: "next".to_string(),
-        q: selection.group.concat(),
+    let search = GlobalOptions {
+        given: given.iter().map(|posture| posture.q.clone()).collect(),
+        ..options.clone()
     };
-    given.push(chosen.clone());
-    let after = evaluate(&cell, "after", &given)?;
+    let selection = select_global(&cell, Index::ExpectedError, 1, &search, control)?;
+    let before = evaluate(&cell, "before", &given)?;
     Ok(NextPosture {
-        posture_deg: selection.postures_deg.concat(),
+        angles: selection.group.concat(),
         before: before.relative_standard_error,
-        after: after.relative_standard_error,
+        after: selection.evaluation.relative_standard_error,
         expected_error: selection.value,
         assumed_load: assumed,
     })

@@ -2,6 +2,9 @@
 //! readings themselves, and simulated experiments.
 
 pub mod experiment;
+mod measured;
 pub mod reduction;
 pub mod registration;
 pub mod screening;
+
+pub use measured::{Measured, prepare};

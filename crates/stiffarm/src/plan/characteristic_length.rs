@@ -63,6 +63,20 @@ impl Problem for Dexterity<'_> {
 /// Local minimisation from a fixed low-discrepancy set of starts: the result
 /// is the same each time, and global as far as these starts reach.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::characteristic_length::characteristic_length;
+///
+/// let cell = builtin::cell("comau")?;
+/// let found = characteristic_length(&cell)?;
+/// assert!(found.length > 0.0 && found.condition_number >= 1.0);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// Fewer than six joints, or no posture within the bounds with full-rank J_N.
 pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {

@@ -1,6 +1,8 @@
 //! Which postures to measure: indices, selection, how far a plan is from the best
 //! possible, and what is suspicious about a cell.
 
+mod active_limits;
+
 pub mod certificate;
 pub mod characteristic_length;
 pub mod check;

@@ -31,6 +31,7 @@ const UNTOUCHED: f64 = 0.5;
 
 /// What is mapped.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ZoneOptions {
     /// Angles per axis of the map, from bound to bound.
     pub steps: usize,
@@ -69,12 +70,30 @@ pub struct MapRange {
 pub struct Zone {
     /// Postures of the map that belong to it.
     pub posture_count: usize,
-    /// Smallest and largest q2 \[deg\].
-    pub q2_deg: [f64; 2],
-    /// Smallest and largest q3 \[deg\].
-    pub q3_deg: [f64; 2],
-    /// Its most dexterous posture, controller angles of all joints \[deg\].
-    pub best_q_deg: Vec<f64>,
+    /// Smallest and largest q2 \[rad\].
+    #[serde(rename = "q2_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "[f64; 2]", description = "Smallest and largest q2 \\[deg\\].")
+    )]
+    pub q2: [f64; 2],
+    /// Smallest and largest q3 \[rad\].
+    #[serde(rename = "q3_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "[f64; 2]", description = "Smallest and largest q3 \\[deg\\].")
+    )]
+    pub q3: [f64; 2],
+    /// Its most dexterous posture, controller angles of all joints \[rad\].
+    #[serde(rename = "best_q_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "Its most dexterous posture, controller angles of all joints \\[deg\\]."
+        )
+    )]
+    pub best_q: Vec<f64>,
     /// 1/k(J_N) there.
     pub inverse_condition: f64,
     /// Relative deviation of the translation there (fraction).
@@ -89,12 +108,30 @@ pub struct Zone {
 pub struct Zones {
     /// Names of the joints of the map: its horizontal, its vertical axis.
     pub joints: [String; 2],
-    /// Controller angles of all joints \[deg\]; `null` for the two that are mapped.
-    pub held_deg: Vec<Option<f64>>,
-    /// Angles q2, ascending \[deg\].
-    pub q2_deg: Vec<f64>,
-    /// Angles q3, ascending \[deg\].
-    pub q3_deg: Vec<f64>,
+    /// Controller angles of all joints \[rad\]; `null` for the two that are mapped.
+    #[serde(rename = "held_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Option<f64>>",
+            description = "Controller angles of all joints \\[deg\\]; `null` for the two that are mapped."
+        )
+    )]
+    pub held: Vec<Option<f64>>,
+    /// Angles q2, ascending \[rad\].
+    #[serde(rename = "q2_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Angles q2, ascending \\[deg\\].")
+    )]
+    pub q2: Vec<f64>,
+    /// Angles q3, ascending \[rad\].
+    #[serde(rename = "q3_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Angles q3, ascending \\[deg\\].")
+    )]
+    pub q3: Vec<f64>,
     /// 1/k(J_N) at the TCP, 0 to 1: rows by q3, columns by q2; `null` where the
     /// posture violates a limit of the cell or is singular.
     pub inverse_condition: ZoneMap,
@@ -134,6 +171,23 @@ struct Values {
 /// Displacements are those of the TCP by the linear model with the prior
 /// stiffness.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::characteristic_length::with_characteristic_length;
+/// use stiffarm::plan::zones::{ZoneOptions, zones};
+///
+/// let cell = with_characteristic_length(builtin::cell("comau-reference")?)?;
+/// let mut options = ZoneOptions::default();
+/// options.steps = 5;
+/// let maps = zones(&cell, &options)?;
+/// assert_eq!((maps.postures, maps.q2.len()), (25, 5));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// Fewer than six joints; another number than six and no angles given; angles
 /// of the wrong number, not finite or outside the machine's limits; a number of
@@ -153,17 +207,13 @@ pub fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
         )
         .key("steps"));
     }
-    let (q2_deg, q3_deg) = (
-        axis_deg(cell.bounds[MAPPED[0]], steps),
-        axis_deg(cell.bounds[MAPPED[1]], steps),
-    );
-    let angles = |joint: usize, degrees: &[f64]| -> Vec<f64> {
+    let [q2, q3] = MAPPED.map(|joint| axis(cell.bounds[joint], steps));
+    let inside = |joint: usize, angles: &[f64]| -> Vec<f64> {
         let [low, high] = cell.bounds[joint];
-        let angles = degrees.iter().map(|a| deg_to_rad(*a));
-        // Back in radians an end of the range may lie a rounding outside.
-        angles.map(|a| a.max(low).min(high)).collect()
+        // An end of the axis may lie a rounding outside.
+        angles.iter().map(|a| a.max(low).min(high)).collect()
     };
-    let (columns, rows) = (angles(MAPPED[0], &q2_deg), angles(MAPPED[1], &q3_deg));
+    let (columns, rows) = (inside(MAPPED[0], &q2), inside(MAPPED[1], &q3));
     let mut within_limits = 0;
     let mut grid: Vec<Vec<Option<Values>>> = Vec::with_capacity(steps);
     for q3 in &rows {
@@ -193,43 +243,43 @@ pub fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
         (q[MAPPED[0]], q[MAPPED[1]]) = (columns[column], rows[row]);
         Zone {
             posture_count: places.len(),
-            q2_deg: ends(&q2_deg, places.iter().map(|(_, c)| *c)),
-            q3_deg: ends(&q3_deg, places.iter().map(|(r, _)| *r)),
-            best_q_deg: q.iter().map(|a| rad_to_shortest_deg(*a)).collect(),
+            q2: ends(&q2, places.iter().map(|(_, c)| *c)),
+            q3: ends(&q3, places.iter().map(|(r, _)| *r)),
+            best_q: q.clone(),
             inverse_condition: at_best.dexterity,
             translation_deviation: at_best.translation,
             rotation_deviation: at_best.rotation,
         }
     });
     let names = MAPPED.map(|j| robot.joints()[j].name.clone());
-    let held_deg = q.iter().enumerate();
-    let held_deg = held_deg
-        .map(|(j, q)| (!MAPPED.contains(&j)).then(|| rad_to_shortest_deg(*q)))
+    let held = q.iter().enumerate();
+    let held = held
+        .map(|(j, q)| (!MAPPED.contains(&j)).then_some(*q))
         .collect();
     Ok(Zones {
         joints: names,
-        held_deg,
+        held,
         postures: steps * steps,
         within_limits,
         inverse_condition_range: range(&inverse_condition),
         translation_range: range(&translation_deviation),
         rotation_range: range(&rotation_deviation),
         best,
-        q2_deg,
-        q3_deg,
+        q2,
+        q3,
         inverse_condition,
         translation_deviation,
         rotation_deviation,
     })
 }
 
-/// Equal steps over a range \[rad\], in degrees, to a billionth of a degree.
-fn axis_deg(range: [f64; 2], steps: usize) -> Vec<f64> {
+/// Equal steps over a range \[rad\], rounded to a billionth of a degree.
+fn axis(range: [f64; 2], steps: usize) -> Vec<f64> {
     let [low, high] = range.map(rad_to_shortest_deg);
     let at = |i: usize| low + (high - low) * i as f64 / (steps - 1) as f64;
     // Adding zero turns −0 into 0.
     (0..steps)
-        .map(|i| (at(i) * 1e9).round() / 1e9 + 0.0)
+        .map(|i| deg_to_rad((at(i) * 1e9).round() / 1e9 + 0.0))
         .collect()
 }
 

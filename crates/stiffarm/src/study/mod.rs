@@ -22,7 +22,6 @@ use crate::numerics::optimise::Options;
 use crate::plan::characteristic_length::with_characteristic_length;
 use crate::plan::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
 use crate::plan::select::{Selection, select_from};
-use crate::units::rad_to_shortest_deg;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +72,7 @@ impl Default for StudyOptions {
 }
 
 /// One group of postures with everything the study found about it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StudyGroup {
     /// Name of the group.
@@ -82,8 +81,16 @@ pub struct StudyGroup {
     pub selection: Option<Selection>,
     /// Its indices and expected errors.
     pub evaluation: GroupEvaluation,
-    /// Its postures, controller angles \[deg\].
-    pub postures_deg: Vec<Vec<f64>>,
+    /// Its postures, controller angles \[rad\].
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Its postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub postures: Vec<Vec<f64>>,
     /// Points of the arm per posture, base to TCP, base frame \[m\].
     pub arms_m: Vec<Vec<[f64; 3]>>,
     /// Eq. (19) for tracker noise alone (without a posture-common part), δΩ = 0
@@ -103,7 +110,7 @@ pub struct StudyGroup {
 }
 
 /// Result of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Study {
     /// Name of the cell.
@@ -285,7 +292,13 @@ fn study_group(
     seed: u64,
     stream: usize,
 ) -> Result<StudyGroup> {
-    let evaluation = evaluate(cell, &group.name, &group.postures)?;
+    let evaluation = match &selection {
+        Some(selection) => GroupEvaluation {
+            name: group.name.clone(),
+            ..selection.evaluation.clone()
+        },
+        None => evaluate(cell, &group.name, &group.postures)?,
+    };
     let determined = evaluation.undetermined_joints.is_empty();
     let (bound, expected_norm) = match evaluation.indices.condition {
         Some(condition) => {
@@ -344,11 +357,7 @@ fn study_group(
         name: group.name.clone(),
         selection,
         evaluation,
-        postures_deg: group
-            .postures
-            .iter()
-            .map(|p| p.q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
-            .collect(),
+        postures: group.postures.iter().map(|p| p.q.clone()).collect(),
         arms_m,
         error_bound: bound,
         expected_relative_norm: expected_norm,

@@ -103,9 +103,7 @@ pub(super) fn other_starts(
                 return Ok(None);
             }
             row.push(match selected {
-                Ok(selection) => {
-                    evaluate(cell, "selected", &selection.group)?.mean_expected_deviation()
-                }
+                Ok(selection) => selection.evaluation.mean_expected_deviation(),
                 // A start from which no determined group inside the limits is
                 // reached counts as not improved.
                 Err(error)

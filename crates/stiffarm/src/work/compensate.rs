@@ -49,10 +49,26 @@ pub struct CompensateOptions {
 pub struct PointCompensation {
     /// Name of the point.
     pub point: String,
-    /// Nominal controller angles \[deg\].
-    pub nominal_deg: Vec<f64>,
-    /// Controller angles to command \[deg\].
-    pub command_deg: Vec<f64>,
+    /// Nominal controller angles \[rad\].
+    #[serde(rename = "nominal_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "Nominal controller angles \\[deg\\]."
+        )
+    )]
+    pub nominal: Vec<f64>,
+    /// Controller angles to command \[rad\].
+    #[serde(rename = "command_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "Controller angles to command \\[deg\\]."
+        )
+    )]
+    pub command: Vec<f64>,
     /// Shift of the command's unloaded tip from the nominal one, base axes \[m\].
     pub correction_m: [f64; 3],
     /// Turn of the command's unloaded tip, rotation vector, base axes \[rad\].
@@ -257,11 +273,10 @@ fn point(
     let correction = motion(&found.nominal, &found.unloaded);
     let left = motion(&found.nominal, &found.loaded);
     let shift_of = |twist: &Vector6<f64>| -> Vector3<f64> { twist.fixed_rows::<3>(0).into_owned() };
-    let degrees = |q: &[f64]| q.iter().map(|a| rad_to_shortest_deg(*a)).collect();
     Ok(PointCompensation {
         point: posture.name.clone(),
-        nominal_deg: degrees(&posture.q),
-        command_deg: degrees(&found.q),
+        nominal: posture.q.clone(),
+        command: found.q.clone(),
         correction_m: shift_of(&correction).into(),
         correction_rad: [correction[3], correction[4], correction[5]],
         correction_size_m: shift_of(&correction).norm(),

@@ -7,9 +7,10 @@ use crate::common::cases;
 use proptest::prelude::*;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::{parse_cell, parse_cell_bytes, template};
-use stiffarm::files::table::{Measurements, read_displacements, read_measurements, read_postures};
+use stiffarm::files::table::{read_displacements, read_measurements, read_postures};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::Measurements;
 use stiffarm::model::measurement::{MeasuredPosture, ReadingTable};
 use stiffarm::model::posture::Posture;
 

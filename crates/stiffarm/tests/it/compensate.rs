@@ -9,7 +9,7 @@ use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector
 use stiffarm::Control;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::diagnose::diagnose;
-use stiffarm::estimate::identify::{IdentifyOptions, identify};
+use stiffarm::estimate::identify::{Fit, IdentifyOptions, identify};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
@@ -289,7 +289,9 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
     let (before, after) = errors(&cell, &truth, &model, &work(&cell, &mut dice, 60));
     println!("factor {:.1}", before / after);
     assert!(before / after < 30.0 && before / after > 1.0);
-    let diagnosis = diagnose(&cell, &measured, &options).unwrap();
+    let diagnosis = Fit::new(&cell, &measured, &options)
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     for finding in &diagnosis.findings {
         println!(
             "{:?} {}: {}",

@@ -18,10 +18,11 @@ use stiffarm::estimate::coverage::{
     Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,
     records,
 };
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, ReadingScatter};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource};
 use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;
+use stiffarm::model::measurement::ReadingScatter;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::plan::select::{StartKind, random_group as draw_group};
 

@@ -24,18 +24,20 @@ use stiffarm::plan::select::{
 };
 use stiffarm::{Control, Termination};
 
-const NONE: &[Vec<f64>] = &[];
+fn seeded(seed: u64) -> GlobalOptions {
+    let mut options = GlobalOptions::default();
+    options.seed = seed;
+    options
+}
 
 fn rounds(seed: u64, rounds: u64) -> GlobalOptions {
-    GlobalOptions {
-        seed,
-        rounds: Some(rounds),
-        ..GlobalOptions::default()
-    }
+    let mut options = seeded(seed);
+    options.rounds = Some(rounds);
+    options
 }
 
 fn select(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> Selection {
-    select_global(cell, index, count, NONE, options, Control::default()).unwrap()
+    select_global(cell, index, count, options, Control::default()).unwrap()
 }
 
 /// On the reference cell every seed ends within 0.06 % of the best expected
@@ -45,15 +47,7 @@ fn select(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> S
 fn reference_cell_reaches_the_best_known_values() {
     let cell = reference_cell();
     for seed in 1..=runs(1).min(5) {
-        let plan = select(
-            &cell,
-            Index::ExpectedError,
-            6,
-            &GlobalOptions {
-                seed,
-                ..GlobalOptions::default()
-            },
-        );
+        let plan = select(&cell, Index::ExpectedError, 6, &seeded(seed));
         println!(
             "expected error, seed {seed}: {:.7} in {:?} rounds",
             plan.value, plan.rounds
@@ -61,7 +55,7 @@ fn reference_cell_reaches_the_best_known_values() {
         assert!(plan.value <= 0.009253, "seed {seed}: {}", plan.value);
         assert_eq!(plan.termination, Termination::Converged);
         assert_eq!(violation(&cell, &plan.group), 0.0);
-        assert_eq!(plan.postures_deg.len(), 6);
+        assert_eq!(plan.group.len(), 6);
     }
     for seed in 1..=runs(1).min(3) {
         let plan = select(&cell, Index::Novel, 6, &rounds(seed, 8));
@@ -113,7 +107,6 @@ fn any_number_of_postures() {
         &cell,
         Index::ExpectedError,
         0,
-        NONE,
         &GlobalOptions::default(),
         Control::default(),
     );
@@ -150,10 +143,8 @@ fn threads_change_nothing() {
 #[test]
 fn a_time_limit_is_reproduced_by_its_rounds() {
     let cell = reference_cell();
-    let options = GlobalOptions {
-        time_limit: Some(Duration::from_millis(700)),
-        ..GlobalOptions::default()
-    };
+    let mut options = GlobalOptions::default();
+    options.time_limit = Some(Duration::from_millis(700));
     let cut = select(&cell, Index::ExpectedError, 6, &options);
     assert_eq!(cut.termination, Termination::TimeLimit);
     let again = select(
@@ -174,7 +165,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
         progress: None,
     };
     let options = rounds(1, 1_000);
-    let cut = select_global(&cell, Index::ExpectedError, 6, NONE, &options, control).unwrap();
+    let cut = select_global(&cell, Index::ExpectedError, 6, &options, control).unwrap();
     assert_eq!(cut.termination, Termination::Interrupted);
     let completed = cut.rounds.unwrap();
     assert!((1..1_000).contains(&completed));
@@ -185,7 +176,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
         stop: Some(&stop),
         progress: None,
     };
-    let error = select_global(&cell, Index::ExpectedError, 6, NONE, &options, control);
+    let error = select_global(&cell, Index::ExpectedError, 6, &options, control);
     assert_eq!(error.unwrap_err().code(), Code::Interrupted);
 }
 
@@ -199,8 +190,9 @@ fn given_postures_stay_and_new_ones_help_most() {
         Index::Scaled,
         Index::Task,
     ] {
-        let plan =
-            select_global(&cell, index, 2, &given, &rounds(1, 3), Control::default()).unwrap();
+        let mut options = rounds(1, 3);
+        options.given.clone_from(&given);
+        let plan = select(&cell, index, 2, &options);
         assert_eq!((plan.group.len(), plan.given), (2, 6));
         assert!(violation(&cell, &plan.group) <= 1e-9);
         let union = [given.clone(), plan.group.clone()].concat();
@@ -216,21 +208,10 @@ fn given_postures_stay_and_new_ones_help_most() {
         }
     }
     // A load that may still move contradicts postures measured under it.
-    let options = GlobalOptions {
-        load: LoadDesign {
-            magnitude: Some(800.0),
-            ..LoadDesign::default()
-        },
-        ..rounds(1, 1)
-    };
-    let error = select_global(
-        &cell,
-        Index::ExpectedError,
-        2,
-        &given,
-        &options,
-        Control::default(),
-    );
+    let mut options = rounds(1, 1);
+    options.load.magnitude = Some(800.0);
+    options.given.clone_from(&given);
+    let error = select_global(&cell, Index::ExpectedError, 2, &options, Control::default());
     assert_eq!(error.unwrap_err().code(), Code::InvalidValue);
 }
 
@@ -259,11 +240,11 @@ fn the_posture_least_worth_measuring_is_found() {
                 };
                 assert!(ln_index(&cell, index, &rest) >= value - 1e-12);
             }
-            let losses: Vec<f64> = found.worth.iter().map(|w| w.loss.unwrap()).collect();
+            let losses: Vec<f64> = found.values.iter().map(|w| w.loss.unwrap()).collect();
             assert!(losses.windows(2).all(|w| w[0] <= w[1]));
             if count == 1 {
-                assert_eq!(found.worth[0].posture, found.dropped[0]);
-                assert_eq!(found.worth[0].value.unwrap(), found.value);
+                assert_eq!(found.values[0].posture, found.dropped[0]);
+                assert_eq!(found.values[0].value.unwrap(), found.value);
             }
         }
     }
@@ -302,11 +283,9 @@ fn the_curve_falls_and_names_sizes_that_determine_nothing() {
 fn a_plan_stands_up_to_a_wrong_prior() {
     let cell = reference_cell();
     let plan = select(&cell, Index::ExpectedError, 6, &rounds(1, 4));
-    let options = SensitivityOptions {
-        rounds: 2,
-        samples: 50,
-        ..SensitivityOptions::default()
-    };
+    let mut options = SensitivityOptions::default();
+    options.rounds = 2;
+    options.samples = 50;
     let found = sensitivity(
         &cell,
         Index::ExpectedError,
@@ -360,14 +339,10 @@ fn the_load_is_designed_with_the_postures() {
     let fixed = select(&cell, Index::ExpectedError, 6, &rounds(1, 3));
     let anchor = [Vector3::new(1.0, -1.5, 0.0), Vector3::new(2.5, 1.5, 0.6)];
     let point = [Vector3::new(-0.1, -0.1, 0.1), Vector3::new(0.3, 0.1, 0.4)];
-    let options = GlobalOptions {
-        load: LoadDesign {
-            anchor: Some(anchor),
-            loading_point: Some(point),
-            magnitude: Some(800.0),
-        },
-        ..rounds(1, 3)
-    };
+    let mut options = rounds(1, 3);
+    options.load.anchor = Some(anchor);
+    options.load.loading_point = Some(point);
+    options.load.magnitude = Some(800.0);
     let plan = select(&cell, Index::ExpectedError, 6, &options);
     let load = plan.load.clone().unwrap();
     assert_eq!(load.magnitude_n, Some(800.0));
@@ -389,22 +364,14 @@ fn the_load_is_designed_with_the_postures() {
     println!("fixed {:.6}, designed {:.6}", fixed.value, plan.value);
     assert!(plan.value < 0.95 * fixed.value * 500.0 / 800.0);
 
-    let wrong = [
-        LoadDesign {
-            anchor: Some([anchor[1], anchor[0]]),
-            ..LoadDesign::default()
-        },
-        LoadDesign {
-            magnitude: Some(f64::NAN),
-            ..LoadDesign::default()
-        },
-    ];
-    for load in wrong {
-        let options = GlobalOptions {
-            load,
-            ..rounds(1, 1)
-        };
-        let error = select_global(&cell, Index::D, 6, NONE, &options, Control::default());
+    let mut reversed = LoadDesign::default();
+    reversed.anchor = Some([anchor[1], anchor[0]]);
+    let mut nothing = LoadDesign::default();
+    nothing.magnitude = Some(f64::NAN);
+    for load in [reversed, nothing] {
+        let mut options = rounds(1, 1);
+        options.load = load;
+        let error = select_global(&cell, Index::D, 6, &options, Control::default());
         assert_eq!(error.unwrap_err().code(), Code::InvalidValue);
     }
 }
@@ -418,7 +385,6 @@ fn what_cannot_be_found_is_explained() {
         &cell,
         Index::ExpectedError,
         6,
-        NONE,
         &rounds(1, 1),
         Control::default(),
     );
@@ -432,7 +398,6 @@ fn what_cannot_be_found_is_explained() {
         &cell,
         Index::ExpectedError,
         6,
-        NONE,
         &rounds(1, 1),
         Control::default(),
     )
@@ -460,7 +425,7 @@ proptest! {
         let index = Index::ALL[which];
         prop_assume!(n >= 6 || !index.uses_dexterity());
         prop_assume!(ln_index(&cell, index, &start).is_finite());
-        let plan = select_global(&cell, index, 4, NONE, &rounds(1, 1), Control::default());
+        let plan = select_global(&cell, index, 4, &rounds(1, 1), Control::default());
         // Limits drawn around four postures may leave next to nothing else.
         let plan = match plan {
             Ok(plan) => plan,
@@ -471,7 +436,7 @@ proptest! {
         };
         let outside = violation(&cell, &plan.group);
         prop_assert!(outside <= 1e-9, "outside by {outside:e}");
-        prop_assert_eq!(plan.value, plan.indices.get(index).unwrap());
+        prop_assert_eq!(plan.value, plan.evaluation.indices.get(index).unwrap());
         let after = ln_index(&cell, index, &plan.group);
         for stream in 0..20 {
             let Ok(random) = random_group(&cell, StartKind::Uniform, 4, 9, stream) else {

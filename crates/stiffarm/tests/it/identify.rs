@@ -7,11 +7,11 @@ use common::reference_cell;
 use nalgebra::{DVector, Vector3};
 use stiffarm::Control;
 use stiffarm::estimate::identify::{
-    Estimator, Identification, IdentifyOptions, Verdict, Weights, identify, leave_one_out,
-    measured_system,
+    Estimator, Fit, Identification, IdentifyOptions, Verdict, Weights, identify,
 };
 use stiffarm::estimate::next_posture::next_posture;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::internals::measured_system;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
@@ -198,11 +198,13 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
         let error = (joint.stiffness.unwrap() - truth) / joint.standard_error.unwrap();
         assert!(error.abs() < 4.5, "{joint:?}");
     }
-    let without = leave_one_out(&cell, &measured, &plain)
+    let without = Fit::new(&cell, &measured, &plain)
+        .and_then(|fit| fit.leave_one_out())
         .unwrap()
         .rms_m
         .unwrap();
-    let better = leave_one_out(&cell, &measured, &with)
+    let better = Fit::new(&cell, &measured, &with)
+        .and_then(|fit| fit.leave_one_out())
         .unwrap()
         .rms_m
         .unwrap();
@@ -228,14 +230,8 @@ fn the_next_posture_beats_random_ones() {
         ..IdentifyOptions::default()
     };
     let result = identify(&cell, &measured, &options).unwrap();
-    let advice = next_posture(
-        &cell,
-        &measured,
-        &result,
-        &GlobalOptions::default(),
-        Control::default(),
-    )
-    .unwrap();
+    let fit = Fit::new(&cell, &measured, &options).unwrap();
+    let advice = next_posture(&fit, &GlobalOptions::default(), Control::default()).unwrap();
     let mut judged = cell.clone();
     judged.prior = result.stiffness();
     judged.noise.reading_variance = result.residual_std_m.unwrap().powi(2);
@@ -248,7 +244,7 @@ fn the_next_posture_beats_random_ones() {
         let found = evaluate(&judged, "all", &all).unwrap();
         found.indices.get(Index::ExpectedError).unwrap()
     };
-    let own = error(advice.posture_deg.iter().map(|d| d.to_radians()).collect());
+    let own = error(advice.angles.clone());
     assert!((own / advice.expected_error - 1.0).abs() < 1e-9);
     for i in 0..50 {
         let other = random_group(&cell, StartKind::Uniform, 1, 8, i)

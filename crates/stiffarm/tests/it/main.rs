@@ -20,6 +20,7 @@ mod inverse;
 mod map;
 mod milling;
 mod montecarlo;
+mod once;
 mod paths;
 mod posture_path;
 mod predict;

@@ -147,7 +147,7 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
         "RMS deflection {:.4} mm as given, {:.4} mm with the turn free; largest step {:.2}°",
         1e3 * given.deflection_rms_m,
         1e3 * summary.deflection_rms_m,
-        summary.largest_step_deg
+        summary.largest_step.to_degrees()
     );
     let as_given = summary.given_rms_m.unwrap();
     assert!((as_given / given.deflection_rms_m - 1.0).abs() < 1e-9);

@@ -11,7 +11,7 @@ use common::{
 use nalgebra::{DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource, identify};
 use stiffarm::estimate::systematic::systematic_errors;
 use stiffarm::estimate::validate::simulate_measurements;
 use stiffarm::model::cell::Cell;
@@ -355,7 +355,9 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     let options = IdentifyOptions::default();
     let found = identify(&cell, &measured, &options).unwrap();
     let plain = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
-    let budget = systematic_errors(&cell, &measured, &options).unwrap();
+    let budget = Fit::new(&cell, &measured, &options)
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
     let with = plain.clone().with_systematic_errors(&budget);
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
     let run = |predictor: &IdentifiedCompliance, load: f64| -> Prediction {

@@ -8,13 +8,12 @@ use common::{cases, relative_error};
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
-use stiffarm::estimate::identify::{
-    IdentifyOptions, NoiseSource, Weights, identify, measured_system,
-};
+use stiffarm::estimate::identify::{IdentifyOptions, NoiseSource, Weights, identify};
 use stiffarm::estimate::validate::{
     Model as Deflection, calculated_displacements, simulate_measurements,
 };
 use stiffarm::internals::information::{Factor, posture_information};
+use stiffarm::internals::measured_system;
 use stiffarm::model::dexterity;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Load, Wrench};

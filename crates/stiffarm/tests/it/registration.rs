@@ -284,7 +284,7 @@ fn a_record_holds_the_registration() {
     let again = Registration::try_from(back).unwrap();
     let [a, b] = [&found, &again].map(|r| r.base_from_tracker.to_matrix());
     assert!((a - b).amax() < 1e-15);
-    let [roll, pitch, yaw] = record.rpy_deg.map(f64::to_radians);
+    let [roll, pitch, yaw] = record.roll_pitch_yaw;
     let turned = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     assert!(turned.angle_to(&found.base_from_tracker.rotation) < 1e-14);
     assert_eq!(again.names, found.names);

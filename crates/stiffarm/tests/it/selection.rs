@@ -180,7 +180,7 @@ fn larger_is_better_where_the_index_says_so() {
         );
         assert!(plan.value >= least, "{index:?}: {}", plan.value);
         assert!(plan.value > plan.start_value.unwrap());
-        assert_eq!(plan.value, plan.indices.get(index).unwrap());
+        assert_eq!(plan.value, plan.evaluation.indices.get(index).unwrap());
     }
     // O2 is the reciprocal of the condition index, and so is the plan.
     let condition = select(&cell, Index::Condition, &group1());
@@ -286,10 +286,8 @@ fn optimality_holds_with_limits_too() {
         );
     }
     // A search cut short fails the same check, or it would prove nothing.
-    let few = Options {
-        max_iterations: 60,
-        ..Options::default()
-    };
+    let mut few = Options::default();
+    few.max_iterations = 60;
     for index in [Index::Novel, Index::ExpectedError] {
         let plan = select_from(&cell, index, &group1(), few, Control::default()).unwrap();
         assert!(
@@ -382,10 +380,8 @@ fn a_stopped_search_says_so_and_gives_its_best() {
     .unwrap();
     assert_eq!(plan.termination, Termination::Interrupted);
     assert!(plan.value < plan.start_value.unwrap());
-    let few = Options {
-        max_iterations: 5,
-        ..Options::default()
-    };
+    let mut few = Options::default();
+    few.max_iterations = 5;
     let plan = select_from(
         &cell,
         Index::ExpectedError,
@@ -419,12 +415,13 @@ proptest! {
         prop_assume!(n >= 6 || !index.uses_dexterity());
         let before = ln_index(&cell, index, &start);
         prop_assume!(before.is_finite());
-        let options = Options { max_iterations: 200, ..Options::default() };
+        let mut options = Options::default();
+options.max_iterations = 200;
         let plan = select_from(&cell, index, &start, options, Control::default()).unwrap();
         let after = ln_index(&cell, index, &plan.group);
         prop_assert!(after <= before + 1e-9, "{index:?}: {after} from {before}");
         let outside = violation(&cell, &plan.group);
         prop_assert!(outside <= 1e-9, "outside by {outside:e}");
-        prop_assert_eq!(plan.value, plan.indices.get(index).unwrap());
+        prop_assert_eq!(plan.value, plan.evaluation.indices.get(index).unwrap());
     }
 }

@@ -6,10 +6,11 @@ use crate::common;
 use nalgebra::{Matrix6, Rotation3, Vector3};
 use stiffarm::Control;
 use stiffarm::estimate::identify::{
-    Estimator, IdentifyOptions, NoiseSource, Scale, fit, identify, profile,
+    Estimator, Fit, IdentifyOptions, NoiseSource, Weights, identify, profile,
 };
 use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource, systematic_errors};
 use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::internals::measured_system;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
@@ -93,7 +94,9 @@ fn every_source_is_the_error_really_made() {
     let cell = cell;
     let postures = group_1();
     let nominal = measure(&cell, &postures, 1);
-    let budget = systematic_errors(&cell, &nominal, &ordinary()).unwrap();
+    let budget = Fit::new(&cell, &nominal, &ordinary())
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
     let made = |cell: &Cell| measure(cell, &postures, 1);
     let seen = |measured: &[MeasuredPosture]| bias(&cell, measured, &ordinary());
 
@@ -169,7 +172,9 @@ fn the_budget_of_the_default_cell() {
     let postures = plan(&cell);
     let measured = measure(&cell, &postures, 1);
     let of = |cell: &Cell, name: &str| -> Vec<f64> {
-        let all = systematic_errors(cell, &measured, &ordinary()).unwrap();
+        let all = Fit::new(cell, &measured, &ordinary())
+            .and_then(|fit| systematic_errors(&fit))
+            .unwrap();
         let source = source(&all, name);
         source
             .change
@@ -207,7 +212,9 @@ fn the_budget_of_the_default_cell() {
 
     let postures = group_1();
     let measured = measure(&cell, &postures, 1);
-    let all = systematic_errors(&cell, &measured, &ordinary()).unwrap();
+    let all = Fit::new(&cell, &measured, &ordinary())
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
     let k4 = source(&all, "anchor").change[3].unwrap();
     assert!((k4 - 0.039).abs() < 0.002, "{k4}");
     // Parts combine as root sum of squares, sources as well.
@@ -234,8 +241,12 @@ fn measured_wrenches_have_the_sources_that_made_them() {
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
         m.wrench = Some(*terms.wrench());
     }
-    let a = systematic_errors(&cell, &nominal, &ordinary()).unwrap();
-    let b = systematic_errors(&cell, &along, &ordinary()).unwrap();
+    let a = Fit::new(&cell, &nominal, &ordinary())
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
+    let b = Fit::new(&cell, &along, &ordinary())
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
     for name in ["force-scale", "anchor", "loading-point"] {
         let other: Vec<f64> = source(&b, name).change.iter().map(|c| c.unwrap()).collect();
         assert_same(&source(&a, name).change, &other, name);
@@ -255,7 +266,9 @@ fn measured_wrenches_have_the_sources_that_made_them() {
             ..m.wrench.unwrap()
         });
     }
-    let c = systematic_errors(&sensing, &moments, &ordinary()).unwrap();
+    let c = Fit::new(&sensing, &moments, &ordinary())
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
     let names: Vec<&str> = c.sources.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(
         names,
@@ -293,7 +306,9 @@ fn the_force_scale_is_in_every_budget() {
             estimator,
             ..IdentifyOptions::default()
         };
-        let all = systematic_errors(&cell, &measured, &options).unwrap();
+        let all = Fit::new(&cell, &measured, &options)
+            .and_then(|fit| systematic_errors(&fit))
+            .unwrap();
         let force = &all.sources[0];
         assert!(force.name == "force-scale" && force.declared && force.size == 0.02);
         // The prior pulls a little the other way.
@@ -340,7 +355,10 @@ fn the_profile_of_least_squares_is_the_t_interval() {
                     noise,
                     ..IdentifyOptions::default()
                 };
-                let found = profile(&cell, &measured, &options).unwrap().unwrap();
+                let found = Fit::new(&cell, &measured, &options)
+                    .and_then(|fit| profile(&fit))
+                    .unwrap()
+                    .unwrap();
                 let difference = found.difference.unwrap();
                 assert!(
                     difference < 1e-8,
@@ -366,11 +384,14 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     let mut largest = 0.0_f64;
     for seed in 0..5 {
         let measured = measure(&cell, &plan(&common::default_cell()), 100 + seed);
-        let found = profile(&cell, &measured, &options).unwrap().unwrap();
+        let found = Fit::new(&cell, &measured, &options)
+            .and_then(|fit| profile(&fit))
+            .unwrap()
+            .unwrap();
         largest = largest.max(found.difference.unwrap());
-        let fit = fit(&cell, &measured, &options).unwrap();
-        assert!(matches!(fit.assumed.scale, Scale::Estimated));
-        let (rows, n) = fit.system.psi.shape();
+        let system = measured_system(&cell, &measured, &[], Weights::Readings).unwrap();
+        assert_eq!(options.noise, NoiseSource::Estimated);
+        let (rows, n) = system.psi.shape();
         let free = (rows - n) as f64;
         let t = {
             let joint = &identify(&cell, &measured, &options).unwrap().joints[0];
@@ -379,11 +400,11 @@ fn the_profile_of_two_variances_ends_at_its_level() {
         };
         let level = (free + 1.0) * (t * t / free).ln_1p();
         let j = 3;
-        let others = fit.system.psi.clone().remove_column(j);
+        let others = system.psi.clone().remove_column(j);
         let minus_two_ln = |h: f64, gamma: f64| {
-            let y = &fit.system.delta - fit.system.psi.column(j) * h;
+            let y = &system.delta - system.psi.column(j) * h;
             let mut v = nalgebra::DMatrix::<f64>::identity(rows, rows);
-            for block in &fit.system.blocks {
+            for block in &system.blocks {
                 for a in block.rows.clone() {
                     for b in block.rows.clone() {
                         if a % 3 == b % 3 {
@@ -427,7 +448,9 @@ fn the_profile_of_two_variances_ends_at_its_level() {
             best.0
         };
         let ends = found.joints[j].compliance_interval.map(Option::unwrap);
-        let centre = fit.solution.values[j];
+        let centre = identify(&cell, &measured, &options).unwrap().joints[j]
+            .compliance
+            .unwrap();
         let lowest = (-20..=20)
             .map(|i| best(centre + f64::from(i) * 0.01 * (ends[1] - ends[0])))
             .fold(f64::INFINITY, f64::min);
@@ -448,7 +471,12 @@ fn the_profile_of_two_variances_ends_at_its_level() {
             ..IdentifyOptions::default()
         };
         let measured = measure(&cell, &group_1(), 1);
-        assert_eq!(profile(&cell, &measured, &options).unwrap(), None);
+        assert_eq!(
+            Fit::new(&cell, &measured, &options)
+                .and_then(|fit| profile(&fit))
+                .unwrap(),
+            None
+        );
     }
 }
 
@@ -461,7 +489,9 @@ fn budgets_and_profiles_of_poor_data() {
     let measured = measure(&cell, &group_1()[..1], 1);
     let options = ordinary();
     let result = identify(&cell, &measured, &options).unwrap();
-    let all = systematic_errors(&cell, &measured, &options).unwrap();
+    let all = Fit::new(&cell, &measured, &options)
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
     for (j, joint) in result.joints.iter().enumerate() {
         let known = joint.compliance.is_some_and(|h| h > 0.0);
         assert_eq!(
@@ -470,11 +500,14 @@ fn budgets_and_profiles_of_poor_data() {
         );
         assert!(known || all.sources.iter().all(|s| s.change[j].is_none()));
     }
-    profile(&cell, &measured, &options).unwrap();
+    Fit::new(&cell, &measured, &options)
+        .and_then(|fit| profile(&fit))
+        .unwrap();
     // Without noise the residuals are rounding: no profile to speak of.
     let quiet = quiet_cell();
     let exact = measure(&quiet, &group_1(), 1);
-    let found = profile(&quiet, &exact, &IdentifyOptions::default())
+    let found = Fit::new(&quiet, &exact, &IdentifyOptions::default())
+        .and_then(|fit| profile(&fit))
         .unwrap()
         .unwrap();
     assert!(
@@ -486,6 +519,8 @@ fn budgets_and_profiles_of_poor_data() {
     // A large lost motion leaves no stiffness at all.
     let mut loose = cell.clone();
     loose.uncertainty.lost_motion = Some(1.0);
-    let all = systematic_errors(&loose, &measure(&cell, &group_1(), 1), &options).unwrap();
+    let all = Fit::new(&loose, &measure(&cell, &group_1(), 1), &options)
+        .and_then(|fit| systematic_errors(&fit))
+        .unwrap();
     assert!(all.findings.iter().all(|f| !f.sentence.contains("NaN")));
 }

@@ -174,9 +174,9 @@ fn selection_for_the_tasks_beats_selection_for_the_joints_at_them() {
     let (tasks, joints) = (plan(Index::Task), plan(Index::ExpectedError));
     let at_start = task_index(&cell, &group1());
     assert!(tasks.value < 0.7 * at_start, "{} {at_start}", tasks.value);
-    let by_joints = joints.indices.task.unwrap();
+    let by_joints = joints.evaluation.indices.task.unwrap();
     assert!(tasks.value < by_joints, "{} {by_joints}", tasks.value);
-    assert!(tasks.indices.expected_error > joints.indices.expected_error);
+    assert!(tasks.evaluation.indices.expected_error > joints.evaluation.indices.expected_error);
     assert!(tasks.smallest_margin_m.unwrap() >= 0.0);
 }
 

@@ -9,12 +9,11 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
 use stiffarm::Code;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{
-    Estimator, IdentifyOptions, NoiseSource, identify, leave_one_out, measured_system,
-};
+use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource, identify};
 use stiffarm::estimate::validate::{
     Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
 };
+use stiffarm::internals::measured_system;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::MeasuredPosture;
@@ -213,8 +212,12 @@ fn leaving_out_one_posture_is_what_the_identification_says_it_is() {
     ] {
         let options = options(estimator);
         let count = measured.len();
-        let result = cross_validate(&cell, &measured, &options, count, Some(1.0)).unwrap();
-        let same = leave_one_out(&cell, &measured, &options).unwrap();
+        let result = Fit::new(&cell, &measured, &options)
+            .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
+            .unwrap();
+        let same = Fit::new(&cell, &measured, &options)
+            .and_then(|fit| fit.leave_one_out())
+            .unwrap();
         assert!((result.component_rms_m / same.rms_m.unwrap() - 1.0).abs() < 1e-12);
         assert_eq!((result.folds, result.passed), (Some(count), Some(true)));
         assert!(result.unpredicted.is_empty());
@@ -238,7 +241,9 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
         extra: vec![ExtraTerm::JointTilt(2)],
         ..options(Estimator::Ordinary)
     };
-    let result = cross_validate(&cell, &measured, &options, 3, None).unwrap();
+    let result = Fit::new(&cell, &measured, &options)
+        .and_then(|fit| cross_validate(&fit, 3, None))
+        .unwrap();
     for fold in 0..3 {
         let (left, others): (Vec<_>, Vec<_>) = measured
             .iter()
@@ -285,14 +290,9 @@ fn a_posture_that_alone_sees_a_joint_is_named() {
         }
     }
     let count = measured.len();
-    let result = cross_validate(
-        &cell,
-        &measured,
-        &options(Estimator::Ordinary),
-        count,
-        Some(1.0),
-    )
-    .unwrap();
+    let result = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
+        .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
+        .unwrap();
     assert_eq!(result.unpredicted, ["1"]);
     assert_eq!(result.points.len(), 4 * (count - 1));
     assert_eq!(result.passed, Some(false));
@@ -356,10 +356,14 @@ fn wrong_requests_are_refused() {
     let measured = measure(&cell, &group(random_group()), 0);
     let plain = options(Estimator::Ordinary);
     for folds in [0, 1, measured.len() + 1] {
-        let error = cross_validate(&cell, &measured, &plain, folds, None).unwrap_err();
+        let error = Fit::new(&cell, &measured, &plain)
+            .and_then(|fit| cross_validate(&fit, folds, None))
+            .unwrap_err();
         assert_eq!(error.code(), Code::InvalidValue);
     }
-    let error = cross_validate(&cell, &measured, &plain, 2, Some(f64::NAN)).unwrap_err();
+    let error = Fit::new(&cell, &measured, &plain)
+        .and_then(|fit| cross_validate(&fit, 2, Some(f64::NAN)))
+        .unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
     let mut dark = measured.clone();
     for m in &mut dark {

@@ -5,6 +5,7 @@ use crate::common;
 use common::{cases, default_cell, random::Dice, reference_cell};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
+use std::f64::consts::FRAC_PI_4;
 use stiffarm::Code;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::dexterity::condition_number;
@@ -12,15 +13,23 @@ use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones, zones};
+use stiffarm::units::rad_to_shortest_deg;
+
+fn held(steps: usize, q: Option<Vec<f64>>) -> ZoneOptions {
+    let mut options = ZoneOptions::default();
+    options.steps = steps;
+    options.q = q;
+    options
+}
 
 fn options(steps: usize) -> ZoneOptions {
-    ZoneOptions { steps, q: None }
+    held(steps, None)
 }
 
 fn posture(zones: &Zones, row: usize, column: usize) -> Vec<f64> {
-    let mut q: Vec<f64> = zones.held_deg.iter().map(|q| q.unwrap_or(0.0)).collect();
-    (q[1], q[2]) = (zones.q2_deg[column], zones.q3_deg[row]);
-    q.iter().map(|a| a.to_radians()).collect()
+    let mut q: Vec<f64> = zones.held.iter().map(|q| q.unwrap_or(0.0)).collect();
+    (q[1], q[2]) = (zones.q2[column], zones.q3[row]);
+    q
 }
 
 /// Relative deviations of translation and rotation, with K_C by differences of
@@ -70,11 +79,24 @@ fn values_are_those_of_the_formulas() {
     let found = zones(&cell, &options(7)).unwrap();
     assert_eq!(found.joints, ["joint 2", "joint 3"]);
     assert_eq!(
-        found.held_deg,
-        [Some(0.0), None, None, Some(45.0), Some(45.0), Some(45.0)]
+        found.held,
+        [
+            Some(0.0),
+            None,
+            None,
+            Some(FRAC_PI_4),
+            Some(FRAC_PI_4),
+            Some(FRAC_PI_4)
+        ]
     );
-    assert_eq!((found.q2_deg[0], found.q2_deg[6]), (-60.0, 40.0));
-    assert_eq!((found.q3_deg[0], found.q3_deg[6]), (-180.0, -40.0));
+    assert_eq!(
+        [found.q2[0], found.q2[6]].map(rad_to_shortest_deg),
+        [-60.0, 40.0]
+    );
+    assert_eq!(
+        [found.q3[0], found.q3[6]].map(rad_to_shortest_deg),
+        [-180.0, -40.0]
+    );
     assert_eq!((found.postures, found.within_limits), (49, 49));
     for (row, column) in [(0, 0), (2, 5), (6, 1), (3, 3)] {
         let q = posture(&found, row, column);
@@ -158,12 +180,12 @@ fn the_best_zone_is_dexterous_untouched_and_in_one_piece() {
                 assert!(!calm || value <= best.inverse_condition);
             }
         }
-        let [low, high] = best.q2_deg;
-        assert!((low..=high).contains(&best.best_q_deg[1]), "{best:?}");
-        let [low, high] = best.q3_deg;
-        assert!((low..=high).contains(&best.best_q_deg[2]), "{best:?}");
+        let [low, high] = best.q2;
+        assert!((low..=high).contains(&best.best_q[1]), "{best:?}");
+        let [low, high] = best.q3;
+        assert!((low..=high).contains(&best.best_q[2]), "{best:?}");
         assert!(best.posture_count >= 1 && best.posture_count <= found.within_limits / 4 + 1);
-        assert_eq!([best.best_q_deg[0], best.best_q_deg[3]], [0.0, 45.0]);
+        assert_eq!([best.best_q[0], best.best_q[3]], [0.0, FRAC_PI_4]);
     }
 }
 
@@ -172,12 +194,8 @@ fn joint_1_turns_the_dexterity_nowhere_and_held_angles_are_held() {
     let cell = reference_cell();
     let straight = zones(&cell, &options(5)).unwrap();
     let q = [70.0, 1e6, -1e6, 45.0, 45.0, 45.0].map(f64::to_radians);
-    let turned = ZoneOptions {
-        steps: 5,
-        q: Some(q.to_vec()),
-    };
-    let turned = zones(&cell, &turned).unwrap();
-    assert_eq!(turned.held_deg[0], Some(70.0));
+    let turned = zones(&cell, &held(5, Some(q.to_vec()))).unwrap();
+    assert_eq!(turned.held[0], Some(70_f64.to_radians()));
     let pairs = values(&straight.inverse_condition);
     for (a, b) in pairs.iter().zip(values(&turned.inverse_condition)) {
         assert!((a / b - 1.0).abs() < 1e-10);
@@ -185,11 +203,7 @@ fn joint_1_turns_the_dexterity_nowhere_and_held_angles_are_held() {
     // The rope does not turn with joint 1.
     assert_ne!(straight.translation_deviation, turned.translation_deviation);
     let wrist = [0.0, 0.0, 0.0, 10.0, 20.0, 30.0].map(f64::to_radians);
-    let wrist = ZoneOptions {
-        steps: 5,
-        q: Some(wrist.to_vec()),
-    };
-    let wrist = zones(&cell, &wrist).unwrap();
+    let wrist = zones(&cell, &held(5, Some(wrist.to_vec()))).unwrap();
     assert_ne!(straight.inverse_condition, wrist.inverse_condition);
 }
 
@@ -213,10 +227,7 @@ fn what_is_missing_is_said() {
     let mut other = cell.clone();
     other.setup.load = Load::Measured;
     assert_eq!(error(&other, &options(3)).code(), Code::MissingKey);
-    let held = |q: Vec<f64>| ZoneOptions {
-        steps: 3,
-        q: Some(q),
-    };
+    let held = |q: Vec<f64>| held(3, Some(q));
     assert_eq!(error(&cell, &held(vec![0.0; 5])).code(), Code::Dimension);
     assert_eq!(
         error(&cell, &held(vec![f64::NAN; 6])).code(),
@@ -265,7 +276,7 @@ proptest! {
     ) {
         let mut dice = Dice::new(seed);
         let mut cell = dice.model(n, kind, false, false).cell();
-        let held = ZoneOptions { steps: 3, q: Some(dice.posture(n)) };
+        let held = held(3, Some(dice.posture(n)));
         let before = zones(&cell, &held).unwrap();
         let q = posture(&before, 1, 2);
         if let Some(ours) = before.translation_deviation[1][2] {

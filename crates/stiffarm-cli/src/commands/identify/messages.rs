@@ -11,6 +11,7 @@ use stiffarm::estimate::identify::{
 use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::MeasuredPosture;
+use stiffarm::units::rad_to_shortest_deg;
 
 /// Residuals this many times the expected noise hold more than noise.
 const MORE_THAN_NOISE: f64 = 1.5;
@@ -294,8 +295,9 @@ pub fn next(cell: &Cell, result: &Identified) -> String {
     };
     let mut out = title("One more posture that would help most");
     let angles: Vec<String> = advice
-        .posture_deg
+        .angles
         .iter()
+        .map(|q| rad_to_shortest_deg(*q))
         .map(|q| format!("{:.2}", (q * 100.0).round() / 100.0 + 0.0))
         .collect();
     out += &format!("q [deg]: {}\n", angles.join(", "));

@@ -21,13 +21,14 @@ use stiffarm::Control;
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use stiffarm::estimate::diagnose::{Diagnosis, diagnose};
 use stiffarm::estimate::identify::{
-    Bootstrap, Estimator, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
-    bootstrap, identify, implausible_scale, profile,
+    Bootstrap, Estimator, Fit, Identification, NoiseSource, Profile, Weights, bootstrap,
+    implausible_scale, profile,
 };
 use stiffarm::estimate::next_posture::{NextPosture, next_posture};
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::Severity;
-use stiffarm::model::measurement::{MeasuredPosture, split_by_name};
+use stiffarm::measure::prepare;
+use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::plan::select::GlobalOptions;
 use stiffarm::{Code, Error, Result};
@@ -90,27 +91,23 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         return clamped::run(session, args);
     }
     let target = only_target(session, args.output.as_deref(), args.force)?;
-    let mut named = session.read_cell(&args.cell)?;
-    let mut options = args.fit.options(&named.cell.setup.robot)?;
+    let named = session.read_cell(&args.cell)?;
+    let options = args.fit.options(&named.cell.setup.robot)?;
     let measurements =
         session.read_measurements(&args.measurements, args.postures.as_deref(), &named.cell)?;
     let reduce = session.read_registration(args.registration.as_deref())?;
-    let (measured, reduced) = readings::displacements(&mut named.cell, measurements, &reduce)?;
-    check_names("--exclude", &args.exclude, &measured)?;
-    let (measured, _) = split_by_name(measured, &args.exclude);
-    if measured.is_empty() {
+    let mut measured = prepare(&named.cell, measurements, &reduce)?;
+    check_names("--exclude", &args.exclude, &measured.postures)?;
+    measured.retain(|name| !args.exclude.iter().any(|excluded| excluded == name));
+    if measured.postures.is_empty() {
         return Err(Error::new(Code::TooFewData, "All postures are excluded.").key("--exclude"));
     }
-    options.scatter = reduced.as_ref().and_then(Reduced::scatter);
+    let serious = measured.worst() == Some(Severity::Serious);
     let progress = Progress::new(session, "examining the identification");
-    let result = progress
-        .watch(|control| identified(&named, &measured, reduced, &options, args, control))?;
+    let fit = Fit::new(&named.cell, measured, &options)?;
+    let result = progress.watch(|control| identified(&fit, args, control))?;
 
-    let serious = result
-        .readings
-        .as_ref()
-        .is_some_and(|r| r.worst() == Some(Severity::Serious));
-    let implausible = implausible_scale(&named.cell, &result.identification).is_some();
+    let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
     let exit = Exit::finding(!result.identification.is_complete() || implausible || serious);
     let described = Options {
         estimator: options.estimator,
@@ -124,28 +121,20 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         brief: args.brief,
     };
     let envelope = session.envelope("identify", Some(args.seed), described, &result);
-    let table = || table(&named, &measured, &result, &args.exclude);
+    let table = || table(&named, &fit, &result, &args.exclude);
     session.deliver(target, &envelope, table)?;
     Ok(exit)
 }
 
 /// The estimates, and what else was asked for.
-fn identified(
-    named: &NamedCell,
-    measured: &[MeasuredPosture],
-    readings: Option<Reduced>,
-    options: &IdentifyOptions,
-    args: &IdentifyArgs,
-    control: Control<'_>,
-) -> Result<Identified> {
-    let cell = &named.cell;
-    let identification = identify(cell, measured, options)?;
+fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Identified> {
+    let identification = fit.identification()?.clone();
     let quiet = Control {
         progress: None,
         ..control
     };
     let mut out = Identified {
-        readings,
+        readings: Reduced::of(fit.measured()),
         profile: None,
         bootstrap: None,
         budget: None,
@@ -160,22 +149,19 @@ fn identified(
     };
     if let Some(resamples) = args.bootstrap {
         let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
-        let (seed, level) = (args.seed, options.confidence);
-        let found = bootstrap(cell, measured, options, resamples, seed, level);
+        let found = bootstrap(fit, resamples, args.seed, fit.options().confidence);
         out.bootstrap = Some(found.map_err(|e| e.key("--bootstrap"))?);
     }
     if args.brief {
         return Ok(out);
     }
-    out.profile = profile(cell, measured, options)?;
-    out.budget = Some(systematic_errors(cell, measured, options)?);
-    out.diagnosis = Some(diagnose(cell, measured, options)?);
-    let search = GlobalOptions {
-        seed: args.seed,
-        rounds: Some(ADVICE_ROUNDS),
-        ..GlobalOptions::default()
-    };
-    match next_posture(cell, measured, &out.identification, &search, quiet) {
+    out.profile = profile(fit)?;
+    out.budget = Some(systematic_errors(fit)?);
+    out.diagnosis = Some(diagnose(fit)?);
+    let mut search = GlobalOptions::default();
+    search.seed = args.seed;
+    search.rounds = Some(ADVICE_ROUNDS);
+    match next_posture(fit, &search, quiet) {
         Ok(advice) => out.next_posture = Some(advice),
         Err(error) if error.code() == Code::Interrupted => return Err(error),
         Err(error) => out.next_posture_missing = Some(error.message().to_string()),
@@ -206,20 +192,16 @@ fn check_among(option: &str, names: &[String], mut known: Vec<&str>) -> Result<(
     .hint(format!("measured postures: {}", known.join(", "))))
 }
 
-fn table(
-    named: &NamedCell,
-    measured: &[MeasuredPosture],
-    result: &Identified,
-    excluded: &[String],
-) -> String {
+fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String]) -> String {
+    let (cell, measured) = (fit.cell(), &fit.measured().postures);
     let found = &result.identification;
     let mut out = named.line();
     let combined = !found.combinations.is_empty();
     out += &messages::undetermined(&found.undetermined_joints, combined);
     out += &messages::data(measured, found, excluded);
-    if let Some(reduced) = &result.readings {
+    if result.readings.is_some() {
         out += &title("Readings");
-        out += &reduced.words();
+        out += &readings::summary(fit.measured());
     }
     out += &title("Joint stiffness");
     let shared = &found.estimates;
@@ -227,13 +209,13 @@ fn table(
     out += &tables::estimates(shared, budget, bootstrap).to_string();
     out += &tables::further(shared);
     out.push('\n');
-    if let Some(finding) = implausible_scale(&named.cell, found) {
+    if let Some(finding) = implausible_scale(cell, found) {
         out += &format!("{}\n", red(&finding.sentence));
     }
     for sentence in messages::verdicts(result) {
         out += &format!("{sentence}\n");
     }
-    for remark in messages::remarks(&named.cell, measured, result) {
+    for remark in messages::remarks(cell, measured, result) {
         out += &format!("{}: {remark}\n", yellow("note"));
     }
     if let Some(budget) = &result.budget {
@@ -253,5 +235,5 @@ fn table(
     }
     out += &title("Postures with the largest residuals");
     out += &tables::residuals(result).to_string();
-    out + &messages::next(&named.cell, result)
+    out + &messages::next(cell, result)
 }

@@ -1,28 +1,27 @@
 //! `stiffarm map`: stiffness over a region of the workspace, and the best place
 //! for a workpiece.
 
+mod common;
 pub mod place;
 mod region;
 
 use super::{finding_line, with_length};
 use crate::args::MapArgs;
-use crate::files::{Target, check_folder, make_folder, write_all};
-use crate::input::NamedCell;
+use crate::files::check_folder;
 use crate::numbers::{NONE, coarse_mm, optional, significant};
 use crate::output::Exit;
 use crate::progress::Progress;
-use crate::saved::Saved;
 use crate::session::Session;
-use crate::table::{Table, title, yellow};
+use crate::table::{Table, title};
+use common::{head, sides, write_folder};
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use region::Region;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::process::ForceAxes;
-use stiffarm::units::deg_to_rad;
+use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::map::{MapNode, MapOptions, MapRange, StiffnessMap, stiffness_map};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{map_figure, map_table, render_svg};
@@ -80,40 +79,6 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
         head(&named, &saved, envelope.inputs.get("cell")) + &table(&result, &load_words) + &written
     })?;
     Ok(Exit::finding(result.counts.reachable == 0))
-}
-
-/// Cell, stiffness, and whether they belong together.
-fn head(named: &NamedCell, saved: &Saved, hash: Option<&String>) -> String {
-    let mut out = named.line() + &saved.line();
-    if saved.is_of_another_cell(hash) {
-        out += &format!(
-            "{}: the stiffness was identified with another version of this cell\n",
-            yellow("note")
-        );
-    }
-    out
-}
-
-/// Writes picture and table to the folder, where one is asked for, and says so.
-fn write_folder(
-    session: &Session,
-    args: &MapArgs,
-    names: [&str; 2],
-    texts: impl FnOnce() -> [String; 2],
-) -> Result<String> {
-    let Some(folder) = &args.output_dir else {
-        return Ok(String::new());
-    };
-    make_folder(folder)?;
-    let file = |name: &str| Target::file(&Path::new(folder).join(name), args.force);
-    let [picture, table] = texts();
-    let targets = [(file(names[0])?, picture), (file(names[1])?, table)];
-    write_all(session, &targets)?;
-    Ok(format!(
-        "\nwrote {} to {}\n",
-        names.join(" and "),
-        folder.display()
-    ))
 }
 
 /// What is mapped, and where its load comes from in words.
@@ -193,16 +158,6 @@ fn vector(v: [f64; 3]) -> String {
         }
     });
     format!("({})", parts.join(", "))
-}
-
-/// Ends of a region in millimetres.
-fn sides(axes: [&[f64]; 3]) -> String {
-    let words = ["x", "y", "z"].iter().zip(axes).map(|(name, at)| match at {
-        [low, .., high] => format!("{name} {} to {} mm", coarse_mm(*low), coarse_mm(*high)),
-        [only] => format!("{name} = {} mm", coarse_mm(*only)),
-        [] => String::new(),
-    });
-    words.collect::<Vec<_>>().join(", ")
 }
 
 fn table(map: &StiffnessMap, load: &str) -> String {
@@ -291,7 +246,7 @@ fn extremes(map: &StiffnessMap) -> String {
         return String::new();
     };
     let joints = map.nodes[extremes.best].values.as_ref();
-    let joints = 1..=joints.map_or(0, |v| v.q_deg.len());
+    let joints = 1..=joints.map_or(0, |v| v.q.len());
     let headings = ["node", "x [mm]", "y [mm]", "z [mm]", "deflection [µm]"].map(String::from);
     let confidence = map.confidence.map(|c| format!("± {} %", 100.0 * c));
     let angles = joints.map(|j| format!("q{j} [deg]"));
@@ -306,7 +261,7 @@ fn extremes(map: &StiffnessMap) -> String {
             fields.push(width.unwrap_or_else(|| NONE.to_string()));
         }
         // Adding zero turns −0 into 0.
-        let angles = values.q_deg.iter();
+        let angles = values.q.iter().map(|q| rad_to_shortest_deg(*q));
         fields.extend(angles.map(|q| format!("{:.2}", (q * 100.0).round() / 100.0 + 0.0)));
         table.row(fields);
     };

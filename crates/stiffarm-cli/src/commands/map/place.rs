@@ -1,6 +1,7 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
-use super::{head, region::Region, sides, write_folder};
+use super::common::{head, sides, write_folder};
+use super::region::Region;
 use crate::args::MapArgs;
 use crate::commands::finding_line;
 use crate::files::check_folder;
@@ -12,7 +13,7 @@ use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::files::table::read_path;
-use stiffarm::units::deg_to_rad;
+use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::map::{PlaceOptions, Placed, Placement, Status, place};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
@@ -146,7 +147,7 @@ fn words(result: &Placement) -> String {
     let mut row = |name: &str, placed: &Placed| {
         let mut fields = vec![name.to_string()];
         fields.extend(placed.position_m.map(coarse_mm));
-        fields.push(placed.yaw_deg.to_string());
+        fields.push(rad_to_shortest_deg(placed.yaw).to_string());
         fields.push(optional(placed.deflection_rms_m.map(|v| 1e6 * v), 4));
         fields.push(optional(placed.deflection_max_m.map(|v| 1e6 * v), 4));
         let point = placed.deflection_max_point.as_ref();
@@ -166,7 +167,8 @@ fn words(result: &Placement) -> String {
     }
     if let Some(best) = &result.best {
         let [x, y, z] = best.position_m.map(coarse_mm);
-        let [roll, pitch, yaw] = best.rpy_deg.map(|a| (a * 1e6).round() / 1e6 + 0.0);
+        let degrees = best.roll_pitch_yaw.map(rad_to_shortest_deg);
+        let [roll, pitch, yaw] = degrees.map(|a| (a * 1e6).round() / 1e6 + 0.0);
         out += &format!(
             "\nfor the cell:\n[work]\nworkpiece_mm = [{x}, {y}, {z}]\nworkpiece_rpy_deg = [{roll}, {pitch}, {yaw}]\n"
         );

@@ -4,7 +4,7 @@ use crate::commands::identify::confidence;
 use crate::numbers::{mm, significant};
 use crate::path::largest_first;
 use crate::table::{Align, Table, title};
-use stiffarm::units::{m_to_shortest_mm, rad_to_deg};
+use stiffarm::units::{m_to_shortest_mm, rad_to_deg, rad_to_shortest_deg};
 use stiffarm::work::predict::{CartesianStiffness, PointPrediction, Prediction};
 
 /// Rows of the table on the terminal.
@@ -111,7 +111,7 @@ pub fn matrices(point: &PointPrediction) -> String {
 
 /// All points as a table.
 pub fn csv(result: &Prediction) -> String {
-    let joints = result.points.first().map_or(0, |p| p.q_deg.len());
+    let joints = result.points.first().map_or(0, |p| p.q.len());
     let mut heading: Vec<String> = vec!["point".to_string()];
     heading.extend((1..=joints).map(|j| format!("q{j}_deg")));
     let columns = [
@@ -144,7 +144,7 @@ pub fn csv(result: &Prediction) -> String {
     let length = |v: f64| m_to_shortest_mm(v).to_string();
     for point in &result.points {
         let mut row = vec![quoted(&point.point)];
-        row.extend(point.q_deg.iter().map(f64::to_string));
+        row.extend(point.q.iter().map(|q| rad_to_shortest_deg(*q).to_string()));
         row.extend(point.tip_m.iter().map(|v| length(*v)));
         row.extend(
             point

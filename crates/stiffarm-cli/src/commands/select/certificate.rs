@@ -1,6 +1,6 @@
 //! How good any plan of as many postures could be, in words and numbers.
 
-use super::{Job, postures_text, shown};
+use super::job::{Job, postures_text, shown};
 use crate::numbers::significant;
 use crate::progress::Progress;
 use stiffarm::model::cell::Cell;
@@ -54,10 +54,8 @@ pub fn bounds(
     // The joints' bounds do not count what is measured already.
     if found.certificate.is_some() && given.is_empty() && cell.prior.is_some() {
         progress.tell("bounding what each joint can have");
-        let options = CertificateOptions {
-            samples: JOINT_SEARCHES,
-            ..options
-        };
+        let mut options = options;
+        options.samples = JOINT_SEARCHES;
         let joints = joint_efficiencies(cell, postures, &options, control);
         found.joints = kept(joints, control, &mut found.missing);
     }

@@ -1,7 +1,7 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
 use super::certificate::efficient;
-use super::{Job, Mode, number, to_usize, with_unit};
+use super::job::{Job, Mode, number, to_usize, with_unit};
 use crate::interrupt;
 use crate::numbers::{optional_percent, percent};
 use crate::progress::Progress;
@@ -68,12 +68,10 @@ pub struct Size {
 pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let budget = &job.args.budget;
     let largest = to_usize(job.args.postures.unwrap_or(LARGEST));
-    let options = GlobalOptions {
-        seed: job.seed(),
-        rounds: budget.rounds,
-        time_limit: budget.time_limit,
-        ..GlobalOptions::default()
-    };
+    let mut options = GlobalOptions::default();
+    options.seed = job.seed();
+    options.rounds = budget.rounds;
+    options.time_limit = budget.time_limit;
     let progress = Progress::new(job.session, "selecting postures");
     let curve = progress.watch(|control| searched(job, largest, &options, &progress, control))?;
     drop(progress);
@@ -109,12 +107,12 @@ fn searched(
             progress: None,
             ..control
         };
-        match select_global::<Vec<f64>>(cell, index, largest, &[], options, quiet) {
+        match select_global(cell, index, largest, options, quiet) {
             Ok(selection) => {
                 points.push(ErrorAtCount {
                     postures: largest,
                     value: Some(selection.value),
-                    expected_error: selection.indices.expected_error,
+                    expected_error: selection.evaluation.indices.expected_error,
                     rounds: selection.rounds,
                     evaluations: selection.evaluations,
                 });
@@ -277,10 +275,8 @@ mod tests {
         // This cell has tasks, and limits do not matter here.
         let mut cell = builtin::cell("comau").unwrap();
         cell.limits = Default::default();
-        let options = CertificateOptions {
-            samples: 64,
-            ..CertificateOptions::default()
-        };
+        let mut options = CertificateOptions::default();
+        options.samples = 64;
         for index in [Index::ExpectedError, Index::D, Index::Task] {
             let of_one = |count: usize| {
                 let group = random_group(&cell, StartKind::Uniform, count, 1, 0).unwrap();

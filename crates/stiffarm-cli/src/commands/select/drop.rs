@@ -1,6 +1,6 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
-use super::{Job, Mode, number, postures_text, shown, to_usize, with_unit};
+use super::job::{Job, Mode, number, postures_text, shown, to_usize, with_unit};
 use crate::commands::posture_remarks;
 use crate::numbers::percent;
 use crate::table::{Align, Table, title, yellow};
@@ -91,14 +91,14 @@ fn table(job: &Job<'_>, postures: &[Posture], dropped: &Dropped) -> String {
     );
     out += &title("What is lost without one posture, least first");
     let without = with_unit(index, &format!("{} without it", index.as_str()));
-    let mut worth = Table::new([
+    let mut losses = Table::new([
         "posture".to_string(),
         without,
         "loss [%]".to_string(),
         String::new(),
     ]);
-    worth.align(3, Align::Left);
-    for posture in &dropped.worth {
+    losses.align(3, Align::Left);
+    for posture in &dropped.values {
         let value = number(index, posture.value);
         let (loss, remark) = match posture.loss {
             Some(loss) => (percent(loss), ""),
@@ -113,7 +113,7 @@ fn table(job: &Job<'_>, postures: &[Posture], dropped: &Dropped) -> String {
             remark
         };
         let name = postures[posture.posture].name.clone();
-        worth.row([name, value, loss, mark.to_string()]);
+        losses.row([name, value, loss, mark.to_string()]);
     }
-    out + &worth.to_string()
+    out + &losses.to_string()
 }

@@ -26,11 +26,11 @@ pub fn design(args: &LoadArgs) -> LoadDesign {
         let m = all.map(mm_to_m);
         [[m[0], m[1], m[2]].into(), [m[3], m[4], m[5]].into()]
     };
-    LoadDesign {
-        anchor: args.anchor_box_mm.map(corners),
-        loading_point: args.loading_point_box_mm.map(corners),
-        magnitude: args.largest_load_n,
-    }
+    let mut design = LoadDesign::default();
+    design.anchor = args.anchor_box_mm.map(corners);
+    design.loading_point = args.loading_point_box_mm.map(corners);
+    design.magnitude = args.largest_load_n;
+    design
 }
 
 /// The design as options of the result, `None` where nothing may move.

@@ -4,62 +4,22 @@
 mod certificate;
 pub mod curve;
 pub mod drop;
+mod job;
 mod load;
-pub mod plan;
+mod plan;
+pub mod planned;
 mod sensitivity;
 pub mod space_filling;
 mod table;
 
-use super::{is_relative_error, with_length};
-use crate::args::{OutputArgs, SelectArgs, SheetChoice};
-use crate::files::{Target, check_one_stdout, write_all};
-use crate::input::NamedCell;
+use super::with_length;
+use crate::args::SelectArgs;
 use crate::interrupt;
-use crate::numbers::optional;
-use crate::output::{Envelope, Exit};
-use crate::progress::Progress;
+use crate::output::Exit;
 use crate::session::Session;
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::Posture;
+use job::{Job, Outputs};
+use stiffarm::Result;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::select::RoundReport;
-use stiffarm::units::m_to_mm;
-use stiffarm::{Code, Error, Result};
-
-/// Seed unless one is given.
-const SEED: u64 = 1;
-
-/// What the result holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// A plan from a global search.
-    Global,
-    /// A plan improved from an initial group.
-    From,
-    /// Postures beside given ones.
-    Add,
-    /// Given postures with some left out.
-    Drop,
-    /// The best value for each number of postures.
-    Curve,
-    /// Postures that cover the joint space evenly.
-    SpaceFilling,
-}
-
-/// What every way to work needs.
-struct Job<'a> {
-    session: &'a Session,
-    args: &'a SelectArgs,
-    index: Index,
-    named: NamedCell,
-    /// Says where the characteristic length had to be computed.
-    length_line: String,
-    outputs: Outputs,
-}
 
 /// Selects, and writes what was asked for.
 pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
@@ -90,175 +50,4 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
     } else {
         Exit::Done
     })
-}
-
-impl Job<'_> {
-    fn cell(&self) -> &Cell {
-        &self.named.cell
-    }
-
-    fn seed(&self) -> u64 {
-        self.args.budget.seed.unwrap_or(SEED)
-    }
-
-    /// First lines of every table.
-    fn heading(&self) -> String {
-        self.named.line() + &self.length_line
-    }
-
-    /// Prints the result; where a file goes to standard output, the table for
-    /// people goes to standard error.
-    fn show<O: Serialize, R: Serialize>(
-        &self,
-        envelope: &Envelope<O, R>,
-        table: impl FnOnce() -> String,
-    ) -> Result<()> {
-        if self.outputs.use_stdout() {
-            self.session.remark(&table());
-            return Ok(());
-        }
-        self.session.show(envelope, table)
-    }
-
-    /// Shows how a search stands after each round.
-    fn report(&self, progress: &Progress, round: &RoundReport) {
-        let best = round.value.map_or_else(String::new, |value| {
-            format!(
-                ", best {} {}",
-                self.index.as_str(),
-                shown(self.index, value)
-            )
-        });
-        match self.args.budget.rounds {
-            Some(of) => progress.report(
-                &format!("selecting{best}"),
-                to_usize(round.rounds),
-                to_usize(of),
-            ),
-            None => progress.tell(&format!("selecting: round {}{best}", round.rounds)),
-        }
-    }
-}
-
-/// Where plan and sheet go, checked before any work is done for them.
-struct Outputs {
-    main: Option<Target>,
-    sheet: Option<Target>,
-    sheet_of: SheetChoice,
-    options: SheetOptions,
-}
-
-impl Outputs {
-    fn new(session: &Session, args: &OutputArgs) -> Result<Self> {
-        let target = |path: &Option<String>| {
-            path.as_deref()
-                .map(|path| Target::new(path, args.force))
-                .transpose()
-        };
-        let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
-        check_one_stdout(session, &[main.as_ref(), sheet.as_ref()])?;
-        let options = SheetOptions {
-            states: args.states.clone(),
-            drift: args.drift,
-            base_reflector: args.base_reflector,
-        };
-        let sheet_of = args.sheet_of.unwrap_or(SheetChoice::Readings);
-        if sheet_of == SheetChoice::Displacements && (args.drift || args.base_reflector) {
-            let message = "A displacement has neither drift nor a base reflector: both are subtracted already.";
-            let error = Error::new(Code::Usage, message).key("--sheet-of");
-            return Err(
-                error.hint("leave out --drift and --base-reflector, or --sheet-of displacements")
-            );
-        }
-        Ok(Outputs {
-            main,
-            sheet,
-            sheet_of,
-            options,
-        })
-    }
-
-    fn use_stdout(&self) -> bool {
-        [&self.main, &self.sheet]
-            .into_iter()
-            .flatten()
-            .any(Target::is_stdout)
-    }
-
-    /// Writes postures as plan and as sheet, where these are wanted.
-    fn write_postures(&self, session: &Session, cell: &Cell, postures: &[Posture]) -> Result<()> {
-        let mut files = Vec::new();
-        if let Some(plan) = &self.main {
-            files.push((plan.clone(), write_postures(postures)));
-        }
-        if let Some(sheet) = &self.sheet {
-            let text = match self.sheet_of {
-                SheetChoice::Readings => reading_sheet(postures, &self.options, cell),
-                SheetChoice::Displacements => {
-                    let states = self.options.states.iter();
-                    let states: Vec<&str> = states.map(String::as_str).collect();
-                    displacement_sheet(postures, &states, cell)
-                }
-            };
-            files.push((sheet.clone(), text));
-        }
-        write_all(session, &files)
-    }
-
-    /// Writes text as the main output, where one is wanted.
-    fn write_text(&self, session: &Session, text: impl FnOnce() -> String) -> Result<()> {
-        match &self.main {
-            Some(target) => write_all(session, &[(target.clone(), text())]),
-            None => Ok(()),
-        }
-    }
-}
-
-/// Unit of an index in tables.
-fn unit(index: Index) -> &'static str {
-    if is_relative_error(index) {
-        "%"
-    } else if index == Index::Task {
-        "mm"
-    } else {
-        ""
-    }
-}
-
-/// A value in the unit of tables, with digits enough to tell it from its bound.
-fn number(index: Index, value: Option<f64>) -> String {
-    let in_unit = |value: f64| match unit(index) {
-        "%" => 100.0 * value,
-        "mm" => m_to_mm(value),
-        _ => value,
-    };
-    optional(value.map(in_unit), 4)
-}
-
-/// A value with its unit.
-fn shown(index: Index, value: f64) -> String {
-    format!("{} {}", number(index, Some(value)), unit(index))
-        .trim_end()
-        .to_string()
-}
-
-/// A heading with the unit of an index behind it.
-fn with_unit(index: Index, heading: &str) -> String {
-    match unit(index) {
-        "" => heading.to_string(),
-        unit => format!("{heading} [{unit}]"),
-    }
-}
-
-/// A count from the command line as a number of things in memory.
-fn to_usize(count: u64) -> usize {
-    usize::try_from(count).unwrap_or(usize::MAX)
-}
-
-/// `1 posture`, `6 postures`.
-fn postures_text(count: usize) -> String {
-    match count {
-        1 => "1 posture".to_string(),
-        count => format!("{count} postures"),
-    }
 }

@@ -1,6 +1,6 @@
 //! `--sensitivity`: whether wrong assumptions would change the plan.
 
-use super::{number, with_unit};
+use super::job::{number, with_unit};
 use crate::numbers::{coarse_mm, deg, optional_percent, percent};
 use crate::table::{Table, title};
 use stiffarm::plan::select::{PriorCase, Sensitivity, Spread, WORTH_CHANGING};

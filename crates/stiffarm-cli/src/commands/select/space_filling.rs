@@ -1,7 +1,6 @@
 //! `--space-filling`: postures that cover the joint space evenly, as a baseline.
 
-use super::plan::POSTURES;
-use super::{Job, Mode, to_usize};
+use super::job::{Job, Mode, POSTURES, to_usize};
 use crate::commands::{evaluate, posture_table};
 use crate::numbers::{coarse_mm, significant};
 use crate::table::title;

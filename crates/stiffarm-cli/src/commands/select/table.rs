@@ -1,8 +1,9 @@
 //! A plan as people read it.
 
 use super::certificate::{efficient, sentence};
-use super::plan::Planned;
-use super::{Job, load, postures_text, sensitivity, shown};
+use super::job::{Job, postures_text, shown};
+use super::planned::Planned;
+use super::{load, sensitivity};
 use crate::commands::evaluate::undetermined;
 use crate::commands::{posture_remarks, posture_table};
 use crate::numbers::{coarse_mm, optional_percent, percent, significant};

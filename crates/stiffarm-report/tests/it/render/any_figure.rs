@@ -17,8 +17,9 @@ fn axis() -> impl Strategy<Value = Axis> {
         0..5_usize,
         option::of([value(), value()]),
         any::<bool>(),
+        any::<bool>(),
     )
-        .prop_map(|(log, categories, range, named)| Axis {
+        .prop_map(|(log, categories, range, named, from_zero)| Axis {
             label: "quantity".into(),
             unit: "unit".into(),
             scale: if log { Scale::Log } else { Scale::Linear },
@@ -30,6 +31,7 @@ fn axis() -> impl Strategy<Value = Axis> {
                 Vec::new()
             },
             range,
+            from_zero,
         })
 }
 

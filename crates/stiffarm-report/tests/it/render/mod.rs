@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use roxmltree::{Document, Node};
 use stiffarm_report::{Axis, Figure, Panel, Scale, Series, Style, render_svg, series_colour};
 
-const STYLES: [Style; 12] = [
+const STYLES: [Style; 13] = [
     Style::Line,
     Style::Dashed,
     Style::Curve,
@@ -22,6 +22,7 @@ const STYLES: [Style; 12] = [
     Style::Map,
     Style::Band,
     Style::Strokes,
+    Style::Landmark,
 ];
 
 fn panel(x: Axis, y: Axis, series: Vec<Series>) -> Panel {
@@ -255,6 +256,49 @@ fn a_label_has_one_colour_everywhere_and_one_legend_entry() {
 }
 
 #[test]
+fn a_landmark_looks_like_no_data() {
+    // More postures than there are colours, so that every one of them is used.
+    let mut series: Vec<Series> = (1..=9)
+        .map(|p| {
+            let at = f64::from(p);
+            let x = vec![0.0, at];
+            Series::new(format!("Posture {p}"), Style::Path, x, vec![0.0, 1.0])
+        })
+        .collect();
+    let data = render_svg(&figure(vec![panel(
+        Axis::linear("x", "m"),
+        Axis::linear("z", "m"),
+        series.clone(),
+    )]));
+    series.push(Series::new(
+        "rope anchor",
+        Style::Landmark,
+        vec![5.0],
+        vec![0.5],
+    ));
+    let both = render_svg(&figure(vec![panel(
+        Axis::linear("x", "m"),
+        Axis::linear("z", "m"),
+        series,
+    )]));
+    check(&both);
+    let strokes = |svg: &str| -> Vec<String> {
+        let document = Document::parse(svg).unwrap();
+        let nodes = document.descendants();
+        let strokes = nodes.filter_map(|n| n.attribute("stroke").map(str::to_owned));
+        strokes.collect()
+    };
+    let used = strokes(&data);
+    let own: Vec<String> = strokes(&both)
+        .into_iter()
+        .filter(|s| !used.contains(s))
+        .collect();
+    // Square and cross, in the panel and in the legend.
+    assert_eq!(own, vec!["#4a4a4a"; 4]);
+    assert!(!data.contains("#4a4a4a"));
+}
+
+#[test]
 fn the_legend_shows_every_label_once_even_if_there_are_many() {
     let labels: Vec<String> = (0..23).map(|i| format!("series number {i}")).collect();
     let series = labels
@@ -271,6 +315,34 @@ fn the_legend_shows_every_label_once_even_if_there_are_many() {
     for label in &labels {
         assert_eq!(shown.iter().filter(|t| *t == label).count(), 1);
     }
+}
+
+#[test]
+fn small_values_are_bright_where_asked_for() {
+    let mut panel = map(2, 1, Axis::linear("value", "mm"), |c, _| c as f64);
+    let series = panel.series.remove(0);
+    panel.series.push(series.with_small_bright(true));
+    let svg = render_svg(&figure(vec![panel]));
+    check(&svg);
+    let document = Document::parse(&svg).unwrap();
+    let cells: Vec<Node> = document
+        .descendants()
+        .filter(|n| n.attribute("shape-rendering").is_some())
+        .collect();
+    let (bar, legend) = cells[2..].split_at(64);
+    assert_eq!(legend.len(), 1);
+    let left = |n: &&Node| rectangles(n)[0][0];
+    let mut places: Vec<&Node> = cells[..2].iter().collect();
+    places.sort_by(|a, b| left(a).total_cmp(&left(b)));
+    // The smaller value lies on the left and has the colour of the bar's lower end.
+    let fill = |n: &Node| n.attribute("fill").unwrap().to_owned();
+    let [low, high] = [&bar[0], &bar[63]].map(fill);
+    assert_eq!(
+        [places[0], places[1]].map(fill),
+        [low.clone(), high.clone()]
+    );
+    let green = |colour: &str| u32::from_str_radix(&colour[3..5], 16).unwrap();
+    assert!(green(&low) > 220 && green(&high) < 10);
 }
 
 #[test]

@@ -11,8 +11,8 @@ pub use table::{AdverseCoverage, Intervals, MeasuredCoverage, Record, measured, 
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{
-    Estimator, IdentifyOptions, JointEstimate, Prepared, Scale, assumptions, estimates,
-    interval_quantile, measured_system, resampled,
+    Estimator, Experiment, IdentifyOptions, JointEstimate, Prepared, Rows, Scale, assumptions,
+    estimates, interval_quantile, resampled,
 };
 use crate::findings::list;
 use crate::model::cell::Cell;
@@ -177,7 +177,8 @@ pub fn coverage(
     let options = &case.options;
     crate::estimate::identify::check(options)?;
     let scene = error_model::Scene::new(cell, postures, case)?;
-    let system = measured_system(cell, scene.measured(), &options.extra, options.weights)?;
+    let experiment = Experiment::new(cell, scene.measured().into())?;
+    let system = experiment.system(&options.extra, options.weights)?;
     let prepared = Prepared::new(&system, options.estimator)?;
     let blind = prepared.whitened().factor().undetermined();
     if !blind.is_empty() {
@@ -207,10 +208,14 @@ pub fn coverage(
             let truth = scene.truth(&mut rng);
             let delta = scene.displacements(&system, &truth, &mut rng)?;
             if let Some(resamples) = case.resamples {
-                let mut drawn = system.clone();
-                drawn.delta = delta;
-                let seed = rng.random();
-                let found = resampled(&drawn, &assumed, resamples, seed, options.confidence)?;
+                let rows = Rows {
+                    system: &system,
+                    prepared: &prepared,
+                    assumed: &assumed,
+                };
+                let all = prepared.solve(&delta, &assumed)?;
+                let (seed, level) = (rng.random(), options.confidence);
+                let found = resampled(&rows, &delta, &all, resamples, seed, level)?;
                 counts.skipped += found.skipped as u64;
                 counts.count(&found.joints, &truth);
                 continue;

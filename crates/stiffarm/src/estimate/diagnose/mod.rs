@@ -22,10 +22,8 @@ pub use states::{LoadStates, PooledStates, PostureStates, load_states};
 pub use terms::{TermTrial, TermTrials, try_terms};
 
 use crate::error::Result;
-use crate::estimate::identify::{IdentifyOptions, LeaveOneOut, identify, leave_one_out};
+use crate::estimate::identify::{Fit, LeaveOneOut};
 use crate::findings::{Finding, Severity, list};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
 
 /// A posture is named when the estimate of an unknown moves by more standard
@@ -58,54 +56,47 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
 }
 
-/// Diagnoses the identification of `measured` under `options`.
+/// Diagnoses an identification.
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
-pub fn diagnose(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<Diagnosis> {
-    let result = identify(cell, measured, options)?;
+pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
+    let result = fit.identification()?;
     let mut findings = Vec::new();
-    let noise = noise_test(cell, measured, options)?;
-    let outliers = outliers(cell, measured, options)?;
+    let noise = noise_test(fit)?;
+    let outliers = outliers(fit)?;
     findings.push(match &noise {
         Some(test) => test.finding(outliers.noise_without.as_ref()),
-        None => noise::untested(cell),
+        None => noise::untested(fit.cell()),
     });
     findings.extend(outliers.findings());
-    let postures =
-        crate::estimate::identify::measured_system(cell, measured, &[], options.weights)?
-            .blocks
-            .len();
-    let influence = match postures > 1 {
-        true => Some(leave_one_out(cell, measured, options)?),
+    let several = fit.system().blocks.len() > 1;
+    let influence = match several {
+        true => Some(fit.leave_one_out()?),
         false => None,
     };
     if let Some(influence) = &influence {
         findings.extend(influence_findings(influence, &result.unknowns));
     }
-    let load_states = load_states(cell, measured, options, noise.as_ref())?;
+    let load_states = load_states(fit, noise.as_ref())?;
     if let Some(states) = &load_states {
         findings.extend(states.findings());
     }
     let second_order = match result.stiffness() {
-        Some(stiffness) => second_order_shares(cell, measured, &stiffness)?,
+        Some(stiffness) => second_order_shares(fit.cell(), fit.postures(), &stiffness)?,
         None => Vec::new(),
     };
     findings.extend(second_order::finding(&second_order, result.expected_std_m));
-    let correlated = correlated_pairs(&result);
+    let correlated = correlated_pairs(result);
     findings.extend(correlated.iter().map(CorrelatedPair::finding));
-    let terms = match postures > 1 {
-        true => Some(try_terms(cell, measured, options)?),
+    let terms = match several {
+        true => Some(try_terms(fit)?),
         false => None,
     };
     if let Some(trials) = &terms {
         findings.extend(trials.finding());
     }
-    let signals = joint_signals(cell, measured, options)?;
+    let signals = joint_signals(fit);
     findings.extend(signal::findings(&signals, result.residual_rms_m));
     Ok(Diagnosis {
         noise,

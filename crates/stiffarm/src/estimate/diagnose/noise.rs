@@ -2,10 +2,9 @@
 
 use super::tails::{LEVEL, chi_squared_tails};
 use crate::error::Result;
-use crate::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, fit};
+use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use crate::findings::{Finding, Severity, length, probability};
 use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
 
 /// Residuals this many times the noise come from the model.
@@ -51,24 +50,21 @@ pub struct NoiseTest {
     pub agreement: Agreement,
 }
 
-/// Compares the residuals with the noise that `cell` states, its part common
+/// Compares the residuals with the noise that the cell states, its part common
 /// to a posture's points included. `None` where it states none, or no degree
 /// of freedom is left.
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
-pub fn noise_test(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<Option<NoiseTest>> {
-    let expected = cell.noise.displacement_std();
-    let weighted = IdentifyOptions {
-        estimator: Estimator::Weighted,
+pub fn noise_test(fit: &Fit) -> Result<Option<NoiseTest>> {
+    let expected = fit.cell().noise.displacement_std();
+    let by = |estimator| IdentifyOptions {
+        estimator,
         noise: NoiseSource::Estimated,
-        ..options.clone()
+        ..fit.options().clone()
     };
-    let solution = fit(cell, measured, &weighted)?.solution;
+    let weighted = fit.with(&by(Estimator::Weighted))?;
+    let solution = weighted.solution();
     let (Some(residual), true) = (solution.residual_std, expected > 0.0) else {
         return Ok(None);
     };
@@ -77,11 +73,8 @@ pub fn noise_test(
     let Some((p_larger, p_smaller)) = chi_squared_tails(free as f64 * ratio * ratio, free) else {
         return Ok(None);
     };
-    let two = IdentifyOptions {
-        estimator: Estimator::TwoVariance,
-        ..weighted
-    };
-    let two = fit(cell, measured, &two)?.solution;
+    let two = fit.with(&by(Estimator::TwoVariance))?;
+    let two = two.solution();
     let within = two
         .residual_std
         .filter(|_| !two.independent_rows && two.gamma > 0.0);

@@ -1,12 +1,8 @@
 //! What each joint carries and how far it moves the tool, and which unknowns
 //! the data can hardly tell apart.
 
-use crate::error::Result;
-use crate::estimate::identify::{Identification, IdentifyOptions, fit, rms};
+use crate::estimate::identify::{Fit, Identification, rms};
 use crate::findings::{Finding, Severity, length, list, percent};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
-use crate::model::observation::PostureTerms;
 use serde::{Deserialize, Serialize};
 
 /// Correlation of two estimates above which they are named.
@@ -34,26 +30,20 @@ pub struct JointSignal {
 }
 
 /// Signal of each joint.
-///
-/// # Errors
-/// As [`identify`](crate::estimate::identify::identify()).
-pub fn joint_signals(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<Vec<JointSignal>> {
-    let fit = fit(cell, measured, options)?;
-    let (system, solution) = (&fit.system, &fit.solution);
-    let residual = rms((&system.delta - &system.psi * &solution.values).as_slice());
+pub fn joint_signals(fit: &Fit) -> Vec<JointSignal> {
+    let (system, solution) = (fit.system(), fit.solution());
+    let residual = rms(fit.residual().as_slice());
     let mut torques = vec![Vec::new(); system.springs];
-    for m in measured.iter().filter(|m| !m.displacements.is_empty()) {
-        let terms = PostureTerms::new(&cell.setup, &m.posture.q, m.wrench.as_ref())?;
-        let loads = terms.spring_loads(&cell.setup.robot);
+    for (m, terms) in fit.experiment().with_terms() {
+        if m.displacements.is_empty() {
+            continue;
+        }
+        let loads = terms.spring_loads(&fit.cell().setup.robot);
         for (torques, load) in torques.iter_mut().zip(loads.iter()) {
             torques.push(*load);
         }
     }
-    Ok((0..system.springs)
+    (0..system.springs)
         .map(|j| {
             let h = solution.values[j];
             let known = !solution.undetermined.contains(&j);
@@ -70,7 +60,7 @@ pub fn joint_signals(
                 relative_error: error.filter(|_| known && h != 0.0).map(|e| e / h.abs()),
             }
         })
-        .collect())
+        .collect()
 }
 
 /// Joints that move the tool by less than the residuals and are therefore

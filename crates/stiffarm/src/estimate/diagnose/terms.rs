@@ -4,13 +4,8 @@
 
 use super::tails::{LEVEL, two_sided};
 use crate::error::Result;
-use crate::estimate::identify::{
-    Identification, IdentifyOptions, JointEstimate, Verdict, identify, leave_one_out,
-    measured_system,
-};
+use crate::estimate::identify::{Estimates, Fit, JointEstimate, Verdict};
 use crate::findings::{Finding, Severity, length, list, percent};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::ExtraTerm;
 use serde::{Deserialize, Serialize};
 
@@ -65,16 +60,13 @@ pub struct TermTrials {
 /// joint, one at a time, beside the terms that `options` has.
 ///
 /// # Errors
-/// As [`leave_one_out`].
-pub fn try_terms(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<TermTrials> {
-    let robot = &cell.setup.robot;
+/// As [`Fit::leave_one_out`].
+pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
+    let options = fit.options();
+    let robot = &fit.cell().setup.robot;
     let n = robot.joint_count();
-    let rms_m = leave_one_out(cell, measured, options)?.rms_m;
-    let base = identify(cell, measured, options)?;
+    let rms_m = fit.leave_one_out()?.rms_m;
+    let base = fit.identification()?;
     let tilts = (0..n).map(ExtraTerm::JointTilt);
     let lost = (0..n).map(ExtraTerm::LostMotion);
     let terms: Vec<ExtraTerm> = [ExtraTerm::BaseTilt]
@@ -82,8 +74,8 @@ pub fn try_terms(
         .chain(tilts)
         .chain(lost)
         .collect();
-    let all = measured_system(cell, measured, &terms, options.weights)?;
-    let column = |i: usize| all.psi.column(all.springs + i);
+    let columns = fit.columns(&terms);
+    let column = |i: usize| columns.column(i);
     let same = |i: usize, j: usize| {
         let product = column(i).norm() * column(j).norm();
         column(i).dot(&column(j)).abs() >= (1.0 - SAME) * product
@@ -98,11 +90,10 @@ pub fn try_terms(
         }
         let later = (i + 1..terms.len()).filter(|&j| column(j).norm() > 0.0 && same(i, j));
         let same_as = later.map(|j| terms[j].name(robot)).collect();
-        let mut with = options.clone();
-        with.extra.push(term);
         let name = term.name(robot);
-        let result = identify(cell, measured, &with)?;
-        let loo = leave_one_out(cell, measured, &with)?;
+        let with = fit.with_term(term, &column(i).into_owned())?;
+        let result = with.estimates()?;
+        let loo = with.leave_one_out()?;
         let determined = !result.undetermined_joints.contains(&name);
         let rms = loo.rms_m.filter(|_| determined);
         let (value, standard_error) = estimate_of(&result, &name);
@@ -149,7 +140,7 @@ pub fn try_terms(
 }
 
 /// Value and standard error of the estimate of a further term.
-fn estimate_of(result: &Identification, name: &str) -> (Option<f64>, Option<f64>) {
+fn estimate_of(result: &Estimates, name: &str) -> (Option<f64>, Option<f64>) {
     if let Some(spring) = result.extra_springs.iter().find(|s| s.name == name) {
         return (spring.compliance, spring.compliance_standard_error);
     }

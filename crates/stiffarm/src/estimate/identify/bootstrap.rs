@@ -2,15 +2,15 @@
 //! that postures are alike and independent of each other.
 
 use super::estimate::{JointEstimate, estimate};
+use super::fit::Fit;
 use super::solve::{Assumptions, Estimator, Prepared, Solution};
 use super::system::MeasuredSystem;
-use super::{IdentifyOptions, assumptions, check, measured_system};
+use super::{IdentifyOptions, check};
 use crate::error::{Code, Error, Result};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use crate::numerics::jobs::in_order;
 use crate::numerics::sample::{mean, quantile_of};
 use crate::numerics::streams::resample_rng;
+use nalgebra::DVector;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -51,35 +51,54 @@ pub struct Bootstrap {
 /// # Errors
 /// As [`super::identify`]; fewer than two postures; too few resamples for the
 /// confidence; or too few of them that determine the joints.
-pub fn bootstrap(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-    resamples: usize,
-    seed: u64,
-    confidence: f64,
-) -> Result<Bootstrap> {
-    let options = IdentifyOptions {
+pub fn bootstrap(fit: &Fit, resamples: usize, seed: u64, confidence: f64) -> Result<Bootstrap> {
+    check(&IdentifyOptions {
         confidence,
-        ..options.clone()
+        ..fit.options().clone()
+    })?;
+    let rows = Rows {
+        system: fit.system(),
+        prepared: fit.prepared(),
+        assumed: fit.assumed(),
     };
-    check(&options)?;
-    let system = measured_system(cell, measured, &options.extra, options.weights)?;
-    let assumed = assumptions(cell, &options)?;
-    resampled(&system, &assumed, resamples, seed, confidence)
+    resampled(
+        &rows,
+        &fit.system().delta,
+        fit.solution(),
+        resamples,
+        seed,
+        confidence,
+    )
 }
 
-/// [`bootstrap`] of a system.
+/// What a bootstrap draws from.
+#[derive(Clone, Copy)]
+pub(crate) struct Rows<'a> {
+    /// Ψ x = Δ; its Δ is not read.
+    pub system: &'a MeasuredSystem,
+    /// What depends on Ψ only.
+    pub prepared: &'a Prepared,
+    /// What is assumed.
+    pub assumed: &'a Assumptions,
+}
+
+/// [`bootstrap`] of displacements `delta`, to which `all` is the fit.
 ///
 /// # Errors
 /// As [`bootstrap`].
 pub(crate) fn resampled(
-    system: &MeasuredSystem,
-    assumed: &Assumptions,
+    rows: &Rows<'_>,
+    delta: &DVector<f64>,
+    all: &Solution,
     resamples: usize,
     seed: u64,
     confidence: f64,
 ) -> Result<Bootstrap> {
+    let Rows {
+        system,
+        prepared,
+        assumed,
+    } = *rows;
     let postures = system.blocks.len();
     if postures < 2 {
         let message = "Postures can only be resampled where there are at least two.";
@@ -94,17 +113,15 @@ pub(crate) fn resampled(
         );
         return Err(Error::new(Code::InvalidValue, message));
     }
-    let fit = |system: &MeasuredSystem| -> Result<Solution> {
-        Prepared::new(system, assumed.estimator)?.solve(&system.delta, assumed)
-    };
-    let all = fit(system)?;
+    let white = prepared.whitened().whiten(delta);
     let numbers: Vec<usize> = (0..resamples).collect();
     let drawn = in_order(&numbers, |(_, r)| {
         let mut rng = resample_rng(seed, *r);
         let chosen: Vec<usize> = (0..postures)
             .map(|_| rng.random_range(0..postures))
             .collect();
-        let solution = fit(&system.with(&chosen)?)?;
+        let (prepared, white) = prepared.select(&chosen, &white)?;
+        let solution = prepared.solve_white(&white, assumed)?;
         let lost = solution
             .undetermined
             .iter()

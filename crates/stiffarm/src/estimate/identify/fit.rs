@@ -1,47 +1,304 @@
-//! One estimator applied to one set of measurements, with everything that a
-//! budget, a profile or a diagnosis goes on from.
+//! One estimator applied to one experiment, with everything that a profile, a
+//! diagnosis or the systematic errors go on from.
 
+use super::experiment::Experiment;
+use super::leave_out::{Fold, LeaveOneOut, folds, influence};
 use super::solve::{Assumptions, Estimator, Prepared, Solution};
-use super::system::{MeasuredSystem, measured_system};
-use super::{IdentifyOptions, assumptions, check};
+use super::system::{MeasuredSystem, RowLabel};
+use super::{Estimates, Identification, IdentifyOptions, check, describe};
 use crate::error::Result;
+use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::ExtraTerm;
 use crate::numerics::information::Factor;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
 
-/// A system with its estimate.
+/// An experiment with the estimate of its unknowns.
+///
+/// What is asked of a fit twice is computed once: the system Ψ x = Δ, its
+/// factors, the fits without single postures, the identification. A copy
+/// shares all of it.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// Ψ x = Δ.
-    pub system: MeasuredSystem,
-    /// What depends on Ψ only.
-    pub prepared: Prepared,
-    /// What was assumed.
-    pub assumed: Assumptions,
-    /// The estimate.
-    pub solution: Solution,
+    inner: Arc<Inner>,
 }
 
-/// Fits the unknowns to measured displacements.
-///
-/// # Errors
-/// As [`identify`](super::identify()).
-pub fn fit(cell: &Cell, measured: &[MeasuredPosture], options: &IdentifyOptions) -> Result<Fit> {
-    check(options)?;
-    let system = measured_system(cell, measured, &options.extra, options.weights)?;
-    let prepared = Prepared::new(&system, options.estimator)?;
-    let assumed = assumptions(cell, options)?;
-    let solution = prepared.solve(&system.delta, &assumed)?;
-    Ok(Fit {
-        system,
-        prepared,
-        assumed,
-        solution,
-    })
+#[derive(Debug)]
+struct Inner {
+    experiment: Arc<Experiment>,
+    options: IdentifyOptions,
+    /// Displacements set aside: measured posture and number in it.
+    left_out: BTreeSet<(usize, usize)>,
+    system: Arc<MeasuredSystem>,
+    prepared: Arc<Prepared>,
+    assumed: Assumptions,
+    solution: Solution,
+    folds: OnceLock<Vec<Fold>>,
+    identification: OnceLock<Identification>,
 }
 
 impl Fit {
+    /// Fits the unknowns to measured displacements.
+    ///
+    /// # Errors
+    /// As [`identify`](super::identify()).
+    pub fn new(
+        cell: &Cell,
+        measured: impl Into<Measured>,
+        options: &IdentifyOptions,
+    ) -> Result<Self> {
+        check(options)?;
+        let experiment = Arc::new(Experiment::new(cell, measured.into())?);
+        let system = Arc::new(experiment.system(&options.extra, options.weights)?);
+        let prepared = Arc::new(Prepared::new(&system, options.estimator)?);
+        Fit::of(experiment, options, BTreeSet::new(), system, prepared)
+    }
+
+    fn of(
+        experiment: Arc<Experiment>,
+        options: &IdentifyOptions,
+        left_out: BTreeSet<(usize, usize)>,
+        system: Arc<MeasuredSystem>,
+        prepared: Arc<Prepared>,
+    ) -> Result<Self> {
+        experiment.note(|| format!("fit {options:?} without {left_out:?}"));
+        let assumed = experiment.assumptions(options)?;
+        let solution = prepared.solve(&system.delta, &assumed)?;
+        Ok(Fit {
+            inner: Arc::new(Inner {
+                experiment,
+                options: options.clone(),
+                left_out,
+                system,
+                prepared,
+                assumed,
+                solution,
+                folds: OnceLock::new(),
+                identification: OnceLock::new(),
+            }),
+        })
+    }
+
+    /// The same displacements under other options; the posture terms, and where
+    /// they do not depend on what changed the system and its factors, are used again.
+    ///
+    /// # Errors
+    /// As [`identify`](super::identify()).
+    pub fn with(&self, options: &IdentifyOptions) -> Result<Self> {
+        let inner = &*self.inner;
+        if *options == inner.options {
+            return Ok(self.clone());
+        }
+        check(options)?;
+        let experiment = inner.experiment.clone();
+        let left_out = inner.left_out.clone();
+        let before = &inner.options;
+        if options.extra == before.extra && options.weights == before.weights {
+            let plain = |o: &IdentifyOptions| o.estimator == Estimator::Ordinary;
+            let prepared = match plain(options) == plain(before) {
+                true => inner.prepared.clone(),
+                false => Arc::new(Prepared::new(&inner.system, options.estimator)?),
+            };
+            return Fit::of(
+                experiment,
+                options,
+                left_out,
+                inner.system.clone(),
+                prepared,
+            );
+        }
+        let whole = experiment.system(&options.extra, options.weights)?;
+        let system = match left_out.is_empty() {
+            true => whole,
+            false => whole
+                .filtered(|l| !left_out.contains(&(l.measured, l.displacement)))
+                .ok_or_else(super::system::no_displacements)?,
+        };
+        let prepared = Arc::new(Prepared::new(&system, options.estimator)?);
+        Fit::of(experiment, options, left_out, Arc::new(system), prepared)
+    }
+
+    /// The same with one further term, whose column of Ψ (rows as in the system)
+    /// is given.
+    pub(crate) fn with_term(&self, term: ExtraTerm, column: &DVector<f64>) -> Result<Self> {
+        let inner = &*self.inner;
+        let mut options = inner.options.clone();
+        options.extra.push(term);
+        let name = term.name(&self.cell().setup.robot);
+        let system = inner.system.extended(term, name, column);
+        let prepared = inner.prepared.extended(column)?;
+        Fit::of(
+            inner.experiment.clone(),
+            &options,
+            inner.left_out.clone(),
+            Arc::new(system),
+            Arc::new(prepared),
+        )
+    }
+
+    /// The same without the displacements for which `keep` fails; `None` where
+    /// none is left.
+    pub(crate) fn filtered(&self, keep: impl Fn(&RowLabel) -> bool) -> Result<Option<Self>> {
+        let inner = &*self.inner;
+        let Some(system) = inner.system.filtered(&keep) else {
+            return Ok(None);
+        };
+        let mut left_out = inner.left_out.clone();
+        let gone = inner.system.labels.iter().filter(|l| !keep(l));
+        left_out.extend(gone.map(|l| (l.measured, l.displacement)));
+        let prepared = Arc::new(Prepared::new(&system, inner.options.estimator)?);
+        let experiment = inner.experiment.clone();
+        Fit::of(
+            experiment,
+            &inner.options,
+            left_out,
+            Arc::new(system),
+            prepared,
+        )
+        .map(Some)
+    }
+
+    /// The cell, its noise with as many readings per displacement as were taken.
+    pub fn cell(&self) -> &Cell {
+        &self.inner.experiment.cell
+    }
+
+    /// What was measured.
+    pub fn measured(&self) -> &Measured {
+        &self.inner.experiment.measured
+    }
+
+    /// The options behind the fit.
+    pub fn options(&self) -> &IdentifyOptions {
+        &self.inner.options
+    }
+
+    /// The result in words and numbers.
+    ///
+    /// # Errors
+    /// A decomposition that fails.
+    pub fn identification(&self) -> Result<&Identification> {
+        if let Some(known) = self.inner.identification.get() {
+            return Ok(known);
+        }
+        let made = describe(self)?;
+        Ok(self.inner.identification.get_or_init(|| made))
+    }
+
+    /// Leaves each posture out in turn.
+    ///
+    /// # Errors
+    /// Fewer than two postures, or a decomposition that fails.
+    pub fn leave_one_out(&self) -> Result<LeaveOneOut> {
+        influence(self)
+    }
+
+    /// The fits without each posture in turn.
+    ///
+    /// # Errors
+    /// As [`Fit::leave_one_out`].
+    pub(crate) fn folds(&self) -> Result<&[Fold]> {
+        if let Some(known) = self.inner.folds.get() {
+            return Ok(known);
+        }
+        let made = self.folds_of(self.system().blocks.len())?;
+        Ok(self.inner.folds.get_or_init(|| made))
+    }
+
+    /// The fit without posture `block` alone.
+    pub(crate) fn fold_without(&self, block: usize) -> Result<Fold> {
+        let (prepared, system) = (self.prepared(), self.system());
+        let others: Vec<usize> = (0..system.blocks.len()).filter(|b| *b != block).collect();
+        let white = prepared.whitened().whiten(&system.delta);
+        let (prepared, white) = prepared.select(&others, &white)?;
+        Ok(Fold {
+            left_out: vec![block],
+            solution: prepared.solve_white(&white, self.assumed())?,
+        })
+    }
+
+    /// Columns of Ψ of further terms, rows as in the system.
+    pub(crate) fn columns(&self, terms: &[ExtraTerm]) -> DMatrix<f64> {
+        let (system, experiment) = (self.system(), self.experiment());
+        let mut out = DMatrix::zeros(system.delta.len(), terms.len());
+        let mut of_posture: Option<(usize, Vec<DVector<f64>>)> = None;
+        for label in &system.labels {
+            if of_posture
+                .as_ref()
+                .is_none_or(|(m, _)| *m != label.measured)
+            {
+                let own = experiment.terms(label.measured).into_iter();
+                let columns = own.flat_map(|own| terms.iter().map(|term| term.column(own)));
+                of_posture = Some((label.measured, columns.collect()));
+            }
+            let (_, point) = experiment.behind(label);
+            let columns = of_posture.iter().flat_map(|(_, columns)| columns);
+            for (i, column) in columns.enumerate() {
+                out.fixed_view_mut::<3, 1>(label.rows.start, i)
+                    .copy_from(&column.fixed_rows::<3>(3 * point));
+            }
+        }
+        out
+    }
+
+    /// Values of the unknowns with what is known about them, without residuals.
+    pub(crate) fn estimates(&self) -> Result<Estimates> {
+        Estimates::new(self.cell(), self.system(), self.solution(), self.options())
+    }
+
+    /// The fits without each of `count` folds of postures.
+    pub(crate) fn folds_of(&self, count: usize) -> Result<Vec<Fold>> {
+        let inner = &*self.inner;
+        inner.experiment.note(|| {
+            let (options, left_out) = (&inner.options, &inner.left_out);
+            format!("{count} folds {options:?} without {left_out:?}")
+        });
+        folds(&inner.system, &inner.prepared, &inner.assumed, count)
+    }
+
+    pub(crate) fn experiment(&self) -> &Experiment {
+        &self.inner.experiment
+    }
+
+    pub(crate) fn postures(&self) -> &[MeasuredPosture] {
+        self.inner.experiment.postures()
+    }
+
+    /// Ψ x = Δ.
+    pub(crate) fn system(&self) -> &MeasuredSystem {
+        &self.inner.system
+    }
+
+    /// What depends on Ψ only.
+    pub(crate) fn prepared(&self) -> &Prepared {
+        &self.inner.prepared
+    }
+
+    /// What was assumed.
+    pub(crate) fn assumed(&self) -> &Assumptions {
+        &self.inner.assumed
+    }
+
+    /// The estimate.
+    pub(crate) fn solution(&self) -> &Solution {
+        &self.inner.solution
+    }
+
+    /// What the fit leaves of the displacements, rows as in the system.
+    pub(crate) fn residual(&self) -> DVector<f64> {
+        &self.system().delta - &self.system().psi * &self.solution().values
+    }
+
+    /// What was computed for the experiment so far: tests see in it that nothing
+    /// is done twice.
+    #[doc(hidden)]
+    pub fn journal(&self) -> Vec<String> {
+        self.inner.experiment.journal()
+    }
+
     /// Change of the estimates when the displacements change by `shift` (rows
     /// as in the system, m) and everything that the estimator took from the
     /// data besides stays: the ratio of the two variances, Huber's weights, the
@@ -52,20 +309,26 @@ impl Fit {
     ///
     /// # Panics
     /// If `shift` does not have one entry per row of the system.
-    pub fn response(&self, shift: &DVector<f64>) -> Result<DVector<f64>> {
-        let solution = &self.solution;
-        let white = self.prepared.whitened().whiten(shift);
-        let (psi, white) = self.prepared.shifted(&white, solution.gamma);
+    pub(crate) fn response(&self, shift: &DVector<f64>) -> Result<DVector<f64>> {
+        let (prepared, solution) = (self.prepared(), self.solution());
+        let white = prepared.whitened().whiten(shift);
+        let psi = || {
+            prepared
+                .whitened()
+                .with_shifts(prepared.whitened().psi(), solution.gamma)
+        };
+        let mut white = prepared.shifted_delta(&white, solution.gamma);
         if let Some(weights) = &solution.weights {
-            let (mut psi, mut white) = (psi, white);
+            let mut psi = psi();
             for (d, weight) in weights.iter().enumerate() {
                 psi.rows_mut(3 * d, 3).scale_mut(weight.sqrt());
                 white.rows_mut(3 * d, 3).scale_mut(weight.sqrt());
             }
             return Ok(Factor::new(&psi)?.solve(&white));
         }
-        match self.assumed.estimator {
+        match self.assumed().estimator {
             Estimator::NonNegative => {
+                let psi = psi();
                 let free: Vec<usize> = (0..psi.ncols())
                     .filter(|j| !solution.at_bound.contains(j))
                     .collect();
@@ -80,7 +343,7 @@ impl Fit {
             }
             Estimator::Prior => {
                 // The rows of the prior do not change.
-                let rows = white.len() + self.system.springs;
+                let rows = white.len() + self.system().springs;
                 Ok(solution.factor.solve(&white.resize_vertically(rows, 0.0)))
             }
             _ => Ok(solution.factor.solve(&white)),

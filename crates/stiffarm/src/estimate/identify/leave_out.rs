@@ -1,12 +1,11 @@
 //! Fits without some postures: how far the others predict them, and how much
 //! each posture moves the estimates.
 
+use super::fit::Fit;
+use super::rms;
 use super::solve::{Assumptions, Prepared, Solution};
 use super::system::MeasuredSystem;
-use super::{IdentifyOptions, assumptions, check, measured_system, rms};
 use crate::error::{Code, Error, Result};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use crate::numerics::information::ZERO_COLUMN;
 use crate::numerics::jobs::in_order;
 use nalgebra::DVector;
@@ -14,11 +13,11 @@ use serde::{Deserialize, Serialize};
 
 /// A fit without the postures of one fold.
 #[derive(Debug, Clone)]
-pub struct Fold {
+pub(crate) struct Fold {
     /// The postures left out (indices of blocks).
-    pub left_out: Vec<usize>,
+    pub(crate) left_out: Vec<usize>,
     /// The fit from the others.
-    pub solution: Solution,
+    pub(crate) solution: Solution,
 }
 
 /// How well the other postures predict each posture, and what it does to the fit.
@@ -49,12 +48,17 @@ pub struct LeaveOneOut {
     pub postures: Vec<Influence>,
 }
 
-/// Fits without each fold of postures: posture i belongs to fold i modulo
-/// `folds`, so that neighbours in the file go to different folds.
+/// Fits without each of `folds` folds of postures: posture i belongs to fold i
+/// modulo `folds`, so that neighbours in the file go to different folds.
 ///
 /// # Errors
 /// Fewer than two folds, more folds than postures, or as [`Prepared::solve`].
-pub fn folds(system: &MeasuredSystem, assumed: &Assumptions, folds: usize) -> Result<Vec<Fold>> {
+pub(super) fn folds(
+    system: &MeasuredSystem,
+    prepared: &Prepared,
+    assumed: &Assumptions,
+    folds: usize,
+) -> Result<Vec<Fold>> {
     let count = system.blocks.len();
     if folds < 2 || folds > count {
         return Err(Error::new(
@@ -65,18 +69,20 @@ pub fn folds(system: &MeasuredSystem, assumed: &Assumptions, folds: usize) -> Re
             "give a number of folds from 2 to the number of postures, {count}"
         )));
     }
+    let white = prepared.whitened().whiten(&system.delta);
     let numbers: Vec<usize> = (0..folds).collect();
     in_order(&numbers, |(_, fold)| {
-        let left_out: Vec<usize> = (*fold..count).step_by(folds).collect();
-        let others = system.without(&left_out)?;
-        let solution = Prepared::new(&others, assumed.estimator)?.solve(&others.delta, assumed)?;
+        let (left_out, others): (Vec<usize>, Vec<usize>) =
+            (0..count).partition(|posture| posture % folds == *fold);
+        let (prepared, white) = prepared.select(&others, &white)?;
+        let solution = prepared.solve_white(&white, assumed)?;
         Ok(Fold { left_out, solution })
     })
 }
 
 /// Measured minus predicted displacements of one posture, or `None` where the
 /// fit lacks an unknown that the posture sees.
-pub fn prediction_error(
+pub(crate) fn prediction_error(
     system: &MeasuredSystem,
     block: usize,
     solution: &Solution,
@@ -100,24 +106,14 @@ pub fn prediction_error(
 /// Leaves each posture out in turn.
 ///
 /// # Errors
-/// As [`measured_system`]; fewer than two postures.
-pub fn leave_one_out(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<LeaveOneOut> {
-    check(options)?;
-    let system = measured_system(cell, measured, &options.extra, options.weights)?;
-    let assumed = assumptions(cell, options)?;
-    let all = Prepared::new(&system, assumed.estimator)?.solve(&system.delta, &assumed)?;
+/// Fewer than two postures, or a decomposition that fails.
+pub(super) fn influence(fit: &Fit) -> Result<LeaveOneOut> {
+    let (system, all) = (fit.system(), fit.solution());
     let mut errors = Vec::new();
     let mut complete = true;
     let mut postures = Vec::with_capacity(system.blocks.len());
-    for (b, fold) in folds(&system, &assumed, system.blocks.len())?
-        .iter()
-        .enumerate()
-    {
-        let error = prediction_error(&system, b, &fold.solution);
+    for (b, fold) in fit.folds()?.iter().enumerate() {
+        let error = prediction_error(system, b, &fold.solution);
         complete &= error.is_some();
         errors.extend(error.iter().flat_map(|e| e.iter().copied()));
         let lost: Vec<usize> = fold

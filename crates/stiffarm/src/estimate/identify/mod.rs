@@ -7,6 +7,7 @@ mod bootstrap;
 mod estimable;
 mod estimate;
 mod estimates;
+mod experiment;
 mod fit;
 mod huber;
 mod leave_out;
@@ -18,28 +19,41 @@ mod solve;
 mod system;
 mod whitened;
 
-pub(crate) use bootstrap::resampled;
 pub use bootstrap::{Bootstrap, bootstrap};
+pub(crate) use bootstrap::{Rows, resampled};
 pub use estimable::EstimableCombination;
 pub(crate) use estimate::quantile;
 pub use estimate::{JointEstimate, Verdict};
 pub use estimates::Estimates;
-pub use fit::{Fit, fit};
-pub use leave_out::{Fold, Influence, LeaveOneOut, folds, leave_one_out, prediction_error};
+pub(crate) use experiment::Experiment;
+pub use fit::Fit;
+pub(crate) use leave_out::{Fold, prediction_error};
+pub use leave_out::{Influence, LeaveOneOut};
 pub use plausibility::implausible_scale;
 pub use profile::{JointProfile, Profile, profile};
 pub use residuals::{DisplacementWeight, PointResidual, PostureResidual};
-pub use solve::{Assumptions, Estimator, Prepared, PriorKnowledge, Scale, Solution};
-pub use system::{Block, MeasuredSystem, RowLabel, Weights, measured_system};
+pub use solve::Estimator;
+pub(crate) use solve::{Assumptions, Prepared, PriorKnowledge, Scale, Solution};
+pub use system::Weights;
+pub(crate) use system::{Block, MeasuredSystem, RowLabel};
 pub(crate) use system::{by_name, columns, known_displacement, unknowns};
-pub use whitened::{Restricted, Whitened};
+pub(crate) use whitened::Whitened;
 
 use crate::error::{Code, Error, Result};
+use crate::measure::Measured;
 use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
+use crate::model::measurement::ReadingScatter;
 use crate::model::observation::ExtraTerm;
 pub(crate) use estimate::{estimates, interval_quantile};
 use serde::{Deserialize, Serialize};
+
+/// What the tests of the estimators look into.
+pub(crate) mod internals {
+    pub use super::experiment::measured_system;
+    pub use super::solve::{Assumptions, Prepared, PriorKnowledge, Scale, Solution};
+    pub use super::system::{Block, MeasuredSystem, RowLabel};
+    pub use super::whitened::Whitened;
+}
 
 /// Where the size of the noise comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -53,16 +67,6 @@ pub enum NoiseSource {
     Known,
     /// From repeated readings, with Student's t on their degrees of freedom.
     Repeats,
-}
-
-/// Standard deviation of one reading per axis from repeats.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ReadingScatter {
-    /// Standard deviation of one reading per axis \[m\].
-    pub reading_std_m: f64,
-    /// Degrees of freedom behind it.
-    pub degrees_of_freedom: usize,
 }
 
 /// Options of an identification.
@@ -156,15 +160,16 @@ impl std::ops::Deref for Identification {
 /// Identifies the joint stiffness from measured displacements.
 ///
 /// # Errors
-/// As [`measured_system`]; a confidence outside (0, 1); options that contradict
-/// each other. Joints without information, also for want of rows, are not an
+/// No displacements; a point the tool does not have, a number that is not finite;
+/// a measured load without forces; a confidence outside (0, 1); options that
+/// contradict each other. Joints without information, also for want of rows, are not an
 /// error: they are named in the result.
 pub fn identify(
     cell: &Cell,
-    measured: &[MeasuredPosture],
+    measured: impl Into<Measured>,
     options: &IdentifyOptions,
 ) -> Result<Identification> {
-    describe(cell, measured, &fit(cell, measured, options)?, options)
+    Fit::new(cell, measured, options)?.identification().cloned()
 }
 
 /// What the options and the cell make an estimator assume.
@@ -246,20 +251,11 @@ pub(crate) fn check(options: &IdentifyOptions) -> Result<()> {
 }
 
 /// Puts a solution into words and numbers.
-fn describe(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    fit: &Fit,
-    options: &IdentifyOptions,
-) -> Result<Identification> {
-    let Fit {
-        system,
-        prepared,
-        solution,
-        ..
-    } = fit;
-    let estimates = Estimates::new(cell, system, solution, options)?;
-    let residual = &system.delta - &system.psi * &solution.values;
+fn describe(fit: &Fit) -> Result<Identification> {
+    let (cell, system) = (fit.cell(), fit.system());
+    let (prepared, solution) = (fit.prepared(), fit.solution());
+    let estimates = Estimates::new(cell, system, solution, fit.options())?;
+    let residual = fit.residual();
     let left = prepared
         .whitened()
         .residual(&prepared.whitened().whiten(&system.delta))
@@ -279,9 +275,9 @@ fn describe(
             .map(|s| s * solution.gamma.sqrt()),
         total_std_m: (free > 0).then(|| (left / free as f64).sqrt()),
         expected_std_m: cell.noise.displacement_std(),
-        postures: residuals::by_posture(measured, system, &residual),
-        points: residuals::by_point(cell, measured, system, &residual),
-        weights: residuals::displacement_weights(cell, measured, system, solution),
+        postures: residuals::by_posture(fit.postures(), system, &residual),
+        points: residuals::by_point(cell, fit.postures(), system, &residual),
+        weights: residuals::displacement_weights(cell, fit.postures(), system, solution),
     })
 }
 

@@ -16,17 +16,15 @@
 //! Softw. 67(1), 2015, doi:10.18637/jss.v067.i01, there for the full
 //! likelihood.)
 
-use super::estimate::quantile;
-use super::fit::{Fit, fit};
+use super::estimate::{estimate, quantile};
+use super::fit::Fit;
 use super::solve::{Estimator, Scale};
 use super::whitened::{Whitened, best_ratio};
-use super::{IdentifyOptions, estimate::estimate};
+
 use crate::error::Result;
 use crate::findings::{Finding, Severity, percent};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use crate::numerics::jobs::in_order;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 /// Ends of k that differ by more than this from the main interval's are named.
@@ -74,33 +72,28 @@ pub struct Profile {
 /// (Huber's, the non-negative, the prior's), and without an interval to check.
 ///
 /// # Errors
-/// As [`identify`](super::identify()).
-pub fn profile(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<Option<Profile>> {
-    if !options.estimator.is_exact() {
+/// A quantile or decomposition that fails.
+pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
+    if !fit.options().estimator.is_exact() {
         return Ok(None);
     }
-    let fit = fit(cell, measured, options)?;
-    let solution = &fit.solution;
+    let (solution, system) = (fit.solution(), fit.system());
     let (Some(covariance), false) = (
         &solution.covariance,
         solution.t_degrees_of_freedom == Some(0),
     ) else {
         return Ok(None);
     };
-    let t = quantile(solution.t_degrees_of_freedom, options.confidence)?;
-    let names: Vec<usize> = (0..fit.system.springs).collect();
+    let t = quantile(solution.t_degrees_of_freedom, fit.options().confidence)?;
+    let names: Vec<usize> = (0..system.springs).collect();
     let joints = in_order(&names, |(_, &j)| {
-        let name = &fit.system.unknowns[j];
+        let name = &system.unknowns[j];
         if solution.undetermined.contains(&j) {
             return Ok(joint_profile(name, [None, None], [None, None]));
         }
         let error = covariance[(j, j)].max(0.0).sqrt();
         let main = estimate(name, Some(solution.values[j]), Some(error), Some(t));
-        let ends = ends(&fit, j, error, t)?;
+        let ends = ends(fit, j, error, t)?;
         Ok(joint_profile(name, ends, main.interval))
     })?;
     let finding = finding(&joints);
@@ -114,13 +107,13 @@ pub fn profile(
 
 /// Ends of the compliance of joint `j`.
 fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
-    let (solution, system) = (&fit.solution, &fit.system);
+    let (solution, system) = (fit.solution(), fit.system());
     let centre = solution.values[j];
     let half = t * error;
     if half <= 0.0 {
         return Ok([None, None]);
     }
-    if let Scale::Known { .. } | Scale::Repeats { .. } = fit.assumed.scale {
+    if let Scale::Known { .. } | Scale::Repeats { .. } = fit.assumed().scale {
         // σ and γ are given: the profile is a parabola.
         return Ok([Some(centre - half), Some(centre + half)]);
     }
@@ -130,7 +123,7 @@ fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
 
     // Everything but column j, whitened as the fit was.
     let (plain, delta, column) = held(fit, j)?;
-    let fixed = match (fit.assumed.estimator, solution.independent_rows) {
+    let fixed = match (fit.assumed().estimator, solution.independent_rows) {
         (Estimator::TwoVariance, false) => None,
         _ => Some(solution.gamma),
     };
@@ -182,21 +175,10 @@ fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
 /// The system without column `j`, with displacements and that column, all
 /// whitened against the readings' covariance.
 fn held(fit: &Fit, j: usize) -> Result<(Whitened, DVector<f64>, DVector<f64>)> {
-    let mut others = fit.system.clone();
-    if fit.assumed.estimator == Estimator::Ordinary {
-        for block in &mut others.blocks {
-            block.covariance = None;
-        }
-    }
-    let column = others.psi.column(j).into_owned();
-    others.psi = match others.psi.ncols() {
-        // A column of zeros stands for no columns.
-        1 => DMatrix::zeros(others.psi.nrows(), 1),
-        _ => others.psi.remove_column(j),
-    };
-    let whitened = Whitened::new(&others)?;
-    let delta = whitened.whiten(&fit.system.delta);
-    let column = whitened.whiten(&column);
+    let all = fit.prepared().whitened();
+    let whitened = all.without_column(j)?;
+    let delta = all.whiten(&fit.system().delta);
+    let column = all.psi().column(j).into_owned();
     Ok((whitened, delta, column))
 }
 

@@ -157,8 +157,8 @@ pub struct Solution {
 pub struct Prepared {
     whitened: Whitened,
     springs: usize,
-    /// Rows that Huber's estimator weighs together.
-    groups: Vec<Range<usize>>,
+    /// Rows that Huber's estimator weighs together, posture by posture.
+    groups: Vec<Vec<Range<usize>>>,
 }
 
 impl Prepared {
@@ -179,7 +179,46 @@ impl Prepared {
         Ok(Prepared {
             whitened,
             springs: system.springs,
-            groups: system.labels.iter().map(|l| l.rows.clone()).collect(),
+            groups: system
+                .blocks
+                .iter()
+                .map(|b| system.labels_of(b).iter().map(|l| l.rows.clone()).collect())
+                .collect(),
+        })
+    }
+
+    /// The same for the postures `chosen` (indices of blocks, repeats allowed),
+    /// and their rows of the white displacements `white`.
+    ///
+    /// # Errors
+    /// As [`Whitened::select`].
+    pub fn select(&self, chosen: &[usize], white: &DVector<f64>) -> Result<(Self, DVector<f64>)> {
+        let (whitened, white) = self.whitened.select(chosen, white)?;
+        let mut at = 0;
+        let mut groups = Vec::with_capacity(chosen.len());
+        for own in chosen.iter().map(|b| &self.groups[*b]) {
+            let from = own.first().map_or(0, |g| g.start);
+            let moved = own.iter().map(|g| at + g.start - from..at + g.end - from);
+            groups.push(moved.collect());
+            at += own.iter().map(Range::len).sum::<usize>();
+        }
+        let prepared = Prepared {
+            whitened,
+            springs: self.springs,
+            groups,
+        };
+        Ok((prepared, white))
+    }
+
+    /// The same with one further unknown, its column of Ψ given.
+    ///
+    /// # Errors
+    /// As [`Whitened::extended`].
+    pub(super) fn extended(&self, column: &DVector<f64>) -> Result<Self> {
+        Ok(Prepared {
+            whitened: self.whitened.extended(column)?,
+            springs: self.springs,
+            groups: self.groups.clone(),
         })
     }
 
@@ -193,27 +232,36 @@ impl Prepared {
     /// # Errors
     /// A decomposition that fails, or a prior estimate without prior knowledge.
     pub fn solve(&self, delta: &DVector<f64>, assumed: &Assumptions) -> Result<Solution> {
-        let white = self.whitened.whiten(delta);
+        self.solve_white(&self.whitened.whiten(delta), assumed)
+    }
+
+    /// [`solve`](Prepared::solve) for displacements that are white already.
+    ///
+    /// # Errors
+    /// As [`solve`](Prepared::solve).
+    pub fn solve_white(&self, white: &DVector<f64>, assumed: &Assumptions) -> Result<Solution> {
         if assumed.estimator == Estimator::Huber {
-            return self.huber(&white, assumed);
+            return self.huber(white, assumed);
         }
-        let base = self.least_squares(&white, assumed)?;
+        let base = self.least_squares(white, assumed)?;
         match assumed.estimator {
-            Estimator::NonNegative => self.bounded(&white, base),
-            Estimator::Prior => self.with_prior(&white, base, assumed),
+            Estimator::NonNegative => self.bounded(white, base),
+            Estimator::Prior => self.with_prior(white, base, assumed),
             _ => Ok(base),
         }
     }
 
     /// Rows of Ψ and displacements with shifts of ratio γ made independent.
     pub(super) fn shifted(&self, white: &DVector<f64>, gamma: f64) -> (DMatrix<f64>, DVector<f64>) {
-        if gamma <= 0.0 {
-            return (self.whitened.psi().clone(), white.clone());
-        }
         let psi = self.whitened.with_shifts(self.whitened.psi(), gamma);
+        (psi, self.shifted_delta(white, gamma))
+    }
+
+    /// The same of the displacements alone.
+    pub(super) fn shifted_delta(&self, white: &DVector<f64>, gamma: f64) -> DVector<f64> {
         let column = DMatrix::from_columns(std::slice::from_ref(white));
         let delta = self.whitened.with_shifts(&column, gamma);
-        (psi, delta.column(0).into_owned())
+        delta.column(0).into_owned()
     }
 
     fn least_squares(&self, white: &DVector<f64>, assumed: &Assumptions) -> Result<Solution> {
@@ -277,7 +325,7 @@ impl Prepared {
             weights,
             covariance,
             sigma,
-        } = huber::huber(psi, self.whitened.factor(), white, &self.groups)?;
+        } = huber::huber(psi, self.whitened.factor(), white, &self.groups.concat())?;
         let rank = self.whitened.factor().rank();
         let free = psi.nrows() - rank.min(psi.nrows());
         let (covariance, t_degrees_of_freedom) = match assumed.scale {

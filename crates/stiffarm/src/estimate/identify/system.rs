@@ -89,78 +89,78 @@ impl MeasuredSystem {
         &self.labels[first(block.rows.start)..first(block.rows.end)]
     }
 
-    /// The system without the postures of `left_out` (indices of blocks).
-    ///
-    /// # Errors
-    /// Nothing is left.
-    pub fn without(&self, left_out: &[usize]) -> Result<MeasuredSystem> {
-        let kept: Vec<usize> = (0..self.blocks.len())
-            .filter(|b| !left_out.contains(b))
-            .collect();
-        self.with(&kept)
-    }
-
-    /// The system of the postures `chosen` (indices of blocks, repeats allowed).
-    ///
-    /// # Errors
-    /// Nothing is chosen.
-    pub fn with(&self, chosen: &[usize]) -> Result<MeasuredSystem> {
-        let rows: usize = chosen.iter().map(|b| self.blocks[*b].rows.len()).sum();
-        if rows == 0 {
-            return Err(no_displacements());
+    /// The system without the displacements for which `keep` fails; `None` where
+    /// none is left. Postures that keep none are gone.
+    pub(crate) fn filtered(&self, keep: impl Fn(&RowLabel) -> bool) -> Option<MeasuredSystem> {
+        let mut rows = Vec::with_capacity(self.delta.len());
+        let (mut blocks, mut labels) = (Vec::new(), Vec::new());
+        for block in &self.blocks {
+            let from = rows.len();
+            for label in self.labels_of(block).iter().filter(|l| keep(l)) {
+                let at = rows.len();
+                rows.extend(label.rows.clone());
+                labels.push(RowLabel {
+                    rows: at..rows.len(),
+                    ..*label
+                });
+            }
+            if rows.len() == from {
+                continue;
+            }
+            let own: Vec<usize> = rows[from..].iter().map(|r| r - block.rows.start).collect();
+            let covariance = block
+                .covariance
+                .as_ref()
+                .map(|whole| whole.select_rows(&own).select_columns(&own))
+                .filter(|part| *part != DMatrix::identity(own.len(), own.len()));
+            blocks.push(Block {
+                posture: block.posture.clone(),
+                rows: from..rows.len(),
+                covariance,
+                shared: block.shared.select_rows(&own),
+            });
         }
-        let mut out = MeasuredSystem {
-            psi: DMatrix::zeros(rows, self.psi.ncols()),
-            delta: DVector::zeros(rows),
+        (!rows.is_empty()).then(|| MeasuredSystem {
+            psi: self.psi.select_rows(&rows),
+            delta: self.delta.select_rows(&rows),
             unknowns: self.unknowns.clone(),
             springs: self.springs,
             extra: self.extra.clone(),
-            blocks: Vec::with_capacity(chosen.len()),
-            labels: Vec::with_capacity(self.labels.len()),
-        };
-        let mut at = 0;
-        for &b in chosen {
-            let block = &self.blocks[b];
-            let (from, count) = (block.rows.start, block.rows.len());
-            out.psi
-                .rows_mut(at, count)
-                .copy_from(&self.psi.rows(from, count));
-            out.delta
-                .rows_mut(at, count)
-                .copy_from(&self.delta.rows(from, count));
-            let moved = |rows: &Range<usize>| at + rows.start - from..at + rows.end - from;
-            out.labels
-                .extend(self.labels_of(block).iter().map(|label| RowLabel {
-                    rows: moved(&label.rows),
-                    ..*label
-                }));
-            out.blocks.push(Block {
-                rows: at..at + count,
-                ..block.clone()
-            });
-            at += count;
-        }
-        Ok(out)
+            blocks,
+            labels,
+        })
+    }
+
+    /// The system with one further unknown, its column of Ψ given.
+    pub(super) fn extended(&self, term: ExtraTerm, name: String, column: &DVector<f64>) -> Self {
+        let mut out = self.clone();
+        let at = out.psi.ncols();
+        out.psi = out.psi.insert_column(at, 0.0);
+        out.psi.set_column(at, column);
+        out.unknowns.push(name);
+        out.extra.push(term);
+        out
     }
 }
 
 /// Builds Ψ x = Δ from measurements, Eq. (10), with the general form
-/// Δ = J^m (Δq_m + K_θ⁻¹ Γ) where the controller's angles were read.
+/// Δ = J^m (Δq_m + K_θ⁻¹ Γ) where the controller's angles were read. `postures`
+/// has the measured postures of each posture, load state by load state, with
+/// their terms.
 ///
 /// # Errors
-/// No measurements, a point the tool does not have, a number that is not
-/// finite, tracker weights without the tracker's model, or as [`PostureTerms::new`].
-pub fn measured_system(
+/// A term that stands twice or that the robot cannot have, a point the tool
+/// does not have, a number that is not finite, or tracker weights without the
+/// tracker's model.
+pub(super) fn assemble<'a>(
     cell: &Cell,
     measured: &[MeasuredPosture],
+    postures: impl Iterator<Item = Vec<(usize, &'a PostureTerms)>>,
     extra: &[ExtraTerm],
     weights: Weights,
 ) -> Result<MeasuredSystem> {
     let robot = &cell.setup.robot;
     let rows = row_count(measured);
-    if rows == 0 {
-        return Err(no_displacements());
-    }
     let springs = robot.spring_count();
     let unknowns = unknowns(robot, extra)?;
     let mut system = MeasuredSystem {
@@ -173,16 +173,14 @@ pub fn measured_system(
         labels: Vec::with_capacity(rows / 3),
     };
     let mut at = 0;
-    for states in by_posture(measured) {
+    for states in postures {
         let from = at;
         let first_label = system.labels.len();
         let mut torques = Vec::with_capacity(states.len());
-        for &m in &states {
+        for &(m, terms) in &states {
             let posture = &measured[m];
-            let terms =
-                PostureTerms::new(&cell.setup, &posture.posture.q, posture.wrench.as_ref())?;
-            let columns = columns(cell, &terms, extra);
-            let known = known_displacement(cell, &terms, posture)?;
+            let columns = columns(cell, terms, extra);
+            let known = known_displacement(cell, terms, posture)?;
             for (d, displacement) in posture.displacements.iter().enumerate() {
                 let row = 3 * displacement.point;
                 if row + 3 > columns.nrows() {
@@ -205,11 +203,15 @@ pub fn measured_system(
             }
             torques.push(DVector::from_column_slice(terms.torque()));
         }
+        let Some((first, _)) = states.first() else {
+            continue;
+        };
+        let numbers: Vec<usize> = states.iter().map(|(m, _)| *m).collect();
         system.blocks.push(Block {
-            posture: measured[states[0]].posture.name.clone(),
+            posture: measured[*first].posture.name.clone(),
             rows: from..at,
             covariance: covariance(cell, measured, &system.labels[first_label..], weights)?,
-            shared: shared(measured, &states, &torques),
+            shared: shared(measured, &numbers, &torques),
         });
     }
     if system.delta.iter().any(|v| !v.is_finite()) {
@@ -276,8 +278,9 @@ pub(crate) fn known_displacement(
     Ok(known)
 }
 
-/// Indices of the measured postures by posture, in order of first appearance.
-fn by_posture(measured: &[MeasuredPosture]) -> Vec<Vec<usize>> {
+/// Indices of the measured postures by posture, in order of first appearance;
+/// postures without any displacement are left out.
+pub(super) fn states_by_posture(measured: &[MeasuredPosture]) -> Vec<Vec<usize>> {
     let mut order = by_name(measured.iter().map(|m| m.posture.name.as_str()));
     order.retain(|states| {
         states
@@ -412,7 +415,7 @@ fn shared(
     out
 }
 
-fn no_displacements() -> Error {
+pub(super) fn no_displacements() -> Error {
     Error::new(
         Code::TooFewData,
         "There are no displacements to identify from.",

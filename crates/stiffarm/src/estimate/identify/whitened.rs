@@ -1,22 +1,67 @@
 //! A system whose rows have been made independent and equally exact, with the
 //! directions in which a posture's rows share shifts.
 
-use super::system::MeasuredSystem;
+use super::system::{Block, MeasuredSystem};
 use crate::error::{Code, Error, Result};
 use crate::numerics::information::{Factor, svd};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use std::sync::Arc;
 
-/// Whitened rows of one posture: the shifts act along orthonormal directions.
-#[derive(Debug, Clone)]
-struct Shared {
-    rows: Range<usize>,
+/// What whitening the rows of one posture takes: the shifts act along
+/// orthonormal directions.
+#[derive(Debug)]
+struct Whitening {
     /// rows × k, orthonormal columns.
     directions: DMatrix<f64>,
     /// Squared size s² of a unit shift along each direction.
     sizes: DVector<f64>,
     /// Lower Cholesky factor of the rows' covariance, where it is not the identity.
     root: Option<DMatrix<f64>>,
+}
+
+impl Whitening {
+    /// # Errors
+    /// A covariance that is not positive definite or not finite.
+    fn new(block: &Block) -> Result<Self> {
+        let mut shared = block.shared.clone();
+        let root = match &block.covariance {
+            None => None,
+            Some(covariance) => {
+                let root = covariance.clone().cholesky().ok_or_else(not_positive)?;
+                let root = root.unpack();
+                if !root.solve_lower_triangular_mut(&mut shared) {
+                    return Err(not_positive());
+                }
+                Some(root)
+            }
+        };
+        let (count, columns) = (block.rows.len(), shared.ncols());
+        if count < columns {
+            // Zero rows let the decomposition see all columns.
+            shared = shared.resize_vertically(columns, 0.0);
+        }
+        let parts = svd(shared)
+            .ok_or_else(|| Error::new(Code::NotFinite, "A covariance is not a finite number."))?;
+        let rank = parts.values.iter().filter(|v| **v > 0.0).count();
+        Ok(Whitening {
+            directions: parts.u.view((0, 0), (count, rank)).into_owned(),
+            sizes: parts.values.rows(0, rank).map(|v| v * v),
+            root,
+        })
+    }
+}
+
+fn not_positive() -> Error {
+    let message = "The covariance of a posture's readings is not positive definite.";
+    Error::new(Code::InvalidValue, message)
+}
+
+/// Whitened rows of one posture.
+#[derive(Debug, Clone)]
+struct Shared {
+    rows: Range<usize>,
+    by: Arc<Whitening>,
 }
 
 /// A whitened system: without shifts its rows have covariance σ²I, with shifts
@@ -44,54 +89,39 @@ impl Whitened {
         let mut psi = system.psi.clone();
         let mut blocks = Vec::with_capacity(system.blocks.len());
         for block in &system.blocks {
-            let (from, count) = (block.rows.start, block.rows.len());
-            let mut shared = block.shared.clone();
-            let root = block
-                .covariance
-                .as_ref()
-                .map(|covariance| {
-                    let not_positive = || {
-                        let message =
-                            "The covariance of a posture's readings is not positive definite.";
-                        Error::new(Code::InvalidValue, message)
-                    };
-                    let root = covariance
-                        .clone()
-                        .cholesky()
-                        .ok_or_else(not_positive)?
-                        .unpack();
-                    let mut rows = psi.rows_mut(from, count);
-                    let solved = root.solve_lower_triangular_mut(&mut rows)
-                        && root.solve_lower_triangular_mut(&mut shared);
-                    solved.then_some(root).ok_or_else(not_positive)
-                })
-                .transpose()?;
-            let columns = shared.ncols();
-            if count < columns {
-                // Zero rows let the decomposition see all columns.
-                shared = shared.resize_vertically(columns, 0.0);
+            let by = Whitening::new(block)?;
+            if let Some(root) = &by.root
+                && !root.solve_lower_triangular_mut(
+                    &mut psi.rows_mut(block.rows.start, block.rows.len()),
+                )
+            {
+                return Err(not_positive());
             }
-            let parts = svd(shared).ok_or_else(|| {
-                Error::new(Code::NotFinite, "A covariance is not a finite number.")
-            })?;
-            let rank = parts.values.iter().filter(|v| **v > 0.0).count();
             blocks.push(Shared {
                 rows: block.rows.clone(),
-                directions: parts.u.view((0, 0), (count, rank)).into_owned(),
-                sizes: parts.values.rows(0, rank).map(|v| v * v),
-                root,
+                by: Arc::new(by),
             });
         }
+        Whitened::of(psi, blocks)
+    }
+
+    /// Rows that are white already.
+    fn of(psi: DMatrix<f64>, blocks: Vec<Shared>) -> Result<Self> {
         let factor = Factor::new(&psi)?;
         let basis = factor.basis(psi.nrows());
         let seen = blocks
             .iter()
-            .map(|b| b.directions.tr_mul(&basis.rows(b.rows.start, b.rows.len())))
+            .map(|b| {
+                b.by.directions
+                    .tr_mul(&basis.rows(b.rows.start, b.rows.len()))
+            })
             .collect();
         // Where every row is a shift of its own, shifts and noise are one thing.
-        let separable = blocks.iter().any(|b| b.directions.ncols() < b.rows.len());
+        let separable = blocks
+            .iter()
+            .any(|b| b.by.directions.ncols() < b.rows.len());
         Ok(Whitened {
-            shifts: blocks.iter().map(|b| b.directions.ncols()).sum(),
+            shifts: blocks.iter().map(|b| b.by.directions.ncols()).sum(),
             psi,
             blocks,
             factor,
@@ -99,6 +129,58 @@ impl Whitened {
             seen,
             separable,
         })
+    }
+
+    /// The postures `chosen` (indices of blocks, repeats allowed), and their rows
+    /// of the white displacements `white`. Rows of one posture are whitened by
+    /// themselves, so that nothing has to be whitened again.
+    ///
+    /// # Errors
+    /// As [`Factor::new`].
+    pub fn select(&self, chosen: &[usize], white: &DVector<f64>) -> Result<(Self, DVector<f64>)> {
+        let count = chosen.iter().map(|b| self.blocks[*b].rows.len()).sum();
+        let mut psi = DMatrix::zeros(count, self.psi.ncols());
+        let mut delta = DVector::zeros(count);
+        let mut blocks = Vec::with_capacity(chosen.len());
+        let mut at = 0;
+        for &b in chosen {
+            let block = &self.blocks[b];
+            let (from, count) = (block.rows.start, block.rows.len());
+            psi.rows_mut(at, count)
+                .copy_from(&self.psi.rows(from, count));
+            delta
+                .rows_mut(at, count)
+                .copy_from(&white.rows(from, count));
+            blocks.push(Shared {
+                rows: at..at + count,
+                by: block.by.clone(),
+            });
+            at += count;
+        }
+        Ok((Whitened::of(psi, blocks)?, delta))
+    }
+
+    /// The same rows with one further column, not yet white.
+    ///
+    /// # Errors
+    /// As [`Factor::new`].
+    pub fn extended(&self, column: &DVector<f64>) -> Result<Self> {
+        let at = self.psi.ncols();
+        let mut psi = self.psi.clone().insert_column(at, 0.0);
+        psi.set_column(at, &self.whiten(column));
+        Whitened::of(psi, self.blocks.clone())
+    }
+
+    /// The same rows without column `j`; a column of zeros stands for no columns.
+    ///
+    /// # Errors
+    /// As [`Factor::new`].
+    pub fn without_column(&self, j: usize) -> Result<Self> {
+        let psi = match self.psi.ncols() {
+            1 => DMatrix::zeros(self.psi.nrows(), 1),
+            _ => self.psi.clone().remove_column(j),
+        };
+        Whitened::of(psi, self.blocks.clone())
     }
 
     /// Number of rows.
@@ -130,7 +212,7 @@ impl Whitened {
     pub fn whiten(&self, delta: &DVector<f64>) -> DVector<f64> {
         let mut out = delta.clone();
         for block in &self.blocks {
-            if let Some(root) = &block.root {
+            if let Some(root) = &block.by.root {
                 let mut rows = out.rows_mut(block.rows.start, block.rows.len());
                 root.solve_lower_triangular_mut(&mut rows);
             }
@@ -141,8 +223,8 @@ impl Whitened {
     /// Orthonormal directions of the whitened rows of block `block` in which
     /// its shifts act, rows × k, and the squared size of a unit shift along each.
     pub(crate) fn directions(&self, block: usize) -> (&DMatrix<f64>, &DVector<f64>) {
-        let block = &self.blocks[block];
-        (&block.directions, &block.sizes)
+        let by = &self.blocks[block].by;
+        (&by.directions, &by.sizes)
     }
 
     /// What least squares without shifts leaves of whitened displacements.
@@ -158,14 +240,14 @@ impl Whitened {
         }
         for block in &self.blocks {
             let (from, count) = (block.rows.start, block.rows.len());
-            let mut parts = block.directions.tr_mul(&rows.rows(from, count));
-            for (k, size) in block.sizes.iter().enumerate() {
+            let mut parts = block.by.directions.tr_mul(&rows.rows(from, count));
+            for (k, size) in block.by.sizes.iter().enumerate() {
                 parts
                     .row_mut(k)
                     .scale_mut(1.0 - 1.0 / (1.0 + gamma * size).sqrt());
             }
             let mut rows = out.rows_mut(from, count);
-            rows -= &block.directions * parts;
+            rows -= &block.by.directions * parts;
         }
         out
     }
@@ -198,7 +280,7 @@ impl Whitened {
             .blocks
             .iter()
             .map(|b| {
-                b.directions
+                b.by.directions
                     .tr_mul(&residual.rows(b.rows.start, b.rows.len()))
             })
             .collect();
@@ -236,7 +318,7 @@ impl Restricted<'_> {
             .zip(&self.system.seen)
             .zip(&self.moved)
         {
-            for (k, s) in block.sizes.iter().enumerate() {
+            for (k, s) in block.by.sizes.iter().enumerate() {
                 let part = gamma * s / (1.0 + gamma * s);
                 size -= part * moved[k] * moved[k];
                 logarithms += (gamma * s).ln_1p();

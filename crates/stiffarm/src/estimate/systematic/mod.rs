@@ -11,10 +11,8 @@
 mod sources;
 
 use crate::error::Result;
-use crate::estimate::identify::{Fit, IdentifyOptions, fit};
+use crate::estimate::identify::Fit;
 use crate::findings::{Finding, Severity, length, list, percent};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use sources::{Part, Source, sources};
@@ -90,22 +88,17 @@ pub struct SystematicErrors {
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
-pub fn systematic_errors(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<SystematicErrors> {
-    let fit = fit(cell, measured, options)?;
-    let joints = fit.system.unknowns[..fit.system.springs].to_vec();
+pub fn systematic_errors(fit: &Fit) -> Result<SystematicErrors> {
+    let joints = fit.system().unknowns[..fit.system().springs].to_vec();
     let mut out = Vec::new();
-    for source in sources(cell, measured, &fit)? {
-        out.push(describe(&fit, source)?);
+    for source in sources(fit)? {
+        out.push(describe(fit, source)?);
     }
     let count = joints.len();
     let combined = (0..count)
         .map(|j| root_sum(out.iter().map(|source| source.change[j])))
         .collect();
-    let statistical = (0..count).map(|j| relative_error(&fit, j)).collect();
+    let statistical = (0..count).map(|j| relative_error(fit, j)).collect();
     let mut budget = SystematicErrors {
         joints,
         sources: out,
@@ -118,7 +111,7 @@ pub fn systematic_errors(
 }
 
 fn describe(fit: &Fit, source: Source) -> Result<SystematicSource> {
-    let count = fit.system.springs;
+    let count = fit.system().springs;
     let mut parts = Vec::with_capacity(source.parts.len());
     for Part { name, shift } in source.parts {
         parts.push(SystematicPart {
@@ -150,8 +143,8 @@ fn describe(fit: &Fit, source: Source) -> Result<SystematicSource> {
 /// k'/k − 1 of each joint when the displacements change by `shift`.
 fn changes(fit: &Fit, shift: &DVector<f64>) -> Result<Vec<Option<f64>>> {
     let change = fit.response(shift)?;
-    let solution = &fit.solution;
-    Ok((0..fit.system.springs)
+    let solution = fit.solution();
+    Ok((0..fit.system().springs)
         .map(|j| {
             let h = solution.values[j];
             let moved = h + change[j];
@@ -163,7 +156,7 @@ fn changes(fit: &Fit, shift: &DVector<f64>) -> Result<Vec<Option<f64>>> {
 
 /// σ_H/H, to first order the relative standard error of k.
 fn relative_error(fit: &Fit, j: usize) -> Option<f64> {
-    let solution = &fit.solution;
+    let solution = fit.solution();
     let covariance = solution.covariance.as_ref()?;
     let known = !solution.undetermined.contains(&j) && solution.values[j] > 0.0;
     known.then(|| covariance[(j, j)].max(0.0).sqrt() / solution.values[j])

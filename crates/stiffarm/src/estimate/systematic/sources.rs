@@ -48,23 +48,19 @@ pub(super) struct Part {
 struct Nominal<'a> {
     cell: &'a Cell,
     fit: &'a Fit,
-    postures: Vec<(&'a MeasuredPosture, PostureTerms)>,
+    postures: Vec<(&'a MeasuredPosture, &'a PostureTerms)>,
     /// Modelled displacement of each, 3m.
     displacements: Vec<DVector<f64>>,
 }
 
 /// The sources that matter for these measurements; the force scale first.
-pub(super) fn sources(cell: &Cell, measured: &[MeasuredPosture], fit: &Fit) -> Result<Vec<Source>> {
+pub(super) fn sources(fit: &Fit) -> Result<Vec<Source>> {
+    let cell = fit.cell();
     let given = &cell.uncertainty;
-    let mut postures = Vec::with_capacity(measured.len());
-    for posture in measured {
-        let terms = PostureTerms::new(&cell.setup, &posture.posture.q, posture.wrench.as_ref())?;
-        postures.push((posture, terms));
-    }
     let mut nominal = Nominal {
         cell,
         fit,
-        postures,
+        postures: fit.experiment().with_terms().collect(),
         displacements: Vec::new(),
     };
     nominal.displacements = nominal
@@ -161,7 +157,8 @@ impl Nominal<'_> {
         posture: &MeasuredPosture,
         terms: &PostureTerms,
     ) -> Result<DVector<f64>> {
-        let moved = columns(self.cell, terms, &self.fit.system.extra) * &self.fit.solution.values;
+        let moved =
+            columns(self.cell, terms, &self.fit.system().extra) * &self.fit.solution().values;
         Ok(moved + known_displacement(self.cell, terms, posture)?)
     }
 
@@ -175,7 +172,7 @@ impl Nominal<'_> {
         for ((posture, terms), displacement) in self.postures.iter().zip(&self.displacements) {
             all.push(shift(posture, terms, displacement)?);
         }
-        let system = &self.fit.system;
+        let system = self.fit.system();
         let mut rows = DVector::zeros(system.delta.len());
         for (i, label) in system.labels.iter().enumerate() {
             let point = self.postures[label.measured].0.displacements[label.displacement].point;

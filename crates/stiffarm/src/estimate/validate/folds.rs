@@ -3,11 +3,7 @@
 use super::{Model, Point, Validation, band, check_tolerance, summarise};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{
-    IdentifyOptions, assumptions, check, folds, measured_system, prediction_error,
-};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
+use crate::estimate::identify::{Fit, prediction_error};
 use nalgebra::Vector3;
 
 /// Validates without postures kept out: the postures are left out fold by fold,
@@ -19,27 +15,27 @@ use nalgebra::Vector3;
 /// [`Validation::unpredicted`].
 ///
 /// # Errors
-/// As [`measured_system`]; fewer than two folds or more than postures; no
+/// Fewer than two folds or more than postures; no
 /// posture that the others predict.
-pub fn cross_validate(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-    count: usize,
-    tolerance_m: Option<f64>,
-) -> Result<Validation> {
-    check(options)?;
+pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Result<Validation> {
     check_tolerance(tolerance_m)?;
-    let system = measured_system(cell, measured, &options.extra, options.weights)?;
-    let assumed = assumptions(cell, options)?;
+    let (system, measured) = (fit.system(), fit.postures());
+    let confidence = fit.options().confidence;
+    let own;
+    let folds = match count == system.blocks.len() {
+        true => fit.folds()?,
+        false => {
+            own = fit.folds_of(count)?;
+            &own
+        }
+    };
     let mut found: Vec<Option<Point>> = vec![None; system.labels.len()];
     let mut unpredicted = Vec::new();
-    for fold in folds(&system, &assumed, count)? {
-        let predictor =
-            IdentifiedCompliance::from_solution(&system, &fold.solution, options.confidence);
+    for fold in folds {
+        let predictor = IdentifiedCompliance::from_solution(system, &fold.solution, confidence);
         for &b in &fold.left_out {
             let block = &system.blocks[b];
-            let Some(errors) = prediction_error(&system, b, &fold.solution) else {
+            let Some(errors) = prediction_error(system, b, &fold.solution) else {
                 unpredicted.push(b);
                 continue;
             };
@@ -48,7 +44,7 @@ pub fn cross_validate(
                 let at = label.rows.start - block.rows.start;
                 let calculated: Vector3<f64> = displacement.value - errors.fixed_rows::<3>(at);
                 let value = &displacement.value;
-                let band = band::point_band(&predictor, &system, block, label, value, &calculated)?;
+                let band = band::point_band(&predictor, system, block, label, value, &calculated)?;
                 let place = system
                     .labels
                     .partition_point(|l| l.rows.start < label.rows.start);
@@ -75,11 +71,11 @@ pub fn cross_validate(
         .hint("measure more postures, or use more folds"));
     }
     points.sort_by_key(|p| (p.measured, p.displacement));
-    let mut result = summarise(cell, measured, points, Model::Linear, tolerance_m);
+    let mut result = summarise(fit.cell(), measured, points, Model::Linear, tolerance_m);
     result.folds = Some(count);
     result.passed = result.passed.map(|passed| passed && unpredicted.is_empty());
     result.unpredicted = unpredicted;
-    result.band = band::share(&result.points, options.confidence);
+    result.band = band::share(&result.points, confidence);
     result.findings = band::findings(&result);
     Ok(result)
 }

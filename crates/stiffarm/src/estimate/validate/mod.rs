@@ -10,9 +10,10 @@ pub use folds::cross_validate;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{Weights, known_displacement, measured_system, rms};
+use crate::estimate::identify::{Experiment, Weights, known_displacement, rms};
 use crate::estimate::simulate::draw_noise;
 use crate::findings::Finding;
+use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::PostureTerms;
@@ -138,7 +139,7 @@ pub fn calculated_displacements(
 pub fn validate(
     cell: &Cell,
     stiffness: &[f64],
-    measured: &[MeasuredPosture],
+    measured: impl Into<Measured>,
     model: Model,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
@@ -156,11 +157,13 @@ pub fn validate(
 pub fn validate_with(
     cell: &Cell,
     predictor: &IdentifiedCompliance,
-    measured: &[MeasuredPosture],
+    measured: impl Into<Measured>,
     model: Model,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     check_tolerance(tolerance_m)?;
+    let given: Measured = measured.into();
+    let measured = &given.postures;
     let finite = |d: &Displacement| d.value.iter().all(|v| v.is_finite());
     if !measured.iter().all(|m| m.displacements.iter().all(finite)) {
         return Err(Error::new(
@@ -174,6 +177,8 @@ pub fn validate_with(
             "There are no displacements to validate with.",
         ));
     }
+    let experiment = Experiment::new(cell, given)?;
+    let (cell, measured) = (&experiment.cell, experiment.postures());
     let exact = match model {
         Model::Linear => None,
         Model::Equilibrium => {
@@ -182,7 +187,7 @@ pub fn validate_with(
             Some(measured.iter().map(of).collect::<Result<Vec<_>>>()?)
         }
     };
-    let system = measured_system(cell, measured, &predictor.extra, Weights::Readings)?;
+    let system = experiment.system(&predictor.extra, Weights::Readings)?;
     let errors = &system.delta - &system.psi * &predictor.values;
     let mut points = Vec::with_capacity(system.labels.len());
     for block in &system.blocks {

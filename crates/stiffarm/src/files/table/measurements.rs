@@ -6,17 +6,8 @@ use super::grid::Table;
 use super::readings::readings;
 use crate::error::{Code, Result};
 use crate::model::cell::Cell;
-use crate::model::measurement::{MeasuredPosture, ReadingTable};
+use crate::model::measurement::Measurements;
 use crate::model::posture::Posture;
-
-/// What a measurement table held.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Measurements {
-    /// Displacements, loaded minus unloaded, base axes.
-    Displacements(Vec<MeasuredPosture>),
-    /// Positions as the tracker gave them.
-    Readings(ReadingTable),
-}
 
 /// Reads a measurement table: displacements where its heading has `dx`, `dy`,
 /// `dz`, as [`read_displacements`](super::read_displacements), and raw readings

@@ -280,7 +280,7 @@ fn servo_deflection(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mu
     findings.push(Finding::new(
         "servo-give",
         if without > 0 { Severity::Caution } else { Severity::Note },
-        "servo_deflection",
+        "servo_give",
         format!(
             "The controller's own angles change under load by up to {:.4}° ({}, posture {}, state {}): this share of a \
              displacement is not the joints' elasticity.{some}",

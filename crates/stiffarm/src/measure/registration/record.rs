@@ -3,7 +3,7 @@
 use super::Registration;
 use crate::error::{Code, Error, Result};
 use crate::findings::Finding;
-use crate::units::{rad_to_deg, roll_pitch_yaw};
+use crate::units::roll_pitch_yaw;
 use nalgebra::{
     Isometry3, Matrix3, Matrix6, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
@@ -20,8 +20,17 @@ pub struct RegistrationRecord {
     pub rotation: [[f64; 3]; 3],
     /// Origin of the tracker frame in the base frame \[m\].
     pub translation_m: [f64; 3],
-    /// The rotation as roll, pitch, yaw: turns about the base's x, then y, then z axis \[deg\].
-    pub rpy_deg: [f64; 3],
+    /// The rotation as roll, pitch, yaw: turns about the base's x, then y, then z
+    /// axis \[rad\].
+    #[serde(rename = "rpy_deg", with = "crate::units::degrees::all_digits")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "[f64; 3]",
+            description = "The rotation as roll, pitch, yaw: turns about the base's x, then y, then z axis \\[deg\\]."
+        )
+    )]
+    pub roll_pitch_yaw: [f64; 3],
     /// Names of the pairs.
     pub pairs: Vec<String>,
     /// Base position minus transformed tracker position of each pair, base axes \[m\].
@@ -51,7 +60,7 @@ impl From<&Registration> for RegistrationRecord {
         RegistrationRecord {
             rotation: std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)])),
             translation_m: pose.translation.vector.into(),
-            rpy_deg: roll_pitch_yaw(&pose.rotation).map(rad_to_deg),
+            roll_pitch_yaw: roll_pitch_yaw(&pose.rotation),
             pairs: registration.names.clone(),
             residuals_m: registration.residuals.iter().map(|r| (*r).into()).collect(),
             rms_m: registration.rms,

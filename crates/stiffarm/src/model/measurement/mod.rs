@@ -10,6 +10,7 @@ pub use readings::{
 use crate::model::load::Wrench;
 use crate::model::posture::Posture;
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// One displacement of one measuring point, base axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +65,37 @@ pub struct MeasuredPosture {
     pub common_readings: [f64; 2],
     /// Displacements; repeats of a point are separate entries.
     pub displacements: Vec<Displacement>,
+}
+
+/// What a table of measurements holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Measurements {
+    /// Displacements, loaded minus unloaded, base axes.
+    Displacements(Vec<MeasuredPosture>),
+    /// Positions as the tracker gave them.
+    Readings(ReadingTable),
+}
+
+impl From<ReadingTable> for Measurements {
+    fn from(table: ReadingTable) -> Self {
+        Measurements::Readings(table)
+    }
+}
+
+impl From<Vec<MeasuredPosture>> for Measurements {
+    fn from(measured: Vec<MeasuredPosture>) -> Self {
+        Measurements::Displacements(measured)
+    }
+}
+
+/// Standard deviation of one reading per axis from repeats.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ReadingScatter {
+    /// Standard deviation of one reading per axis \[m\].
+    pub reading_std_m: f64,
+    /// Degrees of freedom behind it.
+    pub degrees_of_freedom: usize,
 }
 
 /// Number of displacement components (rows of Ψ) in `measured`.

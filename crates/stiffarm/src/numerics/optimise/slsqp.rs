@@ -40,8 +40,9 @@ pub trait Problem {
     fn prepare(&mut self, _x: &mut [f64]) {}
 }
 
-/// SystematicErrors and tolerance of one minimisation.
+/// Budget and tolerance of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// Iterations in all restarts together.
     pub max_iterations: u64,

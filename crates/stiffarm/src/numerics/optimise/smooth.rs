@@ -7,7 +7,7 @@ use basin::{BoxBounds, ConstraintSet, CostFunction, Executor, FirstOrderState, G
 use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
 
-/// SystematicErrors and tolerances of one minimisation.
+/// Budget and tolerances of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SmoothOptions {
     /// Iterations.

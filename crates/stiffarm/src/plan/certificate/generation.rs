@@ -1,8 +1,8 @@
 //! The steps of the column generation: weights on the points met so far, and
 //! what a search of the space adds to them.
 
-use super::continuous::{ContinuousDesign, DesignOptions, DesignSpace, Effort, Verification};
 use super::criterion::{Criterion, Prepared, Tangent, trace_of_product};
+use super::design::{ContinuousDesign, DesignOptions, DesignSpace, Effort, Verification};
 use super::weights::{WeightProblem, optimal_weights};
 use crate::error::{Code, Error, Result};
 use crate::findings::list;

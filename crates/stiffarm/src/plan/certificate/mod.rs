@@ -19,41 +19,44 @@
 //!
 //! What is certain and what is not: *given s*, the bound is a theorem, whatever
 //! M₀ is. That s is the maximum over all feasible postures rests on a
-//! multi-start search ([`PostureSpace`]) and is not proved: a maximum that every
+//! multi-start search and is not proved: a maximum that every
 //! search misses makes the bound too high. A result therefore says how many
 //! searches looked, how many of them ended at the largest value, and how often
 //! the rarest posture of the design itself was met ([`Verification`]). The
 //! postures of the plan are among the points looked at, so that no plan is
 //! ever reported as better than its bound.
 
-mod continuous;
-mod criterion;
+mod climb;
+pub(crate) mod continuous;
+pub(crate) mod criterion;
+pub(crate) mod design;
 mod generation;
-mod space;
+pub(crate) mod space;
 mod weights;
 
-pub use continuous::{
-    ContinuousDesign, DesignOptions, DesignSpace, Effort, Verification, optimal_design,
-};
-pub use criterion::Criterion;
-pub use space::PostureSpace;
+pub use design::Verification;
+
+use continuous::optimal_design;
+use criterion::Criterion;
+use design::{ContinuousDesign, DesignOptions, DesignSpace};
+use space::PostureSpace;
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_matrix};
 use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
 use crate::plan::index::{Index, evaluate};
-use crate::units::rad_to_shortest_deg;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// Sampled postures a continuous design starts from.
 const STARTS: usize = 64;
 
-/// SystematicErrors and tolerance of a certificate.
+/// Budget and tolerance of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
+#[non_exhaustive]
 pub struct CertificateOptions {
     /// Residual of the equivalence condition to reach (fraction). The bound of
     /// an index, a square root, is loose by half of it at most.
@@ -82,8 +85,13 @@ impl Default for CertificateOptions {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SupportPosture {
-    /// Controller angles \[deg\].
-    pub angles_deg: Vec<f64>,
+    /// Controller angles \[rad\].
+    #[serde(rename = "angles_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
+    )]
+    pub angles: Vec<f64>,
     /// Its share of the measurements; the shares sum to 1.
     pub weight: f64,
 }
@@ -149,6 +157,25 @@ pub struct JointEfficiency {
 /// the plan with the bound. For [`Index::ExpectedError`],
 /// [`Index::D`] and [`Index::Task`].
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::certificate::{CertificateOptions, certify};
+/// use stiffarm::plan::index::Index;
+///
+/// let cell = builtin::cell("comau")?;
+/// let plan = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let mut options = CertificateOptions::default();
+/// options.samples = 64; // few searches: a quick look, not a bound to rely on
+/// let found = certify(&cell, Index::D, &plan, &options, Control::default())?;
+/// assert!(found.value > Some(found.bound));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// Another index; a cell without a prior stiffness or with a load that only a
 /// measurement gives; no postures, angles of the wrong length or not finite;
@@ -167,6 +194,27 @@ pub fn certify<Q: AsRef<[f64]>>(
 /// As [`certify`], for postures that come on top of `measured` ones: both the
 /// bound and the value count the information of all. Measured postures may lie
 /// outside the bounds and limits.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::certificate::{CertificateOptions, certify_further};
+/// use stiffarm::plan::index::Index;
+///
+/// let cell = builtin::cell("comau")?;
+/// let all = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let (measured, new) = all.split_at(4);
+/// let mut options = CertificateOptions::default();
+/// options.samples = 64;
+/// let control = Control::default();
+/// let found = certify_further(&cell, Index::D, measured, new, &options, control)?;
+/// assert_eq!(found.measured_count, 4);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// As [`certify`].
@@ -214,7 +262,7 @@ pub fn certify_further<Q: AsRef<[f64]>>(
             .iter()
             .zip(&design.weights)
             .map(|(q, weight)| SupportPosture {
-                angles_deg: q.iter().map(|a| rad_to_shortest_deg(*a)).collect(),
+                angles: q.clone(),
                 weight: *weight,
             })
             .collect(),
@@ -232,6 +280,26 @@ pub fn certify_further<Q: AsRef<[f64]>>(
 /// The best design for a single joint may leave others undetermined; the bound
 /// then comes from a design with a small share of others and is loose by an
 /// eighth of the tolerance at most.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::certificate::{CertificateOptions, joint_efficiencies};
+///
+/// let cell = builtin::cell("comau")?;
+/// let plan = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let mut options = CertificateOptions::default();
+/// options.samples = 16;
+/// options.max_rounds = 5;
+/// for joint in joint_efficiencies(&cell, &plan, &options, Control::default())? {
+///     assert!(joint.efficiency.is_none_or(|share| share <= 1.0));
+/// }
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// As [`certify`].

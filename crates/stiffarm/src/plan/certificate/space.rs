@@ -1,22 +1,18 @@
 //! One posture of a cell as a point of a design: its information, and where
 //! within the bounds and limits tr(A·G(q)) is largest.
 
-use super::continuous::{DesignSpace, Effort};
+use super::climb::{Climb, FEASIBILITY, limits_of};
 use super::criterion::trace_of_product;
+use super::design::{DesignSpace, Effort};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
-use crate::numerics::control::Control;
 use crate::numerics::information::posture_information;
 use crate::numerics::jobs::in_order;
-use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
+use crate::plan::active_limits::ActiveLimits;
 use crate::plan::index::kernel::{Kernel, Wanted};
 use nalgebra::DMatrix;
 
-/// Violation of bounds \[rad\] or limits \[m\] that counts as met.
-pub(super) const FEASIBILITY: f64 = 1e-9;
-/// Margin kept from limits during a search, so that rounding never crosses them \[m\].
-const LIMIT_GUARD: f64 = 5e-10;
 /// Longest sequence of `sobol_burley`.
 const MAX_DRAWS: u32 = 1 << 16;
 /// Draws that one parallel job makes.
@@ -25,11 +21,6 @@ const DRAWS_PER_JOB: u32 = 512;
 const DRAWS_PER_SAMPLE: usize = 32;
 /// Searches start at least this far apart, as a share of the bounds' diagonal.
 const APART: f64 = 0.12;
-/// Limits nearer than this are constraints of a search; those a search
-/// crosses join it afterwards \[m\].
-const WATCH_DISTANCE: f64 = 0.3;
-/// Rounds of adding crossed limits.
-const WATCH_ROUNDS: usize = 6;
 
 struct Sample {
     q: Vec<f64>,
@@ -139,8 +130,8 @@ impl<'a> PostureSpace<'a> {
             .iter()
             .zip(&self.cell.bounds)
             .all(|(q, b)| (b[0] - FEASIBILITY..=b[1] + FEASIBILITY).contains(q));
-        let mut climb = Climb::new(self, None)?;
-        Ok(inside && climb.violation_at(q) <= FEASIBILITY)
+        let mut limits = limits_of(self.cell)?;
+        Ok(inside && limits.violation_at(q) <= FEASIBILITY)
     }
 
     /// A low-discrepancy set of feasible postures and, where they are fewer
@@ -155,10 +146,10 @@ impl<'a> PostureSpace<'a> {
         // A few jobs at a time: without limits the first ones are enough.
         for some in jobs.chunks(wanted.div_ceil(DRAWS_PER_JOB as usize)) {
             let drawn = in_order(some, |(_, job): (usize, &u32)| {
-                let mut climb = Climb::new(self, None)?;
+                let mut limits = limits_of(self.cell)?;
                 let range = job * DRAWS_PER_JOB..((job + 1) * DRAWS_PER_JOB).min(draws);
                 Ok(range
-                    .map(|i| self.sample(i, &mut climb))
+                    .map(|i| self.sample(i, &mut limits))
                     .collect::<Vec<_>>())
             })?;
             for (q, information) in drawn.into_iter().flatten() {
@@ -179,7 +170,11 @@ impl<'a> PostureSpace<'a> {
     }
 
     /// Posture `index` of the sequence, with its information if it is feasible.
-    fn sample(&self, index: u32, climb: &mut Climb<'_, '_>) -> (Vec<f64>, Option<DMatrix<f64>>) {
+    fn sample(
+        &self,
+        index: u32,
+        limits: &mut ActiveLimits<'_>,
+    ) -> (Vec<f64>, Option<DMatrix<f64>>) {
         let q: Vec<f64> = self
             .cell
             .bounds
@@ -191,10 +186,10 @@ impl<'a> PostureSpace<'a> {
                 b[0] + (b[1] - b[0]) * share
             })
             .collect();
-        if climb.violation_at(&q) > 0.0 {
+        if limits.violation_at(&q) > 0.0 {
             return (q, None);
         }
-        let information = posture_information(&self.block(&climb.terms), self.common_weight);
+        let information = posture_information(&self.block(limits.terms()), self.common_weight);
         let finite = information.iter().all(|v| v.is_finite());
         (q, finite.then_some(information))
     }
@@ -272,11 +267,8 @@ impl DesignSpace for PostureSpace<'_> {
             .map(|s| trace_of_product(adjoint, &s.information))
             .fold(0.0, f64::max);
         let found = in_order(&from, |(_, start): (usize, &Vec<f64>)| {
-            let mut climb = Climb::new(self, Some(adjoint))?;
-            if scale > 0.0 {
-                climb.scale = scale;
-            }
-            climb.run(start)
+            let scale = if scale > 0.0 { scale } else { 1.0 };
+            Climb::new(self.cell, &self.kernel, adjoint, scale)?.run(start)
         });
         // The load was checked when the space was made.
         let mut found = found.unwrap_or_default();
@@ -291,173 +283,13 @@ impl DesignSpace for PostureSpace<'_> {
     }
 }
 
-/// One climb to a local maximum of tr(A·G(q)) within bounds and limits.
-struct Climb<'s, 'a> {
-    space: &'s PostureSpace<'a>,
-    adjoint: Option<&'s DMatrix<f64>>,
-    /// What makes the objective of order one.
-    scale: f64,
-    kernel: Kernel,
-    terms: PostureTerms,
-    /// Limits that are constraints now.
-    watched: Vec<usize>,
-    limit_values: Vec<f64>,
-    limit_gradients: Vec<f64>,
-}
-
-impl<'s, 'a> Climb<'s, 'a> {
-    fn new(space: &'s PostureSpace<'a>, adjoint: Option<&'s DMatrix<f64>>) -> Result<Self> {
-        let cell = space.cell;
-        let limits = cell.limits.count(&cell.setup);
-        let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
-        Ok(Climb {
-            space,
-            adjoint,
-            scale: 1.0,
-            kernel: space.kernel.clone(),
-            terms: PostureTerms::new(&cell.setup, &middle, None)?,
-            watched: Vec::new(),
-            limit_values: vec![0.0; limits],
-            limit_gradients: vec![0.0; limits * middle.len()],
-        })
-    }
-
-    /// Largest violation of a limit at `q` \[m\], infinite where there is no wrench.
-    fn violation_at(&mut self, q: &[f64]) -> f64 {
-        let cell = self.space.cell;
-        if self.terms.update(&cell.setup, q).is_err() {
-            return f64::INFINITY;
-        }
-        cell.limits
-            .evaluate(&cell.setup, &self.terms, &mut self.limit_values, None);
-        self.limit_values.iter().fold(0.0, |v, m| v.max(-m))
-    }
-
-    /// Watches the limits that `q` comes near to or crosses.
-    fn watch(&mut self, q: &[f64]) {
-        self.violation_at(q);
-        let near = self.limit_values.iter().enumerate();
-        self.watched
-            .extend(near.filter(|(_, m)| **m < WATCH_DISTANCE).map(|(l, _)| l));
-        self.watched.sort_unstable();
-        self.watched.dedup();
-    }
-
-    /// The local maximum reached from `start`, with its value; the start itself
-    /// where nothing better was found.
-    fn run(mut self, start: &[f64]) -> Result<(Vec<f64>, f64)> {
-        let start: Vec<f64> = start
-            .iter()
-            .zip(&self.space.cell.bounds)
-            .map(|(x, b)| x.clamp(b[0], b[1]))
-            .collect();
-        let options = Options {
-            max_iterations: 200,
-            tolerance: 1e-9,
-            feasibility: FEASIBILITY,
-            ..Options::default()
-        };
-        let mut best = (start.clone(), f64::NEG_INFINITY);
-        let (mut from, mut last) = (start.clone(), start);
-        for _ in 0..WATCH_ROUNDS {
-            self.watch(&from.clone());
-            self.watch(&last.clone());
-            let solution = minimise(&mut self, &from, options, Control::default());
-            let value = -solution.merit * self.scale;
-            if value > best.1 {
-                best = (solution.x.clone(), value);
-            }
-            let outside = solution.last_violation > FEASIBILITY;
-            if !outside || solution.iterations == 0 {
-                break;
-            }
-            from = if solution.merit.is_finite() {
-                solution.x
-            } else {
-                solution.last.clone()
-            };
-            last = solution.last;
-        }
-        Ok(best)
-    }
-}
-
-impl Problem for Climb<'_, '_> {
-    fn bounds(&self) -> &[[f64; 2]] {
-        &self.space.cell.bounds
-    }
-
-    fn margin_count(&self) -> usize {
-        self.watched.len()
-    }
-
-    fn evaluate(&mut self, q: &[f64]) -> Evaluation {
-        let space = self.space;
-        let cell = space.cell;
-        let n = q.len();
-        let mut out = Evaluation {
-            objective: f64::INFINITY,
-            gradient: vec![0.0; n],
-            margins: vec![0.0; self.watched.len()],
-            margin_gradients: vec![0.0; self.watched.len() * n],
-            merit: f64::INFINITY,
-            violation: f64::INFINITY,
-        };
-        let Some(adjoint) = self.adjoint else {
-            return out;
-        };
-        self.kernel.forward(q);
-        // tr(A G), off-diagonal entries twice.
-        let mut value = 0.0;
-        let mut information = self.kernel.information(0);
-        for i in 0..adjoint.nrows() {
-            for j in 0..=i {
-                let times = if i == j { 1.0 } else { 2.0 };
-                value += times * adjoint[(i, j)] * information.next().unwrap_or(f64::NAN);
-            }
-        }
-        drop(information);
-        if value.is_finite() {
-            out.objective = -value / self.scale;
-            out.merit = out.objective;
-        }
-        self.kernel.set_adjoint(None, adjoint.as_slice());
-        self.kernel.reverse(&mut out.gradient);
-        for g in &mut out.gradient {
-            *g /= -self.scale;
-        }
-        out.violation = 0.0;
-        if self.limit_values.is_empty() {
-            return out;
-        }
-        if self.terms.update(&cell.setup, q).is_err() {
-            out.violation = f64::INFINITY;
-            return out;
-        }
-        let robot = &cell.setup.robot;
-        cell.limits.evaluate(
-            &cell.setup,
-            &self.terms,
-            &mut self.limit_values,
-            Some(&mut self.limit_gradients),
-        );
-        out.violation = self.limit_values.iter().fold(0.0, |v, m| v.max(-m));
-        for (w, &l) in self.watched.iter().enumerate() {
-            out.margins[w] = self.limit_values[l] - LIMIT_GUARD;
-            robot.gradient_to_controller(
-                &self.limit_gradients[l * n..(l + 1) * n],
-                &mut out.margin_gradients[w * n..(w + 1) * n],
-            );
-        }
-        out
-    }
-}
-
 #[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
     use crate::files::builtin;
     use crate::model::cell::Limits;
+    use crate::numerics::optimise::Problem;
+    use crate::plan::active_limits::Limited;
 
     /// The default cell with a shift common to a posture's points, and springs
     /// that do not sit on the joint axes.
@@ -483,9 +315,8 @@ mod tests {
         let adjoint = adjoint();
         let value = |q: &[f64]| trace_of_product(&adjoint, &space.information(q));
         for q in space.samples(8) {
-            let mut climb = Climb::new(&space, Some(&adjoint)).unwrap();
-            climb.scale = 7.0;
-            climb.watch(&q);
+            let mut climb = Climb::new(&cell, &space.kernel, &adjoint, 7.0).unwrap();
+            climb.watch_limits(&q);
             let at = climb.evaluate(&q);
             assert!((at.objective * -7.0 / value(&q) - 1.0).abs() < 1e-12);
             assert_eq!(at.violation, 0.0);

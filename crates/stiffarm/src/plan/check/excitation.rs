@@ -1,6 +1,5 @@
 //! Joints that the load or the measuring points leave in the dark, with the reason.
 
-use super::JointExcitation;
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
@@ -9,6 +8,22 @@ use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
 use crate::units::m_to_mm;
 use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// What a check found out about one joint, over all sampled postures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointExcitation {
+    /// Name of the joint.
+    pub name: String,
+    /// False when no group of postures in the bounds can determine this joint.
+    pub determined: bool,
+    /// Largest |torque| of the load about it \[N·m\]; `None` for a measured load.
+    pub largest_torque_nm: Option<f64>,
+    /// Largest displacement of a measuring point that this joint alone causes,
+    /// by the prior stiffness \[m\]; `None` without prior or for a measured load.
+    pub largest_displacement_m: Option<f64>,
+}
 
 /// Lengths and torques below this, relative to the arm's, are rounding.
 const ROUNDING: f64 = 1e-9;

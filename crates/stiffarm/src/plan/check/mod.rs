@@ -8,6 +8,8 @@
 mod excitation;
 mod slips;
 
+pub use excitation::JointExcitation;
+
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::{Cell, LimitKind};
@@ -22,21 +24,6 @@ use sobol_burley::sample;
 pub const SAMPLES: u32 = 256;
 /// Share of postures within the limits below which a cell counts as cramped.
 const CRAMPED: f64 = 0.02;
-
-/// What a check found out about one joint, over all sampled postures.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct JointExcitation {
-    /// Name of the joint.
-    pub name: String,
-    /// False when no group of postures in the bounds can determine this joint.
-    pub determined: bool,
-    /// Largest |torque| of the load about it \[N·m\]; `None` for a measured load.
-    pub largest_torque_nm: Option<f64>,
-    /// Largest displacement of a measuring point that this joint alone causes,
-    /// by the prior stiffness \[m\]; `None` without prior or for a measured load.
-    pub largest_displacement_m: Option<f64>,
-}
 
 /// Result of a check.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -63,6 +50,21 @@ impl CellCheck {
 
 /// Checks a cell on [`SAMPLES`] postures spread over its bounds. The same cell
 /// always gives the same result.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::check::check;
+///
+/// let cell = builtin::cell("comau")?;
+/// let found = check(&cell)?;
+/// assert!(found.joints.iter().all(|joint| joint.determined));
+/// assert!(!found.is_serious());
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// Bounds whose number differs from the joints', or that are not finite.

@@ -1,7 +1,7 @@
 //! ln of an index of the information matrix M, with its derivative by M.
 //! Works on packed lower triangles and allocates nothing once made.
 
-use super::Index;
+use super::kinds::Index;
 use crate::numerics::information::GRAM_ROUNDING;
 use crate::numerics::information::small::{
     cholesky, eigen, inverse_from_lower, invert_lower, packed, symmetric_product,

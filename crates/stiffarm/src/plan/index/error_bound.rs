@@ -19,6 +19,17 @@ pub struct ErrorBound {
 /// with Ω = ΨᵀΨ, Λ = ΨᵀΔ and cond(Ω) = cond(Ψ)². The first "=" of the printed
 /// equation is "≤".
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// use stiffarm::plan::index::error_bound;
+///
+/// // cond(Ψ) = 3, and readings off by 1 % of what the load does.
+/// let found = error_bound(3.0, 0.0, 0.01)?;
+/// assert_eq!(found.bound, Some(0.09));
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// A negative or non-finite argument, or a condition number below 1.
 pub fn error_bound(

@@ -1,5 +1,6 @@
 //! All indices and the expected errors of one group of postures.
 
+use super::kinds::Index;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_rows};
 use crate::model::dexterity;
@@ -49,8 +50,8 @@ pub struct Indices {
 
 impl Indices {
     /// Value of one index.
-    pub fn get(&self, index: super::Index) -> Option<f64> {
-        use super::Index as I;
+    pub fn get(&self, index: Index) -> Option<f64> {
+        use Index as I;
         match index {
             I::Classical => self.classical,
             I::Condition => self.condition,
@@ -106,6 +107,24 @@ impl GroupEvaluation {
 ///
 /// Indices that need a prior stiffness, tasks or the characteristic length are
 /// `None` when the cell has none.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::{Index, evaluate};
+///
+/// let cell = builtin::cell("comau")?;
+/// let group = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let found = evaluate(&cell, "Group 1", &group)?;
+/// for index in [Index::Condition, Index::ExpectedError] {
+///     println!("{}: {:?}", index.as_str(), found.indices.get(index));
+/// }
+/// assert!(found.undetermined_joints.is_empty());
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// An empty group, angles (of postures or tasks) of the wrong length or not

@@ -6,15 +6,15 @@
 //! logarithms, so that products become sums; O1 to O5 enter as reciprocals,
 //! so that every index is minimised.
 //!
-//! [`IndexFunction::evaluate`] leaves the maximum to the optimiser, which
+//! `IndexFunction::evaluate` leaves the maximum to the optimiser, which
 //! treats it as an epigraph and never differentiates a max().
 //! [`IndexFunction::smoothed`] replaces it by a log-sum-exp, for searches that
 //! want one smooth function. Neither allocates after the first call.
 
-use super::Index;
 use super::criterion::{Criterion, Value};
 use super::inputs::{Given, Inputs, criterion};
 use super::kernel::Kernel;
+use super::kinds::Index;
 use super::minimax::{Minimax, Smoothed};
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -170,10 +170,13 @@ impl IndexFunction {
         }
     }
 
-    /// Value and gradients at all controller angles `q`, posture by posture \[rad\].
+    /// Value and gradients at all controller angles `q`, posture by posture
+    /// \[rad\], with the maximum left to the caller: for this library's own
+    /// searches, and its tests.
     ///
     /// # Panics
     /// If `q` does not have postures × joints entries.
+    #[doc(hidden)]
     pub fn evaluate(&mut self, q: &[f64]) -> Minimax {
         let mut out = Minimax::default();
         self.evaluate_into(q, &mut out);
@@ -185,6 +188,7 @@ impl IndexFunction {
     ///
     /// # Panics
     /// If `q` does not have postures × joints entries.
+    #[doc(hidden)]
     pub fn evaluate_into(&mut self, q: &[f64], out: &mut Minimax) {
         let size = q.len();
         let components = self.component_count();

@@ -1,9 +1,9 @@
 //! What an index needs besides the postures that are free: units, weights,
 //! tasks, and the postures that are given.
 
-use super::Index;
 use super::criterion::Criterion;
 use super::kernel::{Kernel, Wanted};
+use super::kinds::Index;
 use crate::error::Result;
 use crate::model::cell::{Cell, task_matrix};
 use crate::model::dexterity::require_six_joints;

@@ -28,6 +28,24 @@ pub struct ErrorAtCount {
 /// Selects the best group of each size in `sizes`. Ends early, with the sizes
 /// done so far, when it is stopped.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{GlobalOptions, error_by_count};
+///
+/// let cell = builtin::cell("comau")?;
+/// let mut options = GlobalOptions::default();
+/// options.rounds = Some(1);
+/// let points = error_by_count(&cell, Index::D, 2..5, &options, Control::default())?;
+/// assert!(points[2].value < points[0].value);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// As [`select_global`], except where too few postures are the reason.
 pub fn error_by_count(
@@ -47,12 +65,12 @@ pub fn error_by_count(
             progress: None,
             ..control
         };
-        let found = select_global::<Vec<f64>>(cell, index, *postures, &[], options, quiet);
+        let found = select_global(cell, index, *postures, options, quiet);
         points.push(match found {
             Ok(selection) => ErrorAtCount {
                 postures: *postures,
                 value: Some(selection.value),
-                expected_error: selection.indices.expected_error,
+                expected_error: selection.evaluation.indices.expected_error,
                 rounds: selection.rounds,
                 evaluations: selection.evaluations,
             },

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 /// condition number does not depend on G, so the largest that is allowed is
 /// the best.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct LoadDesign {
     /// Lower and upper corner of the box for the rope's anchor, base frame \[m\].
     pub anchor: Option<[Vector3<f64>; 2]>,

@@ -1,4 +1,4 @@
-//! What each posture of a group is worth, and which ones to leave out.
+//! How much an index loses without a posture, and which ones to leave out.
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
@@ -40,11 +40,28 @@ pub struct Dropped {
     /// the other was left out.
     pub exhaustive: bool,
     /// Every posture's worth in the whole group, least first.
-    pub worth: Vec<PostureValue>,
+    #[serde(rename = "worth")]
+    pub values: Vec<PostureValue>,
 }
 
 /// Leaves out the `count` postures of a group (controller angles, rad) without
 /// which `index` stays best.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::drop_postures;
+///
+/// let cell = builtin::cell("comau")?;
+/// let group = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let found = drop_postures(&cell, Index::ExpectedError, &group, 2)?;
+/// assert_eq!((found.dropped.len(), found.kept.len()), (2, group.len() - 2));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// Not fewer postures to leave out than there are, a group or rest that cannot
@@ -83,17 +100,17 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     let without = |from: &[usize], out: &[usize]| -> Vec<usize> {
         from.iter().copied().filter(|p| !out.contains(p)).collect()
     };
-    let mut worth = Vec::with_capacity(postures.len());
+    let mut values = Vec::with_capacity(postures.len());
     for p in &all {
         let value = value_of(&without(&all, &[*p]))?;
-        worth.push(PostureValue {
+        values.push(PostureValue {
             posture: *p,
             value,
             loss: value.map(|v| sign * (v - before) / before),
         });
     }
     let loss = |w: &PostureValue| w.loss.unwrap_or(f64::INFINITY);
-    worth.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
+    values.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
 
     let exhaustive = subsets(postures.len(), count) <= EXHAUSTIVE;
     let mut best: Option<(f64, Vec<usize>)> = None;
@@ -145,7 +162,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
         kept: without(&all, &dropped),
         dropped,
         exhaustive,
-        worth,
+        values,
     })
 }
 

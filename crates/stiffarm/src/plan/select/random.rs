@@ -24,6 +24,20 @@ pub enum StartKind {
 /// Draws a group of `count` postures (controller angles, rad) within the bounds
 /// and the limits of the cell. Group `stream` of `seed` is always the same.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::select::{StartKind, random_group};
+///
+/// let cell = builtin::cell("comau")?;
+/// let group = random_group(&cell, StartKind::SmallWrist, 6, 1, 0)?;
+/// assert_eq!((group.len(), group[0].len()), (6, 6));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// No posture inside the limits was found.
 pub fn random_group(

@@ -3,13 +3,11 @@
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::observation::PostureTerms;
-use crate::numerics::control::{Control, Termination};
-use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise};
+use crate::numerics::control::Control;
+use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem};
+use crate::plan::active_limits::{ActiveLimits, Limited, minimise_within_limits};
 use crate::plan::index::{Index, IndexFunction};
 
-/// Margin kept from hard limits so that rounding never crosses them \[m\].
-const LIMIT_GUARD: f64 = 5e-10;
 /// First size of the move off a singular start \[rad\], doubled each time.
 const FIRST_NUDGE: f64 = 5e-3;
 /// Moves off a singular start before it counts as hopeless.
@@ -17,8 +15,7 @@ const NUDGES: u32 = 5;
 /// Range of the epigraph variable, the logarithm of an index part.
 const EPIGRAPH_RANGE: [f64; 2] = [-200.0, 200.0];
 
-/// Limits closer than this are constraints of a search round; the others are
-/// checked after it and join the next round when they are crossed \[m\].
+/// Limits closer than this are constraints of a search round \[m\].
 const WATCH_DISTANCE: f64 = 0.5;
 /// Rounds of adding crossed limits.
 const WATCH_ROUNDS: usize = 12;
@@ -29,19 +26,13 @@ const SHARPNESS: [Option<f64>; 5] = [Some(30.0), Some(300.0), Some(3e3), Some(3e
 /// The search's variables: the controller angles of all postures \[rad\], and
 /// the epigraph variable where the index has components.
 pub(super) struct Search<'a> {
-    cell: &'a Cell,
     function: IndexFunction,
     bounds: Vec<[f64; 2]>,
     /// Number of controller angles of all postures.
     angles: usize,
     /// Number of components of the index; there is an epigraph variable if any.
     components: usize,
-    limits_per_posture: usize,
-    /// Limits that are constraints now, sorted, posture by posture.
-    watched: Vec<usize>,
-    terms: PostureTerms,
-    limit_values: Vec<f64>,
-    limit_gradients: Vec<f64>,
+    limits: ActiveLimits<'a>,
 }
 
 impl<'a> Search<'a> {
@@ -58,7 +49,6 @@ impl<'a> Search<'a> {
         let function = IndexFunction::with_given(cell, index, count, given)?;
         let components = function.component_count();
         let n = cell.setup.robot.joint_count();
-        let limits_per_posture = cell.limits.count(&cell.setup);
         let mut bounds: Vec<[f64; 2]> = cell
             .bounds
             .iter()
@@ -69,18 +59,12 @@ impl<'a> Search<'a> {
         if components > 0 {
             bounds.push(EPIGRAPH_RANGE);
         }
-        let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
         Ok(Search {
-            cell,
             function,
             bounds,
             angles: n * count,
             components,
-            limits_per_posture,
-            watched: Vec::new(),
-            terms: PostureTerms::new(&cell.setup, &middle, None)?,
-            limit_values: vec![0.0; limits_per_posture],
-            limit_gradients: vec![0.0; limits_per_posture * n],
+            limits: ActiveLimits::new(cell, WATCH_DISTANCE)?,
         })
     }
 
@@ -143,42 +127,15 @@ impl<'a> Search<'a> {
     fn stage(
         &mut self,
         start: &[f64],
-        mut solution: Option<Minimum>,
+        solution: Option<Minimum>,
         options: Options,
         control: Control<'_>,
     ) -> Result<Minimum> {
-        let mut from = solution.as_ref().map_or(start.to_vec(), |s| s.x.clone());
-        let mut last = from.clone();
-        self.watched.clear();
-        for _ in 0..WATCH_ROUNDS {
-            self.watch_near_limits(&from)?;
-            self.watch_near_limits(&last)?;
-            let used = solution.as_ref().map_or(0, |s| s.iterations);
-            let left = Options {
-                max_iterations: options.max_iterations.saturating_sub(used),
-                ..options
-            };
-            let next = minimise(self, &from, left, control);
-            let outside = next.last_violation > options.feasibility;
-            let done =
-                !outside || next.termination == Termination::Interrupted || next.iterations == 0;
-            last.clone_from(&next.last);
-            // Go on from the best point inside all limits, if there is one: a
-            // search from outside may never come back in.
-            from = if next.merit.is_finite() {
-                next.x.clone()
-            } else {
-                next.last.clone()
-            };
-            solution = Some(match solution {
-                Some(previous) => next.after(previous),
-                None => next,
-            });
-            if done {
-                break;
-            }
-        }
-        solution.ok_or_else(|| Error::new(Code::Internal, "A stage without a round."))
+        let budget = |used: u64| Options {
+            max_iterations: options.max_iterations.saturating_sub(used),
+            ..options
+        };
+        minimise_within_limits(self, start, solution, WATCH_ROUNDS, budget, control)
     }
 
     /// Moves a start at which the index does not exist (a singular posture,
@@ -206,66 +163,15 @@ impl<'a> Search<'a> {
             }
         }
     }
+}
 
-    /// Watches the limits that the postures of `x` come near to or cross.
-    fn watch_near_limits(&mut self, x: &[f64]) -> Result<()> {
-        if self.limits_per_posture == 0 {
-            return Ok(());
-        }
-        let setup = &self.cell.setup;
-        for (p, q) in x[..self.angles]
-            .chunks_exact(setup.robot.joint_count())
-            .enumerate()
-        {
-            self.terms.update(setup, q)?;
-            self.cell
-                .limits
-                .evaluate(setup, &self.terms, &mut self.limit_values, None);
-            let near = self
-                .limit_values
-                .iter()
-                .enumerate()
-                .filter(|(_, margin)| **margin < WATCH_DISTANCE);
-            self.watched
-                .extend(near.map(|(l, _)| p * self.limits_per_posture + l));
-        }
-        self.watched.sort_unstable();
-        self.watched.dedup();
-        Ok(())
+impl Limited for Search<'_> {
+    fn forget_limits(&mut self) {
+        self.limits.forget();
     }
 
-    /// Writes the margins of the watched limits, and the violation of all.
-    fn add_limits(&mut self, q: &[f64], out: &mut Evaluation) {
-        let setup = &self.cell.setup;
-        let n = setup.robot.joint_count();
-        let variables = self.bounds.len();
-        let mut next = self.watched.iter().enumerate().peekable();
-        for (p, q) in q.chunks_exact(n).enumerate() {
-            // The load was checked when the search was made.
-            if self.limits_per_posture == 0 || self.terms.update(setup, q).is_err() {
-                continue;
-            }
-            self.cell.limits.evaluate(
-                setup,
-                &self.terms,
-                &mut self.limit_values,
-                Some(&mut self.limit_gradients),
-            );
-            for margin in &self.limit_values {
-                out.violation = out.violation.max(-margin);
-            }
-            let end = (p + 1) * self.limits_per_posture;
-            while let Some((w, limit)) = next.next_if(|(_, limit)| **limit < end) {
-                let l = limit - p * self.limits_per_posture;
-                let at = self.components + w;
-                out.margins[at] = self.limit_values[l] - LIMIT_GUARD;
-                let offset = at * variables + p * n;
-                setup.robot.gradient_to_controller(
-                    &self.limit_gradients[l * n..(l + 1) * n],
-                    &mut out.margin_gradients[offset..offset + n],
-                );
-            }
-        }
+    fn watch_limits(&mut self, x: &[f64]) {
+        self.limits.watch(&x[..self.angles]);
     }
 }
 
@@ -275,7 +181,7 @@ impl Problem for Search<'_> {
     }
 
     fn margin_count(&self) -> usize {
-        self.components + self.watched.len()
+        self.components + self.limits.count()
     }
 
     fn evaluate(&mut self, x: &[f64]) -> Evaluation {
@@ -306,7 +212,7 @@ impl Problem for Search<'_> {
                 row[self.angles] = 1.0;
             }
         }
-        self.add_limits(q, &mut out);
+        self.limits.add_to(&mut out, q, self.components, variables);
         out
     }
 

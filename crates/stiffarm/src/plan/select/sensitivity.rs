@@ -18,6 +18,7 @@ pub const WORTH_CHANGING: f64 = 0.05;
 /// What is assumed about errors, and how much is searched.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct SensitivityOptions {
     /// Factors on the prior stiffness of one joint at a time.
     pub prior_factors: Vec<f64>,
@@ -96,6 +97,26 @@ pub struct Sensitivity {
 
 /// Examines a plan (controller angles, rad; given and selected postures).
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{SensitivityOptions, sensitivity};
+///
+/// let cell = builtin::cell("comau")?;
+/// let plan = builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let mut options = SensitivityOptions::default();
+/// options.prior_factors = vec![2.0];
+/// options.rounds = 1;
+/// let found = sensitivity(&cell, Index::D, &plan, &options, Control::default())?;
+/// assert_eq!(found.priors.len(), 6); // one per joint
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// As [`select_global`].
 pub fn sensitivity<Q: AsRef<[f64]>>(
@@ -133,10 +154,9 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     progress: None,
                     ..control
                 };
-                let best =
-                    select_global::<Vec<f64>>(&changed, index, plan.len(), &[], &search, quiet)
-                        .ok()
-                        .map(|s| s.value);
+                let best = select_global(&changed, index, plan.len(), &search, quiet)
+                    .ok()
+                    .map(|s| s.value);
                 let own = own.is_finite().then(|| index.of_log(own));
                 priors.push(PriorCase {
                     joint: joint.clone(),

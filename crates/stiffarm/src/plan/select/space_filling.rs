@@ -43,6 +43,20 @@ const EXCHANGES_EACH: usize = 20;
 /// exchanging one of the closest two for a candidate that is farther from all
 /// others. The same seed gives the same postures.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::select::{smallest_distance, space_filling};
+///
+/// let cell = builtin::cell("comau")?;
+/// let group = space_filling(&cell, 4, 1)?;
+/// assert!(smallest_distance(&cell.bounds, &group) > Some(0.5));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// No posture or more than 5,000 wanted; bounds that are reversed or not
 /// finite; fewer feasible postures than wanted among half a million random ones,

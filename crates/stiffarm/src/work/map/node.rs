@@ -5,7 +5,6 @@ use super::reach::{Reach, Refusal, is_better};
 use super::status::Status;
 use crate::error::Result;
 use crate::model::dexterity::condition_number;
-use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use crate::work::predict::{Bands, PrincipalAxis, principal_axes};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -14,10 +13,26 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NodeValues {
-    /// The posture that bends least, controller angles \[deg\].
-    pub q_deg: Vec<f64>,
-    /// Turn about the tool axis where that is free \[deg\].
-    pub turn_deg: Option<f64>,
+    /// The posture that bends least, controller angles \[rad\].
+    #[serde(rename = "q_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "The posture that bends least, controller angles \\[deg\\]."
+        )
+    )]
+    pub q: Vec<f64>,
+    /// Turn about the tool axis where that is free \[rad\].
+    #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<f64>",
+            description = "Turn about the tool axis where that is free \\[deg\\]."
+        )
+    )]
+    pub turn: Option<f64>,
     /// Force per shift along the map's direction, the tip being free to turn
     /// \[N/m\]; `None` where it does not give way.
     pub stiffness_n_per_m: Option<f64>,
@@ -123,8 +138,8 @@ fn values(
     let tip = terms.measuring_points()[0];
     let length = reach.characteristic_length;
     Ok(NodeValues {
-        q_deg: q.iter().map(|q| rad_to_shortest_deg(*q)).collect(),
-        turn_deg: options.free_turn.map(|_| rad_to_deg(turn)),
+        q: q.to_vec(),
+        turn: options.free_turn.map(|_| turn),
         // Rounding of the largest entry is no compliance.
         stiffness_n_per_m: (along > f64::EPSILON * compliance.amax()).then(|| 1.0 / along),
         softest,

@@ -42,8 +42,16 @@ pub struct PlacementCandidate {
     pub round: usize,
     /// Origin of the workpiece, base frame \[m\].
     pub position_m: [f64; 3],
-    /// Turn about the base's z, added to the given orientation \[deg\].
-    pub yaw_deg: f64,
+    /// Turn about the base's z, added to the given orientation \[rad\].
+    #[serde(rename = "yaw_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Turn about the base's z, added to the given orientation \\[deg\\]."
+        )
+    )]
+    pub yaw: f64,
     /// Whether the arm can go along the path there.
     pub status: Status,
     /// RMS of the deflections along the path, linear model, thinned path \[m\].
@@ -62,12 +70,36 @@ pub struct PlacementCandidate {
 pub struct Placed {
     /// Origin of the workpiece, base frame \[m\].
     pub position_m: [f64; 3],
-    /// Its orientation: turns about x, then y, then z of the base \[deg\].
-    pub rpy_deg: [f64; 3],
-    /// Turn about the base's z, added to the given orientation \[deg\].
-    pub yaw_deg: f64,
-    /// Turn about the tool axis, where the path leaves it free \[deg\].
-    pub turn_deg: Option<f64>,
+    /// Its orientation: turns about x, then y, then z of the base \[rad\].
+    #[serde(rename = "rpy_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "[f64; 3]",
+            description = "Its orientation: turns about x, then y, then z of the base \\[deg\\]."
+        )
+    )]
+    pub roll_pitch_yaw: [f64; 3],
+    /// Turn about the base's z, added to the given orientation \[rad\].
+    #[serde(rename = "yaw_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Turn about the base's z, added to the given orientation \\[deg\\]."
+        )
+    )]
+    pub yaw: f64,
+    /// Turn about the tool axis, where the path leaves it free \[rad\].
+    #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<f64>",
+            description = "Turn about the tool axis, where the path leaves it free \\[deg\\]."
+        )
+    )]
+    pub turn: Option<f64>,
     /// Whether the arm can go along the path.
     pub status: Status,
     /// Why not.
@@ -80,6 +112,14 @@ pub struct Placed {
     pub deflection_max_m: Option<f64>,
     /// Point of the largest deflection.
     pub deflection_max_point: Option<String>,
-    /// Posture at the first point, controller angles \[deg\].
-    pub start_deg: Option<Vec<f64>>,
+    /// Posture at the first point, controller angles \[rad\].
+    #[serde(rename = "start_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<Vec<f64>>",
+            description = "Posture at the first point, controller angles \\[deg\\]."
+        )
+    )]
+    pub start: Option<Vec<f64>>,
 }

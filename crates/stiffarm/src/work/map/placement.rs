@@ -13,7 +13,6 @@ use crate::model::cell::Cell;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::units::deg_to_rad;
 use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
@@ -107,7 +106,7 @@ pub fn place(
         let candidate = &candidates[i];
         let placed = search.whole(&Place {
             position: candidate.position_m,
-            yaw: deg_to_rad(candidate.yaw_deg),
+            yaw: candidate.yaw,
         })?;
         if placed.status == Status::Reachable {
             best = Some(placed);
@@ -163,7 +162,7 @@ impl Region {
             lower: best.position_m,
             upper: best.position_m,
             steps: [1; 3],
-            yaws: vec![deg_to_rad(best.yaw_deg)],
+            yaws: vec![best.yaw],
         };
         for axis in 0..3 {
             let count = self.steps[axis];

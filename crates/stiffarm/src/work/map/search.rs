@@ -11,7 +11,7 @@ use crate::estimate::identify::rms;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::path::{PathPoint, PathTarget};
-use crate::units::{rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
+use crate::units::roll_pitch_yaw;
 use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
         let mut out = PlacementCandidate {
             round,
             position_m: place.position,
-            yaw_deg: rad_to_shortest_deg(place.yaw),
+            yaw: place.yaw,
             status: Status::Reachable,
             deflection_rms_m: None,
             deflection_max_m: None,
@@ -190,16 +190,16 @@ impl<'a> Search<'a> {
         let along = self.along(place, |(_, whole, _)| whole)?;
         let mut out = Placed {
             position_m: place.position,
-            rpy_deg: roll_pitch_yaw(&workpiece.rotation).map(rad_to_shortest_deg),
-            yaw_deg: rad_to_shortest_deg(place.yaw),
-            turn_deg: None,
+            roll_pitch_yaw: roll_pitch_yaw(&workpiece.rotation),
+            yaw: place.yaw,
+            turn: None,
             status: Status::Reachable,
             reason: None,
             point: None,
             deflection_rms_m: None,
             deflection_max_m: None,
             deflection_max_point: None,
-            start_deg: None,
+            start: None,
         };
         match along {
             Ok(along) => {
@@ -210,14 +210,11 @@ impl<'a> Search<'a> {
                 }
                 let pairs = sizes.iter().zip(self.points);
                 let largest = pairs.reduce(|a, b| if b.0 > a.0 { b } else { a });
-                out.turn_deg = self.has_free_turn.then(|| rad_to_deg(along.turn));
+                out.turn = self.has_free_turn.then_some(along.turn);
                 out.deflection_rms_m = Some(rms(&sizes));
                 out.deflection_max_m = largest.map(|(size, _)| *size);
                 out.deflection_max_point = largest.map(|(_, point)| point.name.clone());
-                out.start_deg = along
-                    .path
-                    .first()
-                    .map(|q| q.iter().map(|q| rad_to_shortest_deg(*q)).collect());
+                out.start = along.path.first().cloned();
             }
             Err(stopped) => {
                 out.status = stopped.refusal.status;

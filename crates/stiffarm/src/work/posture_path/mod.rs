@@ -21,7 +21,7 @@ use crate::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
 use crate::model::process::TipLoad;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
-use crate::units::{deg_to_rad, rad_to_deg};
+use crate::units::deg_to_rad;
 use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -69,16 +69,35 @@ impl Default for PosturePathOptions {
 pub struct PosturePathSummary {
     /// Where the postures come from.
     pub origin: Origin,
-    /// Largest change of a joint from one point to the next \[deg\].
-    pub largest_step_deg: f64,
+    /// Largest change of a joint from one point to the next \[rad\].
+    #[serde(
+        rename = "largest_step_deg",
+        with = "crate::units::degrees::all_digits"
+    )]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Largest change of a joint from one point to the next \\[deg\\]."
+        )
+    )]
+    pub largest_step: f64,
     /// RMS of the deflections, linear model \[m\].
     pub deflection_rms_m: f64,
     /// The same of the path as given, where its turn was freed and it can be
     /// followed as it is.
     pub given_rms_m: Option<f64>,
     /// Turn about the tool axis at each point, from the given one or, where only
-    /// the axis is given, from one carried along without twist \[deg\].
-    pub turn_deg: Option<Vec<f64>>,
+    /// the axis is given, from one carried along without twist \[rad\].
+    #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Option<Vec<f64>>",
+            description = "Turn about the tool axis at each point, from the given one or, where only the axis is given, from one carried along without twist \\[deg\\]."
+        )
+    )]
+    pub turn: Option<Vec<f64>>,
     /// What to know, in sentences.
     pub findings: Vec<Finding>,
 }
@@ -151,7 +170,7 @@ pub fn posture_path(
         (_, _, Method::Numeric) => Origin::Numeric,
     };
     let mut given_rms = None;
-    let mut turn_deg = None;
+    let mut turn = None;
     let q = match (given, free) {
         (Some(q), false) => q,
         (None, false) => tracks::postures(&search, &poses, control)?,
@@ -180,11 +199,11 @@ pub fn posture_path(
                 // A price on joint motion, or the interpolation between knots, may cost
                 // more than the turn gains.
                 Some(q) if given_rms.is_some_and(|given| rms(&sizes) >= given) => {
-                    turn_deg = Some(vec![0.0; q.len()]);
+                    turn = Some(vec![0.0; q.len()]);
                     q
                 }
                 _ => {
-                    turn_deg = Some(found.turns.iter().map(|t| rad_to_deg(*t)).collect());
+                    turn = Some(found.turns);
                     found.q
                 }
             }
@@ -195,10 +214,10 @@ pub fn posture_path(
     let sizes = search.deflections(&q, &wrenches)?;
     let mut summary = PosturePathSummary {
         origin,
-        largest_step_deg: rad_to_deg(largest_step(&q)),
+        largest_step: largest_step(&q),
         deflection_rms_m: rms(&sizes),
         given_rms_m: given_rms,
-        turn_deg,
+        turn,
         findings: Vec::new(),
     };
     summary.findings = findings(&search, &q, &summary);

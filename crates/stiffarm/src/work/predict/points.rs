@@ -61,8 +61,13 @@ impl Default for PredictOptions {
 pub struct PointPrediction {
     /// Name of the point.
     pub point: String,
-    /// Controller angles \[deg\].
-    pub q_deg: Vec<f64>,
+    /// Controller angles \[rad\].
+    #[serde(rename = "q_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
+    )]
+    pub q: Vec<f64>,
     /// Position of the unloaded tip, base frame \[m\].
     pub tip_m: [f64; 3],
     /// Force on the robot, base axes \[N\].
@@ -167,11 +172,7 @@ fn point(
     };
     Ok(PointPrediction {
         point: posture.name.clone(),
-        q_deg: posture
-            .q
-            .iter()
-            .map(|q| crate::units::rad_to_shortest_deg(*q))
-            .collect(),
+        q: posture.q.clone(),
         tip_m: position(&bent.before),
         force_n: wrench.force.into(),
         moment_nm: wrench.moment.into(),

@@ -14,12 +14,14 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use stiffarm::Code;
+use stiffarm::internals::design::{
+    ContinuousDesign, Criterion, DesignOptions, DesignSpace, Effort, PostureSpace, optimal_design,
+};
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::plan::certificate::{
-    Certificate, CertificateOptions, ContinuousDesign, Criterion, DesignOptions, DesignSpace,
-    Effort, PostureSpace, certify, certify_further, joint_efficiencies, optimal_design,
+    Certificate, CertificateOptions, certify, certify_further, joint_efficiencies,
 };
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::select::{StartKind, random_group, select_from};

@@ -72,8 +72,8 @@ fn a_good_plan_is_known_to_be_near_the_best() {
         assert!(found.outside.is_empty());
         let space = PostureSpace::new(&cell, 1, 1).unwrap();
         for posture in &found.support {
-            let q: Vec<f64> = posture.angles_deg.iter().map(|a| a.to_radians()).collect();
-            assert!(space.contains(&q).unwrap(), "{q:?}");
+            let q = &posture.angles;
+            assert!(space.contains(q).unwrap(), "{q:?}");
         }
         // Optimal for one criterion is not optimal for the other.
         let d = certificate(&cell, Index::D, &plan);
@@ -88,10 +88,8 @@ fn bounds_scale_with_the_number_of_postures() {
     let cell = reference_cell();
     let six = plan(&cell, &GOOD_REFERENCE);
     let twelve = [six.clone(), six.clone()].concat();
-    let options = CertificateOptions {
-        samples: 256,
-        ..CertificateOptions::default()
-    };
+    let mut options = CertificateOptions::default();
+    options.samples = 256;
     let run = |measured: &[Vec<f64>], postures: &[Vec<f64>]| {
         let index = Index::ExpectedError;
         certify_further(
@@ -125,10 +123,8 @@ fn bounds_scale_with_the_number_of_postures() {
 fn each_joint_has_its_own_bound() {
     let cell = default_cell();
     let plan = plan(&cell, &GOOD_DEFAULT);
-    let options = CertificateOptions {
-        samples: 256,
-        ..CertificateOptions::default()
-    };
+    let mut options = CertificateOptions::default();
+    options.samples = 256;
     let joints = joint_efficiencies(&cell, &plan, &options, Control::default()).unwrap();
     let errors = evaluate(&cell, "", &plan).unwrap().relative_standard_error;
     assert_eq!(joints.len(), 6);
@@ -151,10 +147,8 @@ fn a_plan_outside_the_limits_has_no_efficiency() {
     let mut postures = group1();
     postures[1][2] = 10f64.to_radians();
     postures[4][1] = -70f64.to_radians();
-    let options = CertificateOptions {
-        samples: 64,
-        ..CertificateOptions::default()
-    };
+    let mut options = CertificateOptions::default();
+    options.samples = 64;
     let index = Index::D;
     let found = certify(&cell, index, &postures, &options, Control::default()).unwrap();
     assert_eq!(found.outside, [2, 5]);
@@ -172,10 +166,8 @@ fn a_plan_outside_the_limits_has_no_efficiency() {
 #[test]
 fn faults_are_named() {
     let cell = reference_cell();
-    let options = CertificateOptions {
-        samples: 64,
-        ..CertificateOptions::default()
-    };
+    let mut options = CertificateOptions::default();
+    options.samples = 64;
     let error = |cell: &Cell, index: Index, postures: &[Vec<f64>]| {
         certify(cell, index, postures, &options, Control::default()).unwrap_err()
     };
@@ -248,10 +240,8 @@ fn a_stop_keeps_the_bound_so_far() {
         stop: Some(&stop),
         progress: None,
     };
-    let options = CertificateOptions {
-        samples: 256,
-        ..CertificateOptions::default()
-    };
+    let mut options = CertificateOptions::default();
+    options.samples = 256;
     let index = Index::ExpectedError;
     let early = certify(&cell, index, &group1(), &options, control).unwrap();
     assert_eq!(early.termination, Termination::Interrupted);
@@ -270,10 +260,8 @@ fn the_number_of_threads_changes_nothing() {
             .num_threads(threads)
             .build()
             .unwrap();
-        let options = CertificateOptions {
-            samples: 256,
-            ..CertificateOptions::default()
-        };
+        let mut options = CertificateOptions::default();
+        options.samples = 256;
         let index = Index::ExpectedError;
         pool.install(|| certify(&cell, index, &group1(), &options, Control::default()).unwrap())
     };
@@ -305,7 +293,8 @@ proptest! {
         let count = 3 + dice.below(4);
         let index = [Index::ExpectedError, Index::D][which];
         let group = |stream: u64| random_group(&cell, StartKind::Uniform, count, seed, stream).unwrap();
-        let options = CertificateOptions { samples: 512, ..CertificateOptions::default() };
+        let mut options = CertificateOptions::default();
+options.samples = 512;
         let found = certify(&cell, index, &group(0), &options, Control::default());
         // Narrow bounds may leave a joint undetermined to rounding.
         prop_assume!(found.as_ref().err().map(stiffarm::Error::code) != Some(Code::NotIdentifiable));
@@ -317,7 +306,8 @@ proptest! {
             best = best.min(value.unwrap_or(f64::INFINITY));
         }
         for stream in 0..3 {
-            let options = Options { max_iterations: 300, ..Options::default() };
+            let mut options = Options::default();
+options.max_iterations = 300;
             let plan = select_from(&cell, index, &group(stream), options, Control::default());
             best = best.min(plan.map_or(f64::INFINITY, |plan| plan.value));
         }

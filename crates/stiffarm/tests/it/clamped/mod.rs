@@ -15,8 +15,7 @@ use proptest::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use stiffarm::Code;
 use stiffarm::estimate::clamped::{
-    ClampedPosture, ClampedSimulation, MotorMove, clamped_system, identify_clamped,
-    simulate_clamped,
+    ClampedPosture, ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
 };
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::identify::{
@@ -24,6 +23,7 @@ use stiffarm::estimate::identify::{
 };
 use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
 use stiffarm::files::table::{read_clamped, write_clamped};
+use stiffarm::internals::clamped_system;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::kinematics::Frames;

@@ -26,7 +26,9 @@ fn false_alarms(
     for seed in 0..seeds {
         let truth = truth(cell);
         let measured = simulate_measurements(cell, postures, &truth, Model::Linear, seed, 0);
-        let found = diagnose(cell, &measured.unwrap(), &options(estimator)).unwrap();
+        let found = Fit::new(cell, &measured.unwrap(), &options(estimator))
+            .and_then(|fit| diagnose(&fit))
+            .unwrap();
         for fault in faults.iter().filter(|f| codes(&found).contains(f)) {
             *counts.entry((*fault).to_string()).or_default() += 1;
         }
@@ -88,8 +90,11 @@ fn clean_load_states_raise_few_findings() {
         for seed in 0..seeds {
             let measured = in_states(&cell, states, seed, |_, _, _| Vector3::zeros());
             let options = options(Estimator::TwoVariance);
-            let noise = noise_test(&cell, &measured, &options).unwrap();
-            let found = load_states(&cell, &measured, &options, noise.as_ref())
+            let noise = Fit::new(&cell, &measured, &options)
+                .and_then(|fit| noise_test(&fit))
+                .unwrap();
+            let found = Fit::new(&cell, &measured, &options)
+                .and_then(|fit| load_states(&fit, noise.as_ref()))
                 .unwrap()
                 .unwrap();
             assert_eq!(
@@ -116,7 +121,8 @@ fn residuals_are_compared_with_the_noise_in_words() {
     let test = |factor: f64| {
         let mut stated = cell.clone();
         stated.noise.reading_variance /= factor * factor;
-        noise_test(&stated, &measured, &options(Estimator::Ordinary))
+        Fit::new(&stated, &measured, &options(Estimator::Ordinary))
+            .and_then(|fit| noise_test(&fit))
             .unwrap()
             .unwrap()
     };
@@ -138,15 +144,17 @@ fn residuals_are_compared_with_the_noise_in_words() {
     assert_eq!(overstated.finding(None).code, "residuals-below-noise");
     // The whitened residual with the declared common part is what it is.
     let cell = noisy_cell(3.0);
-    let shared = noise_test(&cell, &measure(&cell, 5), &options(Estimator::TwoVariance));
+    let shared = Fit::new(&cell, &measure(&cell, 5), &options(Estimator::TwoVariance))
+        .and_then(|fit| noise_test(&fit));
     assert_eq!(shared.unwrap().unwrap().agreement, Agreement::Agrees);
     let mut undeclared = cell.clone();
     undeclared.noise.posture_common_std = 0.0;
-    let test = noise_test(
+    let test = Fit::new(
         &undeclared,
         &measure(&cell, 5),
         &options(Estimator::TwoVariance),
-    );
+    )
+    .and_then(|fit| noise_test(&fit));
     let test = test.unwrap().unwrap();
     assert_eq!(test.agreement, Agreement::Larger);
     assert!(test.within_ratio.is_some_and(|r| r < 1.3), "{test:?}");

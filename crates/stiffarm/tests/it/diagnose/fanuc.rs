@@ -19,7 +19,9 @@ fn what_a_careful_engineer_would_say() {
     let text = convert_fanuc::convert(&folder.join("fanuc_r2000ic")).unwrap();
     let measured = read_displacements(text.as_bytes(), "fanuc.csv", &cell, None).unwrap();
     assert_eq!(measured.len(), 43);
-    let found = diagnose(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let found = Fit::new(&cell, &measured, &IdentifyOptions::default())
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     for finding in &found.findings {
         println!("[{}] {}", finding.code, finding.sentence);
     }

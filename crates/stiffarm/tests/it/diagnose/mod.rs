@@ -21,7 +21,7 @@ use stiffarm::estimate::diagnose::{
     Agreement, Diagnosis, OutlierKind, diagnose, joint_signals, load_states, noise_test, outliers,
     second_order_shares, try_terms,
 };
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, identify};
+use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, identify};
 use stiffarm::estimate::validate::{Model, calculated_displacements, simulate_measurements};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
@@ -123,8 +123,11 @@ fn lost_motion_loops_and_curvature_are_told_apart() {
     let cell = noisy_cell(0.0);
     let options = options(Estimator::TwoVariance);
     let states = |measured: &[MeasuredPosture]| {
-        let noise = noise_test(&cell, measured, &options).unwrap();
-        load_states(&cell, measured, &options, noise.as_ref())
+        let noise = Fit::new(&cell, measured, &options)
+            .and_then(|fit| noise_test(&fit))
+            .unwrap();
+        Fit::new(&cell, measured, &options)
+            .and_then(|fit| load_states(&fit, noise.as_ref()))
             .unwrap()
             .unwrap()
     };
@@ -191,7 +194,9 @@ fn the_tilt_that_is_there_is_found() {
                 d.value += column.fixed_rows::<3>(3 * d.point);
             }
         }
-        let found = try_terms(&cell, &measured, &options).unwrap();
+        let found = Fit::new(&cell, &measured, &options)
+            .and_then(|fit| try_terms(&fit))
+            .unwrap();
         // On this robot joint 1 tilts at the foot of the base.
         assert_eq!(found.trials.len(), 12);
         assert_eq!(
@@ -211,7 +216,9 @@ fn the_tilt_that_is_there_is_found() {
         // With it in the model nothing more is asked for.
         let mut with = options.clone();
         with.extra.push(term);
-        let found = try_terms(&cell, &measured, &with).unwrap();
+        let found = Fit::new(&cell, &measured, &with)
+            .and_then(|fit| try_terms(&fit))
+            .unwrap();
         assert!(found.trials.len() <= 11 && !found.axis_only);
         assert_eq!(found.finding(), None);
     }
@@ -234,7 +241,9 @@ fn the_linear_model_is_judged_posture_by_posture() {
             .iter()
             .all(|s| s.correction_m > 1e-8 && s.correction_share < 0.05)
     );
-    let said = diagnose(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    let said = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     let finding = said
         .findings
         .iter()
@@ -249,7 +258,9 @@ fn the_linear_model_is_judged_posture_by_posture() {
     if let Load::Rope { magnitude, .. } = &mut heavy.setup.load {
         *magnitude = 30_000.0;
     }
-    let found = diagnose(&heavy, &measure(&heavy, 1), &options(Estimator::Ordinary)).unwrap();
+    let found = Fit::new(&heavy, &measure(&heavy, 1), &options(Estimator::Ordinary))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     let finding = found
         .findings
         .iter()
@@ -269,10 +280,14 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let height = cell.setup.tool.loading_point.z;
     cell.setup.tool.loading_point = Vector3::new(3e-3, 0.0, height);
     let measured = measure(&cell, 3);
-    let signals = joint_signals(&cell, &measured, &options(Estimator::TwoVariance)).unwrap();
+    let signals = Fit::new(&cell, &measured, &options(Estimator::TwoVariance))
+        .map(|fit| joint_signals(&fit))
+        .unwrap();
     assert!(signals[5].torque_rms_nm < 2.0 && signals[1].torque_rms_nm > 100.0);
     assert!(signals[5].to_residual.unwrap() < 1.0 && signals[1].to_residual.unwrap() > 10.0);
-    let found = diagnose(&cell, &measured, &options(Estimator::TwoVariance)).unwrap();
+    let found = Fit::new(&cell, &measured, &options(Estimator::TwoVariance))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     let weak: Vec<&str> = found
         .findings
         .iter()
@@ -289,7 +304,9 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let group = PostureGroup::from_angles("", alike).postures;
     let measured =
         simulate_measurements(&cell, &group, &truth(&cell), Model::Linear, 1, 0).unwrap();
-    let found = diagnose(&cell, &measured, &options(Estimator::Ordinary)).unwrap();
+    let found = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     assert!(!found.correlated.is_empty() && codes(&found).contains(&"correlated"));
     assert!(found.correlated.iter().all(|p| p.correlation.abs() > 0.9));
 }
@@ -301,13 +318,17 @@ fn diagnoses_of_poor_data() {
     let all = measure(&cell, 1);
     for estimator in Estimator::ALL {
         for count in [1, 2, 3] {
-            diagnose(&cell, &all[..count], &options(estimator)).unwrap();
+            Fit::new(&cell, &all[..count], &options(estimator))
+                .and_then(|fit| diagnose(&fit))
+                .unwrap();
         }
     }
     let mut quiet = cell.clone();
     quiet.noise.reading_variance = 0.0;
     let exact = measure(&quiet, 1);
-    let found = diagnose(&quiet, &exact, &options(Estimator::TwoVariance)).unwrap();
+    let found = Fit::new(&quiet, &exact, &options(Estimator::TwoVariance))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     assert!(
         found.noise.is_none() && found.outliers.found.is_empty(),
         "{:?}",
@@ -318,7 +339,9 @@ fn diagnoses_of_poor_data() {
     for m in &mut single {
         m.displacements.truncate(1);
     }
-    let found = diagnose(&cell, &single, &options(Estimator::TwoVariance)).unwrap();
+    let found = Fit::new(&cell, &single, &options(Estimator::TwoVariance))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
     assert!(found.outliers.found.is_empty());
     let json = serde_json::to_string(&found).unwrap();
     let back: Diagnosis = serde_json::from_str(&json).unwrap();
@@ -333,7 +356,11 @@ fn sentences() {
     let mut out = String::new();
     let mut tell = |title: &str, cell: &Cell, measured: &[MeasuredPosture]| {
         out += &format!("» {title}\n");
-        for finding in diagnose(cell, measured, &two).unwrap().findings {
+        for finding in Fit::new(cell, measured, &two)
+            .and_then(|fit| diagnose(&fit))
+            .unwrap()
+            .findings
+        {
             out += &format!(
                 "[{}] {}: {}\n",
                 finding.code, finding.subject, finding.sentence

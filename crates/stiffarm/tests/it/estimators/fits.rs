@@ -242,7 +242,9 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
         estimator: Estimator::Ordinary,
         ..IdentifyOptions::default()
     };
-    let found = bootstrap(&cell, &many, &options, 800, 1, 0.95).unwrap();
+    let found = Fit::new(&cell, &many, &options)
+        .and_then(|fit| bootstrap(&fit, 800, 1, 0.95))
+        .unwrap();
     let formula = identify(&cell, &many, &options).unwrap();
     assert_eq!((found.postures, found.skipped), (72, 0));
     assert_eq!(found.degrees_of_freedom, 3 * 72 - 6);
@@ -254,11 +256,14 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
         assert!(low < a.stiffness.unwrap() && a.stiffness.unwrap() < high);
     }
     // The same seed, the same numbers; another, others.
-    let again = bootstrap(&cell, &many, &options, 800, 1, 0.95).unwrap();
+    let again = Fit::new(&cell, &many, &options)
+        .and_then(|fit| bootstrap(&fit, 800, 1, 0.95))
+        .unwrap();
     assert_eq!(found, again);
     assert_ne!(
         found.joints,
-        bootstrap(&cell, &many, &options, 800, 2, 0.95)
+        Fit::new(&cell, &many, &options)
+            .and_then(|fit| bootstrap(&fit, 800, 2, 0.95))
             .unwrap()
             .joints
     );
@@ -276,15 +281,23 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
         ..IdentifyOptions::default()
     };
     // A resample with one posture only, 1 in 1296 of six … and 1 in 3 of two.
-    let found = bootstrap(&cell, &measured[..2], &options, 600, 1, 0.95).unwrap();
+    let found = Fit::new(&cell, &measured[..2], &options)
+        .and_then(|fit| bootstrap(&fit, 600, 1, 0.95))
+        .unwrap();
     let share = found.skipped as f64 / 600.0;
     assert!((share - 0.5).abs() < 0.1, "{share}");
-    let one = bootstrap(&cell, &measured[..1], &options, 600, 1, 0.95).unwrap_err();
+    let one = Fit::new(&cell, &measured[..1], &options)
+        .and_then(|fit| bootstrap(&fit, 600, 1, 0.95))
+        .unwrap_err();
     assert_eq!(one.code(), stiffarm::Code::TooFewData);
     for confidence in [0.0, 1.0, f64::NAN] {
-        let error = bootstrap(&cell, &measured, &options, 600, 1, confidence).unwrap_err();
+        let error = Fit::new(&cell, &measured, &options)
+            .and_then(|fit| bootstrap(&fit, 600, 1, confidence))
+            .unwrap_err();
         assert_eq!(error.code(), stiffarm::Code::InvalidValue);
     }
-    let few = bootstrap(&cell, &measured, &options, 199, 1, 0.95).unwrap_err();
+    let few = Fit::new(&cell, &measured, &options)
+        .and_then(|fit| bootstrap(&fit, 199, 1, 0.95))
+        .unwrap_err();
     assert_eq!(few.code(), stiffarm::Code::InvalidValue);
 }

@@ -11,9 +11,11 @@ use common::{cases, random_group, reference_cell};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use proptest::prelude::*;
 use stiffarm::estimate::identify::{
-    Assumptions, Block, Estimator, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared,
-    PriorKnowledge, RowLabel, Scale, Solution, Verdict, Weights, Whitened, bootstrap, identify,
-    measured_system,
+    Estimator, Fit, IdentifyOptions, NoiseSource, Verdict, Weights, bootstrap, identify,
+};
+use stiffarm::internals::{
+    Assumptions, Block, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale, Solution,
+    Whitened, measured_system,
 };
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;

@@ -60,10 +60,6 @@ fn unsure(cell: &Cell) -> IdentifiedCompliance {
     predictor
 }
 
-fn radians(degrees: &[f64]) -> Vec<f64> {
-    degrees.iter().map(|a| a.to_radians()).collect()
-}
-
 fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-10 * a.abs().max(b.abs())
 }

@@ -18,7 +18,7 @@ fn pointwise(
         .map(|values| LoadedPosture {
             name: String::new(),
             line: None,
-            q: radians(&values.q_deg),
+            q: values.q.clone(),
             wrench,
         })
         .collect();
@@ -70,7 +70,7 @@ fn values_are_those_of_pointwise_predictions() {
                 .map(|(i, j)| u[i] * cartesian.compliance[i][j] * u[j])
                 .sum();
             assert!(close(values.stiffness_n_per_m.unwrap(), 1.0 / along));
-            assert_eq!(values.turn_deg.is_some(), free_turn.is_some());
+            assert_eq!(values.turn.is_some(), free_turn.is_some());
             assert!(values.k_jn.unwrap() >= 1.0);
         }
     }
@@ -209,11 +209,11 @@ fn a_free_turn_can_only_help() {
         let better = free.values.as_ref().unwrap();
         assert!(better.deflection_m <= values.deflection_m * 1.001);
         // The turn is about the tool axis.
-        let frames = Frames::new(&cell.setup.robot, &radians(&better.q_deg));
+        let frames = Frames::new(&cell.setup.robot, &better.q);
         let tip = frames.flange() * cell.work.tip(&cell.setup.tool);
         assert!((tip.rotation * Vector3::z() + Vector3::z()).norm() < 1e-9);
         let x = tip.rotation * Vector3::x();
-        let turn = better.turn_deg.unwrap().to_radians();
+        let turn = better.turn.unwrap();
         assert!((x - down() * Vector3::new(turn.cos(), turn.sin(), 0.0)).norm() < 1e-9);
     }
     assert!(gained > 0);
@@ -305,12 +305,12 @@ fn random_maps_hold_the_tip_where_they_say() {
         let node = &map(&cell, &predictor, &options).nodes[0];
         let Some(values) = &node.values else { continue };
         reached += 1;
-        let q = radians(&values.q_deg);
+        let q = values.q.clone();
         assert!(cell.outside_machine_limits(&q).is_none());
         let tip = Frames::new(&cell.setup.robot, &q).flange() * cell.work.tip(&cell.setup.tool);
         assert!((tip.translation.vector - Vector3::from(at)).norm() < 1e-9);
-        let turned = options.rotation
-            * UnitQuaternion::from_euler_angles(0.0, 0.0, values.turn_deg.unwrap().to_radians());
+        let turned =
+            options.rotation * UnitQuaternion::from_euler_angles(0.0, 0.0, values.turn.unwrap());
         assert!(tip.rotation.angle_to(&turned) < 1e-9);
     }
     assert!(reached >= 5, "{reached}");

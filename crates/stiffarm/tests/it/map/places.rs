@@ -89,13 +89,13 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
             let pose = Isometry3::from_parts(
                 Translation3::from(placed.position_m),
                 UnitQuaternion::from_euler_angles(
-                    placed.rpy_deg[0].to_radians(),
-                    placed.rpy_deg[1].to_radians(),
-                    placed.rpy_deg[2].to_radians(),
+                    placed.roll_pitch_yaw[0],
+                    placed.roll_pitch_yaw[1],
+                    placed.roll_pitch_yaw[2],
                 ),
             );
             let by = pose * cell.work.workpiece.inverse();
-            let start = radians(placed.start_deg.as_ref().unwrap());
+            let start = placed.start.clone().unwrap();
             let rms = walked(&cell, &points, &by, &start);
             assert!(
                 (rms / placed.deflection_rms_m.unwrap() - 1.0).abs() < 1e-9,
@@ -225,7 +225,7 @@ fn a_free_tool_axis_takes_the_best_turn() {
     let found = search(&cell, &free, &options);
     let fixed = search(&cell, &points, &options);
     let rms = |p: &Placement| p.best.as_ref().unwrap().deflection_rms_m.unwrap();
-    assert!(found.best.as_ref().unwrap().turn_deg.is_some());
+    assert!(found.best.as_ref().unwrap().turn.is_some());
     assert!(rms(&found) <= rms(&fixed) * 1.001);
     assert!(found.given.deflection_rms_m <= fixed.given.deflection_rms_m.map(|r| 1.001 * r));
 }

@@ -16,11 +16,11 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiffarm::files::cell::parse_cell;
 use stiffarm::files::table::{
-    Measurements, SheetOptions, read_measurements, read_postures, read_readings, reading_sheet,
-    write_readings,
+    SheetOptions, read_measurements, read_postures, read_readings, reading_sheet, write_readings,
 };
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::Measurements;
 use stiffarm::model::measurement::{
     PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
@@ -273,7 +273,7 @@ fn spreadsheets_write_the_same_table_in_many_ways() -> Check {
 
 /// As a tracker's software may write it: its own headings, more columns.
 const FOREIGN: &str = "\
-Comment;Pose;Name;State;Center X;center y;CENTER Z;ReadingTarget type;A1;A2
+Comment;Pose;Name;State;Center X;center y;CENTER Z;Target type;A1;A2
 first;P1;left;unloaded;1500,125;-200,5;900,25;SMR 1.5;12,5;-30
 ;P1;left;loaded;1500,25;-200,75;899,5;SMR 1.5;12,5;-30
 ";

@@ -5,13 +5,11 @@ use super::{Outlier, OutlierKind, PointFit, PostureFit};
 use crate::error::Result;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
 use crate::estimate::identify::{
-    Assumptions, Estimator, Fit, Fold, IdentifyOptions, MeasuredSystem, Prepared, Whitened, fit,
-    folds, measured_system, prediction_error, rms,
+    Estimator, Fit, Fold, Prepared, RowLabel, Whitened, prediction_error, rms,
 };
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use std::cell::OnceCell;
 
 /// Level of each of the three families: displacements, postures, points.
 const FAMILY: f64 = LEVEL / 3.0;
@@ -34,36 +32,45 @@ struct Deleted {
 }
 
 /// The data at hand with their fit.
-pub(super) struct Kept<'a> {
-    cell: &'a Cell,
-    measured: Vec<MeasuredPosture>,
-    options: &'a IdentifyOptions,
+pub(super) struct Kept {
     fit: Fit,
     /// True where both variances were estimated.
     shifts: bool,
+    postures: OnceCell<Vec<PostureFit>>,
+    points: OnceCell<Vec<PointFit>>,
 }
 
-impl<'a> Kept<'a> {
-    pub(super) fn new(
-        cell: &'a Cell,
-        measured: &[MeasuredPosture],
-        options: &'a IdentifyOptions,
-    ) -> Result<Self> {
-        let fit = fit(cell, measured, options)?;
-        let shifts = options.estimator == Estimator::TwoVariance && !fit.solution.independent_rows;
-        Ok(Kept {
-            cell,
-            measured: measured.to_vec(),
-            options,
+impl Kept {
+    pub(super) fn new(fit: Fit) -> Self {
+        let two = fit.options().estimator == Estimator::TwoVariance;
+        Kept {
+            shifts: two && !fit.solution().independent_rows,
             fit,
-            shifts,
-        })
+            postures: OnceCell::new(),
+            points: OnceCell::new(),
+        }
+    }
+
+    pub(super) fn fit(&self) -> &Fit {
+        &self.fit
+    }
+
+    /// The data without what `outlier` names; `None` where nothing is left.
+    pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<Self>> {
+        let is = |name: &Option<String>, own: &str| name.as_deref().is_none_or(|n| n == own);
+        let named = |label: &RowLabel| {
+            let (m, point) = self.fit.experiment().behind(label);
+            is(&outlier.posture, &m.posture.name)
+                && is(&outlier.state, &m.state)
+                && is(&outlier.point, &self.point_name(point))
+        };
+        Ok(self.fit.filtered(|label| !named(label))?.map(Kept::new))
     }
 
     /// True where the residuals are more than rounding.
     fn has_residuals(&self) -> bool {
-        let s = self.fit.solution.residual_std.unwrap_or(0.0);
-        s > ROUNDING * rms(self.fit.system.delta.as_slice())
+        let s = self.fit.solution().residual_std.unwrap_or(0.0);
+        s > ROUNDING * rms(self.fit.system().delta.as_slice())
     }
 
     /// What fits worst, if anything does not fit.
@@ -71,7 +78,7 @@ impl<'a> Kept<'a> {
         if !self.has_residuals() {
             return Ok(None);
         }
-        let labels = &self.fit.system.labels;
+        let labels = &self.fit.system().labels;
         let deleted = self.deleted()?;
         let count = deleted.iter().flatten().count() as f64;
         let worst = deleted
@@ -82,15 +89,10 @@ impl<'a> Kept<'a> {
             .filter(|(_, d)| d.p_value * count < FAMILY);
         if let Some((i, found)) = worst {
             let label = &labels[i];
-            let m = &self.measured[label.measured];
-            let point = m.displacements[label.displacement].point;
-            let mut rest = self.measured.clone();
-            rest[label.measured]
-                .displacements
-                .remove(label.displacement);
-            let whole = match rest.iter().all(|m| m.displacements.is_empty()) {
-                true => None,
-                false => self.whole(&rest, &m.posture.name, point)?,
+            let (m, point) = self.fit.experiment().behind(label);
+            let whole = match self.fit.filtered(|l| l != label)? {
+                None => None,
+                Some(rest) => self.whole(Kept::new(rest), &m.posture.name, point)?,
             };
             return Ok(Some(whole.unwrap_or_else(|| {
                 let axis = found.deviation.abs().imax();
@@ -132,40 +134,29 @@ impl<'a> Kept<'a> {
 
     /// The posture or the point as a whole, where `rest`, the data without one
     /// displacement of them, still contradict it.
-    fn whole(
-        &self,
-        rest: &[MeasuredPosture],
-        posture: &str,
-        point: usize,
-    ) -> Result<Option<Outlier>> {
-        let view = Kept::new(self.cell, rest, self.options)?;
-        if !view.has_residuals() {
+    fn whole(&self, rest: Kept, posture: &str, point: usize) -> Result<Option<Outlier>> {
+        if !rest.has_residuals() {
             return Ok(None);
         }
-        let blocks = &view.fit.system.blocks;
+        let blocks = &rest.fit.system().blocks;
         let of_posture = match blocks.iter().position(|b| b.posture == posture) {
             Some(block) if blocks.len() > 1 => {
-                let without = view.fit.system.without(&[block])?;
-                let fold = Fold {
-                    left_out: vec![block],
-                    solution: Prepared::new(&without, view.fit.assumed.estimator)?
-                        .solve(&without.delta, &view.fit.assumed)?,
-                };
-                view.posture_p(block, &fold)?
+                let fold = rest.fit.fold_without(block)?;
+                rest.posture_p(block, &fold)?
             }
             _ => None,
         };
-        let labels = &view.fit.system.labels;
-        let deleted = view.deleted()?;
+        let labels = &rest.fit.system().labels;
+        let deleted = rest.deleted()?;
         let own: Vec<bool> = labels
             .iter()
             .zip(&deleted)
-            .filter(|(l, _)| rest[l.measured].displacements[l.displacement].point == point)
+            .filter(|(l, _)| rest.fit.experiment().behind(l).1 == point)
             .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD))
             .collect();
         let odd = own.iter().filter(|odd| **odd).count();
         let of_point = match odd as f64 >= SHARE * own.len() as f64 && odd > 1 {
-            true => view.point_p(point)?,
+            true => rest.point_p(point)?,
             false => None,
         };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
@@ -184,19 +175,21 @@ impl<'a> Kept<'a> {
     }
 
     fn point_name(&self, point: usize) -> String {
-        self.cell.setup.tool.measuring_points[point].name.clone()
+        self.fit.cell().setup.tool.measuring_points[point]
+            .name
+            .clone()
     }
 
     /// Every displacement against its prediction from all other data; `None`
     /// for one that the fit meets exactly whatever it is.
     fn deleted(&self) -> Result<Vec<Option<Deleted>>> {
-        let (system, solution) = (&self.fit.system, &self.fit.solution);
+        let (system, solution) = (self.fit.system(), self.fit.solution());
         let free = solution.degrees_of_freedom;
         let rows = system.delta.len();
         if free <= 3 {
             return Ok((0..rows / 3).map(|_| None).collect());
         }
-        let whitened = self.fit.prepared.whitened();
+        let whitened = self.fit.prepared().whitened();
         let gamma = solution.gamma;
         let both = independent(whitened, &system.delta, gamma);
         let basis = solution.factor.basis(rows);
@@ -232,37 +225,39 @@ impl<'a> Kept<'a> {
         Ok(out)
     }
 
-    pub(super) fn posture_fits(&self) -> Result<Vec<PostureFit>> {
-        let system = &self.fit.system;
-        let count = system.blocks.len();
-        if count < 2 {
-            let names = system.blocks.iter().map(|b| PostureFit {
+    pub(super) fn posture_fits(&self) -> Result<&[PostureFit]> {
+        if let Some(known) = self.postures.get() {
+            return Ok(known);
+        }
+        let system = self.fit.system();
+        let mut out = Vec::with_capacity(system.blocks.len());
+        if system.blocks.len() < 2 {
+            out.extend(system.blocks.iter().map(|b| PostureFit {
                 posture: b.posture.clone(),
                 prediction_rms_m: None,
                 p_value: None,
-            });
-            return Ok(names.collect());
+            }));
+        } else {
+            let judged = self.has_residuals();
+            for (b, fold) in self.fit.folds()?.iter().enumerate() {
+                let error = prediction_error(system, b, &fold.solution);
+                out.push(PostureFit {
+                    posture: system.blocks[b].posture.clone(),
+                    prediction_rms_m: error.map(|e| rms(e.as_slice())),
+                    p_value: if judged {
+                        self.posture_p(b, fold)?
+                    } else {
+                        None
+                    },
+                });
+            }
         }
-        let judged = self.has_residuals();
-        let mut out = Vec::with_capacity(count);
-        for (b, fold) in folds(system, &self.fit.assumed, count)?.iter().enumerate() {
-            let error = prediction_error(system, b, &fold.solution);
-            out.push(PostureFit {
-                posture: system.blocks[b].posture.clone(),
-                prediction_rms_m: error.map(|e| rms(e.as_slice())),
-                p_value: if judged {
-                    self.posture_p(b, fold)?
-                } else {
-                    None
-                },
-            });
-        }
-        Ok(out)
+        Ok(self.postures.get_or_init(|| out))
     }
 
     /// Probability of a deviation of block `b` from the fit without it.
     fn posture_p(&self, b: usize, fold: &Fold) -> Result<Option<f64>> {
-        let system = &self.fit.system;
+        let system = self.fit.system();
         let solution = &fold.solution;
         let (Some(error), Some(sigma)) = (
             prediction_error(system, b, solution),
@@ -270,9 +265,8 @@ impl<'a> Kept<'a> {
         ) else {
             return Ok(None);
         };
-        let own = system.with(&[b])?;
-        let prepared = Prepared::new(&own, self.fit.assumed.estimator)?;
-        let whitened = prepared.whitened();
+        let (whitened, _) = self.fit.prepared().whitened().select(&[b], &system.delta)?;
+        let whitened = &whitened;
         let psi = whitened.with_shifts(whitened.psi(), solution.gamma);
         let error = independent(whitened, &error, solution.gamma) / sigma;
         let covariance = solution.factor.inverse_information();
@@ -284,7 +278,7 @@ impl<'a> Kept<'a> {
             let size = error.dot(&spread.cholesky()?.solve(&error));
             f_tail(size / count as f64, count, free)
         };
-        let rows = own.delta.len();
+        let rows = whitened.rows();
         if !self.shifts || solution.independent_rows {
             return Ok(tail(&DMatrix::identity(rows, rows), free));
         }
@@ -308,37 +302,32 @@ impl<'a> Kept<'a> {
         })
     }
 
-    pub(super) fn point_fits(&self) -> Result<Vec<PointFit>> {
+    pub(super) fn point_fits(&self) -> Result<&[PointFit]> {
+        if let Some(known) = self.points.get() {
+            return Ok(known);
+        }
         let judged = self.has_residuals();
-        (0..self.cell.setup.tool.point_count())
-            .map(|point| {
-                Ok(PointFit {
-                    point: self.point_name(point),
-                    p_value: if judged { self.point_p(point)? } else { None },
-                })
-            })
-            .collect()
+        let mut out = Vec::new();
+        for point in 0..self.fit.cell().setup.tool.point_count() {
+            out.push(PointFit {
+                point: self.point_name(point),
+                p_value: if judged { self.point_p(point)? } else { None },
+            });
+        }
+        Ok(self.points.get_or_init(|| out))
     }
 
     /// Probability of the residuals of `point` by the fit to the other points.
     fn point_p(&self, point: usize) -> Result<Option<f64>> {
-        let mut others = self.measured.clone();
-        for m in &mut others {
-            m.displacements.retain(|d| d.point != point);
-        }
-        if others.iter().all(|m| m.displacements.is_empty()) {
+        let whole = self.fit.system();
+        let of_point = |l: &RowLabel| self.fit.experiment().behind(l).1 == point;
+        let Some(system) = whole.filtered(|l| !of_point(l)) else {
             return Ok(None);
-        }
-        let system = measured_system(
-            self.cell,
-            &others,
-            &self.fit.system.extra,
-            self.options.weights,
-        )?;
-        let solution = &self.fit.solution;
-        let all = size_and_rank(&self.fit.system, &self.fit.assumed, solution.gamma)?;
-        let rest = size_and_rank(&system, &self.fit.assumed, solution.gamma)?;
-        let own = self.fit.system.delta.len() - system.delta.len();
+        };
+        let (estimator, gamma) = (self.fit.assumed().estimator, self.fit.solution().gamma);
+        let all = size_and_rank(self.fit.prepared(), &whole.delta, gamma)?;
+        let rest = size_and_rank(&Prepared::new(&system, estimator)?, &system.delta, gamma)?;
+        let own = whole.delta.len() - system.delta.len();
         let free = system.delta.len() - rest.1.min(system.delta.len());
         if own == 0 || rest.1 < all.1 || free == 0 {
             return Ok(None);
@@ -394,15 +383,10 @@ fn root_inverse(
 }
 
 /// Weighted sum of squared residuals at the ratio `gamma`, and the rank.
-fn size_and_rank(
-    system: &MeasuredSystem,
-    assumed: &Assumptions,
-    gamma: f64,
-) -> Result<(f64, usize)> {
-    let prepared = Prepared::new(system, assumed.estimator)?;
+fn size_and_rank(prepared: &Prepared, delta: &DVector<f64>, gamma: f64) -> Result<(f64, usize)> {
     let whitened = prepared.whitened();
     let psi = whitened.with_shifts(whitened.psi(), gamma);
-    let delta = independent(whitened, &system.delta, gamma);
+    let delta = independent(whitened, delta, gamma);
     let factor = Factor::new(&psi)?;
     let residual = &delta - psi * factor.solve(&delta);
     Ok((residual.norm_squared(), factor.rank()))

@@ -15,10 +15,8 @@ mod kept;
 
 use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
-use crate::estimate::identify::{Estimator, IdentifyOptions, NoiseSource};
+use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use crate::findings::{Finding, Severity, length, length_with_error, list, probability};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use kept::Kept;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -111,59 +109,44 @@ pub struct Outliers {
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
-pub fn outliers(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> Result<Outliers> {
+pub fn outliers(fit: &Fit) -> Result<Outliers> {
     let options = IdentifyOptions {
-        estimator: match options.estimator {
+        estimator: match fit.options().estimator {
             Estimator::Ordinary => Estimator::Ordinary,
             Estimator::Weighted | Estimator::Huber => Estimator::Weighted,
             _ => Estimator::TwoVariance,
         },
         noise: NoiseSource::Estimated,
-        ..options.clone()
+        ..fit.options().clone()
     };
-    let mut left = measured.to_vec();
-    let first = Kept::new(cell, &left, &options)?;
+    let mut kept = Kept::new(fit.with(&options)?);
     let mut out = Outliers {
         found: Vec::new(),
         more: false,
         noise_without: None,
-        postures: first.posture_fits()?,
-        points: first.point_fits()?,
+        postures: kept.posture_fits()?.to_vec(),
+        points: kept.point_fits()?.to_vec(),
     };
-    let mut view = first;
-    while let Some(outlier) = view.worst()? {
+    let mut nothing_left = false;
+    while let Some(outlier) = kept.worst()? {
         if out.found.len() == MOST {
             out.more = true;
             break;
         }
-        set_aside(cell, &mut left, &outlier);
+        let left = kept.without(&outlier)?;
         out.found.push(outlier);
-        if left.iter().all(|m| m.displacements.is_empty()) {
-            break;
+        match left {
+            Some(left) => kept = left,
+            None => {
+                nothing_left = true;
+                break;
+            }
         }
-        view = Kept::new(cell, &left, &options)?;
     }
-    let rest = left.iter().any(|m| !m.displacements.is_empty());
-    if rest && !out.found.is_empty() && !out.more {
-        out.noise_without = noise_test(cell, &left, &options)?;
+    if !nothing_left && !out.found.is_empty() && !out.more {
+        out.noise_without = noise_test(kept.fit())?;
     }
     Ok(out)
-}
-
-/// Removes what `outlier` names.
-fn set_aside(cell: &Cell, measured: &mut [MeasuredPosture], outlier: &Outlier) {
-    let names = &cell.setup.tool.measuring_points;
-    for m in measured.iter_mut() {
-        let is = |name: &Option<String>, own: &str| name.as_deref().is_none_or(|n| n == own);
-        if is(&outlier.posture, &m.posture.name) && is(&outlier.state, &m.state) {
-            m.displacements
-                .retain(|d| !is(&outlier.point, &names[d.point].name));
-        }
-    }
 }
 
 impl Outliers {

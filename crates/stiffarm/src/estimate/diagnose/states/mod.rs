@@ -15,10 +15,8 @@ mod series;
 use super::noise::{Agreement, NoiseTest};
 use super::tails::{LEVEL, chi_squared_tails, two_sided};
 use crate::error::Result;
-use crate::estimate::identify::{IdentifyOptions, fit};
+use crate::estimate::identify::Fit;
 use crate::findings::{Finding, Severity, length, length_with_error, percent, probability};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
 use serde::{Deserialize, Serialize};
 use series::{Series, series};
 
@@ -91,16 +89,10 @@ pub struct LoadStates {
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
-pub fn load_states(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-    noise: Option<&NoiseTest>,
-) -> Result<Option<LoadStates>> {
-    let fit = fit(cell, measured, options)?;
+pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadStates>> {
     let mut all = Vec::new();
-    for block in &fit.system.blocks {
-        all.extend(series(cell, measured, &fit, block)?);
+    for block in &fit.system().blocks {
+        all.extend(series(fit, block)?);
     }
     if all.is_empty() {
         return Ok(None);
@@ -109,13 +101,13 @@ pub fn load_states(
         .iter()
         .filter_map(Series::scatter)
         .fold((0.0, 0), |(s, f), (size, free)| (s + size, f + free));
-    let expected = cell.noise.displacement_std();
+    let expected = fit.cell().noise.displacement_std();
     let (scatter, degrees) = match free >= ENOUGH {
         true => ((size / free as f64).sqrt(), Some(free)),
         // The cell's noise, if the residuals bear it out.
         false => match noise {
             Some(test) if test.agreement != Agreement::Larger => (expected, None),
-            _ => (fit.solution.residual_std.unwrap_or(expected), None),
+            _ => (fit.solution().residual_std.unwrap_or(expected), None),
         },
     };
     let mut out = LoadStates {

@@ -3,9 +3,6 @@
 
 use crate::error::Result;
 use crate::estimate::identify::{Block, Fit, RowLabel};
-use crate::model::cell::Cell;
-use crate::model::measurement::MeasuredPosture;
-use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
@@ -39,24 +36,16 @@ pub(super) struct Line {
 
 /// The load states of one block whose loads point alike, at the points that
 /// all of them have.
-pub(super) fn series(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    fit: &Fit,
-    block: &Block,
-) -> Result<Option<Series>> {
-    let system = &fit.system;
+pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
+    let (cell, system, measured) = (fit.cell(), fit.system(), fit.postures());
     let labels = &system.labels[block.rows.start / 3..block.rows.end / 3];
     let mut states: Vec<usize> = labels.iter().map(|l| l.measured).collect();
     states.dedup();
-    let torques = states
+    let torques: Vec<DVector<f64>> = states
         .iter()
-        .map(|&m| {
-            let m = &measured[m];
-            let terms = PostureTerms::new(&cell.setup, &m.posture.q, m.wrench.as_ref())?;
-            Ok(DVector::from_column_slice(terms.torque()))
-        })
-        .collect::<Result<Vec<_>>>()?;
+        .filter_map(|&m| fit.experiment().terms(m))
+        .map(|terms| DVector::from_column_slice(terms.torque()))
+        .collect();
     let Some(leader) = torques
         .iter()
         .max_by(|a, b| a.norm().total_cmp(&b.norm()))
@@ -99,7 +88,7 @@ pub(super) fn series(
         Some(covariance) => &average * covariance * average.transpose(),
         None => &average * average.transpose(),
     };
-    let modelled = &average * rows(&(&system.psi * &fit.solution.values));
+    let modelled = &average * rows(&(&system.psi * &fit.solution().values));
     let load = DVector::from_iterator(
         kept.len(),
         kept.iter()

@@ -1,9 +1,9 @@
 //! One of several independent searches: local minima of a chain of changed
 //! groups (iterated local search), with its own random numbers.
 
-use super::Plan;
 use super::exchange::{Base, exchange};
 use super::local::{Effort, Local};
+use super::plan::Plan;
 use super::pool::Pool;
 use crate::numerics::control::Control;
 use crate::plan::index::Index;

@@ -2,7 +2,7 @@
 //! is free: smooth quasi-Newton steps with ever sharper smoothing of the
 //! index's kinks, the cell's limits as an augmented Lagrangian.
 
-use super::Plan;
+use super::plan::Plan;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};

@@ -9,10 +9,12 @@ mod chain;
 mod exchange;
 mod local;
 mod options;
+mod plan;
 mod polish;
 mod pool;
 
-use super::{Selection, StartKind, no_result, smallest_margin};
+use super::random::{StartKind, random_group};
+use super::selection::{Selection, check_bounds, no_result, smallest_margin};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
@@ -20,11 +22,11 @@ use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::chain_rng;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::{Index, evaluate};
-use crate::units::rad_to_shortest_deg;
 use chain::Chain;
 use local::{Effort, Local};
 use options::Schedule;
 pub use options::{GlobalOptions, RoundReport};
+use plan::Plan;
 use pool::Pool;
 use std::time::Instant;
 
@@ -35,41 +37,70 @@ const MIGRATION: u64 = 6;
 /// Relative improvement that counts.
 const LEAST: f64 = 1e-6;
 
-/// A group of postures (and the load's variables where they are free) with ln
-/// of its index.
-#[derive(Debug, Clone, PartialEq)]
-struct Plan {
-    x: Vec<f64>,
-    value: f64,
-}
-
-/// Selects `count` postures beside the `given` ones (controller angles, rad;
-/// possibly none) that make `index` of all of them together best, within the
-/// bounds and the limits of the cell: the best of many local searches.
+/// Selects `count` postures that make `index` best, within the bounds and the
+/// limits of the cell: the best of many local searches. Postures given in the
+/// options stay as they are and count too.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{GlobalOptions, select_global};
+///
+/// let cell = builtin::cell("comau")?;
+/// let mut options = GlobalOptions::default();
+/// options.rounds = Some(1); // more find better plans
+/// let plan = select_global(&cell, Index::ExpectedError, 6, &options, Control::default())?;
+/// assert_eq!(plan.group.len(), 6);
+/// println!("expected error {:.2} %", 100.0 * plan.value);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// A cell without what the index needs, postures that cannot determine all
 /// joints, or limits that no posture meets.
-pub fn select_global<Q: AsRef<[f64]> + Sync>(
+pub fn select_global(
     cell: &Cell,
     index: Index,
     count: usize,
-    given: &[Q],
     options: &GlobalOptions,
     control: Control<'_>,
 ) -> Result<Selection> {
-    select_watched(cell, index, count, given, options, control, &mut |_| {})
+    select_watched(cell, index, count, options, control, &mut |_| {})
 }
 
 /// [`select_global`], with a report after each round.
 ///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{GlobalOptions, select_watched};
+///
+/// let cell = builtin::cell("comau")?;
+/// let mut options = GlobalOptions::default();
+/// options.rounds = Some(2);
+/// let mut values = Vec::new();
+/// let control = Control::default();
+/// select_watched(&cell, Index::D, 3, &options, control, &mut |round| values.push(round.value))?;
+/// assert_eq!(values.len(), 2);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
 /// # Errors
 /// As [`select_global`].
-pub fn select_watched<Q: AsRef<[f64]> + Sync>(
+pub fn select_watched(
     cell: &Cell,
     index: Index,
     count: usize,
-    given: &[Q],
     options: &GlobalOptions,
     control: Control<'_>,
     watch: &mut dyn FnMut(&RoundReport),
@@ -80,9 +111,10 @@ pub fn select_watched<Q: AsRef<[f64]> + Sync>(
             "No posture is to be selected.",
         ));
     }
-    super::check_bounds(cell)?;
+    check_bounds(cell)?;
+    let given = &options.given;
     for q in given {
-        check_angles(&cell.setup.robot, q.as_ref())?;
+        check_angles(&cell.setup.robot, q)?;
     }
     if !options.load.is_empty() && !given.is_empty() {
         return Err(Error::new(
@@ -92,9 +124,9 @@ pub fn select_watched<Q: AsRef<[f64]> + Sync>(
         .hint("leave out the load's boxes, or the given postures"));
     }
     let prepared = options.load.prepare(cell)?;
-    let mut search = Global::new(&prepared, index, count, given, options)?;
+    let mut search = Global::new(&prepared, index, count, options)?;
     let termination = search.rounds(control, watch)?;
-    search.finish(given, termination)
+    search.finish(termination)
 }
 
 struct Global<'a> {
@@ -110,14 +142,8 @@ struct Global<'a> {
 }
 
 impl<'a> Global<'a> {
-    fn new<Q: AsRef<[f64]>>(
-        cell: &'a Cell,
-        index: Index,
-        count: usize,
-        given: &[Q],
-        options: &'a GlobalOptions,
-    ) -> Result<Self> {
-        let local = Local::new(cell, index, count, given, &options.load)?;
+    fn new(cell: &'a Cell, index: Index, count: usize, options: &'a GlobalOptions) -> Result<Self> {
+        let local = Local::new(cell, index, count, &options.given, &options.load)?;
         let inputs = Inputs::new(cell, index)?;
         let wanted = inputs.wanted(true);
         let criterion = criterion(cell, index)?;
@@ -260,14 +286,11 @@ impl<'a> Global<'a> {
     }
 
     /// The best plan searched to the end, with everything that is to be said of it.
-    fn finish<Q: AsRef<[f64]>>(
-        mut self,
-        given: &[Q],
-        termination: Termination,
-    ) -> Result<Selection> {
+    fn finish(mut self, termination: Termination) -> Result<Selection> {
+        let given = &self.options.given;
         let n = self.cell.setup.robot.joint_count();
         let Some(best) = self.best.take() else {
-            return Err(self.nothing(given, termination));
+            return Err(self.nothing(termination));
         };
         let local = &mut self.chains[0].local;
         let mut plan = local.improve(best.x.clone(), Effort::Full);
@@ -291,11 +314,7 @@ impl<'a> Global<'a> {
         let (angles, load) = plan.x.split_at(n * self.count);
         let cell = self.options.load.applied(self.cell, load);
         let group: Vec<Vec<f64>> = angles.chunks_exact(n).map(<[f64]>::to_vec).collect();
-        let all: Vec<Vec<f64>> = given
-            .iter()
-            .map(|q| q.as_ref().to_vec())
-            .chain(group.iter().cloned())
-            .collect();
+        let all: Vec<&Vec<f64>> = given.iter().chain(&group).collect();
         let evaluation = evaluate(&cell, self.index.as_str(), &all)?;
         let value = evaluation
             .indices
@@ -305,11 +324,7 @@ impl<'a> Global<'a> {
             index: self.index,
             value,
             start_value: None,
-            indices: evaluation.indices,
-            postures_deg: group
-                .iter()
-                .map(|q| q.iter().map(|a| rad_to_shortest_deg(*a)).collect())
-                .collect(),
+            evaluation,
             given: given.len(),
             termination,
             rounds: Some(self.completed),
@@ -324,8 +339,8 @@ impl<'a> Global<'a> {
     }
 
     /// Why nothing was found.
-    fn nothing<Q: AsRef<[f64]>>(&self, given: &[Q], termination: Termination) -> Error {
-        let random = super::random_group(
+    fn nothing(&self, termination: Termination) -> Error {
+        let random = random_group(
             self.cell,
             StartKind::Uniform,
             self.count,
@@ -336,11 +351,7 @@ impl<'a> Global<'a> {
             Ok(group) => group,
             Err(error) => return error,
         };
-        let all: Vec<Vec<f64>> = given
-            .iter()
-            .map(|q| q.as_ref().to_vec())
-            .chain(random)
-            .collect();
+        let all: Vec<&Vec<f64>> = self.options.given.iter().chain(&random).collect();
         match evaluate(self.cell, "start", &all) {
             Ok(evaluation) => no_result(self.cell, self.index, &evaluation, termination),
             Err(error) => error,

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 /// What a global selection may use and how long it may go on.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct GlobalOptions {
     /// Seed of the random numbers.
     pub seed: u64,
@@ -15,6 +16,9 @@ pub struct GlobalOptions {
     /// Ends after the round in which this time is over. Results then depend on
     /// the machine; the rounds completed reproduce them.
     pub time_limit: Option<Duration>,
+    /// Postures that are measured already, or will be in any case: controller
+    /// angles \[rad\]. They stay as they are; the index counts them too.
+    pub given: Vec<Vec<f64>>,
     /// Load parameters to choose together with the postures.
     pub load: LoadDesign,
 }
@@ -25,6 +29,7 @@ impl Default for GlobalOptions {
             seed: 1,
             rounds: None,
             time_limit: None,
+            given: Vec::new(),
             load: LoadDesign::default(),
         }
     }

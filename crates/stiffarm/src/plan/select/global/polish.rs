@@ -2,7 +2,7 @@
 //! [`select_from`](crate::plan::select::select_from), which takes maxima and limits
 //! as constraints and so finds their corners exactly.
 
-use super::Plan;
+use super::plan::Plan;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;

@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::look::Looks;
 use super::map;
-use super::marks::{FAINT, MARKER, STROKE};
+use super::marks::{FAINT, LANDMARK, MARKER, STROKE};
 use super::plan::SMALL;
 use super::text;
 use crate::figure::{Figure, Style};
@@ -124,6 +124,7 @@ fn sample(canvas: &mut Canvas, looks: &Looks, label: &str, style: Style, left: P
         Style::Outline => canvas.path(&[ends.to_vec()], line(1.1)),
         Style::Points => look.marker(canvas, centre, MARKER, false),
         Style::Hollow => look.marker(canvas, centre, MARKER, true),
+        Style::Landmark => look.landmark(canvas, centre, LANDMARK),
         Style::Path => {
             let ends = [(left.0 + 4.0, left.1), (left.0 + KEY - 4.0, left.1)];
             canvas.path(&[ends.to_vec()], line(3.0));

@@ -74,7 +74,7 @@ impl Extent {
                 hi: 1.0,
             },
             Kind::Log => Self::around_log(lo, hi, from_zero),
-            _ => Self::around_linear(lo, hi, from_zero),
+            _ => Self::around_linear(lo, hi, from_zero || axis.from_zero),
         }
     }
 
@@ -236,6 +236,20 @@ mod tests {
         assert_eq!(e.lo, 0.0);
         let e = Extent::choose(&Axis::linear("", ""), &[-3.0, -4.0], true);
         assert_eq!(e.hi, 0.0);
+    }
+
+    #[test]
+    fn an_axis_from_zero_begins_there() {
+        let from = |low, high| {
+            let e = Extent::choose(&Axis::linear("", "").from_zero(), &[low, high], false);
+            [e.lo, e.hi]
+        };
+        assert_eq!(from(3.0, 4.0)[0], 0.0);
+        assert_eq!(from(-4.0, -3.0)[1], 0.0);
+        assert!(from(-1.0, 4.0)[0] < -1.0);
+        let log = Axis::log("", "").from_zero();
+        let plain = Extent::choose(&Axis::log("", ""), &[3.0, 30.0], false);
+        assert_eq!(Extent::choose(&log, &[3.0, 30.0], false), plain);
     }
 
     #[test]

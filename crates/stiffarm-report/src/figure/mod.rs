@@ -1,8 +1,16 @@
-//! What a figure shows: panels, axes and series as plain data.
+//! What a figure shows: panels, axes and series as plain data, and how it is
+//! drawn.
 //!
 //! The types carry no drawing decisions beyond the kind of mark, so the same
 //! value can be rendered, written as JSON next to the picture, or checked in a
 //! test.
+//!
+//! This module and everything below it is generic: it knows nothing of robots
+//! and uses neither the crate `stiffarm` nor any other module of this crate, so
+//! that it could be a crate of its own. A test (`tests/it/generic.rs`) reads
+//! the sources and fails where they do.
+
+pub mod svg;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -62,6 +70,10 @@ pub struct Axis {
     /// axis) counts as `None`.
     #[serde(default)]
     pub range: Option<[f64; 2]>,
+    /// A linear axis that fits its data begins at zero, so that lengths can be
+    /// compared; one with values on both sides shows zero.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub from_zero: bool,
 }
 
 /// How values are spread along an axis.
@@ -78,7 +90,7 @@ pub enum Scale {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Series {
     /// Legend text; it also decides the colour (see
-    /// [`series_colour`](crate::series_colour)). Empty for no legend entry.
+    /// [`series_colour`](svg::series_colour)). Empty for no legend entry.
     pub label: String,
     /// Kind of mark.
     pub style: Style,
@@ -105,6 +117,10 @@ pub struct Colour {
     /// One value per point; one that the axis cannot show is a missing one.
     #[serde(deserialize_with = "null_as_nan")]
     pub values: Vec<f64>,
+    /// Small values are bright, not large ones: where small is good beside maps
+    /// of which large is.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub small_is_bright: bool,
 }
 
 /// Kind of mark a series is drawn with.
@@ -138,6 +154,9 @@ pub enum Style {
     /// Area between y − error and y + error around a curve without a line, e.g.
     /// how sure it is.
     Band,
+    /// Dark grey squares with a cross: fixed things among the surroundings, such
+    /// as an anchor. No data are drawn with this marker.
+    Landmark,
     /// Short straight pieces, from each even point to the one after it: axes
     /// drawn on a map.
     Strokes,
@@ -178,6 +197,12 @@ impl Axis {
         self
     }
 
+    /// The same axis, from zero on.
+    pub fn from_zero(mut self) -> Self {
+        self.from_zero = true;
+        self
+    }
+
     /// Label and unit as drawn: `label [unit]`.
     pub fn heading(&self) -> String {
         match (self.label.is_empty(), self.unit.is_empty()) {
@@ -209,9 +234,26 @@ impl Series {
 
     /// The same series with values shown as colour.
     pub fn with_colour(mut self, axis: Axis, values: Vec<f64>) -> Self {
-        self.colour = Some(Colour { axis, values });
+        self.colour = Some(Colour {
+            axis,
+            values,
+            small_is_bright: false,
+        });
         self
     }
+
+    /// The same series, small values bright if `yes`.
+    pub fn with_small_bright(mut self, yes: bool) -> Self {
+        if let Some(colour) = &mut self.colour {
+            colour.small_is_bright = yes;
+        }
+        self
+    }
+}
+
+/// What a written figure leaves out.
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// JSON has no way to write a value that is not finite; such values are

@@ -16,6 +16,9 @@ const PALETTE: [&str; 7] = [
 /// Grey of outlines.
 const GREY: &str = "#8a8a8a";
 
+/// Dark grey of landmarks.
+const DARK_GREY: &str = "#4a4a4a";
+
 /// Labels with a fixed place in the palette, without trailing parentheses.
 const KNOWN: [(&str, usize); 11] = [
     ("Group 1", 0),
@@ -83,6 +86,7 @@ enum Family {
     Dashes,
     Areas,
     Outlines,
+    Landmarks,
     Maps,
     Bands,
     Strokes,
@@ -95,6 +99,7 @@ fn family(style: Style) -> Family {
         Style::Dashed => Family::Dashes,
         Style::Bars | Style::Box => Family::Areas,
         Style::Outline => Family::Outlines,
+        Style::Landmark => Family::Landmarks,
         Style::Map => Family::Maps,
         Style::Band => Family::Bands,
         Style::Strokes => Family::Strokes,
@@ -193,6 +198,11 @@ impl Looks {
                 dash: OUTLINE_DASHES[variant % OUTLINE_DASHES.len()],
                 variant,
             },
+            Family::Landmarks => Look {
+                colour: DARK_GREY,
+                dash: "",
+                variant,
+            },
             // On a map only black is told apart from every colour.
             Family::Strokes => Look {
                 colour: INK,
@@ -260,6 +270,21 @@ impl Look {
             .map(|(dx, dy)| (at.0 + r * dx, at.1 + r * dy))
             .collect();
         canvas.polygon(&corners, fill, stroke);
+    }
+
+    /// Draws the marker of a landmark.
+    pub(super) fn landmark(&self, canvas: &mut Canvas, at: Point, r: f64) {
+        let corner = |dx: f64, dy: f64| (at.0 + r * dx, at.1 + r * dy);
+        let corners = [
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ];
+        let stroke = Stroke::solid(self.colour, 1.4);
+        canvas.polygon(&corners, "#ffffff", stroke);
+        let diagonals = [vec![corners[0], corners[2]], vec![corners[1], corners[3]]];
+        canvas.path(&diagonals, stroke);
     }
 
     /// Fills a rectangle: solid for bars, light for boxes, hatched unless

@@ -8,7 +8,7 @@ use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::data;
 use super::look::{Look, hatch};
 use super::marks::{Frame, Trace};
-use super::plan::{ColourPlan, NORMAL, SMALL, TICK_GAP};
+use super::plan::{BAR, BAR_GAP, ColourPlan, NORMAL, SMALL, TICK_GAP};
 use super::scale::Extent;
 use crate::figure::{Panel, Series, Style};
 use std::collections::BTreeMap;
@@ -59,9 +59,6 @@ const MISSING: [Missing; 4] = [
         hatch: &[(1.0, 1.0)],
     },
 ];
-/// Distance between the plot area and the colour bar, and the bar's width.
-pub(super) const BAR_GAP: f64 = 9.0;
-pub(super) const BAR: f64 = 11.0;
 /// Length of a tick mark.
 const TICK: f64 = 4.0;
 
@@ -158,7 +155,7 @@ pub(super) fn bar(canvas: &mut Canvas, area: Rect, plan: &ColourPlan, frame_colo
             w: BAR,
             h: step,
         };
-        canvas.cells(&[rect], &colour(level));
+        canvas.cells(&[rect], &colour(turned(level, plan.small_is_bright)));
     }
     let frame = Rect {
         x: left,
@@ -194,8 +191,17 @@ fn level(series: &Series, i: usize, extent: Option<&Extent>) -> Option<usize> {
     let value = *colour.values.get(i)?;
     extent.kind.accepts(value).then(|| {
         let fraction = extent.fraction(value).clamp(0.0, 1.0);
-        ((fraction * LEVELS as f64) as usize).min(LEVELS - 1)
+        let level = ((fraction * LEVELS as f64) as usize).min(LEVELS - 1);
+        turned(level, colour.small_is_bright)
     })
+}
+
+/// A level, or where small values are bright the one as far from the other end.
+fn turned(level: usize, small_is_bright: bool) -> usize {
+    match small_is_bright {
+        true => LEVELS - 1 - level,
+        false => level,
+    }
 }
 
 /// Colour of a level as `#rrggbb`.

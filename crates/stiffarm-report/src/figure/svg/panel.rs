@@ -34,13 +34,14 @@ pub(super) fn draw(
     grid(canvas, &frame, panel, plan);
     let mut trace = Trace::default();
     // From the background to the foreground, whatever the order of the data.
-    let layers: [&[Style]; 6] = [
+    let layers: [&[Style]; 7] = [
         &[Style::Map, Style::Band],
         &[Style::Strokes],
         &[Style::Outline],
         &[Style::Bars, Style::Box],
         &[Style::Dashed, Style::Curve],
         &[Style::Line, Style::Path, Style::Points, Style::Hollow],
+        &[Style::Landmark],
     ];
     let cells = map::Grid::of(&frame, panel);
     for layer in layers {

@@ -1,7 +1,6 @@
 //! How much room the labels of a panel need at a given size of its plot area.
 
 use super::data::Coverage;
-use super::map::{BAR, BAR_GAP};
 use super::scale::{Extent, Kind};
 use super::text;
 use super::ticks::{self, Tick};
@@ -21,6 +20,9 @@ const LABEL_GAP: f64 = 5.0;
 pub(super) const TITLE_GAP: f64 = 7.0;
 /// Angle of category names that do not fit side by side.
 pub(super) const SLANT: f64 = 45.0;
+/// Distance between the plot area and the colour bar, and the bar's width.
+pub(super) const BAR_GAP: f64 = 9.0;
+pub(super) const BAR: f64 = 11.0;
 
 /// Names along the horizontal axis.
 pub(super) struct Names {
@@ -58,6 +60,8 @@ pub(super) struct ColourPlan {
     pub extent: Extent,
     pub ticks: Vec<Tick>,
     pub label: Vec<String>,
+    /// Whether the lower end is the bright one.
+    pub small_is_bright: bool,
     /// Room of the widest tick label.
     tick_width: f64,
 }
@@ -73,6 +77,7 @@ impl ColourPlan {
         let ticks = ticks::ticks(&extent, (height / 30.0).max(2.0) as usize);
         Some(Self {
             extent,
+            small_is_bright: colour.small_is_bright,
             label: text::wrap(&colour.axis.heading(), NORMAL, height + 16.0, 3),
             tick_width: ticks.iter().map(|t| t.width(SMALL)).fold(0.0, f64::max),
             ticks,

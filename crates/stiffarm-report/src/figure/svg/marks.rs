@@ -8,6 +8,8 @@ use crate::figure::{Series, Style};
 
 /// Radius of a marker.
 pub(super) const MARKER: f64 = 3.6;
+/// Half the side of a landmark.
+pub(super) const LANDMARK: f64 = 5.0;
 /// Half width of the cap of an error bar.
 const CAP: f64 = 3.0;
 
@@ -109,6 +111,14 @@ pub(super) fn draw(
             return;
         }
         Style::Line => line(canvas, 1.5),
+        Style::Landmark => {
+            for p in places.iter().flatten() {
+                if trace.add(&frame.area, *p) {
+                    look.landmark(canvas, *p, LANDMARK);
+                }
+            }
+            return;
+        }
         Style::Points | Style::Hollow | Style::Bars | Style::Box | Style::Map => {}
     }
     for d in points.iter().flatten() {

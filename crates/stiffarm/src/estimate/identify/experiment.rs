@@ -1,0 +1,134 @@
+//! What was measured with the model's terms at every posture and load: made
+//! once, read by every fit to it.
+
+use super::system::{MeasuredSystem, RowLabel, assemble, no_displacements, states_by_posture};
+use super::{Assumptions, IdentifyOptions, Weights, assumptions};
+use crate::error::Result;
+use crate::measure::Measured;
+use crate::model::cell::Cell;
+use crate::model::measurement::{MeasuredPosture, row_count};
+use crate::model::observation::{ExtraTerm, PostureTerms};
+use std::sync::Mutex;
+
+/// One experiment: nothing of it depends on how the unknowns are estimated.
+#[derive(Debug)]
+pub(crate) struct Experiment {
+    /// The cell, its noise with as many readings per displacement as were taken.
+    pub(crate) cell: Cell,
+    /// What was measured.
+    pub(crate) measured: Measured,
+    /// The model's terms of each measured posture; `None` where its posture has
+    /// no displacement at all.
+    terms: Vec<Option<PostureTerms>>,
+    /// Indices of the measured postures, posture by posture.
+    states: Vec<Vec<usize>>,
+    /// What was computed, in order: tests read it to see that nothing is done twice.
+    journal: Mutex<Vec<String>>,
+}
+
+/// Ψ x = Δ of an experiment by itself.
+///
+/// # Errors
+/// As [`Experiment::new`] and [`Experiment::system`].
+pub fn measured_system(
+    cell: &Cell,
+    measured: impl Into<Measured>,
+    extra: &[ExtraTerm],
+    weights: Weights,
+) -> Result<MeasuredSystem> {
+    Experiment::new(cell, measured.into())?.system(extra, weights)
+}
+
+impl Experiment {
+    /// Computes the terms of every posture and load.
+    ///
+    /// # Errors
+    /// No displacements, or as [`PostureTerms::new`].
+    pub(crate) fn new(cell: &Cell, measured: Measured) -> Result<Self> {
+        if row_count(&measured.postures) == 0 {
+            return Err(no_displacements());
+        }
+        let mut cell = cell.clone();
+        cell.noise = measured.noise(&cell);
+        let states = states_by_posture(&measured.postures);
+        let mut terms = vec![None; measured.postures.len()];
+        for &m in states.iter().flatten() {
+            let posture = &measured.postures[m];
+            let wrench = posture.wrench.as_ref();
+            terms[m] = Some(PostureTerms::new(&cell.setup, &posture.posture.q, wrench)?);
+        }
+        let experiment = Experiment {
+            cell,
+            measured,
+            terms,
+            states,
+            journal: Mutex::default(),
+        };
+        experiment.note(|| "terms".to_string());
+        Ok(experiment)
+    }
+
+    /// The measured postures.
+    pub(crate) fn postures(&self) -> &[MeasuredPosture] {
+        &self.measured.postures
+    }
+
+    /// The terms of measured posture `m`.
+    pub(crate) fn terms(&self, m: usize) -> Option<&PostureTerms> {
+        self.terms[m].as_ref()
+    }
+
+    /// The measured postures that have terms.
+    pub(crate) fn with_terms(&self) -> impl Iterator<Item = (&MeasuredPosture, &PostureTerms)> {
+        let all = self.postures().iter().zip(&self.terms);
+        all.filter_map(|(m, terms)| Some((m, terms.as_ref()?)))
+    }
+
+    /// Ψ x = Δ with the further terms `extra`.
+    ///
+    /// # Errors
+    /// A term that stands twice or that the robot cannot have, a point the tool
+    /// does not have, a number that is not finite, or tracker weights without
+    /// the tracker's model.
+    pub(crate) fn system(&self, extra: &[ExtraTerm], weights: Weights) -> Result<MeasuredSystem> {
+        self.note(|| format!("system {extra:?} {weights:?}"));
+        let all = self.states.iter().map(|states| {
+            let of_posture = states.iter().map(|&m| Some((m, self.terms(m)?)));
+            of_posture.flatten().collect()
+        });
+        assemble(&self.cell, self.postures(), all, extra, weights)
+    }
+
+    /// What `options` make an estimator assume of this experiment.
+    ///
+    /// # Errors
+    /// As [`assumptions`].
+    pub(crate) fn assumptions(&self, options: &IdentifyOptions) -> Result<Assumptions> {
+        let scatter = options.scatter.or(self.measured.scatter);
+        assumptions(
+            &self.cell,
+            &IdentifyOptions {
+                scatter,
+                ..options.clone()
+            },
+        )
+    }
+
+    /// The measured posture and the measuring point behind `label`.
+    pub(crate) fn behind(&self, label: &RowLabel) -> (&MeasuredPosture, usize) {
+        let posture = &self.postures()[label.measured];
+        (posture, posture.displacements[label.displacement].point)
+    }
+
+    pub(crate) fn note(&self, entry: impl FnOnce() -> String) {
+        // A journal that a panic elsewhere poisoned is of no use to anybody.
+        if let Ok(mut journal) = self.journal.lock() {
+            journal.push(entry());
+        }
+    }
+
+    /// What was computed so far.
+    pub(crate) fn journal(&self) -> Vec<String> {
+        self.journal.lock().map(|j| j.clone()).unwrap_or_default()
+    }
+}

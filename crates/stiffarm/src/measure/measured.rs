@@ -1,0 +1,130 @@
+//! What an experiment measured, ready to be identified from.
+
+use crate::error::{Error, Result};
+use crate::findings::{Finding, Severity};
+use crate::measure::reduction::{ReduceOptions, Reduction, reduce};
+use crate::measure::screening::{Screening, screen};
+use crate::model::cell::{Cell, Noise};
+use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter};
+
+/// Readings behind a displacement that was reduced from raw readings: a loaded
+/// and a reference one.
+const READINGS: u32 = 2;
+
+/// Displacements of an experiment, with what is known about the readings behind them.
+///
+/// Anything that holds displacements alone becomes one with `into()`; then the
+/// cell says how many readings stand behind each.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Measured {
+    /// The displacements, posture by posture and state by state.
+    pub postures: Vec<MeasuredPosture>,
+    /// Readings behind one displacement, where the reduction knows it: 2 for a
+    /// loaded and a reference reading. `None` leaves it to the cell's noise.
+    pub readings_per_displacement: Option<u32>,
+    /// Scatter of repeated readings, where some were repeated.
+    pub scatter: Option<ReadingScatter>,
+    /// How raw readings became displacements.
+    pub reduction: Option<Reduction>,
+    /// What is suspicious about raw readings themselves.
+    pub screening: Option<Screening>,
+}
+
+impl Measured {
+    /// The noise of `cell` with as many readings per displacement as were taken.
+    pub fn noise(&self, cell: &Cell) -> Noise {
+        let own = cell.noise.readings_per_displacement;
+        Noise {
+            readings_per_displacement: self.readings_per_displacement.unwrap_or(own),
+            ..cell.noise
+        }
+    }
+
+    /// Keeps the postures for whose name `keep` holds.
+    pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
+        self.postures.retain(|m| keep(&m.posture.name));
+    }
+
+    /// All that was noticed about raw readings, those about the readings
+    /// themselves first.
+    pub fn findings(&self) -> impl Iterator<Item = &Finding> {
+        let screening = self.screening.iter().flat_map(|s| &s.findings);
+        screening.chain(self.reduction.iter().flat_map(|r| &r.findings))
+    }
+
+    /// The most serious of the findings.
+    pub fn worst(&self) -> Option<Severity> {
+        self.findings().map(|f| f.severity).max()
+    }
+}
+
+impl From<Vec<MeasuredPosture>> for Measured {
+    fn from(postures: Vec<MeasuredPosture>) -> Self {
+        Measured {
+            postures,
+            ..Measured::default()
+        }
+    }
+}
+
+impl From<&[MeasuredPosture]> for Measured {
+    fn from(postures: &[MeasuredPosture]) -> Self {
+        postures.to_vec().into()
+    }
+}
+
+impl<const N: usize> From<&[MeasuredPosture; N]> for Measured {
+    fn from(postures: &[MeasuredPosture; N]) -> Self {
+        postures.to_vec().into()
+    }
+}
+
+impl From<&Vec<MeasuredPosture>> for Measured {
+    fn from(postures: &Vec<MeasuredPosture>) -> Self {
+        postures.clone().into()
+    }
+}
+
+impl From<&Measured> for Measured {
+    fn from(measured: &Measured) -> Self {
+        measured.clone()
+    }
+}
+
+/// Makes measurements ready to be identified from: displacements as they are,
+/// raw readings screened and reduced.
+///
+/// # Errors
+/// As [`reduce`]; where the readings themselves explain the failure, that is said.
+pub fn prepare(
+    cell: &Cell,
+    measurements: impl Into<Measurements>,
+    options: &ReduceOptions,
+) -> Result<Measured> {
+    let table = match measurements.into() {
+        Measurements::Displacements(postures) => return Ok(postures.into()),
+        Measurements::Readings(table) => table,
+    };
+    let screening = screen(cell, &table, options.base_from_tracker.as_ref())?;
+    let mut reduction = reduce(cell, &table, options).map_err(|error| {
+        let mut findings = screening.findings.iter();
+        match findings.find(|f| f.severity == Severity::Serious) {
+            Some(cause) => Error::new(error.code(), cause.sentence.clone()).hint(error.message()),
+            None => error,
+        }
+    })?;
+    Ok(Measured {
+        postures: std::mem::take(&mut reduction.measured),
+        readings_per_displacement: Some(READINGS),
+        scatter: reduction
+            .repeatability
+            .as_ref()
+            .map(|repeats| ReadingScatter {
+                reading_std_m: repeats.std_m,
+                degrees_of_freedom: repeats.degrees_of_freedom,
+            }),
+        reduction: Some(reduction),
+        screening: Some(screening),
+    })
+}

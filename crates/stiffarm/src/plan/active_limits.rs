@@ -1,0 +1,183 @@
+//! The limits of a cell as constraints of a local search: only those that matter.
+//!
+//! A search has the limits near its start as constraints. Those that it crossed
+//! all the same join them, and it goes on: an active set that only grows.
+
+use crate::error::{Code, Error, Result};
+use crate::model::cell::Cell;
+use crate::model::observation::PostureTerms;
+use crate::numerics::control::{Control, Termination};
+use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise};
+
+/// Margin kept from hard limits so that rounding never crosses them \[m\].
+pub(super) const LIMIT_GUARD: f64 = 5e-10;
+
+/// The limits that are constraints now, of one posture or of several.
+pub(super) struct ActiveLimits<'a> {
+    cell: &'a Cell,
+    /// Limits nearer than this become constraints \[m\].
+    distance: f64,
+    per_posture: usize,
+    /// Posture by posture, ascending.
+    active: Vec<usize>,
+    terms: PostureTerms,
+    values: Vec<f64>,
+    gradients: Vec<f64>,
+}
+
+impl<'a> ActiveLimits<'a> {
+    /// No limit is active yet; those nearer than `distance` \[m\] will be.
+    ///
+    /// # Errors
+    /// The cell's load is only known by measurement.
+    pub(super) fn new(cell: &'a Cell, distance: f64) -> Result<Self> {
+        let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
+        let per_posture = cell.limits.count(&cell.setup);
+        Ok(ActiveLimits {
+            cell,
+            distance,
+            per_posture,
+            active: Vec::new(),
+            terms: PostureTerms::new(&cell.setup, &middle, None)?,
+            values: vec![0.0; per_posture],
+            gradients: vec![0.0; per_posture * middle.len()],
+        })
+    }
+
+    /// Makes all limits inactive.
+    pub(super) fn forget(&mut self) {
+        self.active.clear();
+    }
+
+    /// Number of active limits.
+    pub(super) fn count(&self) -> usize {
+        self.active.len()
+    }
+
+    /// The posture looked at last.
+    pub(super) fn terms(&self) -> &PostureTerms {
+        &self.terms
+    }
+
+    /// Largest violation of a limit by the posture `q` \[m\], 0 when all are met;
+    /// infinite where there is no wrench.
+    pub(super) fn violation_at(&mut self, q: &[f64]) -> f64 {
+        let setup = &self.cell.setup;
+        if self.terms.update(setup, q).is_err() {
+            return f64::INFINITY;
+        }
+        self.cell
+            .limits
+            .evaluate(setup, &self.terms, &mut self.values, None);
+        self.values.iter().fold(0.0, |v, m| v.max(-m))
+    }
+
+    /// Adds the limits that the postures of `angles` \[rad\] come near to or cross.
+    pub(super) fn watch(&mut self, angles: &[f64]) {
+        if self.per_posture == 0 {
+            return;
+        }
+        for (p, q) in angles.chunks_exact(self.cell.bounds.len()).enumerate() {
+            self.violation_at(q);
+            let near = self.values.iter().enumerate();
+            let near = near.filter(|(_, margin)| **margin < self.distance);
+            self.active
+                .extend(near.map(|(l, _)| p * self.per_posture + l));
+        }
+        self.active.sort_unstable();
+        self.active.dedup();
+    }
+
+    /// Writes the margins of the active limits at the postures of `angles`
+    /// \[rad\] behind the first `before` ones, and the violation of all limits.
+    /// The angles are the first of the problem's `variables`.
+    pub(super) fn add_to(
+        &mut self,
+        out: &mut Evaluation,
+        angles: &[f64],
+        before: usize,
+        variables: usize,
+    ) {
+        if self.per_posture == 0 {
+            return;
+        }
+        let setup = &self.cell.setup;
+        let n = self.cell.bounds.len();
+        let mut next = self.active.iter().enumerate().peekable();
+        for (p, q) in angles.chunks_exact(n).enumerate() {
+            if self.terms.update(setup, q).is_err() {
+                out.violation = f64::INFINITY;
+                return;
+            }
+            self.cell.limits.evaluate(
+                setup,
+                &self.terms,
+                &mut self.values,
+                Some(&mut self.gradients),
+            );
+            for margin in &self.values {
+                out.violation = out.violation.max(-margin);
+            }
+            let end = (p + 1) * self.per_posture;
+            while let Some((w, limit)) = next.next_if(|(_, limit)| **limit < end) {
+                let l = limit - p * self.per_posture;
+                let at = before + w;
+                out.margins[at] = self.values[l] - LIMIT_GUARD;
+                let offset = at * variables + p * n;
+                setup.robot.gradient_to_controller(
+                    &self.gradients[l * n..(l + 1) * n],
+                    &mut out.margin_gradients[offset..offset + n],
+                );
+            }
+        }
+    }
+}
+
+/// A problem whose last margins are those of active limits.
+pub(super) trait Limited: Problem {
+    /// Makes all limits inactive.
+    fn forget_limits(&mut self);
+    /// Activates the limits that `x` comes near to or crosses.
+    fn watch_limits(&mut self, x: &[f64]);
+}
+
+/// Minimises `problem` from the best of an earlier search, or from `start`, in
+/// at most `rounds` rounds of searching and adding the limits that were crossed.
+/// `budget` is what a round may use after the iterations done before it.
+pub(super) fn minimise_within_limits(
+    problem: &mut impl Limited,
+    start: &[f64],
+    earlier: Option<Minimum>,
+    rounds: usize,
+    budget: impl Fn(u64) -> Options,
+    control: Control<'_>,
+) -> Result<Minimum> {
+    let mut solution = earlier;
+    let mut from = solution.as_ref().map_or(start.to_vec(), |s| s.x.clone());
+    let mut last = from.clone();
+    problem.forget_limits();
+    for _ in 0..rounds {
+        problem.watch_limits(&from);
+        problem.watch_limits(&last);
+        let options = budget(solution.as_ref().map_or(0, |s| s.iterations));
+        let next = minimise(problem, &from, options, control);
+        let outside = next.last_violation > options.feasibility;
+        let done = !outside || next.termination == Termination::Interrupted || next.iterations == 0;
+        last.clone_from(&next.last);
+        // Go on from the best point inside all limits, if there is one: a
+        // search from outside may never come back in.
+        from = if next.merit.is_finite() {
+            next.x.clone()
+        } else {
+            next.last.clone()
+        };
+        solution = Some(match solution {
+            Some(previous) => next.after(previous),
+            None => next,
+        });
+        if done {
+            break;
+        }
+    }
+    solution.ok_or_else(|| Error::new(Code::Internal, "A search without a round."))
+}

@@ -1,0 +1,133 @@
+//! One climb to a local maximum of tr(A·G(q)) over the postures of a cell.
+
+use crate::error::Result;
+use crate::model::cell::Cell;
+use crate::numerics::control::Control;
+use crate::numerics::optimise::{Evaluation, Options, Problem};
+use crate::plan::active_limits::{ActiveLimits, Limited, minimise_within_limits};
+use crate::plan::index::kernel::Kernel;
+use nalgebra::DMatrix;
+
+/// Violation of bounds \[rad\] or limits \[m\] that counts as met.
+pub(super) const FEASIBILITY: f64 = 1e-9;
+/// Limits nearer than this are constraints of a climb \[m\].
+const WATCH_DISTANCE: f64 = 0.3;
+/// Rounds of adding crossed limits.
+const WATCH_ROUNDS: usize = 6;
+/// Iterations of each round.
+const MAX_ITERATIONS: u64 = 200;
+
+/// The limits of a cell as a climb watches them.
+///
+/// # Errors
+/// The cell's load is only known by measurement.
+pub(super) fn limits_of(cell: &Cell) -> Result<ActiveLimits<'_>> {
+    ActiveLimits::new(cell, WATCH_DISTANCE)
+}
+
+/// The search for one local maximum within bounds and limits.
+pub(super) struct Climb<'a> {
+    cell: &'a Cell,
+    adjoint: &'a DMatrix<f64>,
+    /// What makes the objective of order one.
+    scale: f64,
+    kernel: Kernel,
+    limits: ActiveLimits<'a>,
+}
+
+impl<'a> Climb<'a> {
+    /// A climb on tr(A·G(q)) with A = `adjoint`, n × n; `scale` is about its size.
+    ///
+    /// # Errors
+    /// The cell's load is only known by measurement.
+    pub(super) fn new(
+        cell: &'a Cell,
+        kernel: &Kernel,
+        adjoint: &'a DMatrix<f64>,
+        scale: f64,
+    ) -> Result<Self> {
+        Ok(Climb {
+            cell,
+            adjoint,
+            scale,
+            kernel: kernel.clone(),
+            limits: limits_of(cell)?,
+        })
+    }
+
+    /// The local maximum reached from `start`, with its value: minus infinity
+    /// where no posture inside the limits was met.
+    pub(super) fn run(mut self, start: &[f64]) -> Result<(Vec<f64>, f64)> {
+        let start: Vec<f64> = start
+            .iter()
+            .zip(&self.cell.bounds)
+            .map(|(x, b)| x.clamp(b[0], b[1]))
+            .collect();
+        let options = Options {
+            max_iterations: MAX_ITERATIONS,
+            tolerance: 1e-9,
+            feasibility: FEASIBILITY,
+            ..Options::default()
+        };
+        let control = Control::default();
+        let found =
+            minimise_within_limits(&mut self, &start, None, WATCH_ROUNDS, |_| options, control)?;
+        Ok((found.x, -found.merit * self.scale))
+    }
+}
+
+impl Limited for Climb<'_> {
+    fn forget_limits(&mut self) {
+        self.limits.forget();
+    }
+
+    fn watch_limits(&mut self, x: &[f64]) {
+        self.limits.watch(x);
+    }
+}
+
+impl Problem for Climb<'_> {
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.cell.bounds
+    }
+
+    fn margin_count(&self) -> usize {
+        self.limits.count()
+    }
+
+    fn evaluate(&mut self, q: &[f64]) -> Evaluation {
+        let adjoint = self.adjoint;
+        let n = q.len();
+        let margins = self.limits.count();
+        let mut out = Evaluation {
+            objective: f64::INFINITY,
+            gradient: vec![0.0; n],
+            margins: vec![0.0; margins],
+            margin_gradients: vec![0.0; margins * n],
+            merit: f64::INFINITY,
+            violation: 0.0,
+        };
+        self.kernel.forward(q);
+        // tr(A G), off-diagonal entries twice.
+        let mut value = 0.0;
+        let mut information = self.kernel.information(0);
+        for i in 0..adjoint.nrows() {
+            for j in 0..=i {
+                let times = if i == j { 1.0 } else { 2.0 };
+                value += times * adjoint[(i, j)] * information.next().unwrap_or(f64::NAN);
+            }
+        }
+        drop(information);
+        if value.is_finite() {
+            out.objective = -value / self.scale;
+            out.merit = out.objective;
+        }
+        self.kernel.set_adjoint(None, adjoint.as_slice());
+        self.kernel.reverse(&mut out.gradient);
+        for g in &mut out.gradient {
+            *g /= -self.scale;
+        }
+        self.limits.add_to(&mut out, q, 0, n);
+        out
+    }
+}

@@ -1,0 +1,158 @@
+//! The indices by name.
+
+use crate::error::{Code, Error, Result, did_you_mean};
+use serde::{Deserialize, Serialize};
+
+/// An index of a group of postures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Index {
+    /// max k(J_N) over the postures (Section III.B, classical index).
+    Classical,
+    /// cond₂(Ψ) = σ_max/σ_min (Section III.A).
+    Condition,
+    /// max k(J_N) × cond(Ψ) (Section III.B, novel index).
+    Novel,
+    /// cond(Ψ·diag(1/k)): balance of *relative* accuracy.
+    ScaledCondition,
+    /// max k(J_N) × cond(Ψ·diag(1/k)).
+    Scaled,
+    /// RMS over joints of the relative standard error of k_j (A-optimality).
+    ExpectedError,
+    /// Largest relative standard error over the joints.
+    WorstJoint,
+    /// Largest expected error when any one posture is lost.
+    DropOne,
+    /// Geometric mean of the semi-axes of the relative error ellipsoid (D-optimality).
+    D,
+    /// RMS error of the predicted tip deflection over the cell's tasks \[m\] (I-optimality).
+    Task,
+    /// (Π σ_i)^(1/n)/√m with m postures; larger is better (Borm & Menq).
+    O1,
+    /// σ_min/σ_max; larger is better (Driels & Pathre).
+    O2,
+    /// σ_min; larger is better (Nahvi & Hollerbach).
+    O3,
+    /// σ_min²/σ_max, the noise amplification index; larger is better (Nahvi & Hollerbach).
+    O4,
+    /// 1/Σ(1/σ_i); larger is better (Sun & Hollerbach).
+    O5,
+}
+
+impl Index {
+    /// Every index.
+    pub const ALL: [Index; 15] = [
+        Index::Classical,
+        Index::Condition,
+        Index::Novel,
+        Index::ScaledCondition,
+        Index::Scaled,
+        Index::ExpectedError,
+        Index::WorstJoint,
+        Index::DropOne,
+        Index::D,
+        Index::Task,
+        Index::O1,
+        Index::O2,
+        Index::O3,
+        Index::O4,
+        Index::O5,
+    ];
+
+    /// Name in JSON.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Index::Classical => "classical",
+            Index::Condition => "condition",
+            Index::Novel => "novel",
+            Index::ScaledCondition => "scaled_condition",
+            Index::Scaled => "scaled",
+            Index::ExpectedError => "expected_error",
+            Index::WorstJoint => "worst_joint",
+            Index::DropOne => "drop_one",
+            Index::D => "d",
+            Index::Task => "task",
+            Index::O1 => "o1",
+            Index::O2 => "o2",
+            Index::O3 => "o3",
+            Index::O4 => "o4",
+            Index::O5 => "o5",
+        }
+    }
+
+    /// Finds an index by name; `-` and `_` are the same.
+    ///
+    /// # Errors
+    /// Unknown name; the hint has the nearest.
+    pub fn from_name(name: &str) -> Result<Self> {
+        let wanted = name.trim().to_lowercase().replace('-', "_");
+        Index::ALL
+            .into_iter()
+            .find(|i| i.as_str() == wanted)
+            .ok_or_else(|| {
+                let hint =
+                    did_you_mean(&wanted, Index::ALL.map(Index::as_str)).unwrap_or_else(|| {
+                        format!(
+                            "known indices: {}",
+                            Index::ALL.map(Index::as_str).join(", ")
+                        )
+                    });
+                Error::new(Code::UnknownName, format!("There is no index \"{name}\".")).hint(hint)
+            })
+    }
+
+    /// True when a larger value is better (O1 to O5).
+    pub fn larger_is_better(self) -> bool {
+        matches!(
+            self,
+            Index::O1 | Index::O2 | Index::O3 | Index::O4 | Index::O5
+        )
+    }
+
+    /// True when it uses k(J_N) and with it the characteristic length.
+    pub fn uses_dexterity(self) -> bool {
+        matches!(self, Index::Classical | Index::Novel | Index::Scaled)
+    }
+
+    /// True when it needs a prior joint stiffness.
+    pub fn needs_prior(self) -> bool {
+        matches!(
+            self,
+            Index::ScaledCondition
+                | Index::Scaled
+                | Index::ExpectedError
+                | Index::WorstJoint
+                | Index::DropOne
+                | Index::D
+        )
+    }
+
+    /// True when it is a multiple of the noise, whose posture-common part it
+    /// weighs.
+    pub(crate) fn is_error(self) -> bool {
+        matches!(
+            self,
+            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task
+        )
+    }
+
+    /// The index from the logarithm that searches minimise (of its reciprocal
+    /// for O1 to O5).
+    pub(crate) fn of_log(self, log: f64) -> f64 {
+        match self.larger_is_better() {
+            true => (-log).exp(),
+            false => log.exp(),
+        }
+    }
+
+    /// True when it needs the cell's tasks.
+    pub fn needs_tasks(self) -> bool {
+        self == Index::Task
+    }
+
+    /// True when it uses the observation matrix (all but the classical one).
+    pub fn uses_observation(self) -> bool {
+        self != Index::Classical
+    }
+}

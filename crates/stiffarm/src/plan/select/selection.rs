@@ -1,0 +1,181 @@
+//! What a selection gives, and why one may give nothing.
+
+use super::load_design::DesignedLoad;
+use crate::error::{Code, Error, Result};
+use crate::findings::list;
+use crate::model::cell::Cell;
+use crate::model::observation::PostureTerms;
+use crate::model::posture::PostureGroup;
+use crate::numerics::control::Termination;
+use crate::plan::index::{GroupEvaluation, Index, Indices};
+use serde::Serialize;
+
+/// Result of a selection.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Selection {
+    /// The index that was minimised (maximised for O1 to O5).
+    pub index: Index,
+    /// Its value at the selected postures.
+    pub value: f64,
+    /// Its value at the initial group, moved onto the bounds; `None` where it
+    /// does not exist there. A start outside the limits may well be better than
+    /// any group inside them.
+    pub start_value: Option<f64>,
+    /// Every index of the selected postures.
+    #[serde(rename = "indices", serialize_with = "indices_of")]
+    #[cfg_attr(feature = "schema", schemars(with = "Indices"))]
+    pub evaluation: GroupEvaluation,
+    /// Selected postures, controller angles \[rad\].
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Selected postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub group: Vec<Vec<f64>>,
+    /// Number of postures that were given and stay as they are; `value` and
+    /// `indices` are those of given and selected postures together.
+    pub given: usize,
+    /// Why the search ended.
+    pub termination: Termination,
+    /// Rounds of a global search that were completed: asking for as many gives
+    /// the same result again. `None` for a local one.
+    pub rounds: Option<u64>,
+    /// Number of local searches.
+    pub starts: usize,
+    /// Evaluations of index, limits and their derivatives.
+    pub evaluations: u64,
+    /// Iterations of the optimiser.
+    pub iterations: u64,
+    /// First-order optimality: ∞-norm of the projected gradient of the
+    /// Lagrangian of ln(index) \[1/rad\] at the last iterate.
+    pub stationarity: Option<f64>,
+    /// Smallest margin to a limit of the cell \[m\], `None` without limits.
+    pub smallest_margin_m: Option<f64>,
+    /// The load, where it was chosen together with the postures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load: Option<DesignedLoad>,
+}
+
+/// Of an evaluation, a selection's JSON holds the indices.
+fn indices_of<S: serde::Serializer>(
+    evaluation: &GroupEvaluation,
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    evaluation.indices.serialize(serializer)
+}
+
+impl Selection {
+    /// The selected postures as a named group.
+    pub fn to_group(&self, name: &str) -> PostureGroup {
+        PostureGroup::from_angles(name, self.group.iter().cloned())
+    }
+}
+
+/// Refuses bounds that no angle meets.
+pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
+    let reversed = |b: &[f64; 2]| b[0].is_nan() || b[1].is_nan() || b[0] > b[1];
+    match cell.bounds.iter().position(reversed) {
+        None => Ok(()),
+        Some(j) => Err(Error::new(
+            Code::InvalidValue,
+            format!(
+                "The bounds of {} are reversed.",
+                cell.setup.robot.joints()[j].name
+            ),
+        )),
+    }
+}
+
+/// Smallest margin of a group to the cell's limits \[m\], `None` without limits.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::files::builtin;
+/// use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
+///
+/// let cell = builtin::cell("comau")?;
+/// let group = random_group(&cell, StartKind::Uniform, 3, 1, 0)?;
+/// assert!(smallest_margin(&cell, &group)? >= Some(0.0));
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// As [`PostureTerms::new`].
+pub fn smallest_margin<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Result<Option<f64>> {
+    let mut smallest: Option<f64> = None;
+    for q in postures {
+        let terms = PostureTerms::new(&cell.setup, q.as_ref(), None)?;
+        if let Some(margin) = cell.limits.smallest(&cell.setup, &terms) {
+            smallest = Some(smallest.map_or(margin.margin, |s| s.min(margin.margin)));
+        }
+    }
+    Ok(smallest)
+}
+
+/// Why a search ended without a group.
+pub(super) fn no_result(
+    cell: &Cell,
+    index: Index,
+    at: &GroupEvaluation,
+    termination: Termination,
+) -> Error {
+    if termination == Termination::Interrupted {
+        return Error::new(
+            Code::Interrupted,
+            "Stopped before any posture group met the cell's limits.",
+        );
+    }
+    if index.uses_observation() && !at.undetermined_joints.is_empty() {
+        return Error::new(
+            Code::NotIdentifiable,
+            format!(
+                "{} with this load cannot determine {}.",
+                match at.posture_count {
+                    1 => "One posture".to_string(),
+                    count => format!("{count} postures"),
+                },
+                list(&at.undetermined_joints)
+            ),
+        )
+        .hint(
+            "add postures that differ, or measuring points, or move the load off the joint's axis",
+        );
+    }
+    if index == Index::DropOne && at.indices.drop_one.is_none() {
+        return Error::new(
+            Code::NotIdentifiable,
+            format!(
+                "{} postures less one cannot determine every joint, so drop_one does not exist.",
+                at.posture_count
+            ),
+        )
+        .hint("give more postures, or choose expected_error");
+    }
+    if index.uses_dexterity() && at.k_jn.iter().any(Option::is_none) {
+        return Error::new(
+            Code::InvalidValue,
+            "k(J_N) does not exist at some posture of the initial group: the Jacobian is singular there.",
+        )
+        .hint("start from other postures, for example with the wrist bent");
+    }
+    let limits = if cell.limits.is_empty() {
+        "the joint bounds"
+    } else {
+        "the cell's limits"
+    };
+    Error::new(
+        Code::InvalidValue,
+        format!(
+            "No group of {} postures that meets {limits} was found from this start.",
+            at.posture_count
+        ),
+    )
+    .hint("start from postures inside the limits, or relax [limits] and [bounds]")
+}

@@ -1,0 +1,125 @@
+//! A whole identification computes nothing twice.
+
+use crate::common::{default_cell, group1};
+use std::collections::BTreeSet;
+use stiffarm::Control;
+use stiffarm::estimate::diagnose::diagnose;
+use stiffarm::estimate::identify::{
+    Estimator, Fit, IdentifyOptions, NoiseSource, bootstrap, identify, profile,
+};
+use stiffarm::estimate::next_posture::next_posture;
+use stiffarm::estimate::systematic::systematic_errors;
+use stiffarm::estimate::validate::cross_validate;
+use stiffarm::measure::experiment::{Experiment, experiment};
+use stiffarm::measure::reduction::ReduceOptions;
+use stiffarm::measure::{Measured, prepare};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::Posture;
+use stiffarm::plan::select::GlobalOptions;
+
+fn measured(cell: &Cell) -> Measured {
+    let named = |(i, q): (usize, Vec<f64>)| Posture {
+        name: (i + 1).to_string(),
+        q,
+    };
+    let postures: Vec<Posture> = group1().into_iter().enumerate().map(named).collect();
+    let truth = cell.require_prior().unwrap().to_vec();
+    let done = Experiment::as_measured(cell);
+    let table = experiment(cell, &postures, &truth, &done, 3, 0).unwrap();
+    prepare(cell, table, &ReduceOptions::default()).unwrap()
+}
+
+/// Everything that `identify` prints.
+fn whole(fit: &Fit) {
+    fit.identification().unwrap();
+    profile(fit).unwrap();
+    systematic_errors(fit).unwrap();
+    diagnose(fit).unwrap();
+    bootstrap(fit, 200, 1, 0.95).unwrap();
+    let mut search = GlobalOptions::default();
+    search.rounds = Some(1);
+    next_posture(fit, &search, Control::default()).unwrap();
+    let count = fit.measured().postures.len() / 3;
+    cross_validate(fit, count, None).unwrap();
+    fit.leave_one_out().unwrap();
+}
+
+#[test]
+fn one_assembly_and_one_fit_per_options_and_data() {
+    let cell = default_cell();
+    let clean = measured(&cell);
+    let mut odd = clean.clone();
+    // One displacement that the search for outliers sets aside.
+    odd.postures[4].displacements[1].value.x += 1e-3;
+    for (measured, estimator) in [
+        (&clean, Estimator::TwoVariance),
+        (&clean, Estimator::Weighted),
+        (&clean, Estimator::Huber),
+        (&odd, Estimator::TwoVariance),
+        (&odd, Estimator::Ordinary),
+    ] {
+        let options = IdentifyOptions {
+            estimator,
+            ..IdentifyOptions::default()
+        };
+        let fit = Fit::new(&cell, measured, &options).unwrap();
+        whole(&fit);
+        let journal = fit.journal();
+        let different: BTreeSet<&String> = journal.iter().collect();
+        assert_eq!(
+            different.len(),
+            journal.len(),
+            "{estimator:?}: {journal:#?}"
+        );
+        let count = |what: &str| journal.iter().filter(|e| e.starts_with(what)).count();
+        assert_eq!((count("terms"), count("system")), (1, 1), "{journal:#?}");
+        // The model as it is, and each further term beside it.
+        assert!(count("fit") > 7 && count("6 folds") > 7, "{journal:#?}");
+    }
+}
+
+#[test]
+fn other_options_use_the_same_terms() {
+    let cell = default_cell();
+    let measured = measured(&cell);
+    let two = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    for estimator in Estimator::ALL {
+        let options = IdentifyOptions {
+            estimator,
+            ..IdentifyOptions::default()
+        };
+        let again = two.with(&options).unwrap();
+        let alone = identify(&cell, &measured, &options).unwrap();
+        assert_eq!(*again.identification().unwrap(), alone, "{estimator:?}");
+    }
+    let journal = two.journal();
+    let count = |what: &str| journal.iter().filter(|e| e.starts_with(what)).count();
+    assert_eq!((count("terms"), count("system"), count("fit")), (1, 1, 6));
+}
+
+#[test]
+fn the_count_of_readings_travels_with_the_measurements() {
+    // The cell counts one reading per displacement; raw readings are two.
+    let cell = default_cell();
+    assert_eq!(cell.noise.readings_per_displacement, 1);
+    let measured = measured(&cell);
+    assert_eq!(measured.readings_per_displacement, Some(2));
+    let known = IdentifyOptions {
+        estimator: Estimator::Weighted,
+        noise: NoiseSource::Known,
+        ..IdentifyOptions::default()
+    };
+    let found = identify(&cell, &measured, &known).unwrap();
+    let mut two = cell.clone();
+    two.noise.readings_per_displacement = 2;
+    let by_cell = identify(&two, &measured.postures, &known).unwrap();
+    assert_eq!(found, by_cell);
+    assert_eq!(found.expected_std_m, two.noise.displacement_std());
+    let repeats = IdentifyOptions {
+        noise: NoiseSource::Repeats,
+        ..known
+    };
+    let fit = Fit::new(&cell, &measured, &repeats).unwrap();
+    // Folds see the repeats too.
+    cross_validate(&fit, 6, None).unwrap();
+}
