@@ -165,3 +165,31 @@ fn a_map_without_values_is_all_missing_and_has_no_bar() {
     check(&svg);
     assert!(svg.contains("#e2e2e2") && !svg.contains("#fde725"));
 }
+
+#[test]
+fn small_values_are_bright_where_asked_for() {
+    let mut panel = map(2, 1, Axis::linear("value", "mm"), |c, _| c as f64);
+    let series = panel.series.remove(0);
+    panel.series.push(series.with_small_bright(true));
+    let svg = render_svg(&figure(vec![panel]));
+    check(&svg);
+    let document = Document::parse(&svg).unwrap();
+    let cells: Vec<Node> = document
+        .descendants()
+        .filter(|n| n.attribute("shape-rendering").is_some())
+        .collect();
+    let (bar, legend) = cells[2..].split_at(64);
+    assert_eq!(legend.len(), 1);
+    let left = |n: &&Node| rectangles(n)[0][0];
+    let mut places: Vec<&Node> = cells[..2].iter().collect();
+    places.sort_by(|a, b| left(a).total_cmp(&left(b)));
+    // The smaller value lies on the left and has the colour of the bar's lower end.
+    let fill = |n: &Node| n.attribute("fill").unwrap().to_owned();
+    let [low, high] = [&bar[0], &bar[63]].map(fill);
+    assert_eq!(
+        [places[0], places[1]].map(fill),
+        [low.clone(), high.clone()]
+    );
+    let green = |colour: &str| u32::from_str_radix(&colour[3..5], 16).unwrap();
+    assert!(green(&low) > 220 && green(&high) < 10);
+}

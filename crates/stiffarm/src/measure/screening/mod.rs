@@ -20,6 +20,7 @@ mod model;
 mod motion;
 mod posture;
 mod rigid;
+mod severity;
 mod shape;
 mod sheet;
 mod states;
