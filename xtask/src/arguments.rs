@@ -27,7 +27,10 @@ Commands:
       --binary PATH     runs this executable; without it `stiffarm` is built for release
       The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
   lint
-      Formatting, clippy, documentation, feature combinations, generated files, licences, unused dependencies.
+      Formatting, structure of the code, clippy with all, the default and no features, documentation, generated
+      files, licences, unused dependencies.
+  features
+      Clippy on the library with every set of its features; takes minutes, the nightly workflow runs it.
   ci [options of test]
       lint, then test: what the continuous integration runs.
   help
@@ -53,6 +56,8 @@ pub enum Command {
     Outputs(OutputsOptions),
     /// Every check that is not a test.
     Lint,
+    /// The library with every set of its features.
+    Features,
     /// [`Command::Lint`], then [`Command::Test`].
     Ci(TestOptions),
 }
@@ -121,13 +126,14 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [_, second, ..] => Err(unexpected(name, second)),
         },
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
-        "lint" => match rest {
-            [] => Ok(Command::Lint),
+        "lint" | "features" => match rest {
+            [] if name == "lint" => Ok(Command::Lint),
+            [] => Ok(Command::Features),
             [first, ..] => Err(unexpected(name, first)),
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, generate, outputs, lint, ci or help",
+            "use test, generate, outputs, lint, features, ci or help",
         )),
     }
 }
@@ -261,6 +267,7 @@ mod tests {
             Command::Generate { check: true }
         );
         assert_eq!(parsed("lint").unwrap(), Command::Lint);
+        assert_eq!(parsed("features").unwrap(), Command::Features);
     }
 
     #[test]

@@ -2,27 +2,85 @@
 
 use crate::arguments::TestOptions;
 use crate::run::{Failure, Workspace, step};
-use crate::{generate, test};
+use crate::{generate, structure, test};
 
 /// Every check that is not a test; stops at the first that fails.
 pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
+    check_code(workspace)?;
+    step("cargo xtask generate --check", || {
+        generate::run(workspace, true)
+    })?;
+    check_dependencies(workspace)
+}
+
+/// What [`lint`] does, then the tests. Their closing line is the last line of all.
+pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
+    check_code(workspace)?;
+    let build = test::build(workspace);
+    step(&build, || build.run())?;
+    step("cargo xtask generate --check", || {
+        generate::run_built(workspace, true)
+    })?;
+    check_dependencies(workspace)?;
+    println!("\n== cargo xtask test");
+    test::run(workspace, options)
+}
+
+/// Format, structure, clippy and documentation.
+fn check_code(workspace: &Workspace) -> Result<(), Failure> {
     let format = workspace
         .cargo(&["fmt", "--all", "--check"])
         .fix("run `cargo fmt --all`");
     step(&format, || format.run())?;
-    run_step(
-        workspace,
-        &[
-            "clippy",
-            "--workspace",
-            "--all-targets",
-            "--all-features",
-            "--locked",
-            "--",
-            "-D",
-            "warnings",
-        ],
-    )?;
+    step("structure of the code", || structure::check(workspace))?;
+    // All features of everything first: the other two combinations that matter leave parts of the library out, and
+    // the nightly workflow checks every one. Clippy and not `cargo check`, because only it can refuse warnings
+    // without compiling every dependency anew.
+    for selection in [
+        &["--workspace", "--all-targets", "--all-features"][..],
+        &["--package", "stiffarm"],
+        &["--package", "stiffarm", "--no-default-features"],
+    ] {
+        clippy(workspace, selection)?;
+    }
+    document(workspace)
+}
+
+/// Licences and unused dependencies.
+fn check_dependencies(workspace: &Workspace) -> Result<(), Failure> {
+    run_if_installed(workspace, "deny", &["deny", "check", "licenses", "bans"])?;
+    run_if_installed(workspace, "machete", &["machete"])
+}
+
+/// The library with every set of its features: what [`lint`] leaves to the nightly workflow.
+pub fn features(workspace: &Workspace) -> Result<(), Failure> {
+    let path = "crates/stiffarm/Cargo.toml";
+    let manifest = std::fs::read_to_string(workspace.root().join(path)).map_err(|error| {
+        Failure::internal(
+            format!("`{path}` could not be read: {error}"),
+            "check that the checkout is complete",
+        )
+    })?;
+    for names in subsets(&feature_names(&manifest)) {
+        let features = format!("--features={}", names.join(","));
+        let mut selection = vec!["--package", "stiffarm", "--no-default-features"];
+        selection.extend((!names.is_empty()).then_some(features.as_str()));
+        clippy(workspace, &selection)?;
+    }
+    Ok(())
+}
+
+fn clippy(workspace: &Workspace, selection: &[&str]) -> Result<(), Failure> {
+    let arguments = [
+        &["clippy", "--locked"],
+        selection,
+        &["--", "-D", "warnings"],
+    ]
+    .concat();
+    run_step(workspace, &arguments)
+}
+
+fn document(workspace: &Workspace) -> Result<(), Failure> {
     let doc = workspace
         .cargo(&[
             "doc",
@@ -32,50 +90,20 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
             "--locked",
         ])
         .env("RUSTDOCFLAGS", "-D warnings");
-    step(&doc, || doc.run())?;
-    check_features(workspace)?;
-    step("cargo xtask generate --check", || {
-        generate::run(workspace, true)
-    })?;
-    run_if_installed(workspace, "deny", &["deny", "check", "licenses", "bans"])?;
-    run_if_installed(workspace, "machete", &["machete"])
+    step(&doc, || doc.run())
 }
 
-/// [`lint`], then the tests. Their closing line is the last line of all.
-pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
-    lint(workspace)?;
-    println!("\n== cargo xtask test");
-    test::run(workspace, options)
-}
-
-/// The library compiles without a warning with no feature, with each alone and with all. Clippy and not `cargo check`,
-/// because only it can refuse warnings, such as an unused import, without compiling every dependency anew.
-fn check_features(workspace: &Workspace) -> Result<(), Failure> {
-    let path = "crates/stiffarm/Cargo.toml";
-    let manifest = std::fs::read_to_string(workspace.root().join(path)).map_err(|error| {
-        Failure::internal(
-            format!("`{path}` could not be read: {error}"),
-            "check that the checkout is complete",
-        )
-    })?;
-    for selection in feature_selections(&manifest) {
-        let mut arguments = vec!["clippy", "--locked", "--package", "stiffarm"];
-        arguments.extend(selection.iter().map(String::as_str));
-        arguments.extend(["--", "-D", "warnings"]);
-        run_step(workspace, &arguments)?;
+/// Every set of `names`, the empty one first.
+fn subsets<'a>(names: &[&'a str]) -> Vec<Vec<&'a str>> {
+    let mut sets = vec![Vec::new()];
+    for name in names {
+        let with: Vec<Vec<&str>> = sets
+            .iter()
+            .map(|set| [set, &[*name][..]].concat())
+            .collect();
+        sets.extend(with);
     }
-    Ok(())
-}
-
-/// The options that select no feature, each feature of `manifest` alone, and all.
-fn feature_selections(manifest: &str) -> Vec<Vec<String>> {
-    let none = "--no-default-features".to_string();
-    let mut selections = vec![vec![none.clone()]];
-    for feature in feature_names(manifest) {
-        selections.push(vec![none.clone(), format!("--features={feature}")]);
-    }
-    selections.push(vec!["--all-features".to_string()]);
-    selections
+    sets
 }
 
 /// The names in the `[features]` table of a Cargo.toml, without `default`. Read from the manifest, so that a new
@@ -123,7 +151,7 @@ name = "stiffarm"
 
 [features]
 default = ["files", "parallel"]
-# Doors = files.
+# Reading = files.
 files = ["dep:toml", "dep:csv"]
 long = [
     "dep:a",
@@ -142,16 +170,12 @@ nalgebra = "1"
     }
 
     #[test]
-    fn none_each_alone_and_all_are_checked() {
-        let manifest = "[features]\nfiles = []\n";
+    fn every_set_of_features_is_checked() {
         assert_eq!(
-            feature_selections(manifest),
-            [
-                vec!["--no-default-features"],
-                vec!["--no-default-features", "--features=files"],
-                vec!["--all-features"],
-            ]
+            subsets(&["a", "b"]),
+            [vec![], vec!["a"], vec!["b"], vec!["a", "b"]]
         );
+        assert_eq!(subsets(&["a", "b", "c", "d"]).len(), 16);
     }
 
     #[test]

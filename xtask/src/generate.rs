@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use crate::run::{Failure, Workspace};
 
@@ -54,29 +55,60 @@ enum Drift {
 /// What to do about [`Drift::Stray`].
 const STRAY_FIX: &str = "delete it, or move it to the folder that is copied";
 
-/// Writes what is generated, or with `check` only compares it.
+/// Builds `stiffarm` by itself, then writes what is generated, or with `check` only compares it.
 pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
     workspace
         .cargo(&["build", "--locked", "--package", "stiffarm-cli"])
         .run()?;
-    let stiffarm = |arguments: &[&str]| {
-        let mut call = vec![
-            "run",
-            "--quiet",
-            "--locked",
-            "--package",
-            "stiffarm-cli",
-            "--",
-        ];
-        call.extend(arguments);
-        workspace.cargo(&call).output()
-    };
+    run_built(workspace, check)
+}
+
+/// [`run`] with the `stiffarm` that has been built into the folder of this program. A build of the tests leaves it
+/// there, with other features of its dependencies than a build of the command alone, which would compile most of them
+/// a second time.
+pub fn run_built(workspace: &Workspace, check: bool) -> Result<(), Failure> {
+    let program = beside_this_program("stiffarm")?;
+    let stiffarm = |arguments: &[&str]| printed(&program, arguments);
     let expected = expected_files(workspace.root(), GENERATED, stiffarm)?;
     let drifts = drifts(workspace.root(), GENERATED, &expected)?;
     if check {
         report(&drifts, expected.len())
     } else {
         write(workspace.root(), &expected, &drifts)
+    }
+}
+
+/// The program `name` in the folder of this one.
+fn beside_this_program(name: &str) -> Result<PathBuf, Failure> {
+    let path = std::env::current_exe()
+        .map(|this| this.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX)));
+    match path {
+        Ok(path) if path.is_file() => Ok(path),
+        _ => Err(Failure::internal(
+            format!("`{name}` does not lie beside this program"),
+            "start it as `cargo xtask`, which builds both into one folder",
+        )),
+    }
+}
+
+/// What `program` writes to standard output; standard error goes to the terminal.
+fn printed(program: &Path, arguments: &[&str]) -> Result<Vec<u8>, Failure> {
+    let mut command = Command::new(program);
+    command
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stderr(Stdio::inherit());
+    let call = || format!("`{} {}`", program.display(), arguments.join(" "));
+    match command.output() {
+        Ok(output) if output.status.success() => Ok(output.stdout),
+        Ok(output) => Err(Failure::internal(
+            format!("{} failed: {}", call(), output.status),
+            "correct what it printed above, then run it again",
+        )),
+        Err(error) => Err(Failure::internal(
+            format!("{} could not be run: {error}", call()),
+            "check that the file may be executed",
+        )),
     }
 }
 

@@ -8,6 +8,7 @@ mod checks;
 mod generate;
 mod outputs;
 mod run;
+mod structure;
 mod tally;
 mod test;
 
@@ -40,6 +41,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Generate { check } => generate::run(&workspace, check),
         Command::Outputs(options) => outputs::run(&workspace, &options),
         Command::Lint => checks::lint(&workspace),
+        Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::arguments::{Part, TestOptions};
-use crate::run::{Failure, Workspace, quoted};
+use crate::run::{Cargo, Failure, Workspace, quoted};
 use crate::tally::{Ignored, Tally, Total};
 
 /// Names the folder of the reference data; the tests read it, and their `#[ignore]` reason names it.
@@ -66,32 +66,47 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
     }
 }
 
+/// What `cargo test` runs, a call for each. Named one by one, because a plain `cargo test` also builds every example,
+/// optimised; clippy has checked them already.
+const TARGETS: [&[&str]; 2] = [&["--lib", "--bins", "--tests"], &["--doc"]];
+
+/// The build of everything that [`run`] runs but the doc tests.
+pub fn build(workspace: &Workspace) -> Cargo<'_> {
+    let arguments = [&["test", "--workspace", "--locked", "--no-run"], TARGETS[0]].concat();
+    workspace.cargo(&arguments)
+}
+
 /// `cargo test` with doc tests, and with the tests that need the reference data where there is its folder. The text
 /// is a failure that no test accounts for.
 fn run_rust(
     workspace: &Workspace,
     reference: Option<&Path>,
 ) -> Result<(Tally, Option<String>), Failure> {
-    let mut arguments = vec!["test", "--workspace", "--locked", "--no-fail-fast"];
-    if reference.is_some() {
-        arguments.extend(["--", "--include-ignored"]);
-    }
-    let mut call = workspace.cargo(&arguments);
-    if let Some(folder) = reference {
-        call = call.env(REFERENCE_VARIABLE, folder);
-    }
-    println!("{call}");
-
     let mut tally = Tally::default();
-    let status = call.stream(|line| tally.see(line))?;
-    tally.close();
-    let unaccounted = !status.success() && tally.failed == 0;
-    let complaint = unaccounted.then(|| {
-        format!(
-            "rust: cargo test ended with {status} though no test failed, most often because the code does not \
-             compile; fix: correct the first error above"
-        )
-    });
+    let mut complaint = None;
+    for targets in TARGETS {
+        let failed = tally.failed;
+        let mut arguments = vec!["test", "--workspace", "--locked", "--no-fail-fast"];
+        arguments.extend(targets);
+        if reference.is_some() {
+            arguments.extend(["--", "--include-ignored"]);
+        }
+        let mut call = workspace.cargo(&arguments);
+        if let Some(folder) = reference {
+            call = call.env(REFERENCE_VARIABLE, folder);
+        }
+        println!("{call}");
+
+        let status = call.stream(|line| tally.see(line))?;
+        tally.close();
+        if !status.success() && tally.failed == failed {
+            complaint = Some(format!(
+                "rust: cargo test ended with {status} though no test failed, most often because the code does not \
+                 compile; fix: correct the first error above"
+            ));
+            break;
+        }
+    }
     Ok((tally, complaint))
 }
 

@@ -22,11 +22,6 @@ fn json(folder: &Folder, line: &str) -> String {
 }
 
 #[test]
-fn help() {
-    assert_snapshot!(transcript(&Folder::new(), "--help"));
-}
-
-#[test]
 fn init() {
     let folder = Folder::new();
     let printed = transcript(&folder, "init --robot kuka-kr240-2 --output-dir cell");

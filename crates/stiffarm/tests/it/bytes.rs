@@ -3,6 +3,7 @@
 
 #![cfg(feature = "files")]
 
+use crate::common::cases;
 use proptest::prelude::*;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::{parse_cell, parse_cell_bytes, template};
@@ -272,7 +273,7 @@ fn with_number(text: &str, which: usize, by: &str) -> String {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(cases(400))]
 
     #[test]
     fn arbitrary_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400)) {

@@ -8,6 +8,7 @@ use crate::common;
 
 use common::groups::{limits_around, ln_index, violation};
 use common::random::Dice;
+use common::runs::runs;
 use common::{cases, default_cell, group1, reference_cell};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -45,7 +46,7 @@ fn select(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> S
 #[test]
 fn reference_cell_reaches_the_best_known_values() {
     let cell = reference_cell();
-    for seed in 1..=5 {
+    for seed in 1..=runs(1).min(5) {
         let plan = select(&cell, Index::ExpectedError, 6, &seeded(seed));
         println!(
             "expected error, seed {seed}: {:.7} in {:?} rounds",
@@ -56,7 +57,7 @@ fn reference_cell_reaches_the_best_known_values() {
         assert_eq!(violation(&cell, &plan.group), 0.0);
         assert_eq!(plan.group.len(), 6);
     }
-    for seed in 1..=3 {
+    for seed in 1..=runs(1).min(3) {
         let plan = select(&cell, Index::Novel, 6, &rounds(seed, 8));
         println!("novel, seed {seed}: {:.4}", plan.value);
         assert!(plan.value <= 9.0, "seed {seed}: {}", plan.value);

@@ -6,6 +6,7 @@ use crate::common;
 use common::random::Dice;
 use common::readings::*;
 use common::reference_cell;
+use common::runs::{most, runs, wider};
 use nalgebra::{Isometry3, Vector3};
 use stiffarm::findings::Severity;
 use stiffarm::measure::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
@@ -18,10 +19,10 @@ use stiffarm::model::posture::Posture;
 #[test]
 fn the_errors_of_a_real_arm_are_not_taken_for_wrong_postures() {
     let cell = reference_cell();
-    let (mut dice, mut worst) = (Dice::new(11), 0.0_f64);
+    let mut dice = Dice::new(11);
     for count in [4, 5, 6, 10, 20] {
         let mut left_out = 0;
-        let runs = 200;
+        let runs = runs(20);
         for run in 0..runs {
             let list: Vec<Posture> = (0..count)
                 .map(|i| Posture {
@@ -50,11 +51,12 @@ fn the_errors_of_a_real_arm_are_not_taken_for_wrong_postures() {
             let registration = result.registration.unwrap();
             left_out += registration.postures.iter().filter(|p| !p.used).count();
         }
-        let share = left_out as f64 / (runs * count) as f64;
+        let share = left_out as f64 / (runs * count as u64) as f64;
         eprintln!("{count} postures: {:.2} % left out", share * 100.0);
-        worst = worst.max(share);
+        let postures = runs * count as u64;
+        let allowed = most(0.005, postures, 200 * count as u64);
+        assert!(left_out as u64 <= allowed, "{count} postures: {share}");
     }
-    assert!(worst < 0.005, "{worst}");
 }
 
 #[test]
@@ -69,7 +71,7 @@ fn repeatability_is_the_noise_that_was_put_in() {
         ..Experiment::default()
     };
     let (mut chi_squared, mut freedom, mut alarms) = (0.0, 0, 0);
-    let runs = 200;
+    let runs = runs(20);
     for seed in 0..runs {
         let result = reduced(&cell, &take(&cell, &options, seed));
         let repeats = result.repeatability.unwrap();
@@ -112,7 +114,7 @@ fn drift_is_estimated_with_its_standard_error() {
         ..Experiment::default()
     };
     let (mut squares, mut ratio, mut alarms) = (0.0, 0.0, 0);
-    let runs = 200;
+    let runs = runs(20);
     for seed in 0..runs {
         let table = take(&cell, &with(put_in), seed);
         let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
@@ -127,10 +129,12 @@ fn drift_is_estimated_with_its_standard_error() {
         alarms += usize::from(drift.significance.unwrap() < 1e-3);
         assert_eq!(found(&result, "drift")[0].severity, Severity::Note);
     }
-    // χ² with 3 × 200 degrees of freedom; the noise itself is estimated to 2.4 %.
-    let z = (squares - 600.0) / 1200f64.sqrt();
+    // χ² with 3 degrees of freedom a run; the noise itself is estimated to 2.4 % by 200.
+    let freedom = 3.0 * runs as f64;
+    let z = (squares - freedom) / (2.0 * freedom).sqrt();
     assert!(z.abs() < 4.0, "{z}");
-    assert!((ratio / 200.0 - 1.0).abs() < 0.05, "{}", ratio / 200.0);
+    let ratio = ratio / runs as f64;
+    assert!((ratio - 1.0).abs() < 0.05 * wider(runs, 200), "{ratio}");
     assert!(alarms <= 3, "{alarms}");
 }
 
@@ -162,7 +166,7 @@ fn readings_behind_a_displacement_give_its_variance() {
             ..Experiment::default()
         };
         let (mut sum, mut count) = (0.0, 0.0_f64);
-        for seed in 0..60 {
+        for seed in 0..runs(6) {
             let table = take(&cell, &options, seed);
             let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
             for m in &result.measured {
@@ -191,7 +195,8 @@ fn base_motion_by_noise_alone_is_not_named_and_its_noise_is_as_stated() {
         ..Experiment::default()
     };
     let (mut sum, mut expected) = (0.0, 0.0);
-    for seed in 0..100 {
+    let runs = runs(10);
+    for seed in 0..runs {
         let table = take(&cell, &options, seed);
         let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
         assert!(found(&result, "base-motion").is_empty(), "{seed}");
@@ -215,8 +220,9 @@ fn base_motion_by_noise_alone_is_not_named_and_its_noise_is_as_stated() {
             expected += 12.0 * motion.noise_m.powi(2);
         }
     }
-    // 600 postures with 6 degrees of freedom each, unequally weighted.
-    assert!((sum / expected - 1.0).abs() < 0.1, "{}", sum / expected);
+    // 6 postures a run with 6 degrees of freedom each, unequally weighted.
+    let ratio = sum / expected;
+    assert!((ratio - 1.0).abs() < 0.1 * wider(runs, 100), "{ratio}");
 }
 
 #[test]
@@ -232,7 +238,8 @@ fn the_application_point_is_found_with_its_standard_error() {
     let offset = Vector3::new(0.004, -0.003, 0.006);
     stated.setup.tool.loading_point -= offset;
     let (mut squares, mut count, mut alarms) = (0.0, 0.0, 0);
-    for seed in 0..200 {
+    let runs = runs(20);
+    for seed in 0..runs {
         let table = take(&cell, &options, seed);
         let result = reduced(&stated, &table);
         let point = result
@@ -251,7 +258,11 @@ fn the_application_point_is_found_with_its_standard_error() {
     }
     // t with 15 degrees of freedom: variance 15/13.
     let ratio: f64 = squares / count / (15.0 / 13.0);
-    assert!((0.6..1.6).contains(&ratio), "{ratio}");
+    let wider = wider(runs, 200);
+    assert!(
+        (1.0 - 0.4 * wider..1.0 + 0.6 * wider).contains(&ratio),
+        "{ratio}"
+    );
     assert_eq!(alarms, 0);
     // A moment that no point explains: about the force itself.
     let mut table = take(&cell, &options, 1);

@@ -3,6 +3,7 @@
 use crate::common;
 
 use common::random::Dice;
+use common::runs::{fewest, most, runs};
 use nalgebra::{Isometry3, Vector3};
 use std::fmt::Write;
 use stiffarm::Code;
@@ -356,14 +357,14 @@ fn right_pairs_raise_no_alarm() {
     let mut dice = Dice::new(20);
     let mut out = String::new();
     for count in 3..9 {
-        let runs = 3000;
+        let runs = runs(300);
         let (mut outlier, mut serious, mut scale, mut refused) = (0, 0, 0, 0);
         for _ in 0..runs {
             match register(&anywhere(&mut dice, count)) {
                 Ok(found) => {
-                    serious += usize::from(found.is_serious());
-                    outlier += usize::from(codes(&found).contains(&"outlier"));
-                    scale += usize::from(codes(&found).contains(&"scale"));
+                    serious += u64::from(found.is_serious());
+                    outlier += u64::from(codes(&found).contains(&"outlier"));
+                    scale += u64::from(codes(&found).contains(&"scale"));
                 }
                 Err(_) => refused += 1,
             }
@@ -372,10 +373,10 @@ fn right_pairs_raise_no_alarm() {
             out,
             "{count} pairs: {outlier} outliers, {serious} serious, {scale} scale, {refused} refused of {runs}"
         );
-        // The tests are made for 0.1 % and 1 %; standard errors 0.06 and 0.18 %.
-        assert!(outlier as f64 <= 0.018 * runs as f64, "{out}");
-        assert!(serious as f64 <= 0.004 * runs as f64, "{out}");
-        assert!(scale as f64 <= 0.004 * runs as f64, "{out}");
+        // The tests are made for 0.1 % and 1 %; standard errors of 3000 runs 0.06 and 0.18 %.
+        assert!(outlier <= most(0.018, runs, 3000), "{out}");
+        assert!(serious <= most(0.004, runs, 3000), "{out}");
+        assert!(scale <= most(0.004, runs, 3000), "{out}");
         assert!(refused <= 1, "{out}");
     }
     println!("{out}");
@@ -384,7 +385,7 @@ fn right_pairs_raise_no_alarm() {
 #[test]
 fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
     let mut dice = Dice::new(21);
-    let runs = 1000;
+    let runs = runs(100);
     println!("pairs  off by [mm]  found  named  one of several  named wrongly  refused");
     for (count, known) in [(4, false), (4, true), (5, false), (6, false), (8, false)] {
         for mm in [0.1, 0.3, 1.0, 3.0, 30.0] {
@@ -412,9 +413,9 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
                         _ => wrong += 1,
                     }
                 }
-                wrong += usize::from(codes(&found).contains(&"swapped-points"));
+                wrong += u64::from(codes(&found).contains(&"swapped-points"));
             }
-            let share = |n: usize| 100.0 * n as f64 / runs as f64;
+            let share = |n: u64| 100.0 * n as f64 / runs as f64;
             println!(
                 "{count}{}  {mm:>8}  {:>5.1} %  {:>5.1} %  {:>5.1} %  {:>5.1} %  {:>5.1} %",
                 if known { " σ" } else { "  " },
@@ -424,11 +425,11 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
                 share(wrong),
                 share(refused)
             );
-            // Named with at least 99 % of the evidence; standard error 0.3 %.
-            assert!(share(wrong) <= 1.0, "{count} {mm}");
+            // Named with at least 99 % of the evidence.
+            assert!(wrong <= most(0.01, runs, 1000), "{count} {mm}");
             assert!(refused <= 2);
             if mm >= 1.0 && count >= 5 {
-                assert!(share(named) > 90.0, "{count} {mm}");
+                assert!(named > fewest(0.90, runs, 1000), "{count} {mm}");
             }
         }
     }
@@ -437,7 +438,7 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
 #[test]
 fn two_swapped_points_are_named() {
     let mut dice = Dice::new(22);
-    let runs = 1000;
+    let runs = runs(100);
     println!("pairs  named  something else  refused (mirrored too)");
     for count in 3..8 {
         let (mut named, mut other, mut refused) = (0, 0, 0);
@@ -460,7 +461,7 @@ fn two_swapped_points_are_named() {
                 Err(_) => refused += 1,
             }
         }
-        let share = |n: usize| 100.0 * n as f64 / runs as f64;
+        let share = |n: u64| 100.0 * n as f64 / runs as f64;
         println!(
             "{count}  {:>5.1} %  {:>5.1} %  {:>5.1} %",
             share(named),
@@ -468,27 +469,26 @@ fn two_swapped_points_are_named() {
             share(refused)
         );
         if count >= 5 {
-            assert!(share(named) > 99.0, "{count}");
+            assert!(named > fewest(0.99, runs, 1000), "{count}");
         }
     }
 }
 
 #[test]
 fn a_mirrored_frame_is_refused() {
+    let runs = runs(50);
     let mut dice = Dice::new(23);
     for count in 4..8 {
         let mut refused = 0;
-        for _ in 0..500 {
+        for _ in 0..runs {
             let mut pairs = anywhere(&mut dice, count);
             let axis = dice.below(3);
             pairs.iter_mut().for_each(|p| p.tracker[axis] *= -1.0);
             let error = register(&pairs).err();
-            refused += usize::from(error.is_some_and(|e| e.code() == Code::Registration));
+            refused += u64::from(error.is_some_and(|e| e.code() == Code::Registration));
         }
-        println!("{count} pairs: {refused} of 500 refused");
-        assert!(
-            refused >= if count == 4 { 480 } else { 498 },
-            "{count}: {refused}"
-        );
+        println!("{count} pairs: {refused} of {runs} refused");
+        let share = if count == 4 { 0.96 } else { 0.996 };
+        assert!(refused >= fewest(share, runs, 500), "{count}: {refused}");
     }
 }

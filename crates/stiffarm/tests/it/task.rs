@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{cases, default_cell, group1, random::Dice, reference_cell};
+use common::{cases, default_cell, group1, random::Dice, reference_cell, runs::runs};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -83,7 +83,7 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
         let lower = covariance.cholesky().unwrap().unpack();
         let factor = Factor::new(&lower.solve_lower_triangular(&psi).unwrap()).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(5);
-        let runs = 4000;
+        let runs = runs(400) as u32;
         let mut square = 0.0;
         for _ in 0..runs {
             let white = DVector::from_fn(rows, |_, _| rng.sample::<f64, _>(StandardNormal));
@@ -95,7 +95,7 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
         }
         let spread = (square / f64::from(runs)).sqrt();
         let ours = task_index(&cell, &postures);
-        // Three standard errors of a root mean square over 4,000 runs, at most
+        // Three standard errors of a root mean square, at most
         // as uncertain as with one degree of freedom each.
         let tolerance = 3.0 / (2.0 * f64::from(runs)).sqrt();
         assert!(

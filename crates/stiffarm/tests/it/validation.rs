@@ -3,6 +3,7 @@
 use crate::common;
 
 use common::random::Dice;
+use common::runs::runs;
 use common::{group1, random_group, reference_cell};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
@@ -60,7 +61,7 @@ fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validatio
 
 #[test]
 fn bands_hold_as_many_readings_as_they_say() {
-    const RUNS: usize = 1500;
+    let runs = runs(150) as usize;
     let independent = reference_cell();
     let mut common = independent.clone();
     common.noise.posture_common_std = 2.0 * common.noise.displacement_std();
@@ -69,7 +70,7 @@ fn bands_hold_as_many_readings_as_they_say() {
         ..options(Estimator::Weighted)
     };
     // Shares of single components, one of each experiment, are independent.
-    let binomial = Binomial::new(0.95, RUNS as u64).unwrap();
+    let binomial = Binomial::new(0.95, runs as u64).unwrap();
     let (least, most) = (
         binomial.inverse_cdf(FALSE_ALARM),
         binomial.inverse_cdf(1.0 - FALSE_ALARM),
@@ -85,7 +86,7 @@ fn bands_hold_as_many_readings_as_they_say() {
         ),
     ] {
         let (mut one, mut all) = (0, 0);
-        for run in 0..RUNS {
+        for run in 0..runs {
             let result = validated(cell, options, run);
             let band = result.band.as_ref().unwrap();
             assert_eq!(band.components, 72);
@@ -93,8 +94,8 @@ fn bands_hold_as_many_readings_as_they_say() {
             one += u64::from(result.points[run % 24].band.as_ref().unwrap().inside[run % 3]);
         }
         println!(
-            "{what}: {one} of {RUNS} single components, {:.2} % of all",
-            100.0 * all as f64 / (72 * RUNS) as f64
+            "{what}: {one} of {runs} single components, {:.2} % of all",
+            100.0 * all as f64 / (72 * runs) as f64
         );
         assert!(
             (least..=most).contains(&one),
@@ -102,7 +103,7 @@ fn bands_hold_as_many_readings_as_they_say() {
         );
     }
     // Both variances estimated: conservative by its degrees of freedom.
-    let (mut one, runs) = (0, RUNS / 5);
+    let (mut one, runs) = (0, runs / 5);
     for run in 0..runs {
         let result = validated(&common, &options(Estimator::TwoVariance), run);
         one += u64::from(result.points[run % 24].band.as_ref().unwrap().inside[run % 3]);

@@ -193,7 +193,7 @@ impl Fit {
     /// # Errors
     /// Fewer than two postures, or a decomposition that fails.
     pub fn leave_one_out(&self) -> Result<LeaveOneOut> {
-        influence(self)
+        Ok(influence(self.system(), self.solution(), self.folds()?))
     }
 
     /// The fits without each posture in turn.

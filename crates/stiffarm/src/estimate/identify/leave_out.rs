@@ -1,7 +1,6 @@
 //! Fits without some postures: how far the others predict them, and how much
 //! each posture moves the estimates.
 
-use super::fit::Fit;
 use super::rms;
 use super::solve::{Assumptions, Prepared, Solution};
 use super::system::MeasuredSystem;
@@ -103,16 +102,12 @@ pub(crate) fn prediction_error(
         .then(|| system.delta.rows(rows.start, rows.len()) - psi * &solution.values)
 }
 
-/// Leaves each posture out in turn.
-///
-/// # Errors
-/// Fewer than two postures, or a decomposition that fails.
-pub(super) fn influence(fit: &Fit) -> Result<LeaveOneOut> {
-    let (system, all) = (fit.system(), fit.solution());
+/// Each posture by the fold that leaves it out, against the fit `all`.
+pub(super) fn influence(system: &MeasuredSystem, all: &Solution, folds: &[Fold]) -> LeaveOneOut {
     let mut errors = Vec::new();
     let mut complete = true;
     let mut postures = Vec::with_capacity(system.blocks.len());
-    for (b, fold) in fit.folds()?.iter().enumerate() {
+    for (b, fold) in folds.iter().enumerate() {
         let error = prediction_error(system, b, &fold.solution);
         complete &= error.is_some();
         errors.extend(error.iter().flat_map(|e| e.iter().copied()));
@@ -135,8 +130,8 @@ pub(super) fn influence(fit: &Fit) -> Result<LeaveOneOut> {
             lost: lost.iter().map(|j| system.unknowns[*j].clone()).collect(),
         });
     }
-    Ok(LeaveOneOut {
+    LeaveOneOut {
         rms_m: complete.then(|| rms(&errors)),
         postures,
-    })
+    }
 }

@@ -1,9 +1,9 @@
 //! `posture,state,fx_n,…,mz_nm[,dq1_deg,…][,q1_deg,…][,dx_mm,…,rz_deg]`:
 //! readings with the flange fixed.
 
-use super::columns::{force, moment, vector};
+use super::columns::vector;
 use super::grid::{Column, Row, Table};
-use super::heading::Known;
+use super::heading::{Known, force, moment};
 use super::postures::{angle_names, angles};
 use super::quantity::Quantity;
 use super::write::line;

@@ -1,7 +1,7 @@
 //! The columns that tables of displacements and of readings share.
 
 use super::grid::{Column, Row, Table};
-use super::heading::{Known, find_heading, stem};
+use super::heading::{Known, find_heading, force, moment, stem};
 use super::path::known_paths;
 use super::postures::angles;
 use super::quantity::Quantity;
@@ -125,14 +125,6 @@ pub(crate) fn own_heading(name: &str, joints: usize, also: &str) -> Result<Strin
 pub(crate) fn own_headings(joints: usize) -> Vec<String> {
     let known = known_everywhere(joints);
     known.iter().flat_map(Known::headings).collect()
-}
-
-pub(super) fn force() -> [Known; 3] {
-    ["fx", "fy", "fz"].map(|stem| Known::of(stem, Quantity::Force, "force"))
-}
-
-pub(super) fn moment() -> [Known; 3] {
-    ["mx", "my", "mz"].map(|stem| Known::of(stem, Quantity::Moment, "moment"))
 }
 
 fn load() -> Known {

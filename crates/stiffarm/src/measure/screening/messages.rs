@@ -1,67 +1,15 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
+use super::severity::{code, severity};
 use super::{Cause, Suspicion};
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
 use crate::units::m_to_mm;
-
-/// Misfit that a robot as delivered may have \[m\].
-const ROBOT_ACCURACY: f64 = 5e-3;
-
-/// A stray reading below this costs little more than noise does \[m\].
-const SMALL_STRAY: f64 = 1e-4;
 
 /// The finding of one suspicion.
 pub(super) fn finding(cell: &Cell, s: &Suspicion) -> Finding {
     let sentence = sentence(cell, s);
     Finding::new(code(s.cause), severity(s), subject(s), sentence)
-}
-
-fn code(cause: Cause) -> &'static str {
-    match cause {
-        Cause::Units => "reading-units",
-        Cause::ToolUnits => "tool-units",
-        Cause::ExchangedPoints => "exchanged-points",
-        Cause::StrayRepeat => "stray-repeat",
-        Cause::StrayReading => "stray-reading",
-        Cause::MovedReflector => "moved-reflector",
-        Cause::UnsteadyShape => "unsteady-shape",
-        Cause::Drawing => "tool-drawing",
-        Cause::MirroredFrame => "mirrored-frame",
-        Cause::JointSign => "joint-sign",
-        Cause::Coupling => "joint-coupling",
-        Cause::JointOffset => "joint-offset",
-        Cause::Radians => "angles-in-radians",
-        Cause::GivenTransform => "tracker-transform",
-        Cause::AngleSign => "angle-sign",
-        Cause::MistypedAngle => "mistyped-angle",
-        Cause::ExchangedPostures => "exchanged-postures",
-        Cause::OtherPosture => "other-posture",
-        Cause::UnexplainedPosture => "unexplained-posture",
-        Cause::UnexplainedModel => "unexplained-model",
-        Cause::NoDisplacement => "no-displacement",
-        Cause::ReversedForce => "reversed-force",
-        Cause::ExchangedStates => "exchanged-states",
-        Cause::DisplacementSize => "displacement-size",
-        Cause::OtherLoad => "other-load",
-        Cause::NotChecked => "not-checked",
-    }
-}
-
-fn severity(s: &Suspicion) -> Severity {
-    match s.cause {
-        Cause::NotChecked => Severity::Note,
-        Cause::Drawing if s.certain => Severity::Note,
-        // A few mm are within what robots miss their positions by.
-        Cause::UnexplainedPosture if s.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => {
-            Severity::Caution
-        }
-        Cause::StrayReading if s.off_m.is_some_and(|off| off < SMALL_STRAY) => Severity::Caution,
-        Cause::StrayRepeat | Cause::UnsteadyShape | Cause::OtherLoad | Cause::Drawing => {
-            Severity::Caution
-        }
-        _ => Severity::Serious,
-    }
 }
 
 /// What a finding is about: posture and state, or the whole table.

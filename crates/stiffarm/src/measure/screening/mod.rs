@@ -15,10 +15,12 @@
 mod frame;
 mod gross_error;
 mod messages;
+mod misfit;
 mod model;
 mod motion;
 mod posture;
 mod rigid;
+mod severity;
 mod shape;
 mod sheet;
 mod states;

@@ -2,20 +2,15 @@
 //! others fit.
 
 use super::frame::{Frame, items, rms, state_pairs};
+use super::misfit::{first_angles, gap, give, state_rms};
 use super::model::{exchanged, fitted};
 use super::rigid::orders;
-use super::sheet::Mean;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, states};
-use crate::model::observation::PostureTerms;
 use crate::units::rad_to_deg;
-use nalgebra::{DVector, Isometry3};
+use nalgebra::Isometry3;
 
 /// Angle that is the negative of the one written, but for what a robot misses \[rad\].
 const SAME_ANGLE: f64 = 0.01;
-/// How far a state may lie from the unloaded one without a prior \[m\].
-const GIVE: f64 = 1e-2;
-/// Times the expected displacement that a state may lie off with a prior.
-const GIVE_FACTOR: f64 = 5.0;
 /// Steps in which a mistyped angle is looked for, and halvings of the step.
 const STEPS: usize = 120;
 const HALVINGS: usize = 40;
@@ -123,27 +118,6 @@ fn report_unexplained(work: &mut Work, frame: &Frame, p: usize) {
     work.found.push(suspicion);
 }
 
-/// How far a state of posture `p` may lie from its unloaded one \[m\].
-pub(super) fn give(work: &Work, p: usize) -> f64 {
-    let (Some(prior), Some(state)) = (&work.cell.prior, work.sheet.postures[p].states.first())
-    else {
-        return GIVE;
-    };
-    let Ok(terms) = PostureTerms::new(work.setup(), &state.q, None) else {
-        return GIVE;
-    };
-    let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
-    let expected = terms.block(&work.setup().robot) * compliance;
-    (GIVE_FACTOR * expected.amax()).max(GIVE)
-}
-
-/// Largest distance between the points of two states \[m\].
-pub(super) fn gap(a: &[Option<Mean>], b: &[Option<Mean>]) -> f64 {
-    let both = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-    both.map(|(a, b)| (a.position - b.position).norm())
-        .fold(0.0, f64::max)
-}
-
 /// True when all states of a posture lie where its first reference state does.
 fn is_coherent(work: &Work, p: usize) -> bool {
     let posture = &work.sheet.postures[p];
@@ -153,17 +127,6 @@ fn is_coherent(work: &Work, p: usize) -> bool {
     let give = give(work, p);
     let first = &posture.states[reference].points;
     posture.states.iter().all(|s| gap(first, &s.points) <= give)
-}
-
-/// Misfit of one state at the angles `q`; `None` without readings.
-pub(super) fn state_rms(
-    work: &Work,
-    transform: &Isometry3<f64>,
-    at: (usize, usize),
-    q: &[f64],
-) -> Option<f64> {
-    let pairs = state_pairs(&work.sheet.at(at).points, &work.predicted(q));
-    (!pairs.is_empty()).then(|| rms(transform, &pairs))
 }
 
 /// A posture whose states agree with each other but not with the model. Returns
@@ -273,13 +236,6 @@ fn customary(work: &Work, j: usize, angle: f64) -> f64 {
     let full = std::f64::consts::TAU;
     let same = [angle, angle - full, angle + full];
     same.into_iter().find(within).unwrap_or(angle)
-}
-
-/// Angles of a posture's first reference state.
-pub(super) fn first_angles(work: &Work, p: usize) -> Option<Vec<f64>> {
-    let posture = &work.sheet.postures[p];
-    let first = posture.references().first().copied()?;
-    Some(posture.states[first].q.clone())
 }
 
 /// The simplest of the explanations that explain alike, with the others in words.

@@ -2,8 +2,8 @@
 //! states of their posture.
 
 use super::frame::{Frame, rms, state_pairs};
+use super::misfit::{first_angles, gap, give, state_rms};
 use super::model::exchanged;
-use super::posture::{first_angles, gap, give, state_rms};
 use super::rigid::{moved, orders};
 use super::sheet::Mean;
 use super::{ALIKE, BELIEVED, Cause, Suspicion, Work};

@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn tangent_bounds_the_criterion_everywhere() {
-        let q = DMatrix::from_diagonal(&nalgebra::dvector![1.0, 0.0, 3.0]);
+        let q = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![1.0, 0.0, 3.0]));
         for criterion in [Criterion::Determinant, Criterion::Trace(q)] {
             let prepared = criterion.prepare(3).unwrap();
             let m0 = information(1.3);

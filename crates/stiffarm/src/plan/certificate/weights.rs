@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn hessian_is_the_derivative_of_the_slopes() {
         let points: Vec<DMatrix<f64>> = [-1.0, -0.3, 0.4, 0.9].map(|x| polynomial(x, 2)).to_vec();
-        let q = DMatrix::from_diagonal(&nalgebra::dvector![1.0, 0.0, 2.0]);
+        let q = DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, 0.0, 2.0]));
         for criterion in [Criterion::Determinant, Criterion::Trace(q)] {
             let criterion = criterion.prepare(3).unwrap();
             let constant = DMatrix::identity(3, 3) * 0.01;

@@ -7,16 +7,20 @@
 mod follow;
 mod node;
 mod options;
+mod placed;
 mod placement;
 mod prepared;
 mod reach;
 mod result;
 mod search;
+mod status;
 
-pub use node::{MapNode, NodeValues, Status};
+pub use node::{MapNode, NodeValues};
 pub use options::MapOptions;
-pub use placement::{PlaceOptions, Placed, Placement, PlacementCandidate, place};
+pub use placed::{PlaceOptions, Placed, PlacementCandidate};
+pub use placement::{Placement, place};
 pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
+pub use status::Status;
 
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;

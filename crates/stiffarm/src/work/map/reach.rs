@@ -1,6 +1,6 @@
 //! Which postures may hold the tip at a pose.
 
-use super::Status;
+use super::status::Status;
 use crate::error::Result;
 use crate::findings::length;
 use crate::model::cell::{Cell, LimitMargin, Limits};

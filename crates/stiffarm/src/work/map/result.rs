@@ -1,8 +1,9 @@
 //! The whole map and what to say about it.
 
-use super::node::{MapNode, Status};
+use super::node::MapNode;
 use super::options::{AXES, MapOptions};
 use super::reach::first_smallest;
+use super::status::Status;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
 use crate::units::m_to_mm;

@@ -1,11 +1,11 @@
 //! The path at one place of the workpiece: its best branch, thinned and whole.
 
 use super::follow::{Stopped, follow};
-use super::node::Status;
 use super::options::turns;
-use super::placement::{PlaceOptions, Placed, PlacementCandidate};
+use super::placed::{PlaceOptions, Placed, PlacementCandidate};
 use super::prepared::Prepared;
 use super::reach::{Reach, Refusal, is_better};
+use super::status::Status;
 use crate::error::Result;
 use crate::estimate::identify::rms;
 use crate::model::cell::Cell;

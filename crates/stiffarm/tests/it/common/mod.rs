@@ -7,6 +7,7 @@ pub mod groups;
 pub mod model;
 pub mod random;
 pub mod readings;
+pub mod runs;
 
 use nalgebra::{DMatrix, Isometry3, Vector3};
 use proptest::test_runner::{Config, RngSeed};
@@ -206,14 +207,14 @@ pub fn entrywise_error(ours: &[f64], reference: &[f64]) -> f64 {
 }
 
 /// Property tests draw the same cases each time, unless `PROPTEST_RNG_SEED`
-/// or `PROPTEST_CASES` ask for others.
+/// or `PROPTEST_CASES` ask for others; `STIFFARM_TEST_RUNS` multiplies them.
 pub fn cases(count: u32) -> Config {
     let default = Config::default();
     Config {
         cases: if std::env::var_os("PROPTEST_CASES").is_some() {
             default.cases
         } else {
-            count
+            runs::runs(count.into()) as u32
         },
         rng_seed: match default.rng_seed {
             RngSeed::Random => RngSeed::Fixed(2021),

@@ -1,55 +1,10 @@
 //! How a path stands in a table.
 
-use super::heading::contents;
+use super::contents::{Content, PathKind, contents};
 use crate::files::table::quantity::Unit;
 use crate::model::cell::Cell;
 use crate::model::process::ForceAxes;
 use nalgebra::Isometry3;
-
-/// What the rows of a path say of the tip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PathKind {
-    /// `q1_deg` to `qn_deg`: controller angles.
-    Angles,
-    /// `x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg`: the pose of the tip frame.
-    Poses,
-    /// `x_mm, y_mm, z_mm, axis_x, axis_y, axis_z`: position of the tip and
-    /// direction of the tool axis.
-    ToolAxes,
-}
-
-/// What a column holds; components and joints count from 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Content {
-    Name,
-    Angle(usize),
-    Position(usize),
-    Turn(usize),
-    Axis(usize),
-    Force(usize),
-    Moment(usize),
-    Axes,
-}
-
-impl Content {
-    /// True where it is part of what the rows of this kind say of the tip.
-    fn belongs_to(self, kind: PathKind) -> bool {
-        match kind {
-            PathKind::Angles => matches!(self, Content::Angle(_)),
-            PathKind::Poses => matches!(self, Content::Position(_) | Content::Turn(_)),
-            PathKind::ToolAxes => matches!(self, Content::Position(_) | Content::Axis(_)),
-        }
-    }
-
-    fn is_target(self) -> bool {
-        let kinds = [PathKind::Angles, PathKind::Poses, PathKind::ToolAxes];
-        kinds.into_iter().any(|kind| self.belongs_to(kind))
-    }
-
-    fn is_load(self) -> bool {
-        matches!(self, Content::Force(_) | Content::Moment(_) | Content::Axes)
-    }
-}
 
 /// A column: its heading, what it holds and in which unit.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,10 @@
 //! The heading of a path: which columns it has, and what they say together.
 
-use super::format::{Content, FormatColumn, PathKind};
+use super::contents::{Content, PathKind, axis, contents, position, turns};
+use super::format::FormatColumn;
 use crate::error::{Code, Error, Result};
-use crate::files::table::columns::{force, moment};
 use crate::files::table::grid::{Column, Table};
-use crate::files::table::heading::{Found, Known, stem};
-use crate::files::table::quantity::Quantity;
+use crate::files::table::heading::{Found, Known, force, moment, stem};
 use crate::model::cell::Cell;
 
 /// Names of the angles of a pose at controllers, and what they are here:
@@ -14,45 +13,6 @@ const CONTROLLERS: [(&str, [(&str, &str); 3]); 2] = [
     ("KUKA", [("a", "yaw"), ("b", "pitch"), ("c", "roll")]),
     ("FANUC", [("w", "roll"), ("p", "pitch"), ("r", "yaw")]),
 ];
-
-fn position() -> [Known; 3] {
-    ["x", "y", "z"].map(|stem| Known::of(stem, Quantity::Length, "position"))
-}
-
-fn turns() -> [Known; 3] {
-    ["roll", "pitch", "yaw"].map(|stem| Known::of(stem, Quantity::Angle, "orientation"))
-}
-
-fn axis() -> [Known; 3] {
-    ["axis_x", "axis_y", "axis_z"].map(|stem| Known::of(stem, Quantity::Number, "axis"))
-}
-
-/// The columns that a path may have, with what they hold.
-pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
-    fn numbered<const N: usize>(
-        content: fn(usize) -> Content,
-        known: [Known; N],
-    ) -> impl Iterator<Item = (Content, Known)> {
-        let known = known.into_iter().enumerate();
-        known.map(move |(i, known)| (content(i), known))
-    }
-    let mut all = vec![(Content::Name, Known::name("point"))];
-    let angles = Known::angles(joints).enumerate();
-    all.extend(angles.map(|(j, known)| (Content::Angle(j), known)));
-    all.extend(numbered(Content::Position, position()));
-    all.extend(numbered(Content::Turn, turns()));
-    all.extend(numbered(Content::Axis, axis()));
-    all.extend(numbered(Content::Force, force()));
-    all.extend(numbered(Content::Moment, moment()));
-    all.push((Content::Axes, Known::name("axes")));
-    all
-}
-
-/// The columns that a path may have.
-pub(in crate::files::table) fn known(joints: usize) -> Vec<Known> {
-    let contents = contents(joints).into_iter();
-    contents.map(|(_, known)| known).collect()
-}
 
 /// Positions and units of the columns.
 pub(super) struct PathColumns {

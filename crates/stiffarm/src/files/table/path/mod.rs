@@ -1,13 +1,15 @@
 //! Paths: `point` and the angles, poses or tool axes of the tip, with the load there.
 
+mod contents;
 mod format;
 mod heading;
 mod read;
 mod size;
 mod write;
 
-pub use format::{PathFormat, PathKind};
-pub(super) use heading::known as known_paths;
+pub use contents::PathKind;
+pub(super) use contents::known as known_paths;
+pub use format::PathFormat;
 pub use read::read_path;
 pub use write::write_path;
 

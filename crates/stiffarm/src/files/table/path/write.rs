@@ -1,6 +1,7 @@
 //! Writing of paths.
 
-use super::format::{Content, FormatColumn, PathFormat, PathKind};
+use super::contents::{Content, PathKind};
+use super::format::{FormatColumn, PathFormat};
 use crate::error::{Code, Error, Result};
 use crate::files::table::quantity::{Unit, rounded};
 use crate::files::table::write::separated;

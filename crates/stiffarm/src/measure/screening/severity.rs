@@ -1,0 +1,59 @@
+//! What a suspicion is called and how serious it is.
+
+use super::{Cause, Suspicion};
+use crate::findings::Severity;
+
+/// Misfit that a robot as delivered may have \[m\].
+const ROBOT_ACCURACY: f64 = 5e-3;
+
+/// A stray reading below this costs little more than noise does \[m\].
+const SMALL_STRAY: f64 = 1e-4;
+
+/// The stable name of the finding.
+pub(super) fn code(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Units => "reading-units",
+        Cause::ToolUnits => "tool-units",
+        Cause::ExchangedPoints => "exchanged-points",
+        Cause::StrayRepeat => "stray-repeat",
+        Cause::StrayReading => "stray-reading",
+        Cause::MovedReflector => "moved-reflector",
+        Cause::UnsteadyShape => "unsteady-shape",
+        Cause::Drawing => "tool-drawing",
+        Cause::MirroredFrame => "mirrored-frame",
+        Cause::JointSign => "joint-sign",
+        Cause::Coupling => "joint-coupling",
+        Cause::JointOffset => "joint-offset",
+        Cause::Radians => "angles-in-radians",
+        Cause::GivenTransform => "tracker-transform",
+        Cause::AngleSign => "angle-sign",
+        Cause::MistypedAngle => "mistyped-angle",
+        Cause::ExchangedPostures => "exchanged-postures",
+        Cause::OtherPosture => "other-posture",
+        Cause::UnexplainedPosture => "unexplained-posture",
+        Cause::UnexplainedModel => "unexplained-model",
+        Cause::NoDisplacement => "no-displacement",
+        Cause::ReversedForce => "reversed-force",
+        Cause::ExchangedStates => "exchanged-states",
+        Cause::DisplacementSize => "displacement-size",
+        Cause::OtherLoad => "other-load",
+        Cause::NotChecked => "not-checked",
+    }
+}
+
+/// How serious the finding is.
+pub(super) fn severity(s: &Suspicion) -> Severity {
+    match s.cause {
+        Cause::NotChecked => Severity::Note,
+        Cause::Drawing if s.certain => Severity::Note,
+        // A few mm are within what robots miss their positions by.
+        Cause::UnexplainedPosture if s.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => {
+            Severity::Caution
+        }
+        Cause::StrayReading if s.off_m.is_some_and(|off| off < SMALL_STRAY) => Severity::Caution,
+        Cause::StrayRepeat | Cause::UnsteadyShape | Cause::OtherLoad | Cause::Drawing => {
+            Severity::Caution
+        }
+        _ => Severity::Serious,
+    }
+}

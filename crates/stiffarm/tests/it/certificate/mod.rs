@@ -1,0 +1,58 @@
+//! The bound of the continuous design: on textbook problems with known optimal
+//! designs, on small discrete problems against brute force, and on cells.
+//!
+//! `cargo test --test certificate -- --nocapture` prints what was reached.
+
+mod continuous;
+mod plans;
+
+use crate::common;
+
+use common::random::Dice;
+use common::{cases, default_cell, group1, reference_cell};
+use nalgebra::{DMatrix, DVector, Vector3};
+use proptest::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use stiffarm::Code;
+use stiffarm::internals::design::{
+    ContinuousDesign, Criterion, DesignOptions, DesignSpace, Effort, PostureSpace, optimal_design,
+};
+use stiffarm::internals::optimise::Options;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
+use stiffarm::plan::certificate::{
+    Certificate, CertificateOptions, certify, certify_further, joint_efficiencies,
+};
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::select::{StartKind, random_group, select_from};
+use stiffarm::{Control, Termination};
+
+/// tr(A G).
+fn slope(a: &DMatrix<f64>, g: &DMatrix<f64>) -> f64 {
+    a.component_mul(g).sum()
+}
+
+/// φ(M), written out by the definitions; infinite for a singular M.
+fn value(criterion: &Criterion, m: &DMatrix<f64>) -> f64 {
+    let values = m.clone().symmetric_eigenvalues();
+    if values.min() <= 1e-12 * values.max() {
+        return f64::INFINITY;
+    }
+    match criterion {
+        Criterion::Determinant => values.product().powf(-1.0 / m.nrows() as f64),
+        Criterion::Trace(q) => (q * m.clone().try_inverse().unwrap()).trace(),
+    }
+}
+
+fn design(
+    space: &impl DesignSpace,
+    criterion: &Criterion,
+    starts: &[Vec<f64>],
+    tolerance: f64,
+) -> ContinuousDesign {
+    let options = DesignOptions {
+        tolerance,
+        ..DesignOptions::default()
+    };
+    optimal_design(space, criterion, None, starts, options, Control::default()).unwrap()
+}

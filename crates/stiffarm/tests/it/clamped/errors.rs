@@ -1,0 +1,247 @@
+//! What goes wrong at a clamped arm: signs, soft fixtures, friction, wrong input.
+
+use super::*;
+
+#[test]
+fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
+    let cell = reference_cell();
+    let truth = cell.require_prior().unwrap().to_vec();
+    let clamped = exact(&cell, 2, 4, 2);
+    let pose = Isometry3::from_parts(
+        Translation3::new(0.02, -0.01, 0.08),
+        UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9),
+    );
+    for reports_by_robot in [false, true] {
+        let sensor = Sensor {
+            mount: Mount::Flange,
+            pose,
+            reports_by_robot,
+        };
+        let through = |assumed: &Sensor| -> Vec<ClampedPosture> {
+            let read = |c: &ClampedPosture| {
+                let frames = Frames::new(&cell.setup.robot, &c.posture.q);
+                let clamp = frames.point(&cell.setup.tool.loading_point);
+                // What the real sensor shows: turned back, about its own origin.
+                let at = frames.flange() * sensor.pose;
+                let moved = c.wrench.moved(&clamp, &at.translation.vector);
+                let sign = if reports_by_robot { -1.0 } else { 1.0 };
+                let reading = Wrench {
+                    force: at.rotation.inverse() * moved.force * sign,
+                    moment: at.rotation.inverse() * moved.moment * sign,
+                };
+                let wrench = assumed.wrench_on_robot(&frames, &reading, &clamp);
+                ClampedPosture {
+                    wrench,
+                    ..c.clone()
+                }
+            };
+            clamped.iter().map(read).collect()
+        };
+        assert_close(&stiffness(&cell, &through(&sensor)), &truth, 1e-9, "sensor");
+        let wrong = Sensor {
+            reports_by_robot: !reports_by_robot,
+            ..sensor.clone()
+        };
+        let noisy = {
+            let mut data = through(&wrong);
+            let mut dice = Dice::new(3);
+            for c in &mut data {
+                for q in &mut c.motor {
+                    *q += dice.between(-1e-6, 1e-6);
+                }
+            }
+            data
+        };
+        let result = identify_clamped(&cell, &noisy, None, &IdentifyOptions::default()).unwrap();
+        assert!(
+            result
+                .estimates
+                .joints
+                .iter()
+                .all(|j| j.verdict == Verdict::SignOrModelFault)
+        );
+        let finding = &result.findings[0];
+        assert_eq!(finding.code, "wrench-sign");
+        assert!(
+            finding.sentence.contains("sign or model fault"),
+            "{}",
+            finding.sentence
+        );
+    }
+}
+
+#[test]
+fn a_soft_fixture_is_mistaken_for_soft_joints_unless_its_motion_is_known() {
+    let cell = reference_cell();
+    let truth = cell.require_prior().unwrap();
+    let mut dice = Dice::new(21);
+    let postures = postures(&cell, &mut dice, 6);
+    let diagonal = Vector6::new(1e-8, 1e-8, 1e-8, 1e-7, 1e-7, 1e-7);
+    let mut simulation = ClampedSimulation {
+        moves: moves(&cell, &mut dice, 2, 300.0),
+        fixture_compliance: Matrix6::from_diagonal(&diagonal),
+        ..ClampedSimulation::default()
+    };
+    let data = simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap();
+    let biased = stiffness(&cell, &data);
+    let ratios: Vec<f64> = biased.iter().zip(truth).map(|(k, t)| k / t).collect();
+    println!("with a soft fixture: {ratios:.3?} of the truth");
+    assert!(ratios.iter().any(|r| (r - 1.0).abs() > 0.02), "{ratios:?}");
+    simulation.records_fixture_motion = true;
+    let data = simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap();
+    assert_close(
+        &stiffness(&cell, &data),
+        truth,
+        1e-9,
+        "with the fixture's motion",
+    );
+}
+
+#[test]
+fn loads_up_and_down_show_the_friction() {
+    for elastic in [false, true] {
+        let cell = Dice::new(91).model(6, 0, elastic, false).cell();
+        let robot = &cell.setup.robot;
+        let truth = cell.require_prior().unwrap();
+        let mut dice = Dice::new(92);
+        let postures = postures(&cell, &mut dice, 5);
+        let up = moves(&cell, &mut dice, 1, 400.0).remove(0).motor;
+        let simulation = ClampedSimulation {
+            moves: ["up-400", "down-400"]
+                .map(|state| MotorMove {
+                    state: state.to_string(),
+                    motor: up.clone(),
+                })
+                .to_vec(),
+            ..ClampedSimulation::default()
+        };
+        let mut data = simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap();
+        // Friction of 12 N·m in spring 2 turns the motors by ±12/k further.
+        let mixing = robot
+            .spring_mixing()
+            .cloned()
+            .unwrap_or_else(|| DMatrix::identity(6, 6));
+        let give = robot.coupling().clone().try_inverse().unwrap() * mixing;
+        for c in &mut data {
+            let sign = if c.state.starts_with("up") { 1.0 } else { -1.0 };
+            for (i, q) in c.motor.iter_mut().enumerate() {
+                *q += sign * give[(i, 1)] * 12.0 / truth[1];
+            }
+        }
+        let result = identify_clamped(&cell, &data, None, &IdentifyOptions::default()).unwrap();
+        // Up and down cancel in the estimate.
+        assert_close(
+            &result.estimates.stiffness().unwrap(),
+            truth,
+            1e-7,
+            "up and down",
+        );
+        for (j, friction) in result.friction.iter().enumerate() {
+            let expected = if j == 1 { 12.0 } else { 0.0 };
+            assert_eq!(friction.pairs, 5);
+            assert!(
+                (friction.torque_nm.unwrap() - expected).abs() < 1e-4,
+                "{friction:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_size_of_friction_is_said_with_its_joint() {
+    let cell = reference_cell();
+    let truth = cell.require_prior().unwrap();
+    let mut dice = Dice::new(95);
+    let postures = postures(&cell, &mut dice, 4);
+    let motor = moves(&cell, &mut dice, 1, 200.0).remove(0).motor;
+    let simulation = ClampedSimulation {
+        moves: ["up", "down"]
+            .map(|state| MotorMove {
+                state: state.to_string(),
+                motor: motor.clone(),
+            })
+            .to_vec(),
+        angle_std: 1e-7,
+        ..ClampedSimulation::default()
+    };
+    let mut data = simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap();
+    for c in &mut data {
+        c.motor[3] += if c.state == "up" { 40.0 } else { -40.0 } / truth[3];
+    }
+    let result = identify_clamped(&cell, &data, Some(1e-7), &IdentifyOptions::default()).unwrap();
+    let sentences: Vec<&str> = result
+        .findings
+        .iter()
+        .map(|f| f.sentence.as_str())
+        .collect();
+    insta::assert_snapshot!("friction_and_errors", sentences.join("\n"));
+}
+
+#[test]
+fn wrong_input_is_refused() {
+    let cell = reference_cell();
+    let data = exact(&cell, 3, 2, 1);
+    let refusal = |data: &[ClampedPosture], options: IdentifyOptions| {
+        let error = identify_clamped(&cell, data, None, &options).unwrap_err();
+        (error.code(), error.to_string())
+    };
+    let plain = IdentifyOptions::default;
+    assert_eq!(refusal(&[], plain()).0, Code::TooFewData);
+    let with = |change: fn(&mut ClampedPosture)| {
+        let mut data = data.clone();
+        change(&mut data[1]);
+        data
+    };
+    assert_eq!(
+        refusal(&with(|c| c.motor[2] = f64::NAN), plain()).0,
+        Code::NotFinite
+    );
+    assert_eq!(
+        refusal(&with(|c| c.wrench.moment.y = f64::INFINITY), plain()).0,
+        Code::NotFinite
+    );
+    let motion = with(|c| c.fixture_motion = Some(Vector6::repeat(f64::NAN)));
+    assert_eq!(refusal(&motion, plain()).0, Code::NotFinite);
+    assert_eq!(
+        refusal(&with(|c| c.motor.truncate(5)), plain()).0,
+        Code::Dimension
+    );
+    let noise = |noise| IdentifyOptions { noise, ..plain() };
+    assert_eq!(
+        refusal(&data, noise(NoiseSource::Known)).0,
+        Code::MissingKey
+    );
+    assert_eq!(
+        refusal(
+            &data,
+            IdentifyOptions {
+                estimator: Estimator::Weighted,
+                ..noise(NoiseSource::Repeats)
+            }
+        )
+        .0,
+        Code::Conflict
+    );
+    assert_eq!(
+        refusal(
+            &data,
+            IdentifyOptions {
+                weights: Weights::Tracker,
+                ..plain()
+            }
+        )
+        .0,
+        Code::Conflict
+    );
+    let extra = |extra| IdentifyOptions { extra, ..plain() };
+    assert_eq!(
+        refusal(&data, extra(vec![ExtraTerm::BaseTilt, ExtraTerm::BaseTilt])).0,
+        Code::Duplicate
+    );
+    assert_eq!(
+        refusal(&data, extra(vec![ExtraTerm::JointTilt(6)])).0,
+        Code::UnknownName
+    );
+    let error = identify_clamped(&cell, &data, Some(0.0), &plain()).unwrap_err();
+    assert_eq!(error.code(), Code::InvalidValue);
+}

@@ -1,0 +1,95 @@
+//! Tables of clamped data.
+
+use super::*;
+
+fn door(cell: &Cell, text: &str) -> Vec<ClampedPosture> {
+    read_clamped(text.as_bytes(), "clamped.csv", cell, None).unwrap()
+}
+
+#[test]
+fn a_written_table_is_read_again() {
+    let cell = reference_cell();
+    let mut data = exact(&cell, 3, 2, 2);
+    let text = write_clamped(&data, &cell.setup.robot);
+    let again = door(&cell, &text);
+    assert_eq!(write_clamped(&again, &cell.setup.robot), text);
+    assert_close(
+        &stiffness(&cell, &again),
+        &stiffness(&cell, &data),
+        1e-9,
+        "read again",
+    );
+    data[1].fixture_motion = Some(Vector6::new(1e-5, -2e-5, 3e-6, 1e-4, 0.0, -2e-4));
+    let text = write_clamped(&data, &cell.setup.robot);
+    let again = door(&cell, &text);
+    assert_eq!(write_clamped(&again, &cell.setup.robot), text);
+    let motion = again[1].fixture_motion.unwrap();
+    assert!((motion - data[1].fixture_motion.unwrap()).amax() < 1e-15);
+}
+
+#[test]
+fn states_are_taken_against_their_reference() {
+    let mut cell = reference_cell();
+    let pose = Isometry3::translation(0.0, 0.0, 0.1);
+    cell.sensor = Some(Sensor {
+        mount: Mount::Flange,
+        pose,
+        reports_by_robot: true,
+    });
+    let text = "posture;state;q1_deg;q2_deg;q3_deg;q4_deg;q5_deg;q6_deg;fx_n;fy_n;fz_n;mx_nm;my_nm;mz_nm\n\
+                A;unloaded;10;0;-90;10;50;20;1;2;3;4;5;6\n\
+                A;up;10,01;0;-90;10;50;20;101;2;3;4;5;6\n\
+                B;unloaded;20;0;-90;10;50;20;;;;;;\n\
+                B;unloaded-2;20,002;0;-90;10;50;20;;;;;;\n\
+                B;up;20;0,1;-90;10;50;20;0;0;7;0;0;0\n";
+    let read = door(&cell, text);
+    assert_eq!(read.len(), 2);
+    let a = &read[0];
+    assert!((a.motor[0] - 0.01_f64.to_radians()).abs() < 1e-15);
+    assert_eq!(
+        (a.reference, a.posture.q[0]),
+        (Some(0), 10.0_f64.to_radians())
+    );
+    // 100 N along the flange's x, by the robot: turned, with its sign, moved to the clamp.
+    let frames = Frames::new(&cell.setup.robot, &a.posture.q);
+    let force = frames.direction(&Vector3::new(-100.0, 0.0, 0.0));
+    assert!((a.wrench.force - force).norm() < 1e-9);
+    let arm = frames.direction(&(Vector3::new(0.0, 0.0, 0.1) - cell.setup.tool.loading_point));
+    assert!((a.wrench.moment - arm.cross(&force)).norm() < 1e-9);
+    let b = &read[1];
+    assert!((b.posture.q[0] - 20.001_f64.to_radians()).abs() < 1e-15);
+    assert!((b.motor[0] + 0.001_f64.to_radians()).abs() < 1e-15);
+    assert!((b.wrench.force.norm() - 7.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_table_that_cannot_be_meant_is_refused_with_its_place() {
+    let cell = reference_cell();
+    let wrench = "fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm";
+    let q = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg";
+    let dq = "dq1_deg,dq2_deg,dq3_deg,dq4_deg,dq5_deg,dq6_deg";
+    let cases = [
+        format!("posture,state,{wrench},{q}\nA,up,1,2,3,4,5,6,10,0,-90,10,50,20\n"),
+        format!("posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\n"),
+        format!(
+            "posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\nA,up,1,2,3,4,5,6,10,0,-90,10,50,26\n"
+        ),
+        format!(
+            "posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\nA,up,,,,,,,10,0,-90,10,50,20\n"
+        ),
+        format!("posture,state,{wrench},{dq}\nA,up,1,2,3,4,5,6,0,0,0,0,0,0\n"),
+        format!(
+            "posture,state,{wrench},{dq},{q}\nA,unloaded,1,2,3,4,5,6,0,0,0,0,0,0,10,0,-90,10,50,20\n"
+        ),
+        format!("posture,state,fx_n,fy_n,fz_n,{q}\nA,up,1,2,3,10,0,-90,10,50,20\n"),
+        format!("posture,state,{wrench},dq1_rad,{q}\nA,up,1,2,3,4,5,6,0,10,0,-90,10,50,20\n"),
+        format!("posture,state,{wrench},dx_mm,{q}\nA,up,1,2,3,4,5,6,0,10,0,-90,10,50,20\n"),
+        format!("posture,state,{wrench}\nA,up,1,2,3,4,5,6\n"),
+    ];
+    let mut said = String::new();
+    for text in cases {
+        let error = read_clamped(text.as_bytes(), "clamped.csv", &cell, None).unwrap_err();
+        said += &format!("[{}] {error}\n", error.code().as_str());
+    }
+    insta::assert_snapshot!("refused_tables", said);
+}

@@ -1,0 +1,65 @@
+//! The measured robot of the reference data.
+#![cfg(feature = "files")]
+
+use super::*;
+use stiffarm::files::builtin;
+use stiffarm::files::table::read_displacements;
+
+#[test]
+#[ignore = "needs STIFFARM_REFERENCE_DATA"]
+fn what_a_careful_engineer_would_say() {
+    let folder = std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder");
+    let mut folder = std::path::PathBuf::from(folder);
+    if folder.is_relative() {
+        folder = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+            .join("../..")
+            .join(folder);
+    }
+    let cell = builtin::cell("fanuc-r2000ic").unwrap();
+    let text = convert_fanuc::convert(&folder.join("fanuc_r2000ic")).unwrap();
+    let measured = read_displacements(text.as_bytes(), "fanuc.csv", &cell, None).unwrap();
+    assert_eq!(measured.len(), 43);
+    let found = Fit::new(&cell, &measured, &IdentifyOptions::default())
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
+    for finding in &found.findings {
+        println!("[{}] {}", finding.code, finding.sentence);
+    }
+    for signal in &found.signals {
+        println!("{signal:?}");
+    }
+    let terms = found.terms.as_ref().unwrap();
+    for trial in &terms.trials {
+        println!(
+            "{:26} {:?} {:?} ± {:?} {:?}",
+            trial.name, trial.rms_m, trial.value, trial.standard_error, trial.lost_joints
+        );
+    }
+    let mm = |m: f64| (1e7 * m).round() / 1e4;
+    let trial = |term| terms.trials.iter().find(|t| t.term == term).unwrap();
+    assert_eq!(mm(terms.rms_m.unwrap()), 0.2339);
+    assert_eq!(mm(trial(ExtraTerm::JointTilt(2)).rms_m.unwrap()), 0.1813);
+    assert_eq!(mm(trial(ExtraTerm::JointTilt(3)).rms_m.unwrap()), 0.1761);
+    assert_eq!(trial(ExtraTerm::JointTilt(3)).lost_joints, ["joint 3"]);
+    assert!(trial(ExtraTerm::JointTilt(2)).lost_joints.is_empty());
+    let sentence = terms.finding().unwrap().sentence;
+    assert!(
+        sentence.contains("rejected") && sentence.contains("tilt of joint 3"),
+        "{sentence}"
+    );
+    let noise = found.noise.unwrap();
+    assert!((15.0..17.0).contains(&noise.ratio), "{}", noise.ratio);
+    let joint_6 = &found.signals[5];
+    assert_eq!(joint_6.torque_rms_nm.round(), 78.0);
+    // RMS of components; as norms 0.093 mm against 0.372 mm.
+    assert_eq!(mm(joint_6.displacement_rms_m.unwrap()), 0.0536);
+    assert_eq!(
+        mm(found.signals[5].displacement_rms_m.unwrap() / joint_6.to_residual.unwrap()),
+        0.2148
+    );
+    let weak = found.findings.iter().filter(|f| f.code == "weak-joint");
+    assert_eq!(
+        weak.map(|f| f.subject.as_str()).collect::<Vec<_>>(),
+        ["joint 6"]
+    );
+}

@@ -1,0 +1,397 @@
+//! Against numbers made by independent tools; `golden/README.md` has their sources.
+//!
+//! `cargo test --test golden -- --nocapture` prints the agreement reached.
+
+mod robots;
+
+use crate::common;
+
+use common::model::{M4, rot_x, rot_z, shift, times};
+use common::random::Dice;
+use common::{
+    entrywise_error, list, matrix, number, numbers, postures_from_deg, random_group, reference,
+    reference_cell, relative_error, vector3,
+};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix4, UnitQuaternion, Vector3};
+use serde_json::Value;
+use std::f64::consts::{FRAC_PI_2, PI};
+use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
+use stiffarm::internals::information::Factor;
+use stiffarm::model::dexterity;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
+use stiffarm::model::posture::Posture;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue};
+use stiffarm::model::stiffness::{linear_displacement, stiffness_correction};
+use stiffarm::plan::index::evaluate;
+
+/// Agreement asked of everything that is not a finite difference.
+const TIGHT: f64 = 1e-9;
+
+fn check(what: &str, error: f64, tolerance: f64) {
+    println!("{what:<44} {error:.1e}");
+    assert!(
+        error <= tolerance,
+        "{what}: off by {error:e}, allowed {tolerance:e}"
+    );
+}
+
+fn slice(m: &DMatrix<f64>) -> &[f64] {
+    m.as_slice()
+}
+
+/// Rows independent and alike, as the reference computed.
+fn ordinary() -> IdentifyOptions {
+    IdentifyOptions {
+        estimator: Estimator::Ordinary,
+        ..IdentifyOptions::default()
+    }
+}
+
+#[test]
+fn terms_of_single_postures() {
+    let cell = reference_cell();
+    let data = reference();
+    let setup = &cell.setup;
+    let stiffness = cell.require_prior().unwrap().to_vec();
+    let postures = list(&data["postures"]);
+    let angles = postures_from_deg(&Value::Array(
+        postures.iter().map(|p| p["q_deg"].clone()).collect(),
+    ));
+    assert_eq!(angles.len(), 5);
+    let mut worst = std::collections::BTreeMap::<&str, f64>::new();
+    let mut note = |what, error: f64| {
+        let entry = worst.entry(what).or_insert(0.0);
+        *entry = entry.max(error);
+    };
+    for (golden, q) in postures.iter().zip(&angles) {
+        let terms = PostureTerms::new(setup, q, None).unwrap();
+        let p = terms.loading_point();
+        note(
+            "loading point",
+            relative_error(p.as_slice(), &numbers(&golden["loading_point_xyz"])),
+        );
+        let measuring = terms.measuring_points()[0];
+        for (what, at) in [("J_loading", p), ("J_measuring_1", &measuring)] {
+            let ours = terms.frames().jacobian(at);
+            note(
+                what,
+                relative_error(ours.as_slice(), slice(&matrix(&golden[what]))),
+            );
+        }
+        note(
+            "force",
+            relative_error(terms.wrench().force.as_slice(), &numbers(&golden["force"])),
+        );
+        note(
+            "torque",
+            relative_error(terms.torque(), &numbers(&golden["torque"])),
+        );
+        note(
+            "psi",
+            relative_error(
+                slice(&terms.block(&setup.robot)),
+                slice(&matrix(&golden["psi"])),
+            ),
+        );
+        let k = dexterity::condition_number(terms.frames(), &measuring, 0.773).unwrap();
+        note("k_jn", relative_error(&[k], &[number(&golden["k_jn"])]));
+        let correction = stiffness_correction(&terms);
+        let golden_correction = matrix(&golden["k_c"]);
+        note(
+            "k_c (finite differences)",
+            relative_error(slice(&correction), slice(&golden_correction)),
+        );
+        let plain = linear_displacement(setup, &terms, &measuring, &stiffness, None).unwrap();
+        note(
+            "displacement",
+            relative_error(plain.as_slice(), &numbers(&golden["displacement_m1"])),
+        );
+        // With the reference's own K_C, so that its finite differences don't count here.
+        let corrected = linear_displacement(
+            setup,
+            &terms,
+            &measuring,
+            &stiffness,
+            Some(&golden_correction),
+        )
+        .unwrap();
+        let expected = numbers(&golden["displacement_m1_with_kc"]);
+        note(
+            "displacement with K_C",
+            relative_error(corrected.as_slice(), &expected),
+        );
+        let ours =
+            linear_displacement(setup, &terms, &measuring, &stiffness, Some(&correction)).unwrap();
+        note(
+            "displacement with our K_C",
+            relative_error(ours.as_slice(), &expected),
+        );
+    }
+    for (what, error) in worst {
+        check(
+            what,
+            error,
+            if what.contains("finite") { 1e-8 } else { TIGHT },
+        );
+    }
+}
+
+#[test]
+fn indices_and_expected_errors_of_groups() {
+    let cell = reference_cell();
+    let data = reference();
+    let sigma = cell.noise.displacement_std();
+    for name in ["group1", "random_group"] {
+        let golden = &data[name];
+        let group = postures_from_deg(&golden["q_deg"]);
+        let ours = evaluate(&cell, name, &group).unwrap();
+        let all = |v: &[Option<f64>]| v.iter().map(|v| v.unwrap()).collect::<Vec<f64>>();
+        let per_joint = |what: &str, ours: &[f64], key: &str| {
+            check(
+                &format!("{name} {what}"),
+                entrywise_error(ours, &numbers(&golden[key])),
+                TIGHT,
+            );
+        };
+        per_joint("k(J_N)", &all(&ours.k_jn), "k_jn");
+        per_joint(
+            "singular values",
+            &ours.singular_values,
+            "singular_values_psi",
+        );
+        let per_unit: Vec<f64> = all(&ours.relative_standard_error)
+            .iter()
+            .map(|e| e / sigma)
+            .collect();
+        per_joint(
+            "relative standard errors",
+            &per_unit,
+            "relative_std_per_unit_sigma_m",
+        );
+        per_joint(
+            "expected deviation",
+            &all(&ours.expected_deviation),
+            "expected_deviation_level2",
+        );
+        let indices = ours.indices;
+        let observability = &golden["observability"];
+        for (what, ours, golden) in [
+            ("cond(psi)", indices.condition, &golden["cond_psi"]),
+            ("novel", indices.novel, &golden["novel"]),
+            (
+                "scaled condition",
+                indices.scaled_condition,
+                &golden["cond_psi_scaled"],
+            ),
+            (
+                "d",
+                indices.d.map(|d| d / sigma),
+                &golden["d_per_unit_sigma_m"],
+            ),
+            ("O1", indices.o1, &observability["O1"]),
+            ("O2", indices.o2, &observability["O2"]),
+            ("O3", indices.o3, &observability["O3"]),
+            ("O4", indices.o4, &observability["O4"]),
+            ("O5", indices.o5, &observability["O5"]),
+        ] {
+            check(
+                &format!("{name} {what}"),
+                relative_error(&[ours.unwrap()], &[number(golden)]),
+                TIGHT,
+            );
+        }
+        let k_max = numbers(&golden["k_jn"]).into_iter().fold(0.0, f64::max);
+        check(
+            &format!("{name} classical"),
+            relative_error(&[indices.classical.unwrap()], &[k_max]),
+            TIGHT,
+        );
+        let scaled = k_max * number(&golden["cond_psi_scaled"]);
+        check(
+            &format!("{name} scaled"),
+            relative_error(&[indices.scaled.unwrap()], &[scaled]),
+            TIGHT,
+        );
+        // The RMS and the largest of the reference's own errors.
+        let errors = numbers(&golden["relative_std_per_unit_sigma_m"]);
+        let rms = sigma * (errors.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt();
+        check(
+            &format!("{name} expected error"),
+            relative_error(&[indices.expected_error.unwrap()], &[rms]),
+            TIGHT,
+        );
+        let largest = sigma * errors.iter().copied().fold(0.0, f64::max);
+        check(
+            &format!("{name} worst joint"),
+            relative_error(&[indices.worst_joint.unwrap()], &[largest]),
+            TIGHT,
+        );
+    }
+}
+
+#[test]
+fn identification_of_noisy_displacements() {
+    let cell = reference_cell();
+    let golden = &reference()["identification"];
+    let displacements = numbers(&golden["displacements_m"]);
+    let measured: Vec<MeasuredPosture> = random_group()
+        .into_iter()
+        .zip(displacements.chunks_exact(12))
+        .enumerate()
+        .map(|(i, (q, rows))| MeasuredPosture {
+            posture: Posture {
+                name: (i + 1).to_string(),
+                q,
+            },
+            state: "loaded".to_string(),
+            wrench: None,
+            common_readings: [0.0; 2],
+            servo_deflection: None,
+            displacements: rows
+                .chunks_exact(3)
+                .enumerate()
+                .map(|(point, v)| Displacement::new(point, Vector3::from_column_slice(v)))
+                .collect(),
+        })
+        .collect();
+    assert_eq!(measured.len(), 6);
+    let result = identify(&cell, &measured, &ordinary()).unwrap();
+    assert_eq!((result.rows, result.degrees_of_freedom), (72, 66));
+    assert!(result.is_complete());
+    let per_joint = |get: &dyn Fn(&stiffarm::estimate::identify::JointEstimate) -> Option<f64>| {
+        result
+            .joints
+            .iter()
+            .map(|j| get(j).unwrap())
+            .collect::<Vec<f64>>()
+    };
+    let compliance = per_joint(&|j| j.compliance);
+    let errors = per_joint(&|j| j.compliance_standard_error);
+    check(
+        "compliance",
+        entrywise_error(&compliance, &numbers(&golden["compliance"])),
+        TIGHT,
+    );
+    check(
+        "stiffness",
+        entrywise_error(&per_joint(&|j| j.stiffness), &numbers(&golden["stiffness"])),
+        TIGHT,
+    );
+    check(
+        "compliance std",
+        entrywise_error(&errors, &numbers(&golden["compliance_std"])),
+        TIGHT,
+    );
+    let variance = result.residual_std_m.unwrap().powi(2);
+    check(
+        "residual variance",
+        relative_error(&[variance], &[number(&golden["residual_variance_m2"])]),
+        TIGHT,
+    );
+
+    // The same with the size of the noise known: the errors scale by σ/s.
+    let options = IdentifyOptions {
+        noise: NoiseSource::Known,
+        ..ordinary()
+    };
+    let known = identify(&cell, &measured, &options).unwrap();
+    let ratio = cell.noise.displacement_std() / variance.sqrt();
+    for (known, error) in known.joints.iter().zip(&errors) {
+        check(
+            "known noise",
+            relative_error(
+                &[known.compliance_standard_error.unwrap()],
+                &[error * ratio],
+            ),
+            TIGHT,
+        );
+    }
+}
+
+/// Correct decimal digits of `ours`.
+fn digits(ours: f64, certified: f64) -> f64 {
+    -((ours - certified).abs() / certified.abs())
+        .max(1e-16)
+        .log10()
+}
+
+#[test]
+fn longley_regression_reaches_the_certified_values() {
+    let certified: Value =
+        serde_json::from_str(include_str!("../../golden/nist/longley.json")).unwrap();
+    let rows: Vec<Vec<f64>> = include_str!("../../golden/nist/longley.csv")
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|v| v.trim().parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 16);
+    let design = DMatrix::from_fn(16, 7, |i, j| if j == 0 { 1.0 } else { rows[i][j + 1] });
+    let response = DVector::from_fn(16, |i, _| rows[i][1]);
+    let factor = Factor::new(&design).unwrap();
+    assert_eq!(factor.rank(), 7);
+    let ours = factor.solve(&response);
+    let residual = &response - &design * &ours;
+    let deviation = (residual.norm_squared() / 9.0).sqrt();
+    let worst = |ours: &[f64], certified: &[f64]| {
+        ours.iter()
+            .zip(certified)
+            .map(|(a, b)| digits(*a, *b))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let coefficients = worst(ours.as_slice(), &numbers(&certified["beta"]));
+    let errors: Vec<f64> = factor
+        .standard_errors()
+        .iter()
+        .map(|e| e.unwrap() * deviation)
+        .collect();
+    let errors = worst(&errors, &numbers(&certified["stderr"]));
+    let deviation = digits(deviation, number(&certified["rsd"]));
+    let by_inverse = worst(
+        (factor.pseudo_inverse(16) * &response).as_slice(),
+        &numbers(&certified["beta"]),
+    );
+    println!(
+        "Longley, correct digits: coefficients {coefficients:.1}, by pseudo-inverse {by_inverse:.1},"
+    );
+    println!("standard errors {errors:.1}, residual deviation {deviation:.1}");
+    assert!(
+        coefficients >= 10.0,
+        "coefficients: {coefficients:.2} digits"
+    );
+    assert!(
+        by_inverse >= 10.0,
+        "by pseudo-inverse: {by_inverse:.2} digits"
+    );
+    assert!(errors >= 10.0, "standard errors: {errors:.2} digits");
+    assert!(
+        deviation >= 10.0,
+        "residual deviation: {deviation:.2} digits"
+    );
+}
+
+#[test]
+fn full_pose_rows_repeat_the_translations_and_weigh_the_turns() {
+    let cell = reference_cell();
+    let group = random_group();
+    let translations = observation_matrix(&cell.setup, &group, Rows::Translations).unwrap();
+    let full = observation_matrix(&cell.setup, &group, Rows::FullPose { length: 0.5 }).unwrap();
+    assert_eq!(full.shape(), (144, 6));
+    for (p, q) in group.iter().enumerate() {
+        let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
+        for point in 0..4 {
+            let at = 4 * p + point;
+            assert_eq!(full.rows(6 * at, 3), translations.rows(3 * at, 3));
+            for j in 0..6 {
+                let turn = terms.frames().axes()[j] * (terms.torque()[j] * 0.5);
+                assert!((full.fixed_view::<3, 1>(6 * at + 3, j) - turn).amax() < 1e-9);
+            }
+        }
+    }
+    // The anchor is where the load points.
+    let anchor = vector3(&reference()["load"]["anchor"]);
+    let terms = PostureTerms::new(&cell.setup, &group[0], None).unwrap();
+    let along = (anchor - terms.loading_point()).normalize();
+    assert!((terms.wrench().force / 500.0 - along).amax() < 1e-12);
+}

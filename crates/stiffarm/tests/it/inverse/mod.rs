@@ -1,0 +1,166 @@
+//! Inverse kinematics: every posture of a pose, and what is said where there is none.
+
+mod arms;
+mod singular;
+mod turns;
+mod unreachable;
+
+use crate::common;
+
+use common::cases;
+use common::random::Dice;
+use nalgebra::{DMatrix, DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use stiffarm::Code;
+use stiffarm::model::inverse::{Branch, InverseKinematics, Method, Outcome, Region, Unreachable};
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue, find_in_catalogue};
+
+fn robot(key: &str) -> Robot {
+    find_in_catalogue(key).unwrap().robot().unwrap()
+}
+
+fn chain(name: &str, convention: DhConvention, rows: &[[f64; 4]]) -> Robot {
+    let row = |r: &[f64; 4]| DhRow {
+        alpha: r[0],
+        a: r[1],
+        d: r[2],
+        offset: r[3],
+    };
+    let rows: Vec<DhRow> = rows.iter().map(row).collect();
+    Robot::from_dh(name, convention, &rows, Isometry3::identity()).unwrap()
+}
+
+/// Universal Robots' published lengths, with axis 4 twisted against axis 3 \[rad\].
+fn ur10(twist: f64) -> Robot {
+    let rows = [
+        [FRAC_PI_2, 0.0, 0.1273, 0.0],
+        [0.0, -0.612, 0.0, 0.0],
+        [twist, -0.5723, 0.0, 0.0],
+        [FRAC_PI_2, 0.0, 0.163_941, 0.0],
+        [-FRAC_PI_2, 0.0, 0.1157, 0.0],
+        [0.0, 0.0, 0.0922, 0.0],
+    ];
+    chain("UR10", DhConvention::Standard, &rows)
+}
+
+/// Franka's published lengths and limits.
+fn panda() -> Robot {
+    let rows = [
+        [0.0, 0.0, 0.333, 0.0],
+        [-FRAC_PI_2, 0.0, 0.0, 0.0],
+        [FRAC_PI_2, 0.0, 0.316, 0.0],
+        [FRAC_PI_2, 0.0825, 0.0, 0.0],
+        [-FRAC_PI_2, -0.0825, 0.384, 0.0],
+        [FRAC_PI_2, 0.0, 0.0, 0.0],
+        [FRAC_PI_2, 0.088, 0.107, 0.0],
+    ];
+    let limits = [
+        [-2.8973, 2.8973],
+        [-1.7628, 1.7628],
+        [-2.8973, 2.8973],
+        [-3.0718, -0.0698],
+        [-2.8973, 2.8973],
+        [-0.0175, 3.7525],
+        [-2.8973, 2.8973],
+    ];
+    let robot = chain("Panda", DhConvention::Modified, &rows);
+    robot.with_limits(&limits).unwrap()
+}
+
+fn flange(robot: &Robot, q: &[f64]) -> Isometry3<f64> {
+    *Frames::new(robot, q).flange()
+}
+
+/// Controller angles spread over the limits.
+fn within(robot: &Robot, dice: &mut Dice) -> Vec<f64> {
+    let limits = robot.joints().iter().map(|j| j.limits);
+    limits.map(|[low, high]| dice.between(low, high)).collect()
+}
+
+/// Errors of the pose of `q`: position \[m\] and rotation \[rad\].
+fn pose_error(robot: &Robot, q: &[f64], pose: &Isometry3<f64>) -> f64 {
+    let reached = flange(robot, q);
+    let turn = (reached.rotation.inverse() * pose.rotation).imag().norm() * 2.0;
+    let way = (reached.translation.vector - pose.translation.vector).norm();
+    assert!(way.is_finite() && turn.is_finite());
+    way.max(turn)
+}
+
+/// Largest difference of the serial angles, full turns aside \[rad\].
+fn difference(robot: &Robot, a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (robot.serial_angles(a), robot.serial_angles(b));
+    let apart = (a - b).map(|d| (d - (d / TAU).round() * TAU).abs());
+    apart.amax()
+}
+
+fn is_among(robot: &Robot, q: &[f64], branches: &[Branch], tolerance: f64) -> bool {
+    let near = |b: &Branch| difference(robot, &b.q, q) < tolerance;
+    branches.iter().any(near)
+}
+
+/// What holds of the branches of any pose; the largest error of the pose.
+fn check_branches(robot: &Robot, pose: &Isometry3<f64>, branches: &[Branch]) -> f64 {
+    assert!(!branches.is_empty());
+    let mut worst = 0.0_f64;
+    for (i, branch) in branches.iter().enumerate() {
+        worst = worst.max(pose_error(robot, &branch.q, pose));
+        let inside = robot.outside_limits(&branch.q).is_none();
+        assert_eq!(branch.within_limits, inside);
+        assert_eq!(branch.singular, branch.condition > 1e6);
+        assert!(branch.condition >= 0.99, "{}", branch.condition);
+        let before = &branches[..i];
+        assert!(!is_among(robot, &branch.q, before, 1e-7), "{branches:?}");
+    }
+    worst
+}
+
+fn unreachable(inverse: &InverseKinematics, pose: &Isometry3<f64>) -> Unreachable {
+    match inverse.solve(pose).unwrap() {
+        Outcome::Unreachable(unreachable) => unreachable,
+        Outcome::Reachable(branches) => panic!("reached by {branches:?}"),
+    }
+}
+
+/// Postures of a pose by plain Newton steps from random starts: nothing of the
+/// library's inverse kinematics.
+fn multi_start(
+    robot: &Robot,
+    pose: &Isometry3<f64>,
+    starts: usize,
+    dice: &mut Dice,
+) -> Vec<Vec<f64>> {
+    let n = robot.joint_count();
+    let mut found: Vec<Vec<f64>> = Vec::new();
+    for _ in 0..starts {
+        let mut q = DVector::from_vec(dice.posture(n));
+        for _ in 0..40 {
+            let frames = Frames::new(robot, q.as_slice());
+            let reached = frames.flange();
+            let way = pose.translation.vector - reached.translation.vector;
+            let turn = (pose.rotation * reached.rotation.inverse()).scaled_axis();
+            let error = DVector::from_iterator(6, way.iter().chain(turn.iter()).copied());
+            if error.norm() < 1e-12 {
+                let mut known = found.iter();
+                if known.all(|k| difference(robot, k, q.as_slice()) > 1e-5) {
+                    found.push(q.as_slice().to_vec());
+                }
+                break;
+            }
+            let jacobian = frames.jacobian(&reached.translation.vector) * robot.coupling();
+            let square = jacobian.tr_mul(&jacobian)
+                + DMatrix::identity(n, n) * (1e-3 * error.norm_squared()).min(1e-2);
+            let Some(step) = square.lu().solve(&(jacobian.tr_mul(&error))) else {
+                break;
+            };
+            q += &step * (1.0 / step.amax()).min(1.0);
+        }
+    }
+    found
+}
+
+/// Six angles with the COMAU's wrist at `bend` from straight.
+fn with_wrist(bend: f64) -> Vec<f64> {
+    vec![0.3, 0.2, -1.9, 0.7, bend, -0.4]
+}

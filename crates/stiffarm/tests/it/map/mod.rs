@@ -1,0 +1,65 @@
+//! Stiffness over a region, and the best place for a workpiece.
+
+mod nodes;
+mod places;
+
+use crate::common;
+
+use common::{default_cell, random::Dice};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
+use stiffarm::Code;
+use stiffarm::Control;
+use stiffarm::estimate::compliance::{IdentifiedCompliance, Spread};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::inverse::InverseKinematics;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
+use stiffarm::model::process::{ForceAxes, Process, TipLoad};
+use stiffarm::work::map::{
+    MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
+};
+use stiffarm::work::predict::{LoadedArm, PredictOptions, Prediction, predict};
+
+fn down() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_euler_angles(PI, 0.0, 0.0)
+}
+
+fn options() -> MapOptions {
+    MapOptions {
+        lower: [0.7, -1.6, 0.8],
+        upper: [3.0, 1.6, 0.8],
+        steps: [9, 11, 1],
+        rotation: down(),
+        free_turn: None,
+        direction: UnitVector3::new_normalize(Vector3::new(1.0, 0.3, -0.2)),
+        wrench: Wrench {
+            force: Vector3::new(200.0, -300.0, 400.0),
+            moment: Vector3::new(5.0, 0.0, -12.0),
+        },
+    }
+}
+
+fn prior(cell: &Cell) -> IdentifiedCompliance {
+    IdentifiedCompliance::from_stiffness(cell, cell.prior.as_ref().unwrap()).unwrap()
+}
+
+/// The prior with a covariance of 2 % per joint.
+fn unsure(cell: &Cell) -> IdentifiedCompliance {
+    let mut predictor = prior(cell);
+    let variances = predictor.values.map(|h| (0.02 * h).powi(2));
+    predictor.spread = Some(Spread {
+        covariance: nalgebra::DMatrix::from_diagonal(&variances),
+        sigma: 1e-5,
+        shift: 0.0,
+        degrees_of_freedom: None,
+        confidence: 0.95,
+    });
+    predictor
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-10 * a.abs().max(b.abs())
+}

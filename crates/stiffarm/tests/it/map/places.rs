@@ -1,0 +1,260 @@
+//! The best place of a path.
+
+use super::*;
+
+/// A rectangle milled with the tool down, on a workpiece that is turned.
+fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
+    cell.work.workpiece = Isometry3::from_parts(
+        Translation3::new(1.7, 0.9, 0.7),
+        UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3),
+    );
+    cell.work.process = Some(Process::Constant(TipLoad {
+        force: Vector3::new(-250.0, 150.0, 80.0),
+        moment: Vector3::zeros(),
+        axes,
+    }));
+    let corners = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.0, 0.2], [0.0, 0.0]];
+    let mut points = Vec::new();
+    for pair in corners.windows(2) {
+        for i in 0..12 {
+            let t = f64::from(i) / 12.0;
+            let at = |k: usize| pair[0][k] + t * (pair[1][k] - pair[0][k]);
+            let local = Isometry3::from_parts(Translation3::new(at(0), at(1), 0.05), down());
+            points.push(PathPoint {
+                name: format!("{}", points.len() + 1),
+                line: None,
+                target: PathTarget::Pose(cell.work.workpiece * local),
+                load: None,
+            });
+        }
+    }
+    points
+}
+
+fn place_options() -> PlaceOptions {
+    PlaceOptions {
+        lower: [1.1, -0.9, 0.7],
+        upper: [2.3, 0.9, 0.7],
+        steps: [5, 7, 1],
+        yaws: vec![0.0, FRAC_PI_2],
+        ..PlaceOptions::default()
+    }
+}
+
+fn search(cell: &Cell, points: &[PathPoint], options: &PlaceOptions) -> Placement {
+    place(cell, &prior(cell), points, options, Control::default()).unwrap()
+}
+
+/// RMS of the deflections of the path moved by `by`, from the posture `start` on.
+fn walked(cell: &Cell, points: &[PathPoint], by: &Isometry3<f64>, start: &[f64]) -> f64 {
+    let inverse = InverseKinematics::new(&cell.setup.robot);
+    let predictor = prior(cell);
+    let arm = LoadedArm::new(cell, &predictor).unwrap();
+    let poses: Vec<_> = points
+        .iter()
+        .map(|p| match &p.target {
+            PathTarget::Pose(pose) => by * pose,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    let workpiece = by * cell.work.workpiece;
+    let process = cell.work.process.as_ref().map(|p| p.load());
+    let wrenches = tip_wrenches(points, &poses, process.as_ref(), &workpiece).unwrap();
+    let mut q = start.to_vec();
+    let mut squares = 0.0;
+    for (pose, wrench) in poses.iter().zip(&wrenches) {
+        q = inverse.nearest(&(pose * arm.tip().inverse()), &q).unwrap();
+        let shift = arm.deflect(&q, wrench).unwrap().displacement;
+        squares += shift.fixed_rows::<3>(0).norm_squared();
+    }
+    (squares / points.len() as f64).sqrt()
+}
+
+#[test]
+fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
+    for axes in [
+        ForceAxes::Path,
+        ForceAxes::Base,
+        ForceAxes::Workpiece,
+        ForceAxes::Tool,
+    ] {
+        let mut cell = default_cell();
+        let points = rectangle(&mut cell, axes);
+        let found = search(&cell, &points, &place_options());
+        let best = found.best.as_ref().unwrap();
+        assert_eq!(found.given.status, Status::Reachable);
+        assert_eq!(found.searched_points, points.len());
+        // Whatever the search does inside, its numbers are those of a walk along.
+        for placed in [best, &found.given] {
+            let pose = Isometry3::from_parts(
+                Translation3::from(placed.position_m),
+                UnitQuaternion::from_euler_angles(
+                    placed.roll_pitch_yaw[0],
+                    placed.roll_pitch_yaw[1],
+                    placed.roll_pitch_yaw[2],
+                ),
+            );
+            let by = pose * cell.work.workpiece.inverse();
+            let start = placed.start.clone().unwrap();
+            let rms = walked(&cell, &points, &by, &start);
+            assert!(
+                (rms / placed.deflection_rms_m.unwrap() - 1.0).abs() < 1e-9,
+                "{axes:?}"
+            );
+        }
+        let rms = best.deflection_rms_m.unwrap();
+        let gain = found.gain.unwrap();
+        assert!(gain > 1.0, "{gain}");
+        assert!(close(gain, found.given.deflection_rms_m.unwrap() / rms));
+        let all = found.candidates.iter().filter_map(|c| c.deflection_rms_m);
+        let least = all.fold(f64::INFINITY, f64::min);
+        assert!((rms / least - 1.0).abs() < 0.01, "{rms} {least}");
+        // Finer rounds only go on from the best.
+        let of = |round: usize| {
+            let of = found.candidates.iter().filter(move |c| c.round == round);
+            of.filter_map(|c| c.deflection_rms_m)
+                .fold(f64::INFINITY, f64::min)
+        };
+        assert!(of(1) <= of(0) * (1.0 + 1e-12) && of(2) <= of(1) * (1.0 + 1e-12));
+        assert_eq!(found.candidates.iter().filter(|c| c.round == 0).count(), 70);
+    }
+}
+
+#[test]
+fn places_that_fail_say_where_and_why() {
+    let mut cell = default_cell();
+    let points = rectangle(&mut cell, ForceAxes::Path);
+    let options = PlaceOptions {
+        lower: [0.7, 0.0, 0.7],
+        upper: [3.5, 0.0, 0.7],
+        steps: [8, 1, 1],
+        ..PlaceOptions::default()
+    };
+    let found = search(&cell, &points, &options);
+    let status = |at: usize| found.candidates[at].status;
+    assert_eq!(
+        (status(0), status(7)),
+        (Status::Forbidden, Status::Unreachable)
+    );
+    for candidate in &found.candidates {
+        let works = candidate.status == Status::Reachable;
+        assert_eq!(candidate.deflection_rms_m.is_some(), works);
+        assert_eq!(
+            candidate.reason.is_some() && candidate.point.is_some(),
+            !works
+        );
+    }
+    // Nowhere.
+    let far = PlaceOptions {
+        lower: [4.0, 0.0, 0.7],
+        upper: [5.0, 0.0, 0.7],
+        steps: [3, 1, 1],
+        ..PlaceOptions::default()
+    };
+    let found = search(&cell, &points, &far);
+    assert!(found.best.is_none() && found.gain.is_none());
+    assert_eq!(found.findings[0].code, "nowhere");
+}
+
+#[test]
+fn full_turns_are_chosen_for_the_whole_path() {
+    // A circle of tool turns: 400° about the tool axis, which joint 6 must do in
+    // one go within ±720°.
+    let mut cell = default_cell();
+    cell.work.workpiece = Isometry3::translation(1.8, 0.0, 0.8);
+    let points: Vec<PathPoint> = (0..=100)
+        .map(|i| {
+            let turn =
+                UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(i) * 4_f64.to_radians());
+            let pose = Isometry3::from_parts(Translation3::identity(), down() * turn);
+            PathPoint {
+                name: i.to_string(),
+                line: None,
+                target: PathTarget::Pose(cell.work.workpiece * pose),
+                load: Some(TipLoad {
+                    force: Vector3::new(0.0, 0.0, 300.0),
+                    moment: Vector3::zeros(),
+                    axes: ForceAxes::Base,
+                }),
+            }
+        })
+        .collect();
+    let options = PlaceOptions {
+        lower: [1.8, 0.0, 0.8],
+        upper: [1.8, 0.0, 0.8],
+        ..PlaceOptions::default()
+    };
+    let found = search(&cell, &points, &options);
+    assert_eq!(found.given.status, Status::Reachable, "{:?}", found.given);
+    assert!((found.gain.unwrap() - 1.0).abs() < 1e-12);
+    // Within ±200° there is no way.
+    let limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
+    let mut narrow = limits.clone();
+    narrow[5] = [-190_f64.to_radians(), 190_f64.to_radians()];
+    cell.setup.robot = cell.setup.robot.clone().with_limits(&narrow).unwrap();
+    let found = search(&cell, &points, &options);
+    assert_eq!(
+        found.given.status,
+        Status::OutsideJointLimits,
+        "{:?}",
+        found.given
+    );
+}
+
+#[test]
+fn a_free_tool_axis_takes_the_best_turn() {
+    let mut cell = default_cell();
+    let points = rectangle(&mut cell, ForceAxes::Base);
+    let free: Vec<PathPoint> = points
+        .iter()
+        .map(|p| match &p.target {
+            PathTarget::Pose(pose) => PathPoint {
+                target: PathTarget::Axis {
+                    position: pose.translation.vector,
+                    axis: UnitVector3::new_normalize(pose.rotation * Vector3::z()),
+                },
+                ..p.clone()
+            },
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    let options = PlaceOptions {
+        refinements: 0,
+        ..place_options()
+    };
+    let found = search(&cell, &free, &options);
+    let fixed = search(&cell, &points, &options);
+    let rms = |p: &Placement| p.best.as_ref().unwrap().deflection_rms_m.unwrap();
+    assert!(found.best.as_ref().unwrap().turn.is_some());
+    assert!(rms(&found) <= rms(&fixed) * 1.001);
+    assert!(found.given.deflection_rms_m <= fixed.given.deflection_rms_m.map(|r| 1.001 * r));
+}
+
+#[test]
+fn long_paths_are_searched_thinned_and_judged_whole() {
+    let mut cell = default_cell();
+    let mut points = rectangle(&mut cell, ForceAxes::Base);
+    // Each point ten times, the last with a load of its own.
+    points = points
+        .iter()
+        .flat_map(|p| (0..25).map(|_| p.clone()))
+        .collect();
+    let last = points.len() - 7;
+    points[last].name = "hit".to_string();
+    points[last].load = Some(TipLoad {
+        force: Vector3::new(0.0, 3000.0, 0.0),
+        moment: Vector3::zeros(),
+        axes: ForceAxes::Base,
+    });
+    let options = PlaceOptions {
+        steps: [3, 3, 1],
+        yaws: vec![0.0],
+        refinements: 0,
+        ..place_options()
+    };
+    let found = search(&cell, &points, &options);
+    assert_eq!(found.point_count, 1200);
+    assert!(found.searched_points <= 200, "{}", found.searched_points);
+    let best = found.best.unwrap();
+    assert_eq!(best.deflection_max_point.as_deref(), Some("hit"));
+}

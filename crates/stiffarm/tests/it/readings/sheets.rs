@@ -1,0 +1,90 @@
+//! Sheets to fill in.
+
+use super::*;
+
+#[test]
+fn sheets_to_fill_in() -> Check {
+    let one = &postures()[..1];
+    let options = |states: &[&str], drift, base_reflector| SheetOptions {
+        states: states.iter().map(|s| s.to_string()).collect(),
+        drift,
+        base_reflector,
+    };
+    let mut report = String::new();
+    for (what, cell, options) in [
+        ("rope", rope_cell(), options(&[], false, false)),
+        (
+            "rope, loads, drift, base",
+            rope_cell(),
+            options(&["up-250", "up-500"], true, true),
+        ),
+        (
+            "preload",
+            rope_cell(),
+            options(&["preload", "loaded"], false, false),
+        ),
+        (
+            "states in an order of one's own",
+            rope_cell(),
+            options(&["loaded", "unloaded"], true, false),
+        ),
+        (
+            "sensor",
+            sensor_cell(),
+            options(&["up", "down"], false, false),
+        ),
+        (
+            "measured",
+            cell_with("kind = 'measured'", ""),
+            options(&[], false, false),
+        ),
+    ] {
+        let sheet = reading_sheet(one, &options, &cell);
+        report += &format!("» {what}\n{sheet}\n");
+        let error = readings(&sheet, &cell).unwrap_err();
+        assert!(error.message().contains("is empty"), "{error}");
+        // Filled in, it is read.
+        let (heading, rows) = sheet.split_once('\n').ok_or("no heading")?;
+        let filled = rows.lines().map(|row| {
+            let mut fields: Vec<&str> = row.split(',').collect();
+            let loaded = Role::of(fields[1]) == Role::Loaded || fields[1] == "preload";
+            let blank = 3..fields.len() - 2;
+            let force = if loaded { "7" } else { "" };
+            for (i, name) in heading
+                .split(',')
+                .enumerate()
+                .filter(|(i, _)| blank.contains(i))
+            {
+                fields[i] = if name.ends_with("_mm") { "5" } else { force };
+            }
+            fields.join(",") + "\n"
+        });
+        let filled = format!("{heading}\n{}", filled.collect::<String>());
+        let table = readings(&filled, &cell)?;
+        let rows_read = table.postures[0].states.iter().map(|s| s.readings.len());
+        assert_eq!(rows_read.sum::<usize>(), rows.lines().count());
+    }
+    insta::assert_snapshot!("sheets", report);
+    Ok(())
+}
+
+#[test]
+fn bytes_of_workbooks_are_told_from_text() {
+    let cell = rope_cell();
+    let old = read_measurements(&[0xd0, 0xcf, 0x11, 0xe0, 0xa1], "old.xls", &cell, None);
+    insta::assert_snapshot!(old.unwrap_err(), @r#"
+    old.xls: This is a workbook of the old format (.xls) or one with a password.
+      hint: save the sheet as .xlsx without a password, or as "CSV UTF-8"
+    "#);
+    // Detected by content: the name says .csv.
+    let broken = read_measurements(b"PK\x03\x04 and no more", "m.csv", &cell, None).unwrap_err();
+    if cfg!(feature = "xlsx") {
+        assert_eq!(broken.code().as_str(), "file-read");
+    } else {
+        assert_eq!(broken.code().as_str(), "unsupported");
+        assert!(broken.message().contains("reads no .xlsx"), "{broken}");
+    }
+    // Neither is taken for a text that is not UTF-8.
+    let hint = broken.hint_text().unwrap_or_default();
+    assert!(hint.contains("CSV UTF-8"), "{hint}");
+}

@@ -1,0 +1,114 @@
+//! Drift between the readings, by time and by order.
+
+use super::*;
+
+#[test]
+fn drift_is_removed_by_time_and_by_order() {
+    let cell = reference_cell();
+    let options = Experiment {
+        base_from_tracker: tracker_pose(),
+        states: states(&[
+            ("unloaded", 0.0, 2),
+            ("up", 0.5, 2),
+            ("full", 1.0, 2),
+            ("unloaded-2", 0.0, 2),
+        ]),
+        seconds_per_reading: 5.0,
+        drift: Vector3::new(3e-7, 2e-7, -4e-7),
+        ..Experiment::default()
+    };
+    let factor = |state: &str| if state == "up" { 0.5 } else { 1.0 };
+    let mut table = take(&cell, &options, 1);
+    let by_time = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    let drift = by_time.drift.as_ref().unwrap();
+    assert!(drift.postures.iter().all(|p| p.clock == Clock::Time));
+    let error = displacement_error(&cell, &by_time.measured, factor, None);
+    assert!(error < 1e-11, "{error:e}");
+    // States equally long: their order tells as much.
+    for reading in readings(&mut table) {
+        reading.time = None;
+    }
+    let by_order = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    assert!(by_order.drift.as_ref().unwrap().rate_m_per_hour.is_none());
+    assert!(
+        by_order
+            .measured
+            .iter()
+            .all(|m| m.displacements[0].time.is_none())
+    );
+    let error = displacement_error(&cell, &by_order.measured, factor, None);
+    assert!(error < 1e-11, "{error:e}");
+    // Some times only: the order again, and a note.
+    table.postures[2].states[1].readings[0].time = Some(4.0);
+    let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    assert_eq!(result.measured, by_order.measured);
+    assert_eq!(found(&result, "times-incomplete").len(), 1);
+    // Nothing after the load: nothing removed, and said.
+    for posture in &mut table.postures {
+        posture.states.pop();
+    }
+    let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    assert!(result.drift.is_none());
+    assert_eq!(found(&result, "drift-unknown").len(), 1);
+    assert!(displacement_error(&cell, &result.measured, factor, None) > 1e-3);
+}
+
+#[test]
+fn one_state_read_before_and_after_the_load_shows_drift_by_its_times() {
+    let cell = reference_cell();
+    let options = Experiment {
+        states: there_and_back(1),
+        seconds_per_reading: 30.0,
+        drift: Vector3::new(1e-7, 0.0, 2e-7),
+        ..Experiment::default()
+    };
+    let mut table = take(&cell, &options, 1);
+    for posture in &mut table.postures {
+        let after = posture.states.pop().unwrap();
+        posture.states[0].readings.extend(after.readings);
+    }
+    let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
+    let error = displacement_error(&cell, &result.measured, |_| 1.0, None);
+    assert!(error < 1e-11, "{error:e}");
+    assert!(
+        result
+            .measured
+            .iter()
+            .all(|m| m.displacements[0].readings == [1, 2])
+    );
+    // Two readings and a line leave no degree of freedom.
+    assert!(result.repeatability.is_none());
+}
+
+#[test]
+fn a_load_after_the_last_unloaded_reading_takes_the_nearest() {
+    let cell = reference_cell();
+    let options = Experiment {
+        states: states(&[
+            ("unloaded", 0.0, 1),
+            ("loaded", 1.0, 1),
+            ("unloaded-2", 0.0, 3),
+            ("loaded-2", 1.0, 1),
+        ]),
+        ..Experiment::default()
+    };
+    let mut table = take(&cell, &options, 1);
+    for posture in &mut table.postures {
+        for reading in &mut posture.states[2].readings {
+            reading.position.x += 1e-5;
+        }
+    }
+    let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
+    let [first, second] = [&result.measured[0], &result.measured[1]];
+    let q = &postures()[0].q;
+    let (points, _) = truth(&cell, q, 1.0, None);
+    // Between: half the shift by the order of the states; after: all of it.
+    let shift = |m: &MeasuredPosture| m.displacements[0].value.x - points[0].x;
+    assert!((shift(first) + 5e-6).abs() < 1e-14, "{:e}", shift(first));
+    assert!((shift(second) + 1e-5).abs() < 1e-14, "{:e}", shift(second));
+    let numbers = |m: &MeasuredPosture| (m.displacements[0].reference, m.displacements[0].readings);
+    // 1 + 3 readings on a line, taken in its middle, are worth 3 (1/4 + 1/4·1/3 = 1/3).
+    assert_eq!(numbers(first), (0, [1, 3]));
+    assert_eq!(numbers(second), (1, [1, 3]));
+    assert_eq!(found(&result, "drift-unknown").len(), 1);
+}

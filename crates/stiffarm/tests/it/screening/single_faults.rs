@@ -1,0 +1,389 @@
+//! One planted fault each: it is found, named and nothing else is said.
+
+use super::*;
+
+#[test]
+fn two_points_exchanged_in_one_state() {
+    // Neighbours, whose distances tell, and opposite points of the square, whose
+    // distances do not; in a loaded and in an unloaded state.
+    let mut said = Vec::new();
+    for (at, a, b) in [
+        ((1, 1), 0, 1),
+        ((3, 0), 1, 2),
+        ((2, 1), 0, 2),
+        ((4, 0), 1, 3),
+    ] {
+        let mut table = group1_table(2);
+        relabel(&mut table, Some(at), a, b);
+        let sanity = screen(&cell(), &table, None).unwrap();
+        let found = only(&sanity);
+        assert_eq!(found.cause, Cause::ExchangedPoints);
+        assert_eq!(found.postures, [(at.0 + 1).to_string()]);
+        assert_eq!(found.states, [["unloaded", "loaded"][at.1]]);
+        assert_eq!(found.points, [(a + 1).to_string(), (b + 1).to_string()]);
+        said.push(sentences(&sanity));
+    }
+    insta::assert_snapshot!("points_in_one_state", said.join("\n"));
+}
+
+#[test]
+fn two_points_exchanged_throughout() {
+    let mut said = Vec::new();
+    for (a, b) in [(0, 1), (0, 2), (1, 3)] {
+        let mut table = group1_table(3);
+        relabel(&mut table, None, a, b);
+        let sanity = screen(&cell(), &table, None).unwrap();
+        let found = only(&sanity);
+        assert_eq!(found.cause, Cause::ExchangedPoints);
+        assert!(found.postures.is_empty());
+        assert_eq!(found.points, [(a + 1).to_string(), (b + 1).to_string()]);
+        said.push(sentences(&sanity));
+    }
+    insta::assert_snapshot!("points_throughout", said.join("\n"));
+}
+
+#[test]
+fn two_points_exchanged_in_all_states_of_a_posture() {
+    let mut table = group1_table(3);
+    relabel(&mut table, Some((2, 0)), 0, 2);
+    relabel(&mut table, Some((2, 1)), 0, 2);
+    let sanity = screen(&cell(), &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!(found.cause, Cause::ExchangedPoints);
+    assert_eq!(
+        (&found.postures, &found.states),
+        (&names(&["3"]), &names(&[]))
+    );
+    assert_eq!(found.points, ["1", "3"]);
+    insta::assert_snapshot!("points_in_a_posture", sentences(&sanity));
+}
+
+#[test]
+fn one_angle_with_the_wrong_sign() {
+    let mut said = Vec::new();
+    for (p, j) in [(0, 0), (1, 3), (5, 5), (3, 1), (2, 2), (4, 4)] {
+        let mut table = group1_table(4);
+        let q = &mut table.postures[p].posture.q;
+        q[j] = -q[j];
+        let sanity = screen(&cell(), &table, None).unwrap();
+        let found = only(&sanity);
+        assert_eq!(found.cause, Cause::AngleSign);
+        assert_eq!(found.postures, [(p + 1).to_string()]);
+        assert_eq!(found.joints, [format!("joint {}", j + 1)]);
+        assert!(found.alternatives.is_empty(), "{}", sentences(&sanity));
+        said.push(sentences(&sanity));
+    }
+    insta::assert_snapshot!("angle_sign", said.join("\n"));
+}
+
+#[test]
+fn one_angle_mistyped() {
+    let mut said = Vec::new();
+    // Digits exchanged, a decimal point, another number.
+    for (p, j, wrong) in [
+        (3, 3, -2.0_f64),
+        (1, 1, 51.0),
+        (2, 5, 1.0),
+        (5, 4, -23.5),
+        (4, 0, 52.0),
+    ] {
+        let mut table = group1_table(5);
+        let q = &mut table.postures[p].posture.q;
+        let right = rad_to_deg(q[j]);
+        q[j] = wrong.to_radians();
+        let sanity = screen(&cell(), &table, None).unwrap();
+        let found = only(&sanity);
+        assert_eq!(found.cause, Cause::MistypedAngle);
+        assert_eq!(found.postures, [(p + 1).to_string()]);
+        assert_eq!(found.joints, [format!("joint {}", j + 1)]);
+        assert!((found.angles_deg[0] - wrong).abs() < 1e-9);
+        assert!(
+            (found.angles_deg[1] - right).abs() < 0.02,
+            "{}",
+            sentences(&sanity)
+        );
+        assert!(found.alternatives.is_empty(), "{}", sentences(&sanity));
+        said.push(sentences(&sanity));
+    }
+    insta::assert_snapshot!("mistyped_angle", said.join("\n"));
+}
+
+#[test]
+fn another_unit() {
+    let mut said = Vec::new();
+    for factor in [1e-3, 1e3, 25.4, 1.0 / 25.4] {
+        let mut table = group1_table(6);
+        each_position(&mut table, |p| *p *= factor);
+        let sanity = screen(&cell(), &table, None).unwrap();
+        let found = only(&sanity);
+        assert_eq!((found.cause, found.factor), (Cause::Units, Some(factor)));
+        assert!(found.postures.is_empty());
+        said.push(sentences(&sanity));
+    }
+    // In one posture only.
+    let mut table = group1_table(6);
+    for reading in table.postures[2]
+        .states
+        .iter_mut()
+        .flat_map(|s| &mut s.readings)
+    {
+        reading.position *= 1e-3;
+    }
+    let sanity = screen(&cell(), &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!(found.cause, Cause::Units);
+    assert_eq!(
+        (&found.postures, &found.states),
+        (&names(&["3"]), &names(&[]))
+    );
+    said.push(sentences(&sanity));
+    // The tool in the cell, not the readings.
+    let table = group1_table(6);
+    let mut wrong = cell();
+    for point in &mut wrong.setup.tool.measuring_points {
+        point.position *= 1e-3;
+    }
+    let sanity = screen(&wrong, &table, None).unwrap();
+    assert_eq!(only(&sanity).cause, Cause::ToolUnits);
+    said.push(sentences(&sanity));
+    insta::assert_snapshot!("units", said.join("\n"));
+}
+
+#[test]
+fn mirrored_tracker_axes() {
+    let mut said = Vec::new();
+    for axis in 0..3 {
+        let mut table = group1_table(7);
+        each_position(&mut table, |p| p[axis] = -p[axis]);
+        let sanity = screen(&cell(), &table, None).unwrap();
+        assert_eq!(only(&sanity).cause, Cause::MirroredFrame);
+        said.push(sentences(&sanity));
+    }
+    // A tool that is not flat shows the mirror image in its own shape.
+    let mut deep = cell();
+    deep.setup.tool.measuring_points[2].position.z += 0.12;
+    let mut table = simulated(&deep, &named(group1()), 7);
+    each_position(&mut table, |p| p.swap_rows(0, 1));
+    let sanity = screen(&deep, &table, None).unwrap();
+    assert_eq!(only(&sanity).cause, Cause::MirroredFrame);
+    insta::assert_snapshot!("mirrored", said[0]);
+}
+
+#[test]
+fn force_sign_reversed() {
+    let table = group1_table(8);
+    let mut wrong = cell();
+    wrong.sensor.as_mut().unwrap().reports_by_robot = false;
+    let mut said = Vec::new();
+    for prior in [true, false] {
+        if !prior {
+            wrong.prior = None;
+        }
+        let sanity = screen(&wrong, &table, None).unwrap();
+        assert_eq!(only(&sanity).cause, Cause::ReversedForce);
+        said.push(sentences(&sanity));
+    }
+    // Without a sensor the cell's own load is at fault.
+    wrong.sensor = None;
+    let Load::Rope { anchor, .. } = &mut wrong.setup.load else {
+        panic!("the default cell pulls by a rope")
+    };
+    let pushed = Load::Constant {
+        wrench: stiffarm::model::load::Wrench::force(
+            -(*anchor - Vector3::new(1.7, 0.0, 1.8)).normalize() * 500.0,
+        ),
+        axes: stiffarm::model::load::Axes::Base,
+    };
+    wrong.setup.load = pushed;
+    let mut table = table;
+    for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
+        state.wrench = None;
+    }
+    let sanity = screen(&wrong, &table, None).unwrap();
+    assert_eq!(only(&sanity).cause, Cause::ReversedForce);
+    said.push(sentences(&sanity));
+    insta::assert_snapshot!("force_sign", said.join("\n"));
+}
+
+#[test]
+fn loaded_and_unloaded_rows_exchanged() {
+    let mut said = Vec::new();
+    for all in [false, true] {
+        let mut table = group1_table(9);
+        for (p, posture) in table.postures.iter_mut().enumerate() {
+            if all || p == 3 {
+                let first = posture.states[0].readings.clone();
+                let second = std::mem::replace(&mut posture.states[1].readings, first);
+                posture.states[0].readings = second;
+            }
+        }
+        let sanity = screen(&cell(), &table, None).unwrap();
+        let found = only(&sanity);
+        match all {
+            true => assert_eq!(found.cause, Cause::ReversedForce),
+            false => {
+                assert_eq!(found.cause, Cause::ExchangedStates);
+                assert_eq!(found.postures, ["4"]);
+            }
+        }
+        said.push(sentences(&sanity));
+    }
+    insta::assert_snapshot!("states_exchanged", said.join("\n"));
+}
+
+#[test]
+fn a_load_of_another_size() {
+    let mut said = Vec::new();
+    let mut table = group1_table(10);
+    for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
+        // Kilonewtons under a heading in newtons.
+        if let Some(wrench) = &mut state.wrench {
+            wrench.force *= 1e-3;
+            wrench.moment *= 1e-3;
+        }
+    }
+    let sanity = screen(&cell(), &table, None).unwrap();
+    assert_eq!(only(&sanity).cause, Cause::DisplacementSize);
+    said.push(sentences(&sanity));
+    // One posture measured without load; one whose loaded rows are copies.
+    let mut table = group1_table(10);
+    let unloaded = Experiment {
+        states: vec![
+            ExperimentState::new("unloaded", 0.0),
+            ExperimentState::new("loaded", 0.0),
+        ],
+        ..options(10)
+    };
+    let still = experiment(&cell(), &named(group1()), &truth(&cell()), &unloaded, 10, 1).unwrap();
+    for (now, then) in table.postures[4]
+        .states
+        .iter_mut()
+        .zip(&still.postures[4].states)
+    {
+        now.readings.clone_from(&then.readings);
+    }
+    let sanity = screen(&cell(), &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!(
+        (found.cause, &found.postures),
+        (Cause::NoDisplacement, &names(&["5"]))
+    );
+    said.push(sentences(&sanity));
+    let mut table = group1_table(10);
+    for posture in &mut table.postures {
+        posture.states[1].readings = posture.states[0].readings.clone();
+    }
+    let sanity = screen(&cell(), &table, None).unwrap();
+    assert_eq!(only(&sanity).cause, Cause::NoDisplacement);
+    assert!(only(&sanity).postures.is_empty());
+    said.push(sentences(&sanity));
+    insta::assert_snapshot!("load_size", said.join("\n"));
+}
+
+#[test]
+fn axis_three_uncoupled_or_a_joint_turned_round() {
+    let table = group1_table(11);
+    let mut said = Vec::new();
+    let with = |change: &dyn Fn(&mut nalgebra::DMatrix<f64>)| {
+        let mut wrong = cell();
+        let mut coupling = wrong.setup.robot.coupling().clone();
+        change(&mut coupling);
+        wrong.setup.robot = wrong.setup.robot.with_coupling(coupling).unwrap();
+        wrong
+    };
+    let wrong = with(&|c| c[(2, 1)] = 0.0);
+    let sanity = screen(&wrong, &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!((found.cause, found.factor), (Cause::Coupling, Some(-1.0)));
+    assert!(found.joints.is_empty() && found.alternatives.is_empty());
+    said.push(sentences(&sanity));
+    for j in 0..6 {
+        let wrong = with(&|c| c.column_mut(j).neg_mut());
+        let sanity = screen(&wrong, &table, None).unwrap();
+        let found = only(&sanity);
+        assert_eq!(found.cause, Cause::JointSign, "{}", sentences(&sanity));
+        assert_eq!(found.joints, [format!("joint {}", j + 1)]);
+        assert!(found.alternatives.is_empty(), "{}", sentences(&sanity));
+        said.push(sentences(&sanity));
+    }
+    // A newcomer's chain: no signs, no coupling.
+    let wrong = with(&|c| *c = nalgebra::DMatrix::identity(6, 6));
+    let sanity = screen(&wrong, &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!((found.cause, found.factor), (Cause::Coupling, Some(-1.0)));
+    assert_eq!(
+        found.joints,
+        names(&["joint 1", "joint 3", "joint 4", "joint 6"])
+    );
+    said.push(sentences(&sanity));
+    insta::assert_snapshot!("robot", said.join("\n"));
+}
+
+#[test]
+fn a_joint_with_an_offset_and_angles_in_radians() {
+    let mut said = Vec::new();
+    let mut table = group1_table(12);
+    for posture in &mut table.postures {
+        posture.posture.q[2] += 90.0_f64.to_radians();
+    }
+    let sanity = screen(&cell(), &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!(found.cause, Cause::JointOffset);
+    assert_eq!(found.joints, ["joint 3"]);
+    assert!(
+        (found.angles_deg[0] + 90.0).abs() < 0.01,
+        "{}",
+        sentences(&sanity)
+    );
+    said.push(sentences(&sanity));
+    let mut table = group1_table(12);
+    for posture in &mut table.postures {
+        posture
+            .posture
+            .q
+            .iter_mut()
+            .for_each(|q| *q = q.to_radians());
+    }
+    let sanity = screen(&cell(), &table, None).unwrap();
+    assert_eq!(only(&sanity).cause, Cause::Radians);
+    said.push(sentences(&sanity));
+    insta::assert_snapshot!("offset_radians", said.join("\n"));
+}
+
+#[test]
+fn rows_of_two_postures_exchanged() {
+    let mut said = Vec::new();
+    let mut table = group1_table(13);
+    let first = table.postures[1].states.clone();
+    table.postures[1].states = std::mem::replace(&mut table.postures[4].states, first);
+    let sanity = screen(&cell(), &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!(
+        (found.cause, &found.postures),
+        (Cause::ExchangedPostures, &names(&["2", "5"]))
+    );
+    said.push(sentences(&sanity));
+    // Only the loaded ones.
+    let mut table = group1_table(13);
+    let first = table.postures[1].states[1].clone();
+    table.postures[1].states[1] = std::mem::replace(&mut table.postures[4].states[1], first);
+    let sanity = screen(&cell(), &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!(
+        (found.cause, &found.postures),
+        (Cause::ExchangedPostures, &names(&["2", "5"]))
+    );
+    assert_eq!(found.states, ["loaded"]);
+    said.push(sentences(&sanity));
+    // A posture measured twice in place of another.
+    let mut table = group1_table(13);
+    table.postures[3].states = table.postures[0].states.clone();
+    let sanity = screen(&cell(), &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!(
+        (found.cause, &found.postures),
+        (Cause::OtherPosture, &names(&["4", "1"]))
+    );
+    said.push(sentences(&sanity));
+    insta::assert_snapshot!("postures_exchanged", said.join("\n"));
+}
