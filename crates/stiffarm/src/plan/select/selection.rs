@@ -24,7 +24,7 @@ pub struct Selection {
     pub start_value: Option<f64>,
     /// Every index of the selected postures.
     #[serde(rename = "indices", serialize_with = "indices_of")]
-    #[cfg_attr(feature = "schema", schemars(with = "Indices"))]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::plan::index::Indices"))]
     pub evaluation: GroupEvaluation,
     /// Selected postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
