@@ -96,6 +96,10 @@ fn rounds_line(job: &Job<'_>, selection: &Selection) -> String {
         _ => format!("--rounds {rounds} repeats it"),
     };
     let ended = match selection.termination {
+        Termination::Converged if selection.index.has_many_local_minima() => {
+            "nothing improved any more, but this index has many local minima: another --seed may find a better plan"
+                .to_string()
+        }
         Termination::Converged => "nothing improved any more".to_string(),
         Termination::TimeLimit => format!("the time was over; {again}"),
         Termination::Interrupted => format!("interrupted; {again}"),
