@@ -4,9 +4,9 @@ use super::certificate::{efficient, sentence};
 use super::job::{Job, postures_text, shown};
 use super::planned::Planned;
 use super::{load, sensitivity};
-use crate::commands::evaluate::undetermined;
+use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
 use crate::commands::{posture_remarks, posture_table};
-use crate::numbers::{coarse_mm, optional_percent, percent, significant};
+use crate::numbers::{coarse_mm, percent, significant};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
 use stiffarm::model::posture::Posture;
@@ -190,22 +190,17 @@ fn deviations(planned: &Planned<'_>) -> String {
         .enumerate()
     {
         let mut row = vec![name];
-        row.extend(
-            columns
-                .iter()
-                .map(|e| optional_percent(e.expected_deviation[j])),
-        );
+        row.extend(columns.iter().map(|e| deviation(e, j)));
         if let Some(bound) = bounds.and_then(|bounds| bounds.get(j)) {
             row.push(percent(expected_deviation(bound.bound)));
             row.push(bound.efficiency.map_or_else(|| "-".to_string(), efficient));
         }
         table.row(row);
     }
-    let means = columns
-        .iter()
-        .map(|e| optional_percent(e.mean_expected_deviation()));
+    let means = columns.iter().map(|e| mean_deviation(e));
     table.row(std::iter::once("mean".to_string()).chain(means));
     out += &table.to_string();
+    out += beyond_first_order(columns.iter().copied());
     if bounds.is_some() {
         out += "each joint's best is for a plan that serves this joint alone\n";
     }
