@@ -1,6 +1,6 @@
 //! A plan as people read it.
 
-use super::certificate::{efficient, sentence};
+use super::certificate::{efficient, loose, sentence};
 use super::job::{Job, postures_text, shown};
 use super::planned::Planned;
 use super::{load, sensitivity};
@@ -177,7 +177,7 @@ fn deviations(planned: &Planned<'_>) -> String {
     let mut headings = vec!["joint".to_string()];
     headings.extend(columns.iter().map(|e| e.name.clone()));
     if bounds.is_some() {
-        headings.push(format!("best any {} could do", planned.selected.len()));
+        headings.push(format!("no {} go below", planned.selected.len()));
         headings.push("efficiency".to_string());
     }
     let mut table = Table::new(headings);
@@ -201,8 +201,9 @@ fn deviations(planned: &Planned<'_>) -> String {
     table.row(std::iter::once("mean".to_string()).chain(means));
     out += &table.to_string();
     out += beyond_first_order(columns.iter().copied());
-    if bounds.is_some() {
-        out += "each joint's best is for a plan that serves this joint alone\n";
+    if let Some(bounds) = bounds {
+        out += "each joint's bound is for a plan that serves this joint alone; no plan need reach it\n";
+        out += &loose(bounds);
     }
     out
 }
