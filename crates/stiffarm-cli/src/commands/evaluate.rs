@@ -92,6 +92,41 @@ pub fn undetermined(evaluations: &[GroupEvaluation]) -> String {
     lines.collect()
 }
 
+/// Expected deviation of a joint \[%\], marked where the first order does not reach.
+pub fn deviation(evaluation: &GroupEvaluation, joint: usize) -> String {
+    let value = optional_percent(evaluation.expected_deviation[joint]);
+    match evaluation.is_beyond_first_order(joint) {
+        true => format!("{value} *"),
+        false => value,
+    }
+}
+
+/// Their mean over the joints \[%\], marked where one of them is.
+pub fn mean_deviation(evaluation: &GroupEvaluation) -> String {
+    let value = optional_percent(evaluation.mean_expected_deviation());
+    match is_marked(evaluation) && evaluation.mean_expected_deviation().is_some() {
+        true => format!("{value} *"),
+        false => value,
+    }
+}
+
+/// What the mark means, where there is one.
+pub fn beyond_first_order<'a>(
+    mut evaluations: impl Iterator<Item = &'a GroupEvaluation>,
+) -> &'static str {
+    match evaluations.any(is_marked) {
+        true => {
+            "* the relative standard error is above 10 %, where this closed form, a first-order figure, no longer holds; \
+             `stiffarm simulate` draws the errors\n"
+        }
+        false => "",
+    }
+}
+
+fn is_marked(evaluation: &GroupEvaluation) -> bool {
+    (0..evaluation.relative_standard_error.len()).any(|j| evaluation.is_beyond_first_order(j))
+}
+
 /// Tables with one column per group: indices, expected deviations, k(J_N).
 pub fn tables(cell: &Cell, evaluations: &[GroupEvaluation], postures: &[Vec<&str>]) -> String {
     let table = |first: &str| {
@@ -120,12 +155,11 @@ pub fn tables(cell: &Cell, evaluations: &[GroupEvaluation], postures: &[Vec<&str
         out += &title("Expected deviation |k̂ − k|/k of the identified stiffness [%]");
         let mut deviations = table("joint");
         for (j, name) in cell.setup.robot.spring_names().into_iter().enumerate() {
-            deviations.row(row(name, &|e| optional_percent(e.expected_deviation[j])));
+            deviations.row(row(name, &|e| deviation(e, j)));
         }
-        deviations.row(row("mean".to_string(), &|e| {
-            optional_percent(e.mean_expected_deviation())
-        }));
+        deviations.row(row("mean".to_string(), &mean_deviation));
         out += &deviations.to_string();
+        out += beyond_first_order(evaluations.iter());
     }
     if cell.characteristic_length.is_some() {
         out += &title("k(J_N) of each posture");

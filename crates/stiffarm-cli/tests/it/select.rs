@@ -124,9 +124,30 @@ fn only_indices_with_a_bound_have_a_certificate() {
     assert!(of("comau-reference", "o3").is_null());
     let out = folder.ok("select builtin:comau-reference -n 3 --rounds 1 --index condition");
     assert!(
-        !out.contains("certificate") && !out.contains("best any"),
+        !out.contains("certificate") && !out.contains("go below"),
         "{out}"
     );
+}
+
+/// The classical group of the default cell has joint 2 at 20 % and more.
+#[test]
+fn deviations_beyond_the_first_order_are_marked() {
+    let folder = Folder::new();
+    let line =
+        "select builtin:comau --from builtin:comau-group1 --index classical --output plan.csv";
+    let marked = |out: &str| {
+        let rows: Vec<&str> = out.lines().filter(|l| l.ends_with(" *")).collect();
+        assert!(rows.iter().any(|row| row.starts_with("joint 2")), "{out}");
+        assert!(rows.iter().any(|row| row.starts_with("mean")), "{out}");
+        assert!(
+            out.contains("* the relative standard error is above 10 %"),
+            "{out}"
+        );
+    };
+    marked(&folder.ok(line));
+    marked(&folder.ok("evaluate builtin:comau plan.csv"));
+    let sound = folder.ok("evaluate builtin:comau builtin:comau-group1");
+    assert!(!sound.contains('*'), "{sound}");
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! How good any plan of as many postures could be, in words and numbers.
 
 use super::job::{Job, postures_text, shown};
-use crate::numbers::significant;
+use crate::numbers::{percent, significant};
 use crate::progress::Progress;
+use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::certificate::{
@@ -117,6 +118,61 @@ pub fn sentence(found: &Certificate, chosen_load: bool) -> String {
 
 /// An efficiency in percent; never rounded up to all there is.
 pub fn efficient(efficiency: f64) -> String {
-    let tenths = (efficiency * 1e3).floor() / 10.0;
-    format!("{tenths:.1} %")
+    let percent = 100.0 * efficiency;
+    match (99.95..100.0).contains(&percent) {
+        true => "> 99.9 %".to_string(),
+        false => format!("{percent:.1} %"),
+    }
+}
+
+/// The joints whose bound is looser than the tolerance, with how much higher a
+/// tight one could be at most; empty where there is none.
+pub fn loose(joints: &[JointEfficiency]) -> String {
+    let loose: Vec<String> = joints
+        .iter()
+        .filter(|joint| joint.termination != Termination::Converged)
+        .map(|joint| {
+            // The bound is a root: 1/(1 + residual) of its square is certain.
+            let higher = (1.0 + joint.residual).sqrt() - 1.0;
+            format!("{} (up to {} % too low)", joint.joint, percent(higher))
+        })
+        .collect();
+    match loose.is_empty() {
+        true => String::new(),
+        false => format!("not converged: {}\n", list(&loose)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn efficiencies_are_rounded_but_never_up_to_all_there_is() {
+        assert_eq!(efficient(0.996_95), "99.7 %");
+        assert_eq!(efficient(0.999_4), "99.9 %");
+        assert_eq!(efficient(0.999_96), "> 99.9 %");
+        assert_eq!(efficient(1.0), "100.0 %");
+    }
+
+    #[test]
+    fn bounds_that_did_not_converge_are_named() {
+        let joint = |name: &str, residual, termination| JointEfficiency {
+            joint: name.to_string(),
+            bound: 0.01,
+            value: Some(0.02),
+            efficiency: Some(0.5),
+            residual,
+            termination,
+        };
+        let joints = [
+            joint("joint 1", 1e-5, Termination::Converged),
+            joint("joint 2", 0.21, Termination::IterationLimit),
+        ];
+        assert_eq!(
+            loose(&joints),
+            "not converged: joint 2 (up to 10.00 % too low)\n"
+        );
+        assert_eq!(loose(&joints[..1]), "");
+    }
 }

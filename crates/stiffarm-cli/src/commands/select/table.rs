@@ -1,12 +1,12 @@
 //! A plan as people read it.
 
-use super::certificate::{efficient, sentence};
+use super::certificate::{efficient, loose, sentence};
 use super::job::{Job, postures_text, shown};
 use super::planned::Planned;
 use super::{load, sensitivity};
-use crate::commands::evaluate::undetermined;
+use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
 use crate::commands::{posture_remarks, posture_table};
-use crate::numbers::{coarse_mm, optional_percent, percent, significant};
+use crate::numbers::{coarse_mm, percent, significant};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
 use stiffarm::model::posture::Posture;
@@ -96,6 +96,10 @@ fn rounds_line(job: &Job<'_>, selection: &Selection) -> String {
         _ => format!("--rounds {rounds} repeats it"),
     };
     let ended = match selection.termination {
+        Termination::Converged if selection.index.has_many_local_minima() => {
+            "nothing improved any more, but this index has many local minima: another --seed may find a better plan"
+                .to_string()
+        }
         Termination::Converged => "nothing improved any more".to_string(),
         Termination::TimeLimit => format!("the time was over; {again}"),
         Termination::Interrupted => format!("interrupted; {again}"),
@@ -173,7 +177,7 @@ fn deviations(planned: &Planned<'_>) -> String {
     let mut headings = vec!["joint".to_string()];
     headings.extend(columns.iter().map(|e| e.name.clone()));
     if bounds.is_some() {
-        headings.push(format!("best any {} could do", planned.selected.len()));
+        headings.push(format!("no {} go below", planned.selected.len()));
         headings.push("efficiency".to_string());
     }
     let mut table = Table::new(headings);
@@ -186,24 +190,20 @@ fn deviations(planned: &Planned<'_>) -> String {
         .enumerate()
     {
         let mut row = vec![name];
-        row.extend(
-            columns
-                .iter()
-                .map(|e| optional_percent(e.expected_deviation[j])),
-        );
+        row.extend(columns.iter().map(|e| deviation(e, j)));
         if let Some(bound) = bounds.and_then(|bounds| bounds.get(j)) {
             row.push(percent(expected_deviation(bound.bound)));
             row.push(bound.efficiency.map_or_else(|| "-".to_string(), efficient));
         }
         table.row(row);
     }
-    let means = columns
-        .iter()
-        .map(|e| optional_percent(e.mean_expected_deviation()));
+    let means = columns.iter().map(|e| mean_deviation(e));
     table.row(std::iter::once("mean".to_string()).chain(means));
     out += &table.to_string();
-    if bounds.is_some() {
-        out += "each joint's best is for a plan that serves this joint alone\n";
+    out += beyond_first_order(columns.iter().copied());
+    if let Some(bounds) = bounds {
+        out += "each joint's bound is for a plan that serves this joint alone; no plan need reach it\n";
+        out += &loose(bounds);
     }
     out
 }

@@ -21,9 +21,9 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Relative standard error above which the mean of |1/Ĥ − k|/k is flagged and
-/// the median printed: E|1/Ĥ| does not even exist.
-pub const FIRST_ORDER_LIMIT: f64 = 0.1;
+/// Above it the mean of |1/Ĥ − k|/k is flagged and the median printed: E|1/Ĥ|
+/// does not even exist.
+pub use crate::plan::index::FIRST_ORDER_LIMIT;
 
 /// Options of a simulation; the default is the paper's: six levels of
 /// {0.5 … 3.0} times the variance, 200 runs (Table 3).

@@ -94,7 +94,19 @@ pub struct GroupEvaluation {
     pub undetermined_joints: Vec<String>,
 }
 
+/// Relative standard error of a stiffness (fraction) above which expected errors,
+/// which are first-order figures, no longer hold.
+pub const FIRST_ORDER_LIMIT: f64 = 0.1;
+
 impl GroupEvaluation {
+    /// True when the expected deviation of a joint, counted from 0, is beyond
+    /// what the first order says: its relative standard error passes
+    /// [`FIRST_ORDER_LIMIT`].
+    pub fn is_beyond_first_order(&self, joint: usize) -> bool {
+        let error = self.relative_standard_error.get(joint).copied().flatten();
+        error.is_some_and(|error| error > FIRST_ORDER_LIMIT)
+    }
+
     /// Mean over the joints of the expected deviation (fraction), `None` when a
     /// joint has none.
     pub fn mean_expected_deviation(&self) -> Option<f64> {

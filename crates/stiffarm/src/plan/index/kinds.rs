@@ -146,6 +146,15 @@ impl Index {
         }
     }
 
+    /// True when it has kinks and with them many local minima: a search for the
+    /// best one may end elsewhere with another seed.
+    pub fn has_many_local_minima(self) -> bool {
+        !matches!(
+            self,
+            Index::ExpectedError | Index::D | Index::O1 | Index::Task | Index::O5
+        )
+    }
+
     /// True when it needs the cell's tasks.
     pub fn needs_tasks(self) -> bool {
         self == Index::Task

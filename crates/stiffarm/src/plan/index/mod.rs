@@ -11,7 +11,7 @@ mod kinds;
 pub(crate) mod minimax;
 
 pub use error_bound::{ErrorBound, error_bound};
-pub use evaluate::{GroupEvaluation, Indices, evaluate, expected_deviation};
+pub use evaluate::{FIRST_ORDER_LIMIT, GroupEvaluation, Indices, evaluate, expected_deviation};
 pub use function::IndexFunction;
 pub use kinds::Index;
 pub use minimax::Smoothed;

@@ -57,6 +57,18 @@ impl Chain {
         self.idle = 0;
     }
 
+    /// Leaves the minimum where the chain is for a fresh group.
+    pub fn restart(&mut self) {
+        self.current = None;
+        self.idle = 0;
+    }
+
+    /// ln of the index where the chain is now, infinite where it starts afresh.
+    pub fn value(&self) -> f64 {
+        let current = self.current.as_ref();
+        current.map_or(f64::INFINITY, |plan| plan.value)
+    }
+
     /// `tries` local searches with the random numbers of this round; false
     /// when it was stopped before the last.
     pub fn work(

@@ -32,8 +32,12 @@ use std::time::Instant;
 
 /// Chains; a number that divides well among the cores of a workshop computer.
 const CHAINS: usize = 16;
-/// Rounds between exchanges of the best plan among the chains.
+/// Chains that may share the best minimum.
+const SHARING: usize = CHAINS / 4;
+/// Rounds after which that many chains are put onto it, where minima are few.
 const MIGRATION: u64 = 6;
+/// Minima this near to each other in ln(index) count as one.
+const SAME: f64 = 1e-3;
 /// Relative improvement that counts.
 const LEAST: f64 = 1e-6;
 
@@ -259,28 +263,50 @@ impl<'a> Global<'a> {
         }
     }
 
-    /// Takes the best of all chains, and from time to time puts the worst
-    /// quarter of them onto it.
+    /// Takes the best of all chains, and keeps them from doing the same work.
     fn gather(&mut self) {
         let values: Vec<f64> = self
             .chains
             .iter()
             .map(|chain| chain.best.as_ref().map_or(f64::INFINITY, |p| p.value))
             .collect();
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        // A stable sort: equal values stay in the order of the chains.
-        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-        let leader = order[0];
-        if let Some(plan) = self.chains[leader].best.clone()
+        let order = ascending(&values);
+        if let Some(plan) = self.chains[order[0]].best.clone()
             && self.best.as_ref().is_none_or(|b| plan.value < b.value)
         {
             self.best = Some(plan);
         }
-        if (self.completed + 1).is_multiple_of(MIGRATION)
+        if self.index.has_many_local_minima() {
+            self.spread();
+        } else if (self.completed + 1).is_multiple_of(MIGRATION)
             && let Some(best) = self.best.clone()
         {
-            for chain in order.iter().rev().take(CHAINS / 4) {
+            // Few minima: the best one is worth more than another look around.
+            for chain in order.iter().rev().take(SHARING) {
                 self.chains[*chain].move_to(best.clone());
+            }
+        }
+    }
+
+    /// Restarts chains that have come to the same minimum. Many local minima lie
+    /// in a few wide valleys; left alone, one chain after the other ends in the
+    /// widest, and none looks elsewhere any more. The best minimum keeps a few
+    /// chains, which refine it, every other one a single chain.
+    fn spread(&mut self) {
+        let values: Vec<f64> = self.chains.iter().map(Chain::value).collect();
+        let mut minimum = f64::NEG_INFINITY;
+        let (mut most, mut there) = (0, 0);
+        for chain in ascending(&values) {
+            if !values[chain].is_finite() {
+                continue;
+            }
+            if values[chain] - minimum > SAME {
+                most = if there == 0 { SHARING } else { 1 };
+                (minimum, there) = (values[chain], 0);
+            }
+            there += 1;
+            if there > most {
+                self.chains[chain].restart();
             }
         }
     }
@@ -361,4 +387,11 @@ impl<'a> Global<'a> {
     fn evaluations(&self) -> u64 {
         self.chains.iter().map(|i| i.local.evaluations).sum()
     }
+}
+
+/// Positions of `values`, the smallest first, equal ones in their order.
+fn ascending(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    order
 }

@@ -55,24 +55,17 @@ pub(super) struct Schedule {
 
 impl Schedule {
     pub fn new(index: Index, count: usize) -> Self {
-        // Indices with kinks have many local minima, the others few.
-        let rugged = !matches!(
-            index,
-            Index::ExpectedError | Index::D | Index::O1 | Index::Task | Index::O5
-        );
-        let (rounds, patience) = match rugged {
-            true => (48, 16),
-            false => (40, 8),
+        // Many local minima take more rounds, and large groups longer rounds.
+        let (tries, rounds, patience) = match (index.has_many_local_minima(), count > 12) {
+            (true, false) => (6, 64, 24),
+            (true, true) => (1, 24, 8),
+            (false, false) => (3, 40, 8),
+            (false, true) => (1, 20, 8),
         };
-        let large = count > 12;
         Schedule {
-            tries: match (rugged, large) {
-                (true, false) => 6,
-                (false, false) => 3,
-                (_, true) => 1,
-            },
-            rounds: if large { rounds / 2 } else { rounds },
-            patience: if large { patience.min(8) } else { patience },
+            tries,
+            rounds,
+            patience,
         }
     }
 }
