@@ -136,7 +136,7 @@ impl<'a> Search<'a> {
             let after = self.stage(&start, solution, options, control)?;
             solution = Some(after.or_as_optimal_as(before, options.optimality));
         }
-        solution.ok_or_else(|| Error::new(Code::Internal, "A selection without a stage."))
+        solution.ok_or_else(|| Error::new(Code::Internal, "A selection needs at least one stage."))
     }
 
     /// One stage: rounds of searching and adding the limits that were crossed.
@@ -178,7 +178,7 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        solution.ok_or_else(|| Error::new(Code::Internal, "A stage without a round."))
+        solution.ok_or_else(|| Error::new(Code::Internal, "A stage needs at least one round."))
     }
 
     /// Moves a start at which the index does not exist (a singular posture,

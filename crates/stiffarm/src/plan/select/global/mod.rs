@@ -77,7 +77,7 @@ pub fn select_watched<Q: AsRef<[f64]> + Sync>(
     if count == 0 {
         return Err(Error::new(
             Code::TooFewData,
-            "No posture is to be selected.",
+            "The number of postures must be at least 1, got 0.",
         ));
     }
     super::check_bounds(cell)?;
