@@ -123,7 +123,7 @@ name = "stiffarm"
 
 [features]
 default = ["files", "parallel"]
-# Doors = files.
+# Tables = files.
 files = ["dep:toml", "dep:csv"]
 long = [
     "dep:a",
