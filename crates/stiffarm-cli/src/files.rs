@@ -43,12 +43,9 @@ impl Target {
             .file(shown)
             .hint("give a file name inside it")),
             Ok(meta) if !meta.is_file() => Ok(Target::Device(path.to_path_buf())),
-            Ok(_) if !force => Err(Error::new(
-                Code::FileExists,
-                "The file exists, and it is not overwritten unasked.",
-            )
-            .file(shown)
-            .hint("add --force to overwrite it, or choose another name")),
+            Ok(_) if !force => Err(Error::new(Code::FileExists, "The file exists already.")
+                .file(shown)
+                .hint("add --force to overwrite it, or choose another name")),
             // A link stays a link: what it points to is replaced.
             Ok(_) => Ok(Target::File(
                 fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()),
@@ -179,12 +176,9 @@ pub fn check_folder<'n>(
     let existing = names.into_iter().map(|name| folder.join(name));
     match existing.into_iter().find(|path| path.exists() && !force) {
         None => Ok(()),
-        Some(path) => Err(Error::new(
-            Code::FileExists,
-            "The file exists, and it is not overwritten unasked.",
-        )
-        .file(path.display().to_string())
-        .hint("add --force to overwrite it, or give another --output-dir")),
+        Some(path) => Err(Error::new(Code::FileExists, "The file exists already.")
+            .file(path.display().to_string())
+            .hint("add --force to overwrite it, or give another --output-dir")),
     }
 }
 

@@ -151,7 +151,7 @@ impl Session {
         if self.has_read_stdin() {
             return Err(Error::new(
                 Code::Usage,
-                "Standard input (`-`) can stand for one file only.",
+                "Standard input (`-`) can be used for one file only.",
             ));
         }
         let mut bytes = Vec::new();

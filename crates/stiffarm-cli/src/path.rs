@@ -67,7 +67,7 @@ impl PathArgs {
             true => Ok(percent_to_fraction(percent)),
             false => Err(usage(
                 "--load-uncertainty-percent",
-                format!("{percent} % is no uncertainty: a number of 0 or above is needed."),
+                format!("The uncertainty must be 0 % or more, got {percent} %."),
             )),
         }
     }
@@ -78,7 +78,10 @@ impl PathArgs {
             return Ok(None);
         };
         let Some(axes) = self.axes else {
-            let error = usage("--force-n", "The force has no frame.".to_string());
+            let error = usage(
+                "--force-n",
+                "The axes of the force are not given.".to_string(),
+            );
             return Err(error.hint("say its axes: --axes base, tool, workpiece or path"));
         };
         Ok(Some(TipLoad {
@@ -106,10 +109,7 @@ impl PathArgs {
         if !(self.max_step_deg.is_finite() && self.max_step_deg > 0.0) {
             return Err(usage(
                 "--max-step-deg",
-                format!(
-                    "{}° is no step: an angle above 0° is needed.",
-                    self.max_step_deg
-                ),
+                format!("The step must be above 0°, got {}°.", self.max_step_deg),
             ));
         }
         let process = match self.load()? {

@@ -153,7 +153,7 @@ impl Code {
                 "decimal-comma",
                 "A decimal comma in a comma-separated table: the columns cannot be told apart.",
             ),
-            Code::Duplicate => ("duplicate", "The same name or row stands twice."),
+            Code::Duplicate => ("duplicate", "The same name or row appears twice."),
             Code::UnknownName => (
                 "unknown-name",
                 "A name (robot, point, built-in) is not defined.",

@@ -1,4 +1,4 @@
-//! Units at the doors. Inside the library everything is SI: m, rad, N, N·m.
+//! Units of files and of the screen. Inside the library everything is SI: m, rad, N, N·m.
 
 use nalgebra::UnitQuaternion;
 

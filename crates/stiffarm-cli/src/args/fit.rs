@@ -63,7 +63,7 @@ impl FitArgs {
             Some(percent) => {
                 return Err(Error::new(
                     Code::Usage,
-                    format!("{percent} % is no standard deviation."),
+                    format!("The standard deviation must be above 0 %, got {percent} %."),
                 )
                 .key("--prior-std-percent")
                 .hint("give 30 where the prior may be wrong by about 30 %"));
@@ -82,7 +82,7 @@ impl FitArgs {
     }
 }
 
-/// Refuses a confidence that is none.
+/// Refuses what cannot be a confidence.
 ///
 /// # Errors
 /// It does not lie between 0 and 1.
@@ -91,7 +91,7 @@ fn check_confidence(confidence: f64) -> Result<()> {
         true => Ok(()),
         false => Err(Error::new(
             Code::Usage,
-            format!("The confidence {confidence} does not lie between 0 and 1."),
+            format!("The confidence must lie between 0 and 1, got {confidence}."),
         )
         .key("--confidence")
         .hint("give 0.95 for 95 %")),

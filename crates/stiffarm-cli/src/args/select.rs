@@ -143,8 +143,7 @@ pub enum SheetChoice {
 /// A time above zero.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = above_zero(text)?;
-    Duration::try_from_secs_f64(seconds)
-        .map_err(|_| "this is longer than anybody waits".to_string())
+    Duration::try_from_secs_f64(seconds).map_err(|_| "the number is too large".to_string())
 }
 
 /// A force above zero.

@@ -30,7 +30,7 @@ pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
     if let Some(std) = args.std_mm
         && !(std.is_finite() && std > 0.0)
     {
-        let message = format!("{std} is no standard deviation: a length above 0 mm is needed.");
+        let message = format!("The standard deviation must be above 0 mm, got {std}.");
         return Err(Error::new(Code::Usage, message).key("--std-mm"));
     }
     let target = only_target(session, args.output.as_deref(), args.force)?;

@@ -109,7 +109,7 @@ fn check_not_negative(option: &str, values: &[f64]) -> Result<()> {
     match values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
         Some(v) => Err(Error::new(
             Code::Usage,
-            format!("{v} is not allowed here: a number of 0 or above is needed."),
+            format!("Each value must be 0 or more, got {v}."),
         )
         .key(option)),
         None => Ok(()),

@@ -55,7 +55,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
     {
         return Err(Error::new(
             Code::Usage,
-            format!("{tolerance} is no tolerance: a length of 0 mm or above is needed."),
+            format!("The tolerance must be 0 mm or more, got {tolerance}."),
         )
         .key("--tolerance-mm"));
     }
@@ -69,7 +69,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         .hint("give the file that `stiffarm identify --output` wrote before the measurements, or --folds")),
         (Some(_), Some(_)) => Err(Error::new(
             Code::Usage,
-            "With --folds each fold is identified anew: there is no file of stiffness.",
+            "With --folds the stiffness is identified anew in each fold, so no file of stiffness can be given.",
         )
         .key("--folds")
         .hint("give the cell and the measurements alone")),
@@ -79,11 +79,12 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
 /// Validates a saved stiffness.
 fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<Exit> {
     if let Some(option) = args.fit.given() {
-        return Err(
-            Error::new(Code::Usage, format!("{option} goes with --folds alone."))
-                .key(option)
-                .hint("a saved stiffness brings its own estimator, terms and confidence"),
-        );
+        return Err(Error::new(
+            Code::Usage,
+            format!("{option} can be used only with --folds."),
+        )
+        .key(option)
+        .hint("a saved stiffness brings its own estimator, terms and confidence"));
     }
     let named = session.read_cell(&args.cell)?;
     let saved = session.read_stiffness(stiffness, &named.cell)?;
@@ -105,7 +106,7 @@ fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
     if Model::from(args.model) != Model::Linear {
         return Err(Error::new(
             Code::Unsupported,
-            "Folds are predicted by the linear model alone.",
+            "With --folds only the linear model can be used.",
         )
         .key("--model"));
     }

@@ -124,7 +124,7 @@ fn dashes_are_standard_input_and_output() {
     assert_eq!(ran.code, Some(2));
     assert!(
         ran.err
-            .contains("Standard input (`-`) can stand for one file only"),
+            .contains("Standard input (`-`) can be used for one file only"),
         "{}",
         ran.err
     );

@@ -227,7 +227,7 @@ impl IdentifiedCompliance {
         if !self.extra.is_empty() {
             return Err(Error::new(
                 Code::Unsupported,
-                format!("The {model} model knows no further terms."),
+                format!("The {model} model cannot use further terms."),
             )
             .hint("use the linear model, or a stiffness identified without further terms"));
         }

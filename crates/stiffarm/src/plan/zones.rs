@@ -295,7 +295,7 @@ fn held(cell: &Cell, options: &ZoneOptions) -> Result<Vec<f64>> {
             return Err(Error::new(
                 Code::MissingKey,
                 format!(
-                    "The angles at which Dumas' zones hold the joints are for six joints, and {} has {n}.",
+                    "Dumas' choice of the held angles is for six joints, and {} has {n}.",
                     robot.name()
                 ),
             )

@@ -187,7 +187,7 @@ fn equilibrium_is_the_one_of_the_constant_wrench_and_linear_in_the_limit() {
     for q in postures(&cell) {
         let load = wrench(&mut dice, 800.0, 60.0);
         let bent = arm.deflect(&q, &load).unwrap();
-        // The same equilibrium by the room that identification uses.
+        // The same equilibrium by the module that identification uses.
         let mut setup = cell.setup.clone();
         setup.tool.loading_point = setup.tool.tcp();
         let other = equilibrium(&setup, &q, &stiffness, Some(&load)).unwrap();

@@ -43,7 +43,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     if let Some(noise) = args.angle_noise_deg
         && !(noise.is_finite() && noise > 0.0)
     {
-        let message = format!("{noise} is no standard deviation: an angle above 0° is needed.");
+        let message = format!("The standard deviation must be above 0°, got {noise}.");
         return Err(Error::new(Code::Usage, message).key("--angle-noise-deg"));
     }
     let target = only_target(session, args.output.as_deref(), args.force)?;
@@ -52,7 +52,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let options = args.fit.options(&named.cell.setup.robot)?;
     let noise = args.angle_noise_deg.map(deg_to_rad);
     if options.noise == NoiseSource::Known && noise.is_none() {
-        let message = "Known noise of a clamped end-effector is that of its angles.";
+        let message = "Known noise with --clamped needs the standard deviation of the angles.";
         return Err(Error::new(Code::Usage, message)
             .key("--noise")
             .hint("give it with --angle-noise-deg"));

@@ -90,7 +90,8 @@ fn options(cell: &Cell, args: &MapArgs) -> Result<(MapOptions, String)> {
     let direction = match tool.direction {
         Some(direction) => Some(
             UnitVector3::try_new(Vector3::from(direction), f64::MIN_POSITIVE).ok_or_else(|| {
-                Error::new(Code::Usage, "A direction of zero length is none.").key("--direction")
+                Error::new(Code::Usage, "The direction must not have length zero.")
+                    .key("--direction")
             })?,
         ),
         None => None,

@@ -43,7 +43,11 @@ pub struct Options {
 /// Searches the best place.
 pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
     if let Some(yaw) = args.place.yaw_deg.iter().find(|yaw| !yaw.is_finite()) {
-        return Err(Error::new(Code::Usage, format!("{yaw}° is no turn.")).key("--yaw-deg"));
+        return Err(Error::new(
+            Code::Usage,
+            format!("The turn must be a finite number, got {yaw}."),
+        )
+        .key("--yaw-deg"));
     }
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;

@@ -81,7 +81,7 @@ fn corners(cell: &Cell, args: &RegionArgs) -> Result<([f64; 3], [f64; 3])> {
         if lower[axis] > upper[axis] {
             return Err(Error::new(
                 Code::Usage,
-                format!("The region is upside down: --from-mm is above --to-mm along {name}."),
+                format!("Along {name}, --from-mm must not be above --to-mm."),
             )
             .key("--from-mm")
             .hint("give the lower corner with --from-mm and the upper one with --to-mm"));

@@ -135,7 +135,7 @@ fn assumptions(
     if options.weights == Weights::Tracker {
         return Err(Error::new(
             Code::Conflict,
-            "A clamped end-effector is measured without a tracker: its weights have no meaning here.",
+            "A clamped end-effector is measured without a tracker, so weights by tracker cannot be used.",
         ));
     }
     let scale = match (options.noise, angle_std) {
@@ -144,7 +144,7 @@ fn assumptions(
         (NoiseSource::Known, None) => {
             return Err(Error::new(
                 Code::MissingKey,
-                "Known noise of a clamped end-effector is the standard deviation of its angles, and none is given.",
+                "Known noise of a clamped end-effector needs the standard deviation of its angles.",
             )
             .hint("give it, or take the noise from the residuals"));
         }

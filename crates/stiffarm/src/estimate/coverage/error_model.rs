@@ -110,7 +110,8 @@ impl<'a> Scene<'a> {
         let factors = &world.stiffness_factors;
         check(world, prior.len())?;
         if world.truth != Truth::AsPrior && case.options.estimator != Estimator::Prior {
-            let message = "A truth about the prior belongs to the prior estimate.";
+            let message =
+                "True values that differ from the prior can be used only with the prior estimator.";
             return Err(Error::new(Code::Conflict, message));
         }
         let compliance = prior

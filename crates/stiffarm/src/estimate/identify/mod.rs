@@ -241,11 +241,11 @@ pub(crate) fn check(options: &IdentifyOptions) -> Result<()> {
         && (estimator.has_shifts() || estimator == Estimator::Huber)
     {
         let message = format!(
-            "The {} estimator finds the size of the noise itself.",
+            "The {} estimator estimates the size of the noise itself, so noise from repeats cannot be used.",
             estimator.as_str()
         );
         return Err(Error::new(Code::Conflict, message)
-            .hint("noise from repeats goes with the estimators ordinary and weighted"));
+            .hint("noise from repeats works with the estimators ordinary and weighted"));
     }
     Ok(())
 }

@@ -81,6 +81,6 @@ pub(super) fn non_negative(
     }
     Err(Error::new(
         Code::Numerical,
-        "The non-negative least squares did not end.",
+        "The non-negative least squares did not converge.",
     ))
 }

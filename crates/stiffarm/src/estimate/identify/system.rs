@@ -226,17 +226,20 @@ pub(super) fn assemble<'a>(
 /// Names of the springs and the further terms.
 ///
 /// # Errors
-/// A term that stands twice, or names a joint that the robot does not have.
+/// A term that appears twice, or names a joint that the robot does not have.
 pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>> {
     let mut unknowns = robot.spring_names();
     for (i, term) in extra.iter().enumerate() {
         if term.joint().is_some_and(|j| j >= robot.joint_count()) {
-            let message = format!("A further term names a joint that {} lacks.", robot.name());
+            let message = format!(
+                "A further term names a joint that {} does not have.",
+                robot.name()
+            );
             return Err(Error::new(Code::UnknownName, message));
         }
         let name = term.name(robot);
         if extra[..i].contains(term) {
-            let message = format!("The term \"{name}\" stands twice.");
+            let message = format!("The term \"{name}\" appears twice.");
             return Err(Error::new(Code::Duplicate, message));
         }
         unknowns.push(name);

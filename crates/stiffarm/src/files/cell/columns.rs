@@ -57,7 +57,7 @@ pub(super) fn columns(
                     source.error(Code::Duplicate, &key, value.span(), message)
                 })?;
                 if columns.names.insert(ours, theirs).is_some() {
-                    let message = "This column stands twice, in different case.";
+                    let message = "This column appears twice, in different case.";
                     return Err(source.error(Code::Duplicate, &key, name.span(), message));
                 }
             }

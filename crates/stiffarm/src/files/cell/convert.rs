@@ -78,7 +78,7 @@ fn tool(source: &Source<'_>, table: &Option<At<RawTool>>, sensor: Option<&Sensor
     let hint = "add [[tool.measuring_point]] with name and position_mm, once per reflector";
     let points = source.required(&raw.measuring_point, key, at, hint)?;
     if points.get().is_empty() {
-        let message = "There is no measuring point.";
+        let message = "At least one measuring point is needed.";
         let error = source.error(Code::InvalidValue, key, points.span(), message);
         return Err(error.hint(hint));
     }
@@ -201,7 +201,7 @@ fn limits(source: &Source<'_>, table: Option<&At<RawLimits>>, load: &Load) -> Re
         let range = source.range(list, key)?;
         source.not_negative(&list.get()[0], "limits.rope_length_mm[1]")?;
         if !matches!(load, Load::Rope { .. }) {
-            let message = "The load is not a rope, so its length cannot be limited.";
+            let message = "A limit of the rope's length needs a load of kind \"rope\".";
             let error = source.error(Code::Conflict, key, list.span(), message);
             return Err(error.hint("remove rope_length_mm, or set load.kind = \"rope\""));
         }
@@ -233,7 +233,8 @@ fn noise(source: &Source<'_>, table: Option<&At<RawNoise>>) -> Result<Noise> {
             1 => 1,
             2 => 2,
             other => {
-                let message = format!("A displacement has 1 or 2 readings, not {other}.");
+                let message =
+                    format!("The number of readings per displacement must be 1 or 2, got {other}.");
                 let key = "noise.readings_per_displacement";
                 let error = source.error(Code::InvalidValue, key, readings.span(), message);
                 return Err(

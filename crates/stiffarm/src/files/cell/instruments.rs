@@ -100,7 +100,7 @@ pub(super) fn uncertainty(
         return Ok(Uncertainty::default());
     };
     if let (Some(anchor), false) = (&raw.anchor_mm, matches!(load, Load::Rope { .. })) {
-        let message = "The load is not a rope, so there is no anchor to be unsure of.";
+        let message = "An uncertainty of the anchor needs a load of kind \"rope\".";
         let error = source.error(
             Code::Conflict,
             "uncertainty.anchor_mm",
@@ -167,7 +167,7 @@ pub(super) fn choice<T: Copy>(
     if let Some((_, value)) = choices.iter().find(|(name, _)| *name == word) {
         return Ok(*value);
     }
-    let message = format!("\"{word}\" is none of the choices.");
+    let message = format!("\"{word}\" is not one of the choices.");
     let nearest = did_you_mean(word, choices.iter().map(|(name, _)| *name));
     let error = source.error(Code::InvalidValue, key, given.span(), message);
     Err(error.hint(nearest.unwrap_or_else(|| hint.to_string())))

@@ -70,7 +70,7 @@ fn syntax_error(source: &Source<'_>, error: &toml::de::Error) -> Error {
     let body = source.body();
     if error.message() == "duplicate key" {
         let key = body.get(span.clone()).unwrap_or_default();
-        return source.error(Code::Duplicate, key, span, "This key stands twice.");
+        return source.error(Code::Duplicate, key, span, "This key appears twice.");
     }
     let message = format!("This is not valid TOML: {}.", error.message());
     let place = source.error(Code::TomlSyntax, "", span.clone(), message);
@@ -123,7 +123,7 @@ fn check_format(source: &Source<'_>, root: &DeTable<'_>) -> Result<()> {
         return Err(error.hint("install a newer stiffarm, or write the file in format 1"));
     }
     if number < FORMAT {
-        let message = format!("There is no format {number}.");
+        let message = format!("The format must be {FORMAT}, got {number}.");
         let error = source.error(Code::InvalidValue, "format", value.span(), message);
         return Err(error.hint("write format = 1"));
     }

@@ -32,7 +32,7 @@ pub(super) fn load(
     let hint = "kind is one of \"rope\", \"weight\", \"wrench\", \"measured\"";
     let kind = source.required(&raw.kind, "load.kind", Some(table.span()), hint)?;
     let Some((name, keys)) = KINDS.iter().find(|(name, _)| name == kind.get()) else {
-        let message = format!("There is no load \"{}\".", kind.get());
+        let message = format!("Loads of kind \"{}\" are not known.", kind.get());
         let nearest = did_you_mean(kind.get(), KINDS.iter().map(|(name, _)| *name));
         let error = source.error(Code::InvalidValue, "load.kind", kind.span(), message);
         return Err(error.hint(nearest.unwrap_or_else(|| hint.to_string())));
@@ -125,7 +125,7 @@ pub(super) fn axes(source: &Source<'_>, given: &Text, key: &str) -> Result<Axes>
         "base" => Ok(Axes::Base),
         "tool" => Ok(Axes::Tool),
         other => {
-            let message = format!("There are no axes \"{other}\".");
+            let message = format!("Axes \"{other}\" are not known.");
             let error = source.error(Code::InvalidValue, key, given.span(), message);
             Err(error.hint(AXES_HINT))
         }

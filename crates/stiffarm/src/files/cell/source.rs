@@ -102,7 +102,7 @@ impl<'a> Source<'a> {
                 Code::InvalidValue,
                 key,
                 value.span(),
-                format!("{number:e} is too large to be meant."),
+                format!("{number:e} is too large."),
             ));
         }
         Ok(number)
@@ -116,7 +116,7 @@ impl<'a> Source<'a> {
                 Code::InvalidValue,
                 key,
                 value.span(),
-                format!("{number} is not above zero."),
+                format!("The value must be above 0, got {number}."),
             ));
         }
         Ok(number)
@@ -130,7 +130,7 @@ impl<'a> Source<'a> {
                 Code::InvalidValue,
                 key,
                 value.span(),
-                format!("{number} is below zero."),
+                format!("The value must be 0 or more, got {number}."),
             ));
         }
         // Values too small to square are zero; −0 is 0.
@@ -180,7 +180,8 @@ impl<'a> Source<'a> {
         let values = self.numbers(list, key, 2, "[low, high]")?;
         let (low, high) = (values[0], values[1]);
         if low >= high {
-            let message = format!("The lower value {low} is not below the upper value {high}.");
+            let message =
+                format!("The lower value must be below the upper one, got {low} and {high}.");
             return Err(self
                 .error(Code::InvalidValue, key, list.span(), message)
                 .hint("write the lower value first: [low, high]"));
@@ -236,7 +237,7 @@ impl<'a> Source<'a> {
     ) -> Result<String> {
         let name = self.name(text, key)?;
         if others.any(|other| other == name) {
-            let message = format!("The name \"{name}\" stands twice.");
+            let message = format!("The name \"{name}\" appears twice.");
             return Err(self.error(Code::Duplicate, key, text.span(), message));
         }
         Ok(name)
@@ -272,12 +273,12 @@ impl<'a> Source<'a> {
         if found == count {
             return Ok(());
         }
-        let unit = if found == 1 {
+        let unit = if count == 1 {
             unit.trim_end_matches('s')
         } else {
             unit
         };
-        let message = format!("{found} {unit}, where {count} are needed: {what}.");
+        let message = format!("This must be {count} {unit} ({what}), got {found}.");
         Err(self.error(Code::Dimension, key, list.span(), message))
     }
 }

@@ -104,7 +104,7 @@ fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
     let hint = "axes = \"base\", \"tool\" (the tip frame), \"workpiece\" or \"path\" (x the feed, z the tool axis)";
     // The frame is never guessed: a wrong one bends the robot another way.
     let Some(axes) = &raw.axes else {
-        let message = "The force has no frame: in which axes is it given?";
+        let message = "The axes of the force are not given.";
         let error = source.error(Code::MissingKey, key, given.span(), message);
         return Err(error.hint(hint));
     };
@@ -135,7 +135,10 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Milling> {
     let teeth = match u32::try_from(*given.get()) {
         Ok(teeth @ 1..=1000) => teeth,
         _ => {
-            let message = format!("A cutter does not have {} teeth.", given.get());
+            let message = format!(
+                "The number of teeth must be from 1 to 1000, got {}.",
+                given.get()
+            );
             return Err(source.error(Code::InvalidValue, key, given.span(), message));
         }
     };

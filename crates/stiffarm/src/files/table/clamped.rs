@@ -74,7 +74,7 @@ fn read(
 ) -> Result<Vec<ClampedPosture>> {
     let columns = Columns::of(table, cell, postures.is_some())?;
     let rows = table.rows()?;
-    let door = Door {
+    let reader = Reader {
         table,
         columns: &columns,
         cell,
@@ -82,9 +82,9 @@ fn read(
     match columns.differences.is_some() {
         true => rows
             .iter()
-            .map(|row| door.difference(row, postures))
+            .map(|row| reader.difference(row, postures))
             .collect(),
-        false => door.states(&rows),
+        false => reader.states(&rows),
     }
 }
 
@@ -184,13 +184,13 @@ struct State<'r> {
     motion: Option<Vector6<f64>>,
 }
 
-struct Door<'a> {
+struct Reader<'a> {
     table: &'a Table<'a>,
     columns: &'a Columns,
     cell: &'a Cell,
 }
 
-impl Door<'_> {
+impl Reader<'_> {
     /// A row that stands for itself.
     fn difference(&self, row: &Row, postures: Option<&[Posture]>) -> Result<ClampedPosture> {
         let (table, columns) = (self.table, self.columns);

@@ -142,7 +142,7 @@ impl<'a> Table<'a> {
             self.check_length(row)?;
         }
         if rows.is_empty() {
-            let message = "There are no rows below the heading.";
+            let message = "The table has no rows below its heading.";
             return Err(self.heading_error(None, Code::TableRow, message));
         }
         Ok(rows)
@@ -158,7 +158,7 @@ impl<'a> Table<'a> {
             let stray = &row.fields[expected..];
             let held = stray.iter().find(|field| !field.text.is_empty());
             let text = held.map_or("", |field| field.text.as_str());
-            let message = format!("\"{text}\" stands outside the columns of the heading.");
+            let message = format!("\"{text}\" lies beyond the last column of the heading.");
             return Err(Error::new(Code::TableRow, message)
                 .file(self.file)
                 .line(row.line, held.map(|field| field.column))
@@ -276,7 +276,7 @@ impl<'a> Table<'a> {
             return Err(self.error(row, at, Code::NotFinite, message));
         }
         if value.abs() > LARGEST {
-            let message = format!("{text} is too large to be meant.");
+            let message = format!("{text} is too large.");
             return Err(self.error(row, at, Code::TableRow, message));
         }
         Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))

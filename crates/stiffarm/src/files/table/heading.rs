@@ -131,7 +131,7 @@ impl<'a> Table<'a> {
     fn twice(&self, first: Column, second: Column) -> Error {
         let [a, b] = [first.at, second.at].map(|at| &self.headings[at]);
         if a.name == b.name {
-            let message = "The column stands twice.";
+            let message = "The column appears twice.";
             let error = self.heading_error(Some(second.at), Code::TableHeading, message);
             return if a.shown == b.shown {
                 error
@@ -139,7 +139,7 @@ impl<'a> Table<'a> {
                 error.hint(format!("{} is the same column", a.shown))
             };
         }
-        let message = format!("The column stands twice; {} is there already.", a.shown);
+        let message = format!("The column appears twice; {} is there already.", a.shown);
         self.heading_error(Some(second.at), Code::Conflict, message)
             .hint("keep one of them")
     }

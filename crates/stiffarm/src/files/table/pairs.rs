@@ -14,7 +14,7 @@ use std::collections::HashMap;
 /// …); `file_name` is for messages.
 ///
 /// # Errors
-/// A heading or row that cannot be read, a name that stands twice: with line,
+/// A heading or row that cannot be read, a name that appears twice: with line,
 /// column and the column's name.
 pub fn read_pairs(bytes: &[u8], file_name: &str) -> Result<Vec<PointPair>> {
     let table = Table::read(bytes, file_name, &Columns::default())?;
@@ -41,7 +41,7 @@ fn read(table: &Table<'_>) -> Result<Vec<PointPair>> {
     for row in rows {
         let name = table.name(row, name_column)?;
         if let Some(first) = lines.insert(name, row.line) {
-            let message = format!("The point \"{name}\" stands twice; first on line {first}.");
+            let message = format!("The point \"{name}\" appears twice; first on line {first}.");
             return Err(table
                 .error(row, name_column.at, Code::Duplicate, message)
                 .hint("average repeated readings of a point, or give each a name of its own"));

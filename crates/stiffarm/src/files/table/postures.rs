@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// `q1_rad`, …); `file_name` is for messages.
 ///
 /// # Errors
-/// A heading or row that cannot be read, a name that stands twice, an angle
+/// A heading or row that cannot be read, a name that appears twice, an angle
 /// outside the machine's limits: with line, column and the column's name.
 pub fn read_postures(bytes: &[u8], file_name: &str, robot: &Robot) -> Result<Vec<Posture>> {
     let table = Table::read(bytes, file_name, &Columns::default())?;
@@ -35,7 +35,7 @@ fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
     for row in rows {
         let name = table.name(row, name_column)?;
         if let Some(first) = lines.insert(name, row.line) {
-            let message = format!("The posture \"{name}\" stands twice; first on line {first}.");
+            let message = format!("The posture \"{name}\" appears twice; first on line {first}.");
             return Err(table.error(row, name_column.at, Code::Duplicate, message));
         }
         let q = angles(table, row, &columns, robot)?;

@@ -58,7 +58,7 @@ pub(super) fn readings(
     let columns = MeasurementColumns::of(table, cell, Values::Positions, postures.is_some())?;
     let plan: Option<Plan<'_>> =
         postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
-    let door = Door {
+    let reader = Reader {
         table,
         cell,
         columns,
@@ -66,21 +66,21 @@ pub(super) fn readings(
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut groups: Vec<Group<'_>> = Vec::new();
     for row in table.rows()? {
-        let name = table.name(row, door.columns.posture)?;
+        let name = table.name(row, reader.columns.posture)?;
         let number = *numbers.entry(name).or_insert(groups.len());
         if number == groups.len() {
             groups.push(Group {
                 row,
-                planned: door.columns.planned(table, row, plan.as_ref())?,
+                planned: reader.columns.planned(table, row, plan.as_ref())?,
                 states: Vec::new(),
             });
         }
-        door.add(&mut groups[number], row)?;
+        reader.add(&mut groups[number], row)?;
     }
-    let postures = groups.into_iter().map(|group| door.close(group));
+    let postures = groups.into_iter().map(|group| reader.close(group));
     Ok(ReadingTable {
         postures: postures.collect::<Result<_>>()?,
-        wrench_columns: door.columns.wrench_columns(),
+        wrench_columns: reader.columns.wrench_columns(),
     })
 }
 
@@ -100,13 +100,13 @@ impl Group<'_> {
 }
 
 /// A table with what its rows are read by.
-struct Door<'t, 'a> {
+struct Reader<'t, 'a> {
     table: &'t Table<'a>,
     cell: &'t Cell,
     columns: MeasurementColumns,
 }
 
-impl Door<'_, '_> {
+impl Reader<'_, '_> {
     /// Adds one row to its posture.
     fn add<'t>(&self, group: &mut Group<'t>, row: &'t Row) -> Result<()> {
         let (table, columns) = (self.table, &self.columns);
@@ -161,7 +161,7 @@ impl Door<'_, '_> {
         let Some(hint) = nearest else {
             return Ok(name);
         };
-        let message = format!("\"{name}\" would be taken for a load.");
+        let message = format!("The state \"{name}\" would be read as a loaded one.");
         let error = self.table.error(row, column.at, Code::UnknownName, message);
         Err(error.hint(hint))
     }
@@ -295,7 +295,7 @@ impl Door<'_, '_> {
             return Ok(());
         }
         let message = format!(
-            "Posture \"{name}\" has {count} load states, and nothing says the force of \"{}\".",
+            "Posture \"{name}\" has {count} load states, but the force of \"{}\" is not given.",
             state.state
         );
         let hint = match &self.cell.setup.load {

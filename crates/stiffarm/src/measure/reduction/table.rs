@@ -38,7 +38,7 @@ pub(super) fn check(
     let mut names = BTreeSet::new();
     for posture in &table.postures {
         if !names.insert(posture.posture.name.as_str()) {
-            let message = format!("Posture {} stands twice.", posture.posture.name);
+            let message = format!("Posture {} appears twice.", posture.posture.name);
             return Err(Error::new(Code::Duplicate, message));
         }
         check_angles(&cell.setup.robot, &posture.posture.q)?;

@@ -56,7 +56,7 @@ pub(super) fn check_pairs(pairs: &[PointPair]) -> Result<()> {
     let mut names = HashSet::new();
     for pair in pairs {
         if !names.insert(pair.name.as_str()) {
-            let message = format!("The point \"{}\" stands twice.", pair.name);
+            let message = format!("The point \"{}\" appears twice.", pair.name);
             return Err(Error::new(Code::Duplicate, message)
                 .hint("average repeated readings of a point, or give each a name of its own"));
         }

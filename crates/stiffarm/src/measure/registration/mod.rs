@@ -146,7 +146,7 @@ pub fn register(pairs: &[PointPair]) -> Result<Registration> {
 /// pairs as they stand.
 ///
 /// # Errors
-/// Fewer than three pairs, a name that stands twice, a coordinate that is not
+/// Fewer than three pairs, a name that appears twice, a coordinate that is not
 /// finite, points on or too near a line, frames in different units, a mirrored
 /// frame, and options that make no sense.
 pub fn register_with(pairs: &[PointPair], options: &RegisterOptions) -> Result<Registration> {

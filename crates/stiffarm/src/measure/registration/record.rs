@@ -115,7 +115,10 @@ impl TryFrom<RegistrationRecord> for Registration {
             ));
         }
         if record.pairs.len() != record.residuals_m.len() {
-            return Err(fault("There is not one residual per pair.", "residuals_m"));
+            return Err(fault(
+                "The number of residuals must be that of the pairs.",
+                "residuals_m",
+            ));
         }
         let rotation =
             UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));

@@ -155,7 +155,7 @@ impl Robot {
         self.gravity_direction = unit.ok_or_else(|| {
             Error::new(
                 Code::InvalidValue,
-                "The direction of gravity needs a length above zero.",
+                "The direction of gravity must not have length zero.",
             )
         })?;
         Ok(self)
@@ -171,7 +171,7 @@ impl Robot {
     /// Sets the names of the joints, one each.
     ///
     /// # Errors
-    /// Wrong number of names, or a name that stands twice.
+    /// Wrong number of names, or a name that appears twice.
     pub fn with_joint_names(mut self, names: &[String]) -> Result<Self> {
         if names.len() != self.joint_count() {
             return Err(Error::new(
@@ -187,7 +187,7 @@ impl Robot {
             if names[..j].contains(name) {
                 return Err(Error::new(
                     Code::Duplicate,
-                    format!("The joint name \"{name}\" stands twice."),
+                    format!("The joint name \"{name}\" appears twice."),
                 ));
             }
             self.joints[j].name.clone_from(name);

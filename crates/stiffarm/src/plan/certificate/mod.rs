@@ -370,7 +370,7 @@ impl<'a> Plan<'a> {
         if postures.is_empty() {
             return Err(Error::new(
                 Code::TooFewData,
-                "A bound is for a number of postures, and the plan has none.",
+                "The plan has no postures, so there is nothing to bound.",
             ));
         }
         for q in measured {

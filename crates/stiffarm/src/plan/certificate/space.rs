@@ -244,7 +244,7 @@ impl DesignSpace for PostureSpace<'_> {
     fn information(&self, point: &[f64]) -> DMatrix<f64> {
         match PostureTerms::new(&self.cell.setup, point, None) {
             Ok(terms) => posture_information(&self.block(&terms), self.common_weight),
-            // Stopped at the door by whoever takes postures from outside.
+            // Whoever takes postures from outside refuses these.
             Err(_) => DMatrix::from_element(self.unknowns(), self.unknowns(), f64::NAN),
         }
     }

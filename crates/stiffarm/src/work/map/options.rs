@@ -97,7 +97,7 @@ pub(super) fn grid(lower: [f64; 3], upper: [f64; 3], steps: [usize; 3]) -> Resul
         if low > high {
             return fault(
                 format!(
-                    "The region is upside down: it runs from {name} = {} mm to {} mm.",
+                    "Along {name}, the region's lower end must not be above its upper end, got {} mm and {} mm.",
                     crate::units::m_to_shortest_mm(low),
                     crate::units::m_to_shortest_mm(high)
                 ),
@@ -105,11 +105,14 @@ pub(super) fn grid(lower: [f64; 3], upper: [f64; 3], steps: [usize; 3]) -> Resul
             );
         }
         if count == 0 {
-            return fault(format!("There is no node along {name}."), "steps");
+            return fault(
+                format!("The number of nodes along {name} must be at least 1, got 0."),
+                "steps",
+            );
         }
         if count > 1 && low == high {
             return fault(
-                format!("{count} nodes along {name} need an extent along it."),
+                format!("{count} nodes along {name} need a lower and an upper end that differ."),
                 "steps",
             );
         }

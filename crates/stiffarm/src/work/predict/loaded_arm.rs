@@ -57,7 +57,7 @@ impl LoadedArm {
         if let Some(j) = (0..springs).find(|j| !(values[*j].is_finite() && values[*j] > 0.0)) {
             return Err(Error::new(
                 Code::NotIdentifiable,
-                format!("The compliance of {} is not above zero: there is no equilibrium with it.", names[j]),
+                format!("The compliance of {} must be above zero for an equilibrium.", names[j]),
             )
             .hint("identify again with more postures, with a prior, or with the non-negative estimator"));
         }

@@ -261,7 +261,7 @@ fn findings(result: &Prediction) -> Vec<Finding> {
             "no-load",
             Severity::Caution,
             "load",
-            "There is no load at any point, so nothing bends.",
+            "No point has a load, so nothing bends.",
         ));
     }
     let dominated = result

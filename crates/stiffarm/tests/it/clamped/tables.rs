@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn door(cell: &Cell, text: &str) -> Vec<ClampedPosture> {
+fn from_table(cell: &Cell, text: &str) -> Vec<ClampedPosture> {
     read_clamped(text.as_bytes(), "clamped.csv", cell, None).unwrap()
 }
 
@@ -11,7 +11,7 @@ fn a_written_table_is_read_again() {
     let cell = reference_cell();
     let mut data = exact(&cell, 3, 2, 2);
     let text = write_clamped(&data, &cell.setup.robot);
-    let again = door(&cell, &text);
+    let again = from_table(&cell, &text);
     assert_eq!(write_clamped(&again, &cell.setup.robot), text);
     assert_close(
         &stiffness(&cell, &again),
@@ -21,7 +21,7 @@ fn a_written_table_is_read_again() {
     );
     data[1].fixture_motion = Some(Vector6::new(1e-5, -2e-5, 3e-6, 1e-4, 0.0, -2e-4));
     let text = write_clamped(&data, &cell.setup.robot);
-    let again = door(&cell, &text);
+    let again = from_table(&cell, &text);
     assert_eq!(write_clamped(&again, &cell.setup.robot), text);
     let motion = again[1].fixture_motion.unwrap();
     assert!((motion - data[1].fixture_motion.unwrap()).amax() < 1e-15);
@@ -42,7 +42,7 @@ fn states_are_taken_against_their_reference() {
                 B;unloaded;20;0;-90;10;50;20;;;;;;\n\
                 B;unloaded-2;20,002;0;-90;10;50;20;;;;;;\n\
                 B;up;20;0,1;-90;10;50;20;0;0;7;0;0;0\n";
-    let read = door(&cell, text);
+    let read = from_table(&cell, text);
     assert_eq!(read.len(), 2);
     let a = &read[0];
     assert!((a.motor[0] - 0.01_f64.to_radians()).abs() < 1e-15);

@@ -59,7 +59,7 @@ fn a_cell_in_the_last_corner_costs_no_memory() {
     );
     let error = read(&far, &cell).unwrap_err();
     insta::assert_snapshot!(error, @r#"
-    readings.xlsx:1048576:16384: "1" stands outside the columns of the heading.
+    readings.xlsx:1048576:16384: "1" lies beyond the last column of the heading.
       hint: give its column a heading, or empty the cell
     "#);
 }

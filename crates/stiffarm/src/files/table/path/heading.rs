@@ -125,7 +125,7 @@ fn kind(table: &Table<'_>, found: &Found<'_, '_>, joints: usize) -> Result<PathK
         (None, _, Some(_), _) => Ok(PathKind::Poses),
         (None, _, None, Some(_)) => Ok(PathKind::ToolAxes),
         (None, Some(_), None, None) => {
-            let message = "The table says where the tip is, but not how the tool stands.";
+            let message = "The table gives positions of the tip, but no orientation of the tool.";
             let error = table.heading_error(None, Code::TableHeading, message);
             Err(error.hint(
                 "add roll_deg, pitch_deg, yaw_deg, or axis_x, axis_y, axis_z where the tool may turn about its axis",

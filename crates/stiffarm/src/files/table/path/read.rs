@@ -41,7 +41,7 @@ const AXES_HINT: &str = "add a column axes with base, tool, workpiece or path in
 ///
 /// # Errors
 /// A heading or row that cannot be read, both angles and poses, a force without a
-/// frame, a name that stands twice, angles outside the machine's limits, a tool
+/// frame, a name that appears twice, angles outside the machine's limits, a tool
 /// axis of length zero, positions whose size shows that they are in another unit:
 /// with line, column and the column's name.
 pub fn read_path(
@@ -56,7 +56,7 @@ pub fn read_path(
 
 fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathTable> {
     let columns = PathColumns::of(table, cell)?;
-    let door = Door {
+    let reader = Reader {
         table,
         columns: &columns,
         cell,
@@ -71,7 +71,7 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
                 let name = table.name(row, column)?;
                 if let Some(first) = lines.insert(name, row.line) {
                     let message =
-                        format!("The point \"{name}\" stands twice; first on line {first}.");
+                        format!("The point \"{name}\" appears twice; first on line {first}.");
                     let error = table.error(row, column.at, Code::Duplicate, message);
                     return Err(error.hint(
                         "give each point a name of its own, or leave the column out: points are then numbered",
@@ -84,8 +84,8 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
         points.push(PathPoint {
             name,
             line: Some(row.line),
-            target: door.target(row)?,
-            load: door.load(row)?,
+            target: reader.target(row)?,
+            load: reader.load(row)?,
         });
     }
     check_size(table, &columns, cell, &points)?;
@@ -100,7 +100,7 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
     Ok(PathTable { points, format })
 }
 
-struct Door<'a> {
+struct Reader<'a> {
     table: &'a Table<'a>,
     columns: &'a PathColumns,
     cell: &'a Cell,
@@ -108,7 +108,7 @@ struct Door<'a> {
     axes: Option<ForceAxes>,
 }
 
-impl Door<'_> {
+impl Reader<'_> {
     /// Where the tip should be, base frame.
     fn target(&self, row: &Row) -> Result<PathTarget> {
         let (table, columns) = (self.table, self.columns);
@@ -161,7 +161,7 @@ impl Door<'_> {
         }
         let Some(axes) = own.or(self.axes) else {
             let at = columns.axes.unwrap_or(force[0]).at;
-            let message = "The force has no frame: in which axes is it given?";
+            let message = "The axes of the force are not given.";
             let error = table.error(row, at, Code::TableRow, message);
             return Err(error.hint(AXES_HINT));
         };
@@ -188,7 +188,7 @@ impl Door<'_> {
             return Ok(Some(*axes));
         }
         let names = ForceAxes::NAMES.map(|(name, _)| name);
-        let message = format!("There are no axes \"{given}\".");
+        let message = format!("Axes \"{given}\" are not known.");
         let error: Error = table.error(row, column.at, Code::UnknownName, message);
         Err(error.hint(
             did_you_mean(&word, names).unwrap_or_else(|| format!("axes: {}", names.join(", "))),

@@ -1,6 +1,6 @@
 //! The inner loop of every search: information, k(J_N) and margins of a group
 //! of postures with their derivatives, four postures at a time, without
-//! allocation. The observation and dexterity rooms define what it computes;
+//! allocation. The modules `observation` and `dexterity` define what it computes;
 //! tests hold it against them.
 
 mod batch;

@@ -84,7 +84,7 @@ impl Model {
         if wanted.dexterity.is_some() {
             dexterity::require_six_joints(robot)?;
         }
-        // The observation room refuses a load that only a measurement gives.
+        // The module `observation` refuses a load that only a measurement gives.
         let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
         PostureTerms::new(setup, &middle, None)?;
         let flange = robot.flange();

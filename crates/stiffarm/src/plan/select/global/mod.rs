@@ -112,7 +112,7 @@ pub fn select_watched(
     if count == 0 {
         return Err(Error::new(
             Code::TooFewData,
-            "No posture is to be selected.",
+            "The number of postures must be at least 1, got 0.",
         ));
     }
     check_bounds(cell)?;
