@@ -7,7 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Termination;
-use crate::plan::index::{GroupEvaluation, Index, Indices};
+use crate::plan::index::{GroupEvaluation, Index};
 use serde::Serialize;
 
 /// Result of a selection.
@@ -24,7 +24,7 @@ pub struct Selection {
     pub start_value: Option<f64>,
     /// Every index of the selected postures.
     #[serde(rename = "indices", serialize_with = "indices_of")]
-    #[cfg_attr(feature = "schema", schemars(with = "Indices"))]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::plan::index::Indices"))]
     pub evaluation: GroupEvaluation,
     /// Selected postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
