@@ -38,11 +38,13 @@ pub struct Selection {
     pub group: Vec<Vec<f64>>,
     /// Number of postures that were given and stay as they are; `value` and
     /// `indices` are those of given and selected postures together.
+    #[serde(default)]
     pub given: usize,
     /// Why the search ended.
     pub termination: Termination,
     /// Rounds of a global search that were completed: asking for as many gives
     /// the same result again. `None` for a local one.
+    #[serde(default)]
     pub rounds: Option<u64>,
     /// Number of local searches.
     pub starts: usize,
@@ -56,7 +58,7 @@ pub struct Selection {
     /// Smallest margin to a limit of the cell \[m\], `None` without limits.
     pub smallest_margin_m: Option<f64>,
     /// The load, where it was chosen together with the postures.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<DesignedLoad>,
 }
 

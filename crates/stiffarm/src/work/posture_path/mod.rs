@@ -94,7 +94,7 @@ pub struct PosturePathSummary {
         feature = "schema",
         schemars(
             with = "Option<Vec<f64>>",
-            description = "Turn about the tool axis at each point, from the given one or, where only the axis is given, from one carried along without twist \\[deg\\]."
+            description = "Turn about the tool axis at each point, from the given one or, where only\nthe axis is given, from one carried along without twist \\[deg\\]."
         )
     )]
     pub turn: Option<Vec<f64>>,
