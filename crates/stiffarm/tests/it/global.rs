@@ -74,11 +74,10 @@ fn chains_that_share_a_minimum_look_elsewhere() {
     assert!(plan.value < 8.0, "{}", plan.value);
 }
 
-/// Each of sixteen seeds, to the end: some minutes.
+/// Sixteen seeds, to the end, take minutes: every night; one seed with each change.
 #[test]
-#[ignore = "minutes"]
 fn the_novel_index_ends_at_6_62_or_lower_from_every_seed() {
-    for seed in 1..=16 {
+    for seed in 1..=runs(2).div_ceil(2).min(16) {
         let plan = select(&reference_cell(), Index::Novel, 6, &seeded(seed));
         println!("novel, seed {seed}: {:.4}", plan.value);
         assert!(plan.value <= 6.62, "seed {seed}: {}", plan.value);

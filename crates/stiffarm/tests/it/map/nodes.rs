@@ -271,10 +271,10 @@ fn regions_and_loads_that_are_none_are_refused() {
         assert_eq!(error.code(), Code::InvalidValue);
         error.message().to_string()
     };
-    assert!(refused(&|o| o.lower[0] = 4.0).contains("upside down"));
+    assert!(refused(&|o| o.lower[0] = 4.0).contains("lower end"));
     assert!(refused(&|o| o.upper[1] = f64::NAN).contains("not finite"));
-    assert!(refused(&|o| o.steps[2] = 4).contains("extent"));
-    assert!(refused(&|o| o.steps[0] = 0).contains("no node"));
+    assert!(refused(&|o| o.steps[2] = 4).contains("differ"));
+    assert!(refused(&|o| o.steps[0] = 0).contains("at least 1"));
     assert!(refused(&|o| o.steps = [2000, 2000, 1]).contains("1000000"));
     assert!(refused(&|o| o.wrench.force = Vector3::zeros()).contains("force"));
     assert!(refused(&|o| o.free_turn = Some(0)).contains("turns"));
