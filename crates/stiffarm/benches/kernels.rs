@@ -16,7 +16,7 @@ use stiffarm::model::kinematics::Frames;
 use stiffarm::model::observation::{Rows, observation_matrix};
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select_from, select_global};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select_from, select};
 
 fn cell(name: &str) -> Cell {
     with_characteristic_length(builtin::cell(name).expect("a built-in cell")).expect("a length")
@@ -96,7 +96,7 @@ fn selections(c: &mut Criterion) {
             let mut options = GlobalOptions::default();
             options.rounds = Some(1);
             benches.bench_function(format!("one global round/{name}/{}", index.as_str()), |b| {
-                b.iter(|| select_global(&cell, index, 6, &options, control));
+                b.iter(|| select(&cell, index, 6, &options, control));
             });
         }
     }

@@ -7,7 +7,7 @@ use stiffarm::internals::information::Factor;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
 use stiffarm::plan::index::{Index, Indices, evaluate};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select_global};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select};
 
 /// Relative standard error beyond which the first order understates.
 const FIRST_ORDER: f64 = 0.1;
@@ -116,7 +116,7 @@ impl Plan {
         let mut options = GlobalOptions::default();
         options.seed = seed;
         options.rounds = Some(rounds);
-        let selection = select_global(cell, index, count, &options, Control::default())?;
+        let selection = select(cell, index, count, &options, Control::default())?;
         let name = index.as_str().replace('_', "-");
         let mut plan = Plan::new(cell, &name, &selection.group)?;
         plan.rounds = Some(rounds);

@@ -12,7 +12,7 @@ use stiffarm::plan::certificate::{
 };
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{
-    DesignedLoad, GlobalOptions, drop_postures, select_global, space_filling,
+    DesignedLoad, GlobalOptions, drop_postures, select, space_filling,
 };
 use stiffarm::plan::zones::Zone;
 
@@ -168,7 +168,7 @@ pub fn load(cell: &Cell) -> Result<Vec<LoadCase>> {
         options.load.anchor = anchor;
         options.load.loading_point = loading_point;
         let index = Index::ExpectedError;
-        let found = select_global(cell, index, 6, &options, Control::default())?;
+        let found = select(cell, index, 6, &options, Control::default())?;
         let mut changed = cell.clone();
         if let Some(design) = &found.load {
             changed.setup.tool.loading_point = design.loading_point_m.into();

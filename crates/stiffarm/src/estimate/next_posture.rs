@@ -11,7 +11,7 @@ use crate::numerics::control::Control;
 use crate::numerics::information::symmetric_eigen;
 use crate::numerics::sample::median;
 use crate::plan::index::{Index, evaluate};
-use crate::plan::select::{GlobalOptions, select_global};
+use crate::plan::select::{GlobalOptions, select};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -65,7 +65,7 @@ pub struct NextPosture {
 ///
 /// # Errors
 /// No stiffness to weigh joints by, measured forces from which no
-/// load can be assumed, or as [`select_global`].
+/// load can be assumed, or as [`select`].
 pub fn next_posture(
     fit: &Fit,
     options: &GlobalOptions,
@@ -95,7 +95,7 @@ pub fn next_posture(
         given: given.iter().map(|posture| posture.q.clone()).collect(),
         ..options.clone()
     };
-    let selection = select_global(&cell, Index::ExpectedError, 1, &search, control)?;
+    let selection = select(&cell, Index::ExpectedError, 1, &search, control)?;
     let before = evaluate(&cell, "before", &given)?;
     Ok(NextPosture {
         angles: selection.group.concat(),

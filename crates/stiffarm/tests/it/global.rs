@@ -20,7 +20,7 @@ use stiffarm::model::load::Load;
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::select::{
     GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, drop_postures,
-    error_by_count, random_group, select_global, sensitivity,
+    error_by_count, random_group, select, sensitivity,
 };
 use stiffarm::{Control, Termination};
 
@@ -37,7 +37,7 @@ fn rounds(seed: u64, rounds: u64) -> GlobalOptions {
 }
 
 fn select(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> Selection {
-    select_global(cell, index, count, options, Control::default()).unwrap()
+    select(cell, index, count, options, Control::default()).unwrap()
 }
 
 /// On the reference cell every seed ends within 0.06 % of the best expected
@@ -122,7 +122,7 @@ fn any_number_of_postures() {
         assert_eq!(plan.group.len(), 20);
         assert!(violation(&cell, &plan.group) <= 1e-9);
     }
-    let error = select_global(
+    let error = select(
         &cell,
         Index::ExpectedError,
         0,
@@ -184,7 +184,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
         progress: None,
     };
     let options = rounds(1, 1_000);
-    let cut = select_global(&cell, Index::ExpectedError, 6, &options, control).unwrap();
+    let cut = select(&cell, Index::ExpectedError, 6, &options, control).unwrap();
     assert_eq!(cut.termination, Termination::Interrupted);
     let completed = cut.rounds.unwrap();
     assert!((1..1_000).contains(&completed));
@@ -195,7 +195,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
         stop: Some(&stop),
         progress: None,
     };
-    let error = select_global(&cell, Index::ExpectedError, 6, &options, control);
+    let error = select(&cell, Index::ExpectedError, 6, &options, control);
     assert_eq!(error.unwrap_err().code(), Code::Interrupted);
 }
 
@@ -230,7 +230,7 @@ fn given_postures_stay_and_new_ones_help_most() {
     let mut options = rounds(1, 1);
     options.load.magnitude = Some(800.0);
     options.given.clone_from(&given);
-    let error = select_global(&cell, Index::ExpectedError, 2, &options, Control::default());
+    let error = select(&cell, Index::ExpectedError, 2, &options, Control::default());
     assert_eq!(error.unwrap_err().code(), Code::InvalidValue);
 }
 
@@ -390,7 +390,7 @@ fn the_load_is_designed_with_the_postures() {
     for load in [reversed, nothing] {
         let mut options = rounds(1, 1);
         options.load = load;
-        let error = select_global(&cell, Index::D, 6, &options, Control::default());
+        let error = select(&cell, Index::D, 6, &options, Control::default());
         assert_eq!(error.unwrap_err().code(), Code::InvalidValue);
     }
 }
@@ -400,7 +400,7 @@ fn the_load_is_designed_with_the_postures() {
 fn what_cannot_be_found_is_explained() {
     let mut cell = default_cell();
     cell.limits.tool_box = Some([Vector3::repeat(8.0), Vector3::repeat(9.0)]);
-    let error = select_global(
+    let error = select(
         &cell,
         Index::ExpectedError,
         6,
@@ -413,7 +413,7 @@ fn what_cannot_be_found_is_explained() {
         magnitude: 500.0,
         direction: -Vector3::z(),
     };
-    let error = select_global(
+    let error = select(
         &cell,
         Index::ExpectedError,
         6,
@@ -444,7 +444,7 @@ proptest! {
         let index = Index::ALL[which];
         prop_assume!(n >= 6 || !index.uses_dexterity());
         prop_assume!(ln_index(&cell, index, &start).is_finite());
-        let plan = select_global(&cell, index, 4, &rounds(1, 1), Control::default());
+        let plan = select(&cell, index, 4, &rounds(1, 1), Control::default());
         // Limits drawn around four postures may leave next to nothing else.
         let plan = match plan {
             Ok(plan) => plan,

@@ -12,7 +12,7 @@ use stiffarm::Control;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::certificate::{CertificateOptions, certify};
 use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{ErrorAtCount, GlobalOptions, error_by_count, select_global};
+use stiffarm::plan::select::{ErrorAtCount, GlobalOptions, error_by_count, select};
 use stiffarm::{Code, Result};
 
 /// Largest number of postures unless one is given.
@@ -107,7 +107,7 @@ fn searched(
             progress: None,
             ..control
         };
-        match select_global(cell, index, largest, options, quiet) {
+        match select(cell, index, largest, options, quiet) {
             Ok(selection) => {
                 points.push(ErrorAtCount {
                     postures: largest,

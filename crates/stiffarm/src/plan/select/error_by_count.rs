@@ -1,6 +1,6 @@
 //! How many postures: the best value of an index against their number.
 
-use super::global::{GlobalOptions, select_global};
+use super::global::{GlobalOptions, select};
 use crate::error::{Code, Result};
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
@@ -47,7 +47,7 @@ pub struct ErrorAtCount {
 /// ```
 ///
 /// # Errors
-/// As [`select_global`], except where too few postures are the reason.
+/// As [`select`], except where too few postures are the reason.
 pub fn error_by_count(
     cell: &Cell,
     index: Index,
@@ -65,7 +65,7 @@ pub fn error_by_count(
             progress: None,
             ..control
         };
-        let found = select_global(cell, index, *postures, options, quiet);
+        let found = select(cell, index, *postures, options, quiet);
         points.push(match found {
             Ok(selection) => ErrorAtCount {
                 postures: *postures,

@@ -15,7 +15,7 @@ mod space_filling;
 pub use crate::numerics::optimise::Options as LocalOptions;
 pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use from_group::select_from;
-pub use global::{GlobalOptions, RoundReport, select_global, select_watched};
+pub use global::{GlobalOptions, RoundReport, select, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
 pub use posture_value::{Dropped, PostureValue, drop_postures};
 pub use random::{SMALL_WRIST_RAD, StartKind, random_group};

@@ -1,7 +1,7 @@
 //! Whether a recommended plan still is one when the prior, the postures or the
 //! tool points are not quite what was assumed.
 
-use super::global::{GlobalOptions, select_global};
+use super::global::{GlobalOptions, select};
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
@@ -118,7 +118,7 @@ pub struct Sensitivity {
 /// ```
 ///
 /// # Errors
-/// As [`select_global`].
+/// As [`select`].
 pub fn sensitivity<Q: AsRef<[f64]>>(
     cell: &Cell,
     index: Index,
@@ -154,7 +154,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     progress: None,
                     ..control
                 };
-                let best = select_global(&changed, index, plan.len(), &search, quiet)
+                let best = select(&changed, index, plan.len(), &search, quiet)
                     .ok()
                     .map(|s| s.value);
                 let own = own.is_finite().then(|| index.of_log(own));

@@ -51,12 +51,12 @@ const LEAST: f64 = 1e-6;
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
-/// use stiffarm::plan::select::{GlobalOptions, select_global};
+/// use stiffarm::plan::select::{GlobalOptions, select};
 ///
 /// let cell = builtin::cell("comau")?;
 /// let mut options = GlobalOptions::default();
 /// options.rounds = Some(1); // more find better plans
-/// let plan = select_global(&cell, Index::ExpectedError, 6, &options, Control::default())?;
+/// let plan = select(&cell, Index::ExpectedError, 6, &options, Control::default())?;
 /// assert_eq!(plan.group.len(), 6);
 /// println!("expected error {:.2} %", 100.0 * plan.value);
 /// # }
@@ -67,7 +67,7 @@ const LEAST: f64 = 1e-6;
 /// # Errors
 /// A cell without what the index needs, postures that cannot determine all
 /// joints, or limits that no posture meets.
-pub fn select_global(
+pub fn select(
     cell: &Cell,
     index: Index,
     count: usize,
@@ -77,7 +77,7 @@ pub fn select_global(
     select_watched(cell, index, count, options, control, &mut |_| {})
 }
 
-/// [`select_global`], with a report after each round.
+/// [`select`], with a report after each round.
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
@@ -100,7 +100,7 @@ pub fn select_global(
 /// ```
 ///
 /// # Errors
-/// As [`select_global`].
+/// As [`select`].
 pub fn select_watched(
     cell: &Cell,
     index: Index,
