@@ -16,7 +16,7 @@ use stiffarm::model::kinematics::Frames;
 use stiffarm::model::observation::{Rows, observation_matrix};
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select_from, select};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select, select_from};
 
 fn cell(name: &str) -> Cell {
     with_characteristic_length(builtin::cell(name).expect("a built-in cell")).expect("a length")

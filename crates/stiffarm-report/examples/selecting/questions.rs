@@ -11,9 +11,7 @@ use stiffarm::plan::certificate::{
     Certificate, CertificateOptions, JointEfficiency, certify, joint_efficiencies,
 };
 use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{
-    DesignedLoad, GlobalOptions, drop_postures, select, space_filling,
-};
+use stiffarm::plan::select::{DesignedLoad, GlobalOptions, drop_postures, select, space_filling};
 use stiffarm::plan::zones::Zone;
 
 /// Numbers of postures of the curve.

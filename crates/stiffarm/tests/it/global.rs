@@ -36,7 +36,7 @@ fn rounds(seed: u64, rounds: u64) -> GlobalOptions {
     options
 }
 
-fn select(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> Selection {
+fn selected(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> Selection {
     select(cell, index, count, options, Control::default()).unwrap()
 }
 
@@ -47,7 +47,7 @@ fn select(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> S
 fn reference_cell_reaches_the_best_known_values() {
     let cell = reference_cell();
     for seed in 1..=runs(1).min(5) {
-        let plan = select(&cell, Index::ExpectedError, 6, &seeded(seed));
+        let plan = selected(&cell, Index::ExpectedError, 6, &seeded(seed));
         println!(
             "expected error, seed {seed}: {:.7} in {:?} rounds",
             plan.value, plan.rounds
@@ -58,7 +58,7 @@ fn reference_cell_reaches_the_best_known_values() {
         assert_eq!(plan.group.len(), 6);
     }
     for seed in 1..=runs(1).min(3) {
-        let plan = select(&cell, Index::Novel, 6, &rounds(seed, 8));
+        let plan = selected(&cell, Index::Novel, 6, &rounds(seed, 8));
         println!("novel, seed {seed}: {:.4}", plan.value);
         assert!(plan.value <= 9.0, "seed {seed}: {}", plan.value);
         assert_eq!(violation(&cell, &plan.group), 0.0);
@@ -69,7 +69,7 @@ fn reference_cell_reaches_the_best_known_values() {
 /// stayed there; five rounds are enough for one of them to find another.
 #[test]
 fn chains_that_share_a_minimum_look_elsewhere() {
-    let plan = select(&reference_cell(), Index::Novel, 6, &rounds(10, 5));
+    let plan = selected(&reference_cell(), Index::Novel, 6, &rounds(10, 5));
     println!("novel, seed 10: {:.4}", plan.value);
     assert!(plan.value < 8.0, "{}", plan.value);
 }
@@ -78,7 +78,7 @@ fn chains_that_share_a_minimum_look_elsewhere() {
 #[test]
 fn the_novel_index_ends_at_6_62_or_lower_from_every_seed() {
     for seed in 1..=runs(2).div_ceil(2).min(16) {
-        let plan = select(&reference_cell(), Index::Novel, 6, &seeded(seed));
+        let plan = selected(&reference_cell(), Index::Novel, 6, &seeded(seed));
         println!("novel, seed {seed}: {:.4}", plan.value);
         assert!(plan.value <= 6.62, "seed {seed}: {}", plan.value);
     }
@@ -90,13 +90,13 @@ fn the_novel_index_ends_at_6_62_or_lower_from_every_seed() {
 fn default_cell_is_searched_inside_its_limits() {
     let cell = default_cell();
     for seed in 1..=2 {
-        let plan = select(&cell, Index::ExpectedError, 6, &rounds(seed, 8));
+        let plan = selected(&cell, Index::ExpectedError, 6, &rounds(seed, 8));
         println!("expected error, seed {seed}: {:.7}", plan.value);
         assert!(plan.value <= 0.00938, "seed {seed}: {}", plan.value);
         assert!(violation(&cell, &plan.group) <= 1e-9);
         assert!(plan.smallest_margin_m.unwrap() >= -1e-9);
     }
-    let plan = select(&cell, Index::Novel, 6, &rounds(1, 1));
+    let plan = selected(&cell, Index::Novel, 6, &rounds(1, 1));
     println!("novel: {:.4}", plan.value);
     assert!(plan.value <= 12.5, "{}", plan.value);
     assert!(violation(&cell, &plan.group) <= 1e-9);
@@ -109,7 +109,7 @@ fn any_number_of_postures() {
     let cell = default_cell();
     let mut errors = Vec::new();
     for count in [1, 2, 10, 20, 50] {
-        let plan = select(&cell, Index::ExpectedError, count, &rounds(1, 2));
+        let plan = selected(&cell, Index::ExpectedError, count, &rounds(1, 2));
         assert_eq!(plan.group.len(), count);
         assert!(violation(&cell, &plan.group) <= 1e-9);
         errors.push(plan.value);
@@ -118,7 +118,7 @@ fn any_number_of_postures() {
     assert!(errors[3] < 1.01 * errors[2] / 2f64.sqrt(), "{errors:?}");
     assert!(errors[4] < 1.01 * errors[2] / 5f64.sqrt(), "{errors:?}");
     for index in [Index::Novel, Index::DropOne] {
-        let plan = select(&cell, index, 20, &rounds(1, 1));
+        let plan = selected(&cell, index, 20, &rounds(1, 1));
         assert_eq!(plan.group.len(), 20);
         assert!(violation(&cell, &plan.group) <= 1e-9);
     }
@@ -146,13 +146,13 @@ fn threads_change_nothing() {
                     .num_threads(threads)
                     .build()
                     .unwrap();
-                let plan = pool.install(|| select(&cell, index, 6, &rounds(3, 2)));
+                let plan = pool.install(|| selected(&cell, index, 6, &rounds(3, 2)));
                 serde_json::to_string(&plan).unwrap()
             })
             .collect();
         assert_eq!(texts[0], texts[1]);
         assert_eq!(texts[0], texts[2]);
-        let other = select(&cell, index, 6, &rounds(4, 2));
+        let other = selected(&cell, index, 6, &rounds(4, 2));
         assert_ne!(texts[0], serde_json::to_string(&other).unwrap());
     }
 }
@@ -164,9 +164,9 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
     let cell = reference_cell();
     let mut options = GlobalOptions::default();
     options.time_limit = Some(Duration::from_millis(700));
-    let cut = select(&cell, Index::ExpectedError, 6, &options);
+    let cut = selected(&cell, Index::ExpectedError, 6, &options);
     assert_eq!(cut.termination, Termination::TimeLimit);
-    let again = select(
+    let again = selected(
         &cell,
         Index::ExpectedError,
         6,
@@ -188,7 +188,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
     assert_eq!(cut.termination, Termination::Interrupted);
     let completed = cut.rounds.unwrap();
     assert!((1..1_000).contains(&completed));
-    let again = select(&cell, Index::ExpectedError, 6, &rounds(1, completed));
+    let again = selected(&cell, Index::ExpectedError, 6, &rounds(1, completed));
     assert_eq!(cut.group, again.group);
     let stop = || true;
     let control = Control {
@@ -211,7 +211,7 @@ fn given_postures_stay_and_new_ones_help_most() {
     ] {
         let mut options = rounds(1, 3);
         options.given.clone_from(&given);
-        let plan = select(&cell, index, 2, &options);
+        let plan = selected(&cell, index, 2, &options);
         assert_eq!((plan.group.len(), plan.given), (2, 6));
         assert!(violation(&cell, &plan.group) <= 1e-9);
         let union = [given.clone(), plan.group.clone()].concat();
@@ -301,7 +301,7 @@ fn the_curve_falls_and_names_sizes_that_determine_nothing() {
 #[test]
 fn a_plan_stands_up_to_a_wrong_prior() {
     let cell = reference_cell();
-    let plan = select(&cell, Index::ExpectedError, 6, &rounds(1, 4));
+    let plan = selected(&cell, Index::ExpectedError, 6, &rounds(1, 4));
     let mut options = SensitivityOptions::default();
     options.rounds = 2;
     options.samples = 50;
@@ -355,14 +355,14 @@ fn a_plan_stands_up_to_a_wrong_prior() {
 #[test]
 fn the_load_is_designed_with_the_postures() {
     let cell = default_cell();
-    let fixed = select(&cell, Index::ExpectedError, 6, &rounds(1, 3));
+    let fixed = selected(&cell, Index::ExpectedError, 6, &rounds(1, 3));
     let anchor = [Vector3::new(1.0, -1.5, 0.0), Vector3::new(2.5, 1.5, 0.6)];
     let point = [Vector3::new(-0.1, -0.1, 0.1), Vector3::new(0.3, 0.1, 0.4)];
     let mut options = rounds(1, 3);
     options.load.anchor = Some(anchor);
     options.load.loading_point = Some(point);
     options.load.magnitude = Some(800.0);
-    let plan = select(&cell, Index::ExpectedError, 6, &options);
+    let plan = selected(&cell, Index::ExpectedError, 6, &options);
     let load = plan.load.clone().unwrap();
     assert_eq!(load.magnitude_n, Some(800.0));
     let inside = |p: [f64; 3], [low, high]: [Vector3<f64>; 2]| {
