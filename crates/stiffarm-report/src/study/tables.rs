@@ -268,7 +268,10 @@ fn stiffness(study: &Study) -> Table {
     );
     for group in &study.groups {
         for (j, joint) in study.joints.iter().enumerate() {
-            let estimate = group.identification.as_ref().map(|i| &i.joints[j]);
+            let estimate = group
+                .identification
+                .as_ref()
+                .map(|i| &i.estimates.joints[j]);
             let [low, high] = estimate.map_or([None, None], |e| e.interval);
             table.rows.push(vec![
                 group.name.as_str().into(),
@@ -298,7 +301,10 @@ pub(super) fn stiffness_side_by_side(study: &Study) -> Table {
     );
     for (j, joint) in study.joints.iter().enumerate() {
         let ours = study.groups.iter().map(|group| {
-            let estimate = group.identification.as_ref().map(|i| &i.joints[j]);
+            let estimate = group
+                .identification
+                .as_ref()
+                .map(|i| &i.estimates.joints[j]);
             match estimate.and_then(|e| Some((e.stiffness?, e.interval))) {
                 Some((k, [low @ Some(_), high @ Some(_)])) => format!(
                     "{} ({}–{})",

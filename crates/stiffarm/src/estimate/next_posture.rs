@@ -110,6 +110,7 @@ pub fn next_posture(
 /// identified ones.
 fn stiffness(cell: &Cell, result: &Identification) -> Result<Vec<f64>> {
     let own: Vec<Option<f64>> = result
+        .estimates
         .joints
         .iter()
         .map(|joint| {

@@ -326,7 +326,8 @@ fn study_group(
             ..IdentifyOptions::default()
         };
         let result = identify(cell, &measured, &options)?;
-        if let (Some(stiffness), false) = (result.stiffness(), cell.validation.is_empty()) {
+        if let (Some(stiffness), false) = (result.estimates.stiffness(), cell.validation.is_empty())
+        {
             // One set of validation readings judges every group.
             let held_out =
                 simulate_measurements(cell, &cell.validation, truth, Model::Linear, seed, 1)?;

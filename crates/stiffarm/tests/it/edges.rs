@@ -61,10 +61,21 @@ fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
         &IdentifyOptions::default(),
     )
     .unwrap();
-    assert_eq!(result.undetermined_joints, joints);
-    assert!(!result.is_complete() && result.stiffness().is_none());
-    assert_eq!((result.condition, result.scaled_condition), (None, None));
-    for (joint, truth) in result.joints.iter().zip(cell.require_prior().unwrap()) {
+    assert_eq!(result.estimates.undetermined_joints, joints);
+    assert!(!result.estimates.is_complete() && result.estimates.stiffness().is_none());
+    assert_eq!(
+        (
+            result.estimates.condition,
+            result.estimates.scaled_condition
+        ),
+        (None, None)
+    );
+    for (joint, truth) in result
+        .estimates
+        .joints
+        .iter()
+        .zip(cell.require_prior().unwrap())
+    {
         if blind(&joint.name) {
             assert_eq!(joint.verdict, Verdict::Undetermined);
             assert_eq!(
@@ -161,8 +172,11 @@ fn equal_postures_with_one_point_name_what_they_cannot_tell() {
     }
     let measured = exact_measurements(&cell, &postures);
     let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    assert_eq!(result.undetermined_joints, found.undetermined_joints);
-    assert_eq!(result.degrees_of_freedom, 18 - 3);
+    assert_eq!(
+        result.estimates.undetermined_joints,
+        found.undetermined_joints
+    );
+    assert_eq!(result.estimates.degrees_of_freedom, 18 - 3);
     // Rounding must not pose as information anywhere in what is shown.
     for json in [
         serde_json::to_value(&found).unwrap(),
@@ -194,13 +208,16 @@ fn one_posture_with_one_point_is_answered() {
     .unwrap();
     assert_eq!(
         (
-            result.rows,
-            result.degrees_of_freedom,
+            result.estimates.rows,
+            result.estimates.degrees_of_freedom,
             result.residual_std_m
         ),
         (3, 0, None)
     );
-    assert_eq!(result.undetermined_joints, found.undetermined_joints);
+    assert_eq!(
+        result.estimates.undetermined_joints,
+        found.undetermined_joints
+    );
     let error = select_from(
         &cell,
         Index::D,

@@ -54,9 +54,10 @@ fn joints_on_one_axis_are_answered_by_their_sum() {
     let cell = reference_cell();
     // With q5 = 0 the axes of joints 4 and 6 are one line.
     let found = answer(&cell, &two_joints_move([0.0; 3]), 0);
-    assert_eq!(found.undetermined_joints, ["joint 4", "joint 6"]);
-    assert!(!found.is_complete());
+    assert_eq!(found.estimates.undetermined_joints, ["joint 4", "joint 6"]);
+    assert!(!found.estimates.is_complete());
     let sum = found
+        .estimates
         .combinations
         .iter()
         .find(|c| c.unknowns.len() == 2 && c.unknowns.contains(&"joint 4".to_string()))
@@ -83,13 +84,13 @@ fn joints_nearly_on_one_axis_get_no_negative_stiffness() {
     let mut summed = 0;
     for stream in 0..40 {
         let found = answer(&cell, &postures, stream);
-        for joint in &found.joints {
+        for joint in &found.estimates.joints {
             if joint.verdict != Verdict::SignOrModelFault {
                 assert!(joint.stiffness.is_none_or(|k| k > 0.0), "{joint:?}");
             }
         }
-        assert!(!found.is_complete());
-        summed += usize::from(found.combinations.iter().any(|c| {
+        assert!(!found.estimates.is_complete());
+        summed += usize::from(found.estimates.combinations.iter().any(|c| {
             c.unknowns.contains(&"joint 4".to_string())
                 && c.unknowns.contains(&"joint 6".to_string())
         }));
@@ -187,14 +188,19 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
         ..plain.clone()
     };
     let found = identify(&cell, &measured, &with).unwrap();
-    let tilt = &found.extra_springs[0];
+    let tilt = &found.estimates.extra_springs[0];
     assert_eq!(tilt.name, "tilt of joint 3");
     let [low, high] = tilt.interval.map(|v| v.unwrap());
     assert!(low < 2e6 && 2e6 < high, "{tilt:?}");
-    let lost = &found.lost_motion[0];
+    let lost = &found.estimates.lost_motion[0];
     let [low, high] = lost.interval.map(|v| v.unwrap());
     assert!(low < 3e-5 && 3e-5 < high && low > 1e-5, "{lost:?}");
-    for (joint, truth) in found.joints.iter().zip(cell.require_prior().unwrap()) {
+    for (joint, truth) in found
+        .estimates
+        .joints
+        .iter()
+        .zip(cell.require_prior().unwrap())
+    {
         let error = (joint.stiffness.unwrap() - truth) / joint.standard_error.unwrap();
         assert!(error.abs() < 4.5, "{joint:?}");
     }
@@ -233,7 +239,7 @@ fn the_next_posture_beats_random_ones() {
     let fit = Fit::new(&cell, &measured, &options).unwrap();
     let advice = next_posture(&fit, &GlobalOptions::default(), Control::default()).unwrap();
     let mut judged = cell.clone();
-    judged.prior = result.stiffness();
+    judged.prior = result.estimates.stiffness();
     judged.noise.reading_variance = result.residual_std_m.unwrap().powi(2);
     let error = |q: Vec<f64>| {
         let mut all = postures.clone();

@@ -403,7 +403,7 @@ fn coverage(
         let measured =
             simulate_measurements(world, postures, truth, Model::Linear, 17, stream).unwrap();
         let result = identify(cell, &measured, &options).unwrap();
-        for (j, joint) in result.joints.iter().enumerate() {
+        for (j, joint) in result.estimates.joints.iter().enumerate() {
             // An interval of k that is open above is one of H that holds zero.
             let [low, high] = joint.interval;
             let above = low.is_some_and(|low| low <= truth[j]);

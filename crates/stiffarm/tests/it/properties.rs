@@ -86,18 +86,18 @@ proptest! {
         let exact = simulate_measurements(&cell, &postures, &model.prior, Deflection::Linear, 1, 0).unwrap();
         let result = identify(&cell, &exact, &IdentifyOptions::default()).unwrap();
         // A joint that the load passes by is a finding, not a property of the solver.
-        prop_assume!(result.undetermined_joints.is_empty());
-        let bound = (1000.0 * f64::EPSILON * result.scaled_condition.unwrap()).max(1e-12);
+        prop_assume!(result.estimates.undetermined_joints.is_empty());
+        let bound = (1000.0 * f64::EPSILON * result.estimates.scaled_condition.unwrap()).max(1e-12);
         let psi = model.stacked(&postures.iter().map(|p| p.q.clone()).collect::<Vec<_>>());
         // What each joint contributes to the displacements; rounding is relative to their sum.
         let share: Vec<f64> = psi.column_iter().zip(&model.prior).map(|(c, k)| c.norm() / k).collect();
         let whole = share.iter().map(|s| s * s).sum::<f64>().sqrt();
-        for ((joint, k), share) in result.joints.iter().zip(&model.prior).zip(&share) {
+        for ((joint, k), share) in result.estimates.joints.iter().zip(&model.prior).zip(&share) {
             let error = (joint.stiffness.unwrap() / k - 1.0).abs();
             let allowed = bound * (0.1 * whole / share).max(1.0);
             prop_assert!(error <= allowed, "{}: off by {error:e}, allowed {allowed:e}", joint.name);
         }
-        prop_assert!(result.is_complete());
+        prop_assert!(result.estimates.is_complete());
     }
 
     #[test]
@@ -403,7 +403,7 @@ proptest! {
         let errors = inverse_gram_diagonal(&psi);
         let options = IdentifyOptions { noise: NoiseSource::Known, ..IdentifyOptions::default() };
         let ours = identify(&cell, &measured, &options).unwrap();
-        for (j, joint) in ours.joints.iter().enumerate() {
+        for (j, joint) in ours.estimates.joints.iter().enumerate() {
             let error = errors[j].sqrt();
             prop_assert!((joint.compliance.unwrap() - best[j]).abs() < 1e-6 * error + 1e-12 * best.amax());
             prop_assert!((joint.compliance_standard_error.unwrap() / error - 1.0).abs() < 1e-9);

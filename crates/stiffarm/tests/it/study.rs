@@ -61,7 +61,16 @@ fn the_default_cell_has_every_part_of_the_paper() {
     for group in &result.groups {
         // Table 7: twelve measuring points; Table 6: six joints.
         assert_eq!(group.validation.as_ref().unwrap().points.len(), 12);
-        assert_eq!(group.identification.as_ref().unwrap().joints.len(), 6);
+        assert_eq!(
+            group
+                .identification
+                .as_ref()
+                .unwrap()
+                .estimates
+                .joints
+                .len(),
+            6
+        );
         if let Some(selection) = &group.selection {
             assert_eq!(
                 selection.termination,

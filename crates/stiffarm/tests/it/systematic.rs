@@ -67,6 +67,7 @@ fn source<'a>(budget: &'a SystematicErrors, name: &str) -> &'a SystematicSource 
 fn bias(cell: &Cell, measured: &[MeasuredPosture], options: &IdentifyOptions) -> Vec<f64> {
     let found = identify(cell, measured, options)
         .unwrap()
+        .estimates
         .stiffness()
         .unwrap();
     let truth = truth(cell);
@@ -394,7 +395,10 @@ fn the_profile_of_two_variances_ends_at_its_level() {
         let (rows, n) = system.psi.shape();
         let free = (rows - n) as f64;
         let t = {
-            let joint = &identify(&cell, &measured, &options).unwrap().joints[0];
+            let joint = &identify(&cell, &measured, &options)
+                .unwrap()
+                .estimates
+                .joints[0];
             let low = 1.0 / joint.interval[0].unwrap();
             (low - joint.compliance.unwrap()) / joint.compliance_standard_error.unwrap()
         };
@@ -448,7 +452,10 @@ fn the_profile_of_two_variances_ends_at_its_level() {
             best.0
         };
         let ends = found.joints[j].compliance_interval.map(Option::unwrap);
-        let centre = identify(&cell, &measured, &options).unwrap().joints[j]
+        let centre = identify(&cell, &measured, &options)
+            .unwrap()
+            .estimates
+            .joints[j]
             .compliance
             .unwrap();
         let lowest = (-20..=20)
@@ -492,11 +499,11 @@ fn budgets_and_profiles_of_poor_data() {
     let all = Fit::new(&cell, &measured, &options)
         .and_then(|fit| systematic_errors(&fit))
         .unwrap();
-    for (j, joint) in result.joints.iter().enumerate() {
+    for (j, joint) in result.estimates.joints.iter().enumerate() {
         let known = joint.compliance.is_some_and(|h| h > 0.0);
         assert_eq!(
             all.statistical[j].is_some(),
-            known && result.degrees_of_freedom > 0
+            known && result.estimates.degrees_of_freedom > 0
         );
         assert!(known || all.sources.iter().all(|s| s.change[j].is_none()));
     }

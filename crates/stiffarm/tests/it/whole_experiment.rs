@@ -72,7 +72,7 @@ fn stiffness_lies_in_its_intervals() {
         let reduced = reduce(&cell, &table, &ReduceOptions::default()).unwrap();
         cell.noise.readings_per_displacement = 2;
         let found = identify(&cell, &reduced.measured, &IdentifyOptions::default()).unwrap();
-        for (j, (joint, truth)) in found.joints.iter().zip(&truth).enumerate() {
+        for (j, (joint, truth)) in found.estimates.joints.iter().zip(&truth).enumerate() {
             let [low, high] = joint.interval.map(|end| end.unwrap());
             inside[j] += u64::from(low <= *truth && *truth <= high);
             worst = worst.max((joint.stiffness.unwrap() / truth - 1.0).abs());

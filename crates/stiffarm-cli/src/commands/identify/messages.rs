@@ -32,20 +32,20 @@ pub fn data(measured: &[MeasuredPosture], result: &Identification, excluded: &[S
         "data: {}, {} ({} components)",
         counted(names.len(), "posture"),
         counted(displacements, "displacement"),
-        result.rows,
+        result.estimates.rows,
     );
     if !excluded.is_empty() {
         line += &format!("; left out: {}", list(excluded));
     }
-    let quantile = match result.interval_degrees_of_freedom {
+    let quantile = match result.estimates.interval_degrees_of_freedom {
         None => "the cell's noise, normal quantiles".to_string(),
         Some(1) => "t with 1 degree of freedom".to_string(),
         Some(dof) => format!("t with {dof} degrees of freedom"),
     };
     line + &format!(
         "\nestimator: {}, {}, {quantile}\n",
-        result.estimator.as_str(),
-        match result.degrees_of_freedom {
+        result.estimates.estimator.as_str(),
+        match result.estimates.degrees_of_freedom {
             1 => "1 degree of freedom left".to_string(),
             count => format!("{count} degrees of freedom left"),
         }
@@ -113,7 +113,7 @@ fn residual(result: &Identification) -> String {
     if result.residual_std_m.is_none() {
         text += " There are no degrees of freedom left: nothing checks the model, and there are no intervals.";
     }
-    if let (NoiseSource::Known, Some(total)) = (result.noise, result.total_std_m)
+    if let (NoiseSource::Known, Some(total)) = (result.estimates.noise, result.total_std_m)
         && result.expected_std_m > 0.0
         && total > MORE_THAN_NOISE * result.expected_std_m
     {
@@ -191,9 +191,9 @@ fn weakest(result: &Estimates) -> Option<String> {
 /// How often intervals that are not exact held the truth in simulation.
 fn coverage(result: &Identified) -> Option<String> {
     let found = &result.identification;
-    Intervals::of(found.estimator)?;
-    let dof = found.interval_degrees_of_freedom?;
-    let name = format!("the {} estimator", found.estimator.as_str());
+    Intervals::of(found.estimates.estimator)?;
+    let dof = found.estimates.interval_degrees_of_freedom?;
+    let name = format!("the {} estimator", found.estimates.estimator.as_str());
     Some(held(&name, dof, result.measured_coverage.as_ref()))
 }
 
@@ -243,7 +243,7 @@ pub fn remarks(cell: &Cell, measured: &[MeasuredPosture], result: &Identified) -
     let found = &result.identification;
     let mut out = Vec::new();
     let shared = measured.iter().any(|m| m.displacements.len() > 1);
-    if shared && found.degrees_of_freedom > 0 && found.independent_rows {
+    if shared && found.estimates.degrees_of_freedom > 0 && found.estimates.independent_rows {
         out.push(independent(cell, found));
     }
     let mut kept: Vec<&str> = measured
@@ -265,7 +265,7 @@ pub fn remarks(cell: &Cell, measured: &[MeasuredPosture], result: &Identified) -
 /// What a posture's points share and an estimator with independent rows ignores.
 fn independent(cell: &Cell, found: &Identification) -> String {
     let declared = cell.noise.posture_common_std;
-    match found.estimator {
+    match found.estimates.estimator {
         Estimator::Weighted if declared > 0.0 => format!(
             "The points of a posture share a shift of {} mm by the cell's noise, and the intervals hold that. \
              What else they share (the size of the load, geometry) is not in them.",

@@ -108,7 +108,8 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let result = progress.watch(|control| identified(&fit, args, control))?;
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
-    let exit = Exit::finding(!result.identification.is_complete() || implausible || serious);
+    let exit =
+        Exit::finding(!result.identification.estimates.is_complete() || implausible || serious);
     let described = Options {
         estimator: options.estimator,
         weights: options.weights,
@@ -142,8 +143,9 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
         next_posture: None,
         next_posture_missing: None,
         measured_coverage: identification
+            .estimates
             .interval_degrees_of_freedom
-            .zip(Intervals::of(identification.estimator))
+            .zip(Intervals::of(identification.estimates.estimator))
             .and_then(|(dof, kind)| measured_coverage(kind, dof)),
         identification,
     };
@@ -196,8 +198,8 @@ fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String])
     let (cell, measured) = (fit.cell(), &fit.measured().postures);
     let found = &result.identification;
     let mut out = named.line();
-    let combined = !found.combinations.is_empty();
-    out += &messages::undetermined(&found.undetermined_joints, combined);
+    let combined = !found.estimates.combinations.is_empty();
+    out += &messages::undetermined(&found.estimates.undetermined_joints, combined);
     out += &messages::data(measured, found, excluded);
     if result.readings.is_some() {
         out += &title("Readings");

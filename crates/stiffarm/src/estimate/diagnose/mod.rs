@@ -76,13 +76,13 @@ pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
         false => None,
     };
     if let Some(influence) = &influence {
-        findings.extend(influence_findings(influence, &result.unknowns));
+        findings.extend(influence_findings(influence, &result.estimates.unknowns));
     }
     let load_states = load_states(fit, noise.as_ref())?;
     if let Some(states) = &load_states {
         findings.extend(states.findings());
     }
-    let second_order = match result.stiffness() {
+    let second_order = match result.estimates.stiffness() {
         Some(stiffness) => second_order_shares(fit.cell(), fit.postures(), &stiffness)?,
         None => Vec::new(),
     };

@@ -138,11 +138,14 @@ pub struct CorrelatedPair {
 /// first.
 pub fn correlated_pairs(result: &Identification) -> Vec<CorrelatedPair> {
     let mut out = Vec::new();
-    for (i, row) in result.correlation.iter().enumerate() {
+    for (i, row) in result.estimates.correlation.iter().enumerate() {
         for (j, correlation) in row.iter().enumerate().take(i) {
             if let Some(correlation) = correlation.filter(|c| c.abs() > CORRELATED) {
                 out.push(CorrelatedPair {
-                    unknowns: [result.unknowns[j].clone(), result.unknowns[i].clone()],
+                    unknowns: [
+                        result.estimates.unknowns[j].clone(),
+                        result.estimates.unknowns[i].clone(),
+                    ],
                     correlation,
                 });
             }

@@ -113,10 +113,10 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
             standard_error,
             p_value: t.and_then(tail),
             same_as,
-            lost_joints: joints_that(&base.joints, &result.joints, |b, a| {
+            lost_joints: joints_that(&base.estimates.joints, &result.joints, |b, a| {
                 has_value(b) && !has_value(a)
             }),
-            open_joints: joints_that(&base.joints, &result.joints, |b, a| {
+            open_joints: joints_that(&base.estimates.joints, &result.joints, |b, a| {
                 let closed = |j: &JointEstimate| j.verdict == Verdict::Determined;
                 closed(b) && !closed(a) && has_value(a)
             }),

@@ -118,7 +118,7 @@ pub struct AngleEstimate {
     pub interval: [Option<f64>; 2],
 }
 
-/// Result of an identification: reads as its [`Estimates`], with the residuals.
+/// Result of an identification: the [`Estimates`] with the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identification {
@@ -147,14 +147,6 @@ pub struct Identification {
     pub points: Vec<PointResidual>,
     /// Huber's weights, smallest first, where that estimator was used.
     pub weights: Vec<DisplacementWeight>,
-}
-
-impl std::ops::Deref for Identification {
-    type Target = Estimates;
-
-    fn deref(&self) -> &Estimates {
-        &self.estimates
-    }
 }
 
 /// Identifies the joint stiffness from measured displacements.

@@ -14,7 +14,7 @@ const SUSPICIOUS_STIFFNESS: [f64; 2] = [1e3, 1e8];
 /// or, without one, from that of any industrial robot.
 pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding> {
     let mut ratios: Vec<f64> = Vec::new();
-    for (j, joint) in result.joints.iter().enumerate() {
+    for (j, joint) in result.estimates.joints.iter().enumerate() {
         let Some(k) = joint.stiffness else { continue };
         ratios.push(match &cell.prior {
             Some(prior) => k.abs() / prior[j],

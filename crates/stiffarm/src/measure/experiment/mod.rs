@@ -10,7 +10,7 @@ use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{
     PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
-use crate::model::posture::Posture;
+use crate::model::posture::{Posture, PostureGroup};
 use crate::model::stiffness::joint_compliance;
 use crate::model::tool::NamedPoint;
 use crate::numerics::streams::experiment_rng;
@@ -134,6 +134,24 @@ pub struct Experiment {
     /// Standard deviation τ of a shift common to the measuring points of one
     /// loaded state \[m\].
     pub posture_common_std: f64,
+}
+
+impl Experiment {
+    /// Simulated raw readings at `postures` (controller angles, rad), named `1`,
+    /// `2`, …, of an arm with the cell's prior joint stiffness.
+    ///
+    /// # Errors
+    /// A cell without prior, or as [`experiment`].
+    pub fn readings<Q: AsRef<[f64]>>(
+        &self,
+        cell: &Cell,
+        postures: &[Q],
+        seed: u64,
+    ) -> Result<ReadingTable> {
+        let angles = postures.iter().map(|q| q.as_ref().to_vec());
+        let group = PostureGroup::from_angles("simulated", angles);
+        experiment(cell, &group.postures, cell.require_prior()?, self, seed, 0)
+    }
 }
 
 impl Default for Experiment {

@@ -130,7 +130,7 @@ fn free_end(cell: &Cell, seed: u64) -> Vec<f64> {
     let truth = cell.require_prior().unwrap();
     let measured = simulate_measurements(&cell, &postures, truth, Model::Linear, 1, 0).unwrap();
     let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    result.stiffness().unwrap()
+    result.estimates.stiffness().unwrap()
 }
 
 #[test]

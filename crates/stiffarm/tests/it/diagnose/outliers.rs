@@ -60,7 +60,7 @@ fn deleted_residuals_are_those_of_fits_without() {
     let predicted = calculated_displacements(
         &cell,
         &measured[4],
-        &fit.stiffness().unwrap(),
+        &fit.estimates.stiffness().unwrap(),
         Model::Linear,
     )
     .unwrap()[2];

@@ -107,7 +107,7 @@ fn tracker_weights_are_least_squares_with_the_trackers_covariance() {
     }
     let (values, covariance, rest) = dense_gls(&system, &v);
     let s2 = rest / 66.0;
-    for (j, joint) in ours.joints.iter().enumerate() {
+    for (j, joint) in ours.estimates.joints.iter().enumerate() {
         let error = (covariance[(j, j)] * s2).sqrt();
         assert!((joint.compliance.unwrap() - values[j]).abs() < 1e-8 * error);
         assert!((joint.compliance_standard_error.unwrap() / error - 1.0).abs() < 1e-9);
@@ -136,8 +136,12 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let plain = with(&spoiled, Estimator::Ordinary);
     for j in 0..6 {
         let shift = |found: &stiffarm::estimate::identify::Identification| {
-            let error = reference.joints[j].compliance_standard_error.unwrap();
-            (found.joints[j].compliance.unwrap() - reference.joints[j].compliance.unwrap()).abs()
+            let error = reference.estimates.joints[j]
+                .compliance_standard_error
+                .unwrap();
+            (found.estimates.joints[j].compliance.unwrap()
+                - reference.estimates.joints[j].compliance.unwrap())
+            .abs()
                 / error
         };
         assert!(shift(&robust) < 2.0, "joint {}: {}", j + 1, shift(&robust));
@@ -159,12 +163,12 @@ fn the_non_negative_fit_says_nothing_about_a_joint_without_load() {
         ..IdentifyOptions::default()
     };
     let found = identify(&cell, &measured, &options).unwrap();
-    assert_eq!(found.undetermined_joints, ["joint 6"]);
-    let blind = &found.joints[5];
+    assert_eq!(found.estimates.undetermined_joints, ["joint 6"]);
+    let blind = &found.estimates.joints[5];
     assert_eq!(blind.verdict, Verdict::Undetermined);
     assert_eq!(blind.interval, [None, None]);
     assert!(!blind.determined && blind.compliance.is_none());
-    assert!(found.joints[..5].iter().all(|j| j.determined));
+    assert!(found.estimates.joints[..5].iter().all(|j| j.determined));
 }
 
 /// Two columns that differ by less and less: the values come with errors that
@@ -248,7 +252,7 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
     let formula = identify(&cell, &many, &options).unwrap();
     assert_eq!((found.postures, found.skipped), (72, 0));
     assert_eq!(found.degrees_of_freedom, 3 * 72 - 6);
-    for (a, b) in found.joints.iter().zip(&formula.joints) {
+    for (a, b) in found.joints.iter().zip(&formula.estimates.joints) {
         assert_eq!(a.compliance, b.compliance);
         let ratio = a.compliance_standard_error.unwrap() / b.compliance_standard_error.unwrap();
         assert!((0.7..1.4).contains(&ratio), "{}: {ratio}", a.name);

@@ -258,10 +258,14 @@ fn identification_of_noisy_displacements() {
         .collect();
     assert_eq!(measured.len(), 6);
     let result = identify(&cell, &measured, &ordinary()).unwrap();
-    assert_eq!((result.rows, result.degrees_of_freedom), (72, 66));
-    assert!(result.is_complete());
+    assert_eq!(
+        (result.estimates.rows, result.estimates.degrees_of_freedom),
+        (72, 66)
+    );
+    assert!(result.estimates.is_complete());
     let per_joint = |get: &dyn Fn(&stiffarm::estimate::identify::JointEstimate) -> Option<f64>| {
         result
+            .estimates
             .joints
             .iter()
             .map(|j| get(j).unwrap())
@@ -298,7 +302,7 @@ fn identification_of_noisy_displacements() {
     };
     let known = identify(&cell, &measured, &options).unwrap();
     let ratio = cell.noise.displacement_std() / variance.sqrt();
-    for (known, error) in known.joints.iter().zip(&errors) {
+    for (known, error) in known.estimates.joints.iter().zip(&errors) {
         check(
             "known noise",
             relative_error(
