@@ -20,6 +20,7 @@ mod inverse;
 mod map;
 mod milling;
 mod montecarlo;
+mod next_posture;
 mod once;
 mod paths;
 mod posture_path;

@@ -318,6 +318,11 @@ pub fn next(cell: &Cell, result: &Identified) -> String {
             (None, None) => String::new(),
         };
     }
+    out += &format!(
+        "Assumed: measured as posture {} was, {} at the same points and in the same load states; noise as in this fit.\n",
+        advice.measured_as,
+        counted(advice.displacements, "displacement")
+    );
     let mut table = Table::new(
         std::iter::once("relative error [%]".to_string()).chain(cell.setup.robot.spring_names()),
     );
