@@ -32,6 +32,7 @@ mod reduction_noise;
 mod registration;
 mod registration_faults;
 mod screening;
+mod screening_base;
 mod selection;
 mod space_filling;
 mod study;

@@ -39,7 +39,7 @@ use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
 use crate::model::posture::Posture;
-use base_motion::Motion;
+pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
 use nalgebra::{Isometry3, Matrix3};
 use serde::{Deserialize, Serialize};
