@@ -34,6 +34,7 @@ mod registration_faults;
 mod screening;
 mod screening_base;
 mod selection;
+mod servo;
 mod space_filling;
 mod study;
 mod systematic;

@@ -120,6 +120,7 @@ impl Motion {
                 loaded,
                 readings: [1, 1],
                 states: Vec::new(),
+                weights: Vec::new(),
                 clock: 0.0,
             })
             .collect();
