@@ -31,6 +31,7 @@ mod reduction;
 mod reduction_noise;
 mod registration;
 mod registration_faults;
+mod rope_follows;
 mod screening;
 mod screening_base;
 mod selection;
