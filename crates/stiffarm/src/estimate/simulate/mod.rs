@@ -21,8 +21,13 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Relative standard error above which the mean of |1/Ĥ − k|/k is flagged and
-/// the median printed: E|1/Ĥ| does not even exist.
+/// Relative standard error above which the closed form, first order in Ĥ, is
+/// flagged and the median printed instead of the mean.
+///
+/// E|1/Ĥ − k| is infinite at every noise level, because a normal Ĥ has a density
+/// at zero. Below the limit a run near zero is so rare (ten standard deviations
+/// away) that the mean of the runs made is a mean truncated there, and the closed
+/// form meets it; above, single runs can dominate it.
 pub const FIRST_ORDER_LIMIT: f64 = 0.1;
 
 /// Options of a simulation; the default is the paper's: six levels of
@@ -58,11 +63,12 @@ impl Default for SimulationOptions {
 pub struct LevelResult {
     /// Factor on the reading variance.
     pub variance_factor: f64,
-    /// Mean of |k̂ − k|/k over the runs (fraction), Fig. 8.
+    /// Mean of |k̂ − k|/k over the runs made (fraction), Fig. 8: a truncated mean,
+    /// because the expectation is infinite at every noise level.
     pub mean_deviation: Vec<f64>,
-    /// Monte Carlo standard error of that mean.
+    /// Monte Carlo standard error of that mean, from the scatter of the runs made.
     pub standard_error: Vec<f64>,
-    /// Median of |k̂ − k|/k, which exists where the mean does not.
+    /// Median of |k̂ − k|/k, which exists at every noise level.
     pub median_deviation: Vec<f64>,
     /// Closed form sqrt(2/π)·σ k_j sqrt([(ΨᵀΨ)⁻¹]_jj), first order.
     pub expected_deviation: Vec<f64>,
