@@ -94,7 +94,7 @@ pub fn estimates(result: &Estimates) -> Vec<String> {
     let mut out: Vec<String> = joints
         .filter_map(|joint| trouble(joint, result.confidence))
         .collect();
-    out.extend(weakest(result));
+    out.extend(weakest(&result.joints, result.confidence));
     out
 }
 
@@ -160,8 +160,10 @@ fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
     }
 }
 
-/// The determined joint known least well.
-fn weakest(result: &Estimates) -> Option<String> {
+/// The joints known least well: those without a closed interval, else the one
+/// whose interval reaches furthest. `None` where no joint has a closed one: each
+/// is named by itself then.
+fn weakest(joints: &[JointEstimate], level: f64) -> Option<String> {
     let half_width = |joint: &JointEstimate| {
         let [low, high] = joint.interval;
         let k = joint
@@ -169,21 +171,30 @@ fn weakest(result: &Estimates) -> Option<String> {
             .filter(|_| joint.verdict == Verdict::Determined)?;
         Some([1.0 - low? / k, high? / k - 1.0])
     };
-    let joints = result
-        .joints
+    let closed = joints
         .iter()
         .filter_map(|joint| Some((joint, half_width(joint)?)));
-    let (joint, [below, above]) = joints.max_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
+    let (joint, [below, above]) = closed.max_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
+    let open: Vec<&str> = joints
+        .iter()
+        .filter(|joint| half_width(joint).is_none())
+        .map(|joint| joint.name.as_str())
+        .collect();
+    let first = match open.len() {
+        0 => String::new(),
+        1 => format!("{}, without a closed interval; then ", open[0]),
+        _ => format!("{}, without closed intervals; then ", list(&open)),
+    };
     let above = match above {
         part if part < 1.0 => format!("{} % above", percent(part)),
         _ => format!("{} times the estimate", significant(1.0 + above, 2)),
     };
     Some(format!(
-        "Known least well: {}, {} N·m/rad, {} % below to {above} at {} % confidence.",
+        "Known least well: {first}{}, {} N·m/rad, {} % below to {above} at {} % confidence.",
         joint.name,
         joint.stiffness.map(stiffness).unwrap_or_default(),
         percent(below),
-        confidence(result.confidence)
+        confidence(level)
     ))
 }
 
@@ -332,4 +343,57 @@ pub fn next(cell: &Cell, result: &Identified) -> String {
         table.row(row);
     }
     out + &table.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn joint(
+        name: &str,
+        k: Option<f64>,
+        interval: [Option<f64>; 2],
+        verdict: Verdict,
+    ) -> JointEstimate {
+        JointEstimate {
+            name: name.to_string(),
+            stiffness: k,
+            standard_error: None,
+            interval,
+            compliance: k.map(|k| 1.0 / k),
+            compliance_standard_error: None,
+            determined: k.is_some(),
+            verdict,
+        }
+    }
+
+    #[test]
+    fn joints_without_a_closed_interval_are_known_least_well() {
+        let closed = |name, high| {
+            let ends = [Some(9e5), Some(high)];
+            joint(name, Some(1e6), ends, Verdict::Determined)
+        };
+        let mut joints = vec![closed("joint 1", 1.1e6), closed("joint 2", 1.4e6)];
+        let said = weakest(&joints, 0.95).unwrap();
+        assert!(
+            said.starts_with("Known least well: joint 2, 1.000e6 N·m/rad"),
+            "{said}"
+        );
+        joints.push(joint(
+            "joint 3",
+            Some(2e5),
+            [Some(1e5), None],
+            Verdict::LowerBoundOnly,
+        ));
+        let said = weakest(&joints, 0.95).unwrap();
+        let expected =
+            "Known least well: joint 3, without a closed interval; then joint 2, 1.000e6 N·m/rad";
+        assert!(said.starts_with(expected), "{said}");
+        joints.push(joint("joint 4", None, [None, None], Verdict::Undetermined));
+        let said = weakest(&joints, 0.95).unwrap();
+        let expected =
+            "Known least well: joint 3 and joint 4, without closed intervals; then joint 2";
+        assert!(said.starts_with(expected), "{said}");
+        assert_eq!(weakest(&joints[2..], 0.95), None);
+    }
 }
