@@ -1,6 +1,7 @@
 //! What each joint carries and how far it moves the tool, and which unknowns
 //! the data can hardly tell apart.
 
+use super::Agreement;
 use crate::estimate::identify::{Fit, Identification, rms};
 use crate::findings::{Finding, Severity, length, list, percent};
 use serde::{Deserialize, Serialize};
@@ -64,8 +65,13 @@ pub fn joint_signals(fit: &Fit) -> Vec<JointSignal> {
 }
 
 /// Joints that move the tool by less than the residuals and are therefore
-/// barely determined.
-pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
+/// barely determined. `agreement` is that of the residuals with the cell's
+/// noise; `None` where it was not tested.
+pub(super) fn findings(
+    signals: &[JointSignal],
+    residual: f64,
+    agreement: Option<Agreement>,
+) -> Vec<Finding> {
     let median = {
         let torques: Vec<f64> = signals.iter().map(|s| s.torque_rms_nm).collect();
         if torques.is_empty() {
@@ -102,11 +108,18 @@ pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
         let error = signal.relative_error.map_or(String::new(), |e| {
             format!(" (standard error {})", percent(e))
         });
-        let remedy = match signal.torque_rms_nm < WEAK_TORQUE * median {
-            true => {
+        // What the model misses comes again with each posture of the same kind;
+        // noise averages out.
+        let remedy = match (signal.torque_rms_nm < WEAK_TORQUE * median, agreement) {
+            (true, Some(Agreement::Larger)) => {
                 "More leverage of the load about its axis would help, more postures of this kind would not much."
             }
-            false => "Postures in which its give moves the measuring points more would help.",
+            (true, Some(_)) => {
+                "More leverage of the load about its axis would help most. The residuals are no more than noise, so \
+                 more postures help too: four times as many halve the error."
+            }
+            (true, None) => "More leverage of the load about its axis would help most.",
+            (false, _) => "Postures in which its give moves the measuring points more would help.",
         };
         out.push(Finding::new(
             "weak-joint",
