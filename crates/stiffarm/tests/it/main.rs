@@ -5,6 +5,7 @@ mod cell_file;
 mod certificate;
 mod check;
 mod clamped;
+mod collinear;
 mod common;
 mod compensate;
 mod coverage;

@@ -6,7 +6,7 @@ use crate::numbers::{mm, percent, significant, stiffness};
 use crate::table::{Table, red, title};
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
 use stiffarm::estimate::identify::{
-    Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
+    CollinearSet, Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
 };
 use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
@@ -68,6 +68,26 @@ pub fn undetermined(names: &[String], combined: bool) -> String {
         }
     };
     format!("{} {rest}\n", red(&said))
+}
+
+/// Joints that the data tell apart only together, named before any number.
+pub fn collinear(sets: &[CollinearSet]) -> String {
+    let mut out = String::new();
+    for set in sets {
+        let determined = match set.determined {
+            1 => "only one combination of them is".to_string(),
+            count => format!("only {count} combinations of them are"),
+        };
+        let said = format!(
+            "These measurements hardly tell {} apart: their columns are nearly collinear, {determined} determined.",
+            list(&set.unknowns)
+        );
+        out += &format!(
+            "{} Their single values below mean nothing; other postures or loads would separate them.\n",
+            red(&said)
+        );
+    }
+    out
 }
 
 /// What the numbers say.

@@ -200,6 +200,7 @@ fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String])
     let mut out = named.line();
     let combined = !found.combinations.is_empty();
     out += &messages::undetermined(&found.undetermined_joints, combined);
+    out += &messages::collinear(&found.collinear);
     out += &messages::data(measured, found, excluded);
     if result.readings.is_some() {
         out += &title("Readings");

@@ -2,7 +2,7 @@
 //! the data can hardly tell apart.
 
 use super::Agreement;
-use crate::estimate::identify::{Fit, Identification, rms};
+use crate::estimate::identify::{Fit, Identification, NO_LOAD, rms};
 use crate::findings::{Finding, Severity, length, list, percent};
 use serde::{Deserialize, Serialize};
 
@@ -80,7 +80,7 @@ pub(super) fn findings(
             crate::numerics::sample::median(&torques)
         }
     };
-    let mut out = Vec::new();
+    let mut out: Vec<Finding> = unloaded(signals).collect();
     for signal in signals {
         let weak = signal.to_residual.is_some_and(|ratio| ratio < 1.0)
             && signal.relative_error.is_none_or(|error| error > BARELY);
@@ -135,6 +135,33 @@ pub(super) fn findings(
         ));
     }
     out
+}
+
+/// Joints whose torque is nothing beside the largest, and which are therefore
+/// not determined.
+fn unloaded(signals: &[JointSignal]) -> impl Iterator<Item = Finding> {
+    let sizes = signals.iter();
+    let most = sizes.max_by(|a, b| a.torque_rms_nm.total_cmp(&b.torque_rms_nm));
+    most.into_iter().flat_map(move |most| {
+        let nothing = |s: &&JointSignal| s.torque_rms_nm < NO_LOAD * most.torque_rms_nm;
+        signals.iter().filter(nothing).map(move |signal| {
+            let torque = match signal.torque_rms_nm {
+                // Rounding of a load that passes through the axis.
+                t if t < 1e-9 * most.torque_rms_nm => "no torque".to_string(),
+                t => format!("{t:.1e} N·m RMS"),
+            };
+            Finding::new(
+                "unloaded-joint",
+                Severity::Caution,
+                &signal.name,
+                format!(
+                    "The loads put {torque} on {}, beside {:.0} N·m on {}: it carries no load here and is not \
+                     determined, whatever the readings.",
+                    signal.name, most.torque_rms_nm, most.name
+                ),
+            )
+        })
+    })
 }
 
 /// Two unknowns that the data can hardly tell apart.
