@@ -118,7 +118,7 @@ fn check_not_negative(option: &str, values: &[f64]) -> Result<()> {
 
 fn table(cell: &Cell, result: &Simulation, model_errors: bool) -> String {
     let mut out = format!(
-        "deviation |k̂ − k|/k in %, mean of {} runs ± Monte Carlo standard error; expected: closed form, first order\n",
+        "deviation |k̂ − k|/k in %, mean of the {} runs made ± Monte Carlo standard error; expected: closed form, first order\n",
         result.runs
     );
     if model_errors {
@@ -134,8 +134,9 @@ fn table(cell: &Cell, result: &Simulation, model_errors: bool) -> String {
         .flat_map(|g| &g.levels)
         .any(|l| l.beyond_first_order.contains(&true));
     if flagged {
-        out += "\n* median instead of the mean: the relative standard error is above 10 %, where the mean of \
-                |k̂ − k|/k does not exist and the closed form no longer holds\n";
+        out += "\n* median instead of the mean: the relative standard error is above 10 %, where single runs near a \
+                compliance of zero dominate the mean and the closed form no longer holds. The expectation of |k̂ − k|/k is \
+                infinite at every noise level; means are truncated, of the runs made\n";
     }
     out
 }
@@ -171,7 +172,7 @@ fn group_table(cell: &Cell, group: &GroupSimulation, joints: &[String]) -> Table
     table
 }
 
-/// Mean ± its standard error, or the marked median where no mean exists.
+/// Mean ± its standard error, or the marked median where single runs dominate it.
 fn simulated_value(level: &LevelResult, j: usize) -> String {
     if level.beyond_first_order[j] {
         return format!("{} *", percent(level.median_deviation[j]));

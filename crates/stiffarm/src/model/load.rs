@@ -3,6 +3,10 @@
 use crate::model::kinematics::Frames;
 use nalgebra::Vector3;
 
+/// A wrench is the load's own up to its size where it is off by at most this
+/// share: rounding. What a sensor measures never is.
+const SAME_DIRECTION: f64 = 1e-10;
+
 /// Force and moment at the loading point, base axes: W = \[F; M\], the wrench
 /// *on* the robot \[N, N·m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +103,52 @@ impl Load {
             }),
             Load::Measured => None,
         }
+    }
+
+    /// The load whose wrench at this posture is `wrench`, where that is the load's
+    /// own up to its size, and turns when the arm moves: a rope pulled with
+    /// another force, a wrench in tool axes. `None` where `wrench` keeps its
+    /// direction: a weight, a measured wrench.
+    pub(crate) fn following(
+        &self,
+        frames: &Frames,
+        loading_point: &Vector3<f64>,
+        wrench: &Wrench,
+    ) -> Option<Load> {
+        if !matches!(
+            self,
+            Load::Rope { .. }
+                | Load::Constant {
+                    axes: Axes::Tool,
+                    ..
+                }
+        ) {
+            return None;
+        }
+        let own = self.wrench(frames, loading_point)?;
+        let size = own.force.norm_squared() + own.moment.norm_squared();
+        let factor = (own.force.dot(&wrench.force) + own.moment.dot(&wrench.moment)) / size;
+        let off = (wrench.force - own.force * factor).norm_squared()
+            + (wrench.moment - own.moment * factor).norm_squared();
+        let whole = wrench.force.norm_squared() + wrench.moment.norm_squared();
+        // Not true for a load of zero either, whose factor is no number.
+        if !(off <= SAME_DIRECTION * SAME_DIRECTION * whole && factor.is_finite()) {
+            return None;
+        }
+        Some(match self {
+            Load::Rope { anchor, magnitude } => Load::Rope {
+                anchor: *anchor,
+                magnitude: magnitude * factor,
+            },
+            Load::Constant { wrench, axes } => Load::Constant {
+                wrench: Wrench {
+                    force: wrench.force * factor,
+                    moment: wrench.moment * factor,
+                },
+                axes: *axes,
+            },
+            other => other.clone(),
+        })
     }
 
     /// Rope length ‖P2 − P1‖ \[m\], for a rope.

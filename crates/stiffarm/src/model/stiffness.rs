@@ -232,7 +232,9 @@ impl Equilibrium {
 }
 
 /// Finds the equilibrium at controller angles `q` \[rad\] by iterating
-/// θ ← θ₀ + K_θ⁻¹ J(θ)ᵀ W(θ); the load's direction follows the loading point.
+/// θ ← θ₀ + K_θ⁻¹ J(θ)ᵀ W(θ). The load's direction follows the loading point, also
+/// where `wrench` is the load's own at `q` with another size (a load state of a
+/// rope); any other `wrench`, as a measured one, keeps its direction.
 ///
 /// # Errors
 /// As [`joint_compliance`] and [`PostureTerms::new`]; no convergence, which
@@ -255,6 +257,28 @@ pub fn equilibrium(
 /// # Errors
 /// No convergence.
 pub(crate) fn equilibrium_from(
+    setup: &Setup,
+    compliance: &DMatrix<f64>,
+    start: &DVector<f64>,
+    terms: PostureTerms,
+    wrench: Option<&Wrench>,
+) -> Result<Equilibrium> {
+    let (frames, at) = (terms.frames(), terms.loading_point());
+    let following = wrench.and_then(|own| setup.load.following(frames, at, own));
+    match following {
+        Some(load) => {
+            let setup = Setup {
+                load,
+                ..setup.clone()
+            };
+            iterate(&setup, compliance, start, terms, None)
+        }
+        None => iterate(setup, compliance, start, terms, wrench),
+    }
+}
+
+/// The fixed point, with the load of `setup` or a `wrench` that keeps its direction.
+fn iterate(
     setup: &Setup,
     compliance: &DMatrix<f64>,
     start: &DVector<f64>,

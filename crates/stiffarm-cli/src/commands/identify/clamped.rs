@@ -110,6 +110,7 @@ fn table(
     let found = &result.estimates;
     let mut out = named.line();
     out += &messages::undetermined(&found.undetermined_joints, !found.combinations.is_empty());
+    out += &messages::collinear(&found.collinear);
     let mut names: Vec<&str> = clamped.iter().map(|c| c.posture.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();

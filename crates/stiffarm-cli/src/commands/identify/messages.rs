@@ -6,7 +6,7 @@ use crate::numbers::{mm, percent, significant, stiffness};
 use crate::table::{Table, red, title};
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
 use stiffarm::estimate::identify::{
-    Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
+    CollinearSet, Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
 };
 use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
@@ -71,6 +71,26 @@ pub fn undetermined(names: &[String], combined: bool) -> String {
     format!("{} {rest}\n", red(&said))
 }
 
+/// Joints that the data tell apart only together, named before any number.
+pub fn collinear(sets: &[CollinearSet]) -> String {
+    let mut out = String::new();
+    for set in sets {
+        let determined = match set.determined {
+            1 => "only one combination of them is".to_string(),
+            count => format!("only {count} combinations of them are"),
+        };
+        let said = format!(
+            "These measurements hardly tell {} apart: their columns are nearly collinear, {determined} determined.",
+            list(&set.unknowns)
+        );
+        out += &format!(
+            "{} Their single values below mean nothing; other postures or loads would separate them.\n",
+            red(&said)
+        );
+    }
+    out
+}
+
 /// What the numbers say.
 pub fn verdicts(result: &Identified) -> Vec<String> {
     let found = &result.identification;
@@ -95,7 +115,7 @@ pub fn estimates(result: &Estimates) -> Vec<String> {
     let mut out: Vec<String> = joints
         .filter_map(|joint| trouble(joint, result.confidence))
         .collect();
-    out.extend(weakest(result));
+    out.extend(weakest(&result.joints, result.confidence));
     out
 }
 
@@ -161,8 +181,10 @@ fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
     }
 }
 
-/// The determined joint known least well.
-fn weakest(result: &Estimates) -> Option<String> {
+/// The joints known least well: those without a closed interval, else the one
+/// whose interval reaches furthest. `None` where no joint has a closed one: each
+/// is named by itself then.
+fn weakest(joints: &[JointEstimate], level: f64) -> Option<String> {
     let half_width = |joint: &JointEstimate| {
         let [low, high] = joint.interval;
         let k = joint
@@ -170,21 +192,30 @@ fn weakest(result: &Estimates) -> Option<String> {
             .filter(|_| joint.verdict == Verdict::Determined)?;
         Some([1.0 - low? / k, high? / k - 1.0])
     };
-    let joints = result
-        .joints
+    let closed = joints
         .iter()
         .filter_map(|joint| Some((joint, half_width(joint)?)));
-    let (joint, [below, above]) = joints.max_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
+    let (joint, [below, above]) = closed.max_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
+    let open: Vec<&str> = joints
+        .iter()
+        .filter(|joint| half_width(joint).is_none())
+        .map(|joint| joint.name.as_str())
+        .collect();
+    let first = match open.len() {
+        0 => String::new(),
+        1 => format!("{}, without a closed interval; then ", open[0]),
+        _ => format!("{}, without closed intervals; then ", list(&open)),
+    };
     let above = match above {
         part if part < 1.0 => format!("{} % above", percent(part)),
         _ => format!("{} times the estimate", significant(1.0 + above, 2)),
     };
     Some(format!(
-        "Known least well: {}, {} N·m/rad, {} % below to {above} at {} % confidence.",
+        "Known least well: {first}{}, {} N·m/rad, {} % below to {above} at {} % confidence.",
         joint.name,
         joint.stiffness.map(stiffness).unwrap_or_default(),
         percent(below),
-        confidence(result.confidence)
+        confidence(level)
     ))
 }
 
@@ -320,6 +351,11 @@ pub fn next(cell: &Cell, result: &Identified) -> String {
             (None, None) => String::new(),
         };
     }
+    out += &format!(
+        "Assumed: measured as posture {} was, {} at the same points and in the same load states; noise as in this fit.\n",
+        advice.measured_as,
+        counted(advice.displacements, "displacement")
+    );
     let mut table = Table::new(
         std::iter::once("relative error [%]".to_string()).chain(cell.setup.robot.spring_names()),
     );
@@ -329,4 +365,57 @@ pub fn next(cell: &Cell, result: &Identified) -> String {
         table.row(row);
     }
     out + &table.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn joint(
+        name: &str,
+        k: Option<f64>,
+        interval: [Option<f64>; 2],
+        verdict: Verdict,
+    ) -> JointEstimate {
+        JointEstimate {
+            name: name.to_string(),
+            stiffness: k,
+            standard_error: None,
+            interval,
+            compliance: k.map(|k| 1.0 / k),
+            compliance_standard_error: None,
+            determined: k.is_some(),
+            verdict,
+        }
+    }
+
+    #[test]
+    fn joints_without_a_closed_interval_are_known_least_well() {
+        let closed = |name, high| {
+            let ends = [Some(9e5), Some(high)];
+            joint(name, Some(1e6), ends, Verdict::Determined)
+        };
+        let mut joints = vec![closed("joint 1", 1.1e6), closed("joint 2", 1.4e6)];
+        let said = weakest(&joints, 0.95).unwrap();
+        assert!(
+            said.starts_with("Known least well: joint 2, 1.000e6 N·m/rad"),
+            "{said}"
+        );
+        joints.push(joint(
+            "joint 3",
+            Some(2e5),
+            [Some(1e5), None],
+            Verdict::LowerBoundOnly,
+        ));
+        let said = weakest(&joints, 0.95).unwrap();
+        let expected =
+            "Known least well: joint 3, without a closed interval; then joint 2, 1.000e6 N·m/rad";
+        assert!(said.starts_with(expected), "{said}");
+        joints.push(joint("joint 4", None, [None, None], Verdict::Undetermined));
+        let said = weakest(&joints, 0.95).unwrap();
+        let expected =
+            "Known least well: joint 3 and joint 4, without closed intervals; then joint 2";
+        assert!(said.starts_with(expected), "{said}");
+        assert_eq!(weakest(&joints[2..], 0.95), None);
+    }
 }

@@ -200,6 +200,7 @@ fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String])
     let mut out = named.line();
     let combined = !found.estimates.combinations.is_empty();
     out += &messages::undetermined(&found.estimates.undetermined_joints, combined);
+    out += &messages::collinear(&found.estimates.collinear);
     out += &messages::data(measured, found, excluded);
     if result.readings.is_some() {
         out += &title("Readings");

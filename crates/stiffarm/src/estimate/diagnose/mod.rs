@@ -97,7 +97,13 @@ pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
         findings.extend(trials.finding());
     }
     let signals = joint_signals(fit);
-    findings.extend(signal::findings(&signals, result.residual_rms_m));
+    // Single readings set aside, the rest may be no more than noise.
+    let tested = outliers.noise_without.as_ref().or(noise.as_ref());
+    findings.extend(signal::findings(
+        &signals,
+        result.residual_rms_m,
+        tested.map(|test| test.agreement),
+    ));
     Ok(Diagnosis {
         noise,
         outliers,

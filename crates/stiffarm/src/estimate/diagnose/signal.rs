@@ -1,7 +1,8 @@
 //! What each joint carries and how far it moves the tool, and which unknowns
 //! the data can hardly tell apart.
 
-use crate::estimate::identify::{Fit, Identification, rms};
+use super::Agreement;
+use crate::estimate::identify::{Fit, Identification, NO_LOAD, rms};
 use crate::findings::{Finding, Severity, length, list, percent};
 use serde::{Deserialize, Serialize};
 
@@ -64,8 +65,13 @@ pub fn joint_signals(fit: &Fit) -> Vec<JointSignal> {
 }
 
 /// Joints that move the tool by less than the residuals and are therefore
-/// barely determined.
-pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
+/// barely determined. `agreement` is that of the residuals with the cell's
+/// noise; `None` where it was not tested.
+pub(super) fn findings(
+    signals: &[JointSignal],
+    residual: f64,
+    agreement: Option<Agreement>,
+) -> Vec<Finding> {
     let median = {
         let torques: Vec<f64> = signals.iter().map(|s| s.torque_rms_nm).collect();
         if torques.is_empty() {
@@ -74,7 +80,7 @@ pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
             crate::numerics::sample::median(&torques)
         }
     };
-    let mut out = Vec::new();
+    let mut out: Vec<Finding> = unloaded(signals).collect();
     for signal in signals {
         let weak = signal.to_residual.is_some_and(|ratio| ratio < 1.0)
             && signal.relative_error.is_none_or(|error| error > BARELY);
@@ -102,11 +108,18 @@ pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
         let error = signal.relative_error.map_or(String::new(), |e| {
             format!(" (standard error {})", percent(e))
         });
-        let remedy = match signal.torque_rms_nm < WEAK_TORQUE * median {
-            true => {
+        // What the model misses comes again with each posture of the same kind;
+        // noise averages out.
+        let remedy = match (signal.torque_rms_nm < WEAK_TORQUE * median, agreement) {
+            (true, Some(Agreement::Larger)) => {
                 "More leverage of the load about its axis would help, more postures of this kind would not much."
             }
-            false => "Postures in which its give moves the measuring points more would help.",
+            (true, Some(_)) => {
+                "More leverage of the load about its axis would help most. The residuals are no more than noise, so \
+                 more postures help too: four times as many halve the error."
+            }
+            (true, None) => "More leverage of the load about its axis would help most.",
+            (false, _) => "Postures in which its give moves the measuring points more would help.",
         };
         out.push(Finding::new(
             "weak-joint",
@@ -122,6 +135,33 @@ pub(super) fn findings(signals: &[JointSignal], residual: f64) -> Vec<Finding> {
         ));
     }
     out
+}
+
+/// Joints whose torque is nothing beside the largest, and which are therefore
+/// not determined.
+fn unloaded(signals: &[JointSignal]) -> impl Iterator<Item = Finding> {
+    let sizes = signals.iter();
+    let most = sizes.max_by(|a, b| a.torque_rms_nm.total_cmp(&b.torque_rms_nm));
+    most.into_iter().flat_map(move |most| {
+        let nothing = |s: &&JointSignal| s.torque_rms_nm < NO_LOAD * most.torque_rms_nm;
+        signals.iter().filter(nothing).map(move |signal| {
+            let torque = match signal.torque_rms_nm {
+                // Rounding of a load that passes through the axis.
+                t if t < 1e-9 * most.torque_rms_nm => "no torque".to_string(),
+                t => format!("{t:.1e} N·m RMS"),
+            };
+            Finding::new(
+                "unloaded-joint",
+                Severity::Caution,
+                &signal.name,
+                format!(
+                    "The loads put {torque} on {}, beside {:.0} N·m on {}: it carries no load here and is not \
+                     determined, whatever the readings.",
+                    signal.name, most.torque_rms_nm, most.name
+                ),
+            )
+        })
+    })
 }
 
 /// Two unknowns that the data can hardly tell apart.

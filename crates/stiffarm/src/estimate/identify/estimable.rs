@@ -1,5 +1,5 @@
 //! What data that cannot separate the joints do determine: combinations of
-//! compliances.
+//! compliances, and which unknowns they cannot separate.
 
 use super::solve::Solution;
 use super::system::MeasuredSystem;
@@ -29,6 +29,92 @@ pub struct EstimableCombination {
     pub standard_error: Option<f64>,
 }
 
+/// Share of its variance that an unknown has from what is not determined, and
+/// correlation by it, from which on unknowns belong together.
+const TOGETHER: f64 = 0.5;
+
+/// Unknowns whose columns of Ψ are collinear as far as the noise lets tell: the
+/// data determine only some combinations of them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CollinearSet {
+    /// Names of the unknowns.
+    pub unknowns: Vec<String>,
+    /// How many combinations of them the data determine.
+    pub determined: usize,
+}
+
+/// The directions of the relative unknowns (columns) with their singular
+/// values per unit of σ, the best first, and how many of them are determined.
+fn directions(solution: &Solution, reference: &[f64]) -> Option<(Svd, usize)> {
+    let seen = solution.factor.seen();
+    let sigma = solution.sigma.unwrap_or(0.0);
+    let mut relative = seen.resize_vertically(reference.len(), 0.0);
+    for (j, size) in reference.iter().enumerate() {
+        relative.column_mut(j).scale_mut(*size);
+    }
+    let found = svd(relative)?;
+    let good = (0..solution.factor.rank())
+        .filter(|&i| found.values[i] > 0.0 && sigma <= WEAK * found.values[i])
+        .count();
+    Some((found, good))
+}
+
+/// Sets of unknowns that `solution` determines only together, although each has
+/// a column of its own; `reference` as in [`estimable_combinations`].
+pub(super) fn collinear_sets(
+    system: &MeasuredSystem,
+    solution: &Solution,
+    reference: &[f64],
+) -> Vec<CollinearSet> {
+    let n = system.unknowns.len();
+    let Some((Svd { values, v, .. }, good)) = directions(solution, reference) else {
+        return Vec::new();
+    };
+    // Covariance of the relative unknowns per σ²: of the directions that are not
+    // determined, and whole. What is lost exactly is named as undetermined.
+    let covariance = |range: std::ops::Range<usize>, j: usize, k: usize| -> f64 {
+        let parts = range.filter(|i| values[*i] > 0.0);
+        parts
+            .map(|i| v[(j, i)] * v[(k, i)] / values[i].powi(2))
+            .sum()
+    };
+    let rank = solution.factor.rank();
+    let whole: Vec<f64> = (0..n).map(|j| covariance(0..rank, j, j)).collect();
+    let sigma = solution.sigma.unwrap_or(0.0);
+    let mut left: Vec<usize> = (0..n)
+        .filter(|j| !solution.undetermined.contains(j) && sigma * whole[*j].sqrt() > WEAK)
+        .filter(|j| covariance(good..rank, *j, *j) > TOGETHER * whole[*j])
+        .collect();
+    let mut out = Vec::new();
+    while let Some(first) = left.first().copied() {
+        // All that hang together with the first, directly or by others.
+        let mut set = vec![first];
+        let mut at = 0;
+        while let Some(&j) = set.get(at) {
+            let joined = |k: &usize| {
+                let limit = TOGETHER * (whole[j] * whole[*k]).sqrt();
+                !set.contains(k) && covariance(good..rank, j, *k).abs() > limit
+            };
+            let more: Vec<usize> = left.iter().copied().filter(joined).collect();
+            set.extend(more);
+            at += 1;
+        }
+        left.retain(|j| !set.contains(j));
+        set.sort_unstable();
+        // Where each is lost by itself there is no set.
+        let lost = (good..rank).filter(|i| set.contains(&v.column(*i).iamax()));
+        let determined = set.len().saturating_sub(lost.count());
+        if determined > 0 && set.len() > 1 {
+            out.push(CollinearSet {
+                unknowns: set.iter().map(|j| system.unknowns[*j].clone()).collect(),
+                determined,
+            });
+        }
+    }
+    out
+}
+
 /// The combinations that `solution` determines, if it cannot separate all
 /// unknowns; empty where each stands for itself. `reference` is the size of
 /// each unknown against which an error counts as large.
@@ -38,18 +124,9 @@ pub(super) fn estimable_combinations(
     reference: &[f64],
 ) -> Vec<EstimableCombination> {
     let n = system.unknowns.len();
-    let seen = solution.factor.seen();
-    let sigma = solution.sigma.unwrap_or(0.0);
-    let mut relative = seen.resize_vertically(n, 0.0);
-    for (j, size) in reference.iter().enumerate() {
-        relative.column_mut(j).scale_mut(*size);
-    }
-    let Some(Svd { values, v, .. }) = svd(relative) else {
+    let Some((Svd { v, .. }, good)) = directions(solution, reference) else {
         return Vec::new();
     };
-    let good = (0..solution.factor.rank())
-        .filter(|&i| values[i] > 0.0 && sigma <= WEAK * values[i])
-        .count();
     if good == n || good == 0 {
         return Vec::new();
     }

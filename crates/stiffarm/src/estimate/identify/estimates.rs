@@ -4,7 +4,9 @@
 use super::estimate::{JointEstimate, Verdict, estimates, interval_quantile, standard_error};
 use super::solve::{Estimator, Solution};
 use super::system::MeasuredSystem;
-use super::{AngleEstimate, EstimableCombination, IdentifyOptions, NoiseSource, estimable};
+use super::{
+    AngleEstimate, CollinearSet, EstimableCombination, IdentifyOptions, NoiseSource, estimable,
+};
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
@@ -52,6 +54,10 @@ pub struct Estimates {
     pub undetermined_joints: Vec<String>,
     /// What the data do determine where they cannot separate the unknowns.
     pub combinations: Vec<EstimableCombination>,
+    /// Unknowns that noise lets tell apart only together: their columns of Ψ are
+    /// nearly collinear.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub collinear: Vec<CollinearSet>,
     /// Where the size of the noise came from.
     pub noise: NoiseSource,
     /// Confidence of the intervals.
@@ -84,6 +90,7 @@ impl Estimates {
                 interval: [ends.map(|(v, h)| v - h), ends.map(|(v, h)| v + h)],
             }
         });
+        let reference = reference_sizes(cell, system);
         let matrix = |entry: &dyn Fn(usize, usize) -> Option<f64>| -> Vec<Vec<Option<f64>>> {
             (0..count)
                 .map(|i| (0..count).map(|j| entry(i, j)).collect())
@@ -130,11 +137,8 @@ impl Estimates {
                 .iter()
                 .map(|&j| system.unknowns[j].clone())
                 .collect(),
-            combinations: estimable::estimable_combinations(
-                system,
-                solution,
-                &reference_sizes(cell, system),
-            ),
+            combinations: estimable::estimable_combinations(system, solution, &reference),
+            collinear: estimable::collinear_sets(system, solution, &reference),
             noise: options.noise,
             confidence: options.confidence,
         })

@@ -21,7 +21,7 @@ mod whitened;
 
 pub use bootstrap::{Bootstrap, bootstrap};
 pub(crate) use bootstrap::{Rows, resampled};
-pub use estimable::EstimableCombination;
+pub use estimable::{CollinearSet, EstimableCombination};
 pub(crate) use estimate::quantile;
 pub use estimate::{JointEstimate, Verdict};
 pub use estimates::Estimates;
@@ -35,7 +35,7 @@ pub use residuals::{DisplacementWeight, PointResidual, PostureResidual};
 pub use solve::Estimator;
 pub(crate) use solve::{Assumptions, Prepared, PriorKnowledge, Scale, Solution};
 pub use system::Weights;
-pub(crate) use system::{Block, MeasuredSystem, RowLabel};
+pub(crate) use system::{Block, MeasuredSystem, NO_LOAD, RowLabel};
 pub(crate) use system::{by_name, columns, known_displacement, unknowns};
 pub(crate) use whitened::Whitened;
 

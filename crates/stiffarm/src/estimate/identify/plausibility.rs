@@ -10,12 +10,26 @@ const SUSPICIOUS_RATIO: f64 = 100.0;
 /// Joint stiffness beyond which, without a prior, a unit is suspected \[N·m/rad\].
 const SUSPICIOUS_STIFFNESS: [f64; 2] = [1e3, 1e8];
 
+/// Relative standard error above which a stiffness says nothing of a unit.
+const KNOWN: f64 = 0.5;
+
 /// A finding when the stiffness of the joints as a whole is far from the prior,
-/// or, without one, from that of any industrial robot.
+/// or, without one, from that of any industrial robot. Joints that the data
+/// hardly determine say nothing of units: the finding needs half of the joints
+/// known better than that.
 pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding> {
     let mut ratios: Vec<f64> = Vec::new();
     for (j, joint) in result.estimates.joints.iter().enumerate() {
         let Some(k) = joint.stiffness else { continue };
+        let collinear = result.estimates.collinear.iter();
+        let error = joint.standard_error.map_or(0.0, |e| e / k.abs());
+        if error > KNOWN
+            || collinear
+                .flat_map(|s| &s.unknowns)
+                .any(|n| *n == joint.name)
+        {
+            continue;
+        }
         ratios.push(match &cell.prior {
             Some(prior) => k.abs() / prior[j],
             // The middle of the plausible range is neither small nor large.
@@ -25,6 +39,9 @@ pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding
                 _ => 1.0,
             },
         });
+    }
+    if 2 * ratios.len() < result.estimates.joints.len() {
+        return None;
     }
     ratios.sort_by(f64::total_cmp);
     let middle = *ratios.get(ratios.len() / 2)?;

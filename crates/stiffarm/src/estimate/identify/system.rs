@@ -18,6 +18,11 @@ use std::ops::Range;
 /// model misses; below this |cosine| they are taken as different loads.
 const ALIKE: f64 = 0.9;
 
+/// A joint whose torque (RMS over postures and load states) is below this share of
+/// the largest one carries no load: what its column holds is rounding, errors of
+/// angles, and what the model leaves out.
+pub(crate) const NO_LOAD: f64 = 1e-4;
+
 /// Where the relative size of the errors of single displacements comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -144,7 +149,8 @@ impl MeasuredSystem {
 }
 
 /// Builds Ψ x = Δ from measurements, Eq. (10), with the general form
-/// Δ = J^m (Δq_m + K_θ⁻¹ Γ) where the controller's angles were read. `postures`
+/// Δ = J^m (Δq_m + K_θ⁻¹ Γ) where the controller's angles were read. The column of
+/// a joint that carries no load is zero, so that the joint is undetermined. `postures`
 /// has the measured postures of each posture, load state by load state, with
 /// their terms.
 ///
@@ -173,6 +179,7 @@ pub(super) fn assemble<'a>(
         labels: Vec::with_capacity(rows / 3),
     };
     let mut at = 0;
+    let mut loads = DVector::zeros(springs);
     for states in postures {
         let from = at;
         let first_label = system.labels.len();
@@ -202,6 +209,7 @@ pub(super) fn assemble<'a>(
                 at += 3;
             }
             torques.push(DVector::from_column_slice(terms.torque()));
+            loads += terms.spring_loads(robot).map(|torque| torque * torque);
         }
         let Some((first, _)) = states.first() else {
             continue;
@@ -213,6 +221,13 @@ pub(super) fn assemble<'a>(
             covariance: covariance(cell, measured, &system.labels[first_label..], weights)?,
             shared: shared(measured, &numbers, &torques),
         });
+    }
+    // Squares of torques.
+    let least = NO_LOAD * NO_LOAD * loads.max();
+    for (j, load) in loads.iter().enumerate() {
+        if *load < least {
+            system.psi.column_mut(j).fill(0.0);
+        }
     }
     if system.delta.iter().any(|v| !v.is_finite()) {
         return Err(Error::new(

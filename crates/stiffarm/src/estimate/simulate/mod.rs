@@ -21,8 +21,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Above it the mean of |1/Ĥ − k|/k is flagged and the median printed: E|1/Ĥ|
-/// does not even exist.
+/// Where the closed form, first order in Ĥ, is flagged and the median printed.
 pub use crate::plan::index::FIRST_ORDER_LIMIT;
 
 /// Options of a simulation; the default is the paper's: six levels of
@@ -58,11 +57,12 @@ impl Default for SimulationOptions {
 pub struct LevelResult {
     /// Factor on the reading variance.
     pub variance_factor: f64,
-    /// Mean of |k̂ − k|/k over the runs (fraction), Fig. 8.
+    /// Mean of |k̂ − k|/k over the runs made (fraction), Fig. 8: a truncated mean,
+    /// because the expectation is infinite at every noise level.
     pub mean_deviation: Vec<f64>,
-    /// Monte Carlo standard error of that mean.
+    /// Monte Carlo standard error of that mean, from the scatter of the runs made.
     pub standard_error: Vec<f64>,
-    /// Median of |k̂ − k|/k, which exists where the mean does not.
+    /// Median of |k̂ − k|/k, which exists at every noise level.
     pub median_deviation: Vec<f64>,
     /// Closed form sqrt(2/π)·σ k_j sqrt([(ΨᵀΨ)⁻¹]_jj), first order.
     pub expected_deviation: Vec<f64>,

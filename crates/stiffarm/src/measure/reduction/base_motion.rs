@@ -72,7 +72,7 @@ pub(super) fn usable(posture: &PostureSeries<'_>) -> Vec<usize> {
 
 /// Motion of the base in one loaded state against the reference, tracker axes.
 #[derive(Debug, Clone)]
-pub(super) struct Motion {
+pub(in crate::measure) struct Motion {
     /// Takes a loaded position back.
     back: Isometry3<f64>,
     shift: Vector3<f64>,
@@ -103,6 +103,31 @@ impl Motion {
             .iter()
             .filter_map(|r| posture.base[*r].1.pair(number, posture.reference))
             .collect();
+        Motion::of(&pairs)
+    }
+
+    /// Motion of reflectors from where each was to where it is, one reading of
+    /// either; `None` without reflectors.
+    ///
+    /// # Errors
+    /// As [`Motion::new`].
+    pub(in crate::measure) fn between(
+        positions: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>,
+    ) -> Result<Option<Self>> {
+        let pairs: Vec<Pair> = positions
+            .map(|(reference, loaded)| Pair {
+                reference,
+                loaded,
+                readings: [1, 1],
+                states: Vec::new(),
+                weights: Vec::new(),
+                clock: 0.0,
+            })
+            .collect();
+        Motion::of(&pairs)
+    }
+
+    fn of(pairs: &[Pair]) -> Result<Option<Self>> {
         if pairs.is_empty() {
             return Ok(None);
         }
@@ -150,7 +175,7 @@ impl Motion {
     }
 
     /// The loaded position `p` as it would be without the base's motion.
-    pub(super) fn removed(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    pub(in crate::measure) fn removed(&self, p: &Vector3<f64>) -> Vector3<f64> {
         match self.turn_information {
             None => p - self.shift,
             Some(_) => (self.back * Point3::from(*p)).coords,
@@ -158,7 +183,7 @@ impl Motion {
     }
 
     /// Variance that the correction adds along an axis at `p`, over a reading's.
-    fn added_variance(&self, p: &Vector3<f64>) -> f64 {
+    pub(in crate::measure) fn added_variance(&self, p: &Vector3<f64>) -> f64 {
         let arm = (p - self.centre).cross_matrix();
         let turn = self.turn_information.map_or(0.0, |[_, inverse]| {
             (arm * inverse * arm.transpose()).trace() / 3.0

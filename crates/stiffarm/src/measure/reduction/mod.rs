@@ -21,6 +21,7 @@ mod drift;
 mod messages;
 mod repeatability;
 mod series;
+mod servo;
 mod table;
 mod unloaded;
 mod wrench;
@@ -39,7 +40,7 @@ use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
 use crate::model::posture::Posture;
-use base_motion::Motion;
+pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
 use nalgebra::{Isometry3, Matrix3};
 use serde::{Deserialize, Serialize};
@@ -132,7 +133,7 @@ pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Res
         .hint("state names: unloaded, preload, and any other name for a load; -2 and so on for another time"));
     }
     findings.extend(base_motion::findings(&series, &base_motion, reading_std));
-    servo_deflection(cell, &mut measured, &mut findings);
+    servo::servo_deflection(cell, &mut measured, &mut findings);
     findings.extend(wrench::findings(cell, table.wrench_columns, &series));
     let wrench_check =
         wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
@@ -172,6 +173,7 @@ fn displacements(
         let motion = Motion::new(posture, &usable, number)?;
         let mut displacements = Vec::new();
         let mut loaded = Vec::new();
+        let mut gives = Vec::new();
         for (index, series) in &posture.points {
             let Some(pair) = series.pair(number, posture.reference) else {
                 continue;
@@ -186,6 +188,7 @@ fn displacements(
                 references.push(pair.states.clone());
                 references.len() - 1
             });
+            gives.push(servo::give(posture, number, &pair.weights));
             displacements.push(Displacement {
                 point: *index,
                 value: rotation * (without_motion - pair.reference),
@@ -220,7 +223,7 @@ fn displacements(
             state: state.state.clone(),
             wrench: wrench::wrench(cell, table.wrench_columns, posture, number)?,
             common_readings,
-            servo_deflection: give(posture, number),
+            servo_deflection: servo::one_give(cell, &posture.q, &gives, &mut displacements)?,
             displacements,
         });
     }
@@ -241,55 +244,6 @@ fn covariance(
     let turned = rotation * accuracy.covariance(at)? * rotation.transpose();
     // Symmetric to the last bit.
     Ok(Some((turned + turned.transpose()) * 0.5))
-}
-
-/// Angles of the loaded state `number` minus those of the reference, where both
-/// are recorded.
-fn give(posture: &PostureSeries<'_>, number: usize) -> Option<Vec<f64>> {
-    let reference = series::mean_angles(posture.readings, posture.reference)?;
-    let loaded = posture.readings.states[number].angles.as_ref()?;
-    Some(loaded.iter().zip(&reference).map(|(a, b)| a - b).collect())
-}
-
-/// Drops angles that are the same in all states: the table repeats the planned
-/// ones. Says how far the controller gave way otherwise.
-fn servo_deflection(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mut Vec<Finding>) {
-    let mut largest = (0.0_f64, 0, 0);
-    for (i, m) in measured.iter().enumerate() {
-        for (j, give) in m.servo_deflection.iter().flatten().enumerate() {
-            if give.abs() > largest.0 {
-                largest = (give.abs(), i, j);
-            }
-        }
-    }
-    let (give, i, j) = largest;
-    if give == 0.0 {
-        measured.iter_mut().for_each(|m| m.servo_deflection = None);
-        return;
-    }
-    let without = measured
-        .iter()
-        .filter(|m| m.servo_deflection.is_none())
-        .count();
-    let some = match without {
-        0 => String::new(),
-        n => format!(
-            " {n} loaded states have no angles: there the servo give stays in the displacements."
-        ),
-    };
-    findings.push(Finding::new(
-        "servo-give",
-        if without > 0 { Severity::Caution } else { Severity::Note },
-        "servo_give",
-        format!(
-            "The controller's own angles change under load by up to {:.4}° ({}, posture {}, state {}): this share of a \
-             displacement is not the joints' elasticity.{some}",
-            give.to_degrees(),
-            cell.setup.robot.joints()[j].name,
-            measured[i].posture.name,
-            measured[i].state
-        ),
-    ));
 }
 
 /// Force that the cell's rope or weight has in each loaded state of a posture,

@@ -72,6 +72,8 @@ fn mean<'a>(samples: impl Iterator<Item = &'a Sample> + Clone) -> (f64, Vector3<
 pub(super) struct Line {
     /// Motion per unit of the clock, tracker axes.
     pub rate: Vector3<f64>,
+    /// Mean clock of the readings behind it.
+    pub clock: f64,
     /// Sum of squared distances from the mean clock: a reading's variance over
     /// it is the variance of each component of `rate`.
     pub spread: f64,
@@ -103,6 +105,7 @@ impl Line {
         }
         (spread > 0.0).then(|| Line {
             rate: product / spread,
+            clock,
             spread,
             span: [low, high],
             role,
@@ -124,6 +127,9 @@ pub(super) struct Pair {
     pub readings: [u32; 2],
     /// States behind the reference.
     pub states: Vec<usize>,
+    /// What the position of each state counts in the reference at the clock of
+    /// the loaded readings; 1 together.
+    pub weights: Vec<(usize, f64)>,
     /// Clock of the loaded readings.
     pub clock: f64,
 }
@@ -199,6 +205,7 @@ impl Series {
                 loaded: loaded.position,
                 readings: [count(loaded.count()), count(nearest.count())],
                 states: vec![nearest.state],
+                weights: vec![(nearest.state, 1.0)],
                 clock: loaded.clock,
             });
         };
@@ -208,7 +215,22 @@ impl Series {
         let samples = references.iter().flat_map(|s| &s.samples);
         let (clock, position) = mean(samples.clone());
         let away = loaded.clock - clock;
-        let variance = 1.0 / samples.count() as f64 + away * away / line.spread;
+        let total = samples.count() as f64;
+        let variance = 1.0 / total + away * away / line.spread;
+        // The mean of the references, and the line's slope from there.
+        let part = |s: &StateSamples| {
+            let of_mean = match s.role == reference && s.state != number {
+                true => s.count() as f64 / total,
+                false => 0.0,
+            };
+            let from_mean = s.samples.iter().map(|x| x.clock - line.clock);
+            let of_slope = match s.role == line.role {
+                true => away * from_mean.sum::<f64>() / line.spread,
+                false => 0.0,
+            };
+            (s.state, of_mean + of_slope)
+        };
+        let weights = self.states.iter().map(part).filter(|(_, w)| *w != 0.0);
         Some(Pair {
             // Both at clock zero, so that reflectors read at different times
             // keep their distances.
@@ -220,6 +242,7 @@ impl Series {
                 ((1.0 / variance + 1e-9) as u32).max(1),
             ],
             states: references.iter().map(|s| s.state).collect(),
+            weights: weights.collect(),
             clock: loaded.clock,
         })
     }

@@ -4,6 +4,7 @@
 use super::rigid::is_spread;
 use super::shape::name_states;
 use super::{Cause, Suspicion, Work};
+use crate::measure::reduction::Motion;
 use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::Role;
@@ -32,7 +33,8 @@ pub(super) struct Move {
     pub reference: usize,
     /// Measuring points, in the order of the rows.
     pub points: Vec<usize>,
-    /// Loaded minus unloaded, base axes \[m\]: rows for point, x, y, z.
+    /// Loaded minus unloaded, base axes \[m\], without the motion that reflectors
+    /// on the base show: rows for point, x, y, z.
     pub shift: DVector<f64>,
     /// Ψ of these rows.
     pub block: DMatrix<f64>,
@@ -135,12 +137,28 @@ fn displacement(
         .filter(|a| state.points[*a].is_some() && before.points[*a].is_some())
         .collect();
     let rows: Vec<usize> = points.iter().flat_map(|a| 3 * a..3 * a + 3).collect();
+    // What the base itself does under the load is no yielding of the arm.
+    let base = Motion::between(
+        state
+            .base
+            .iter()
+            .filter_map(|(name, now)| Some((*before.base.get(name)?, *now))),
+    )
+    .ok()?;
     let (mut shift, mut variance, mut arms) = (Vec::new(), 0.0_f64, Vec::new());
     for a in &points {
         let (now, then) = (state.points[*a]?, before.points[*a]?);
-        let moved = base_from_tracker.rotation * (now.position - then.position);
+        let own = now.std.powi(2) + then.std.powi(2);
+        let (position, added) = match &base {
+            Some(base) => (
+                base.removed(&now.position),
+                0.5 * own * base.added_variance(&now.position),
+            ),
+            None => (now.position, 0.0),
+        };
+        let moved = base_from_tracker.rotation * (position - then.position);
         shift.extend(moved.iter().copied());
-        variance = variance.max(now.std.powi(2) + then.std.powi(2));
+        variance = variance.max(own + added);
         arms.push(terms.measuring_points()[*a] - terms.loading_point());
     }
     (!points.is_empty()).then(|| Move {

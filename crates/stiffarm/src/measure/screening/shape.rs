@@ -90,9 +90,8 @@ pub(super) fn units(work: &mut Work) {
         }
         work.found.push(suspicion);
         for at in of_unit {
-            for mean in work.sheet.at_mut(at).points.iter_mut().flatten() {
-                mean.position /= unit;
-            }
+            let state = work.sheet.at_mut(at);
+            state.each_position(|position| *position /= unit);
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::model::measurement::{Reading, ReadingTable, ReadingTarget, Role, Wren
 use crate::model::observation::check_angles;
 use crate::numerics::sample::median;
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 
 /// Standard deviations by which a repeat must lie off to be called stray.
 const STRAY: f64 = 8.0;
@@ -41,6 +42,8 @@ pub(super) struct State {
     pub lines: Vec<Vec<usize>>,
     /// Points one of which strays, where nothing yet tells which.
     pub doubtful: Vec<usize>,
+    /// Mean positions of the reflectors on the base, by name, tracker axes \[m\].
+    pub base: BTreeMap<String, Vector3<f64>>,
 }
 
 /// One posture.
@@ -94,6 +97,7 @@ impl Sheet {
                     points: vec![None; points],
                     lines: vec![Vec::new(); points],
                     doubtful: Vec::new(),
+                    base: base_reflectors(&state.readings),
                 };
                 for a in 0..points {
                     let readings: Vec<&Reading> = state
@@ -175,9 +179,7 @@ impl Sheet {
     /// Every position, to turn all readings.
     pub fn each_position(&mut self, mut change: impl FnMut(&mut Vector3<f64>)) {
         for state in self.postures.iter_mut().flat_map(|p| &mut p.states) {
-            for mean in state.points.iter_mut().flatten() {
-                change(&mut mean.position);
-            }
+            state.each_position(&mut change);
         }
     }
 
@@ -196,7 +198,29 @@ impl Sheet {
     }
 }
 
+/// Positions of one state: by measuring point, and by name of the base reflector.
+type Positions = (Vec<Option<Mean>>, BTreeMap<String, Vector3<f64>>);
+
 impl State {
+    /// Every position of the state, those of base reflectors included.
+    pub fn each_position(&mut self, mut change: impl FnMut(&mut Vector3<f64>)) {
+        for mean in self.points.iter_mut().flatten() {
+            change(&mut mean.position);
+        }
+        self.base.values_mut().for_each(change);
+    }
+
+    /// All positions, to be read as those of another state.
+    pub fn positions(&self) -> Positions {
+        (self.points.clone(), self.base.clone())
+    }
+
+    /// Takes positions that were written elsewhere.
+    pub fn set_positions(&mut self, (points, base): Positions) {
+        self.points = points;
+        self.base = base;
+    }
+
     /// Puts the readings at the points where they were really taken.
     pub fn relabel(&mut self, order: &[usize]) {
         let (points, lines) = (self.points.clone(), self.lines.clone());
@@ -212,6 +236,25 @@ impl State {
             .filter(|a| self.points[*a].is_some())
             .collect()
     }
+}
+
+/// Mean position of each reflector on the base; readings that are not finite are
+/// left out, the reduction refuses them.
+fn base_reflectors(readings: &[Reading]) -> BTreeMap<String, Vector3<f64>> {
+    let mut sums: BTreeMap<String, (Vector3<f64>, f64)> = BTreeMap::new();
+    for reading in readings {
+        if let ReadingTarget::Base(name) = &reading.target
+            && reading.position.iter().all(|v| v.is_finite())
+        {
+            let (sum, count) = sums.entry(name.clone()).or_default();
+            *sum += reading.position;
+            *count += 1.0;
+        }
+    }
+    let means = sums
+        .into_iter()
+        .map(|(name, (sum, count))| (name, sum / count));
+    means.collect()
 }
 
 /// Standard deviation of one reading along each axis \[m\].

@@ -48,9 +48,10 @@ pub(super) fn explain(work: &mut Work, frame: &Frame, p: usize, suspects: &[usiz
                 .misfit(before, frame.level);
             match mutual {
                 Some(back) => {
-                    let mine = work.sheet.at(at).points.clone();
-                    let theirs = std::mem::replace(&mut work.sheet.at_mut(back).points, mine);
-                    work.sheet.at_mut(at).points = theirs;
+                    let mine = work.sheet.at(at).positions();
+                    let theirs = work.sheet.at(back).positions();
+                    work.sheet.at_mut(back).set_positions(mine);
+                    work.sheet.at_mut(at).set_positions(theirs);
                 }
                 None => work.sheet.at_mut(at).points.fill(None),
             }

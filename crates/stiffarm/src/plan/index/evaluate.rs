@@ -94,8 +94,13 @@ pub struct GroupEvaluation {
     pub undetermined_joints: Vec<String>,
 }
 
-/// Relative standard error of a stiffness (fraction) above which expected errors,
-/// which are first-order figures, no longer hold.
+/// Relative standard error above which the closed form, first order in Ĥ, is
+/// flagged and the median printed instead of the mean.
+///
+/// E|1/Ĥ − k| is infinite at every noise level, because a normal Ĥ has a density
+/// at zero. Below the limit a run near zero is so rare (ten standard deviations
+/// away) that the mean of the runs made is a mean truncated there, and the closed
+/// form meets it; above, single runs can dominate it.
 pub const FIRST_ORDER_LIMIT: f64 = 0.1;
 
 impl GroupEvaluation {

@@ -13,10 +13,11 @@ use crate::model::tool::{NamedPoint, Tool};
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// An arm with its springs, loaded at the tool tip unless
-/// [`loaded_at`](Self::loaded_at) says otherwise.
+/// [`loaded_at`](Self::loaded_at) or [`loaded_by`](Self::loaded_by) says otherwise.
 ///
 /// The deflection is the static equilibrium of the springs, in which the wrench
-/// keeps its direction in the base frame and acts at the moving tip. A series
+/// keeps its direction in the base frame and acts at the moving tip; the cell's
+/// own load follows its loading point ([`loaded_by`](Self::loaded_by)). A series
 /// compliance between flange and tip, and further terms that were identified
 /// (tilts, lost motion), are added as small motions under the loads of the
 /// equilibrium.
@@ -77,6 +78,15 @@ impl LoadedArm {
     pub fn loaded_at(mut self, point: Vector3<f64>) -> Self {
         self.setup.tool.loading_point = point;
         self
+    }
+
+    /// The same under the load of `cell` at its loading point: a wrench that is
+    /// that load's own at the unloaded arm turns as the load does when the arm
+    /// gives way, a rope towards its anchor.
+    #[must_use]
+    pub fn loaded_by(mut self, cell: &Cell) -> Self {
+        self.setup.load = cell.setup.load.clone();
+        self.loaded_at(cell.setup.tool.loading_point)
     }
 
     /// The arm of `cell` with a known joint stiffness \[N·m/rad\].

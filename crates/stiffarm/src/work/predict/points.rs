@@ -27,7 +27,8 @@ const SUFFICES_ALONE: f64 = 0.01;
 pub enum LoadPoint {
     /// The tool tip.
     Tip,
-    /// The loading point of the identification.
+    /// The loading point of the identification; a wrench that is the cell's own
+    /// load there follows the point as that load does.
     LoadingPoint,
 }
 
@@ -138,7 +139,7 @@ pub fn predict(
     }
     let mut arm = LoadedArm::new(cell, predictor)?;
     if options.load_at == LoadPoint::LoadingPoint {
-        arm = arm.loaded_at(cell.setup.tool.loading_point);
+        arm = arm.loaded_by(cell);
     }
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = in_order_watched(postures, "bending", control, |(_, posture)| {

@@ -295,6 +295,31 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
         .map(|f| f.subject.as_str())
         .collect();
     assert_eq!(weak, ["joint 6"]);
+    // The residuals are the noise itself: more of it averages out.
+    let weak_sentence = |found: &Diagnosis| {
+        let mut all = found.findings.iter();
+        let weak = all.find(|f| f.code == "weak-joint").unwrap();
+        weak.sentence.clone()
+    };
+    let sentence = weak_sentence(&found);
+    assert!(
+        sentence.contains("more postures help too") && !sentence.contains("would not"),
+        "{sentence}"
+    );
+    // Errors far above the stated noise: the model limits the result.
+    let mut dice = Dice::new(7);
+    let mut limited = measured.clone();
+    for displacement in limited.iter_mut().flat_map(|m| &mut m.displacements) {
+        displacement.value += dice.vector(2e-4);
+    }
+    let found = Fit::new(&cell, &limited, &options(Estimator::TwoVariance))
+        .and_then(|fit| diagnose(&fit))
+        .unwrap();
+    let sentence = weak_sentence(&found);
+    assert!(
+        sentence.contains("more postures of this kind would not much"),
+        "{sentence}"
+    );
 
     // Six times nearly the same posture: pairs of joints cannot be told apart.
     let cell = noisy_cell(0.0);

@@ -1,0 +1,189 @@
+//! Joints that carry no load, and joints that the data tell apart only together,
+//! on a light arm of seven joints.
+
+use crate::common;
+
+use common::random::Dice;
+use common::reference_cell;
+use nalgebra::{DVector, Isometry3, Vector3};
+use stiffarm::estimate::diagnose::diagnose;
+use stiffarm::estimate::identify::{
+    CollinearSet, Fit, Identification, IdentifyOptions, Verdict, identify, implausible_scale,
+};
+use stiffarm::model::cell::{Cell, Limits};
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::{Displacement, MeasuredPosture};
+use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::posture::Posture;
+use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+
+/// Alternating axes as a KUKA LBR iiwa 14 has them, one reflector, a weight that
+/// hangs beside axis 7 by `beside` \[m\].
+fn cell(beside: f64) -> Cell {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let turns = [-quarter, quarter, quarter, -quarter, -quarter, quarter, 0.0];
+    let lengths = [0.36, 0.0, 0.42, 0.0, 0.4, 0.0, 0.126];
+    let rows: Vec<DhRow> = turns
+        .iter()
+        .zip(lengths)
+        .map(|(alpha, d)| DhRow {
+            alpha: *alpha,
+            a: 0.0,
+            d,
+            offset: 0.0,
+        })
+        .collect();
+    let mut cell = reference_cell();
+    cell.setup.robot = Robot::from_dh(
+        "seven joints",
+        DhConvention::Standard,
+        &rows,
+        Isometry3::identity(),
+    )
+    .unwrap();
+    cell.setup.load = Load::Weight {
+        magnitude: 120.0,
+        direction: -Vector3::z(),
+    };
+    cell.setup.tool.loading_point = Vector3::new(0.0, beside, 0.06);
+    cell.setup.tool.measuring_points.truncate(1);
+    cell.setup.tool.measuring_points[0].position = Vector3::new(0.03, 0.02, 0.08);
+    cell.bounds = vec![[-2.9, 2.9]; 7];
+    cell.limits = Limits::default();
+    cell.prior = Some(vec![6e4, 5e4, 4e4, 4e4, 3e4, 2e4, 1.5e4]);
+    cell.characteristic_length = None;
+    cell.tasks.clear();
+    cell.noise.reading_variance = 1e-10;
+    cell
+}
+
+/// Three weights at postures that differ by `spread` \[rad\] in the joints that
+/// bend the arm. The plane of the arm gives way sideways a little, which the
+/// model does not know.
+fn measured(cell: &Cell, spread: f64) -> Vec<MeasuredPosture> {
+    let mut dice = Dice::new(3);
+    let prior = cell.require_prior().unwrap();
+    let compliance = DVector::from_iterator(7, prior.iter().map(|k| 1.0 / k));
+    let sigma = cell.noise.displacement_std();
+    let mut out = Vec::new();
+    for p in 0..8 {
+        let mut q = vec![0.3 * f64::from(p), 0.6, 0.0, -1.2, 0.0, 0.7, 0.0];
+        for j in [1, 3, 5] {
+            q[j] += dice.signed(0.0, spread);
+        }
+        for force in [40.0, 80.0, 120.0] {
+            let wrench = Wrench::force(-Vector3::z() * force);
+            let terms = PostureTerms::new(&cell.setup, &q, Some(&wrench)).unwrap();
+            let moved = terms.block(&cell.setup.robot) * &compliance;
+            // Out of the plane: along y of joint 2's axis.
+            let across = terms.frames().axes()[1] * (3e-7 * force);
+            let shift = moved.fixed_rows::<3>(0) + across + dice.noise(sigma);
+            out.push(MeasuredPosture {
+                posture: Posture {
+                    name: (p + 1).to_string(),
+                    q: q.clone(),
+                },
+                state: format!("{force} N"),
+                wrench: Some(wrench),
+                common_readings: [0.0; 2],
+                servo_deflection: None,
+                displacements: vec![Displacement::new(0, shift)],
+            });
+        }
+    }
+    out
+}
+
+fn found(cell: &Cell, spread: f64) -> Identification {
+    identify(cell, measured(cell, spread), &IdentifyOptions::default()).unwrap()
+}
+
+fn set(names: &[&str], determined: usize) -> CollinearSet {
+    CollinearSet {
+        unknowns: names.iter().map(|n| n.to_string()).collect(),
+        determined,
+    }
+}
+
+#[test]
+fn a_joint_without_load_has_no_interval_and_collinear_joints_are_named() {
+    // 0.006 N·m on joints 3, 5 and 7, beside some 80 N·m on joint 2.
+    let cell = cell(5e-5);
+    let fit = Fit::new(&cell, measured(&cell, 0.008), &IdentifyOptions::default()).unwrap();
+    let result = fit.identification().unwrap();
+    for j in [0, 2, 4, 6] {
+        let joint = &result.estimates.joints[j];
+        assert_eq!(joint.verdict, Verdict::Undetermined, "{joint:?}");
+        assert_eq!((joint.interval, joint.stiffness), ([None, None], None));
+    }
+    assert_eq!(
+        result.estimates.undetermined_joints,
+        ["joint 1", "joint 3", "joint 5", "joint 7"]
+    );
+    assert_eq!(
+        result.estimates.collinear,
+        [set(&["joint 2", "joint 4", "joint 6"], 2)]
+    );
+    // Nothing speaks of units.
+    assert_eq!(implausible_scale(&cell, result), None);
+    let diagnosis = diagnose(&fit).unwrap();
+    let unloaded = diagnosis
+        .findings
+        .iter()
+        .filter(|f| f.code == "unloaded-joint");
+    let unloaded: Vec<_> = unloaded.collect();
+    let names: Vec<&str> = unloaded.iter().map(|f| f.subject.as_str()).collect();
+    assert_eq!(names, ["joint 1", "joint 3", "joint 5", "joint 7"]);
+    assert!(
+        unloaded[0].sentence.contains("no torque on joint 1"),
+        "{}",
+        unloaded[0].sentence
+    );
+    assert!(
+        unloaded[2].sentence.contains("e-3 N·m RMS on joint 5"),
+        "{}",
+        unloaded[2].sentence
+    );
+}
+
+#[test]
+fn postures_that_differ_separate_the_same_joints() {
+    let cell = cell(5e-5);
+    let result = found(&cell, 0.9);
+    assert!(
+        result.estimates.collinear.is_empty(),
+        "{:?}",
+        result.estimates.collinear
+    );
+    let prior = cell.require_prior().unwrap();
+    for j in [1, 3, 5] {
+        let joint = &result.estimates.joints[j];
+        assert_eq!(joint.verdict, Verdict::Determined);
+        let error = (joint.stiffness.unwrap() - prior[j]) / joint.standard_error.unwrap();
+        assert!(error.abs() < 4.0, "{joint:?}");
+    }
+}
+
+#[test]
+fn units_are_suspected_where_the_joints_are_known() {
+    // The six-axis cell with displacements in micrometres taken for millimetres.
+    let cell = reference_cell();
+    let truth = cell.require_prior().unwrap();
+    let postures = stiffarm::model::posture::PostureGroup::from_angles("", common::group1());
+    let model = stiffarm::estimate::validate::Model::Linear;
+    let mut measured = stiffarm::estimate::validate::simulate_measurements(
+        &cell,
+        &postures.postures,
+        truth,
+        model,
+        1,
+        0,
+    )
+    .unwrap();
+    for displacement in measured.iter_mut().flat_map(|m| &mut m.displacements) {
+        displacement.value *= 1e3;
+    }
+    let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let finding = implausible_scale(&cell, &result).unwrap();
+    assert!(finding.sentence.contains("smaller"), "{}", finding.sentence);
+}
