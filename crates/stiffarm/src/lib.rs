@@ -5,6 +5,43 @@
 //! for Industrial Robot Joint Stiffness Identification*, IEEE Access 2021,
 //! doi:10.1109/ACCESS.2021.3073671 ("the paper"; "Eq. (n)" is its numbering).
 //!
+//! The main job, from a cell to a deflection; here a built-in cell and a simulated
+//! experiment stand in for your own (`examples/main_job.rs`):
+//!
+//! ```
+//! use stiffarm::{Cell, Control, Fit, Index, LoadedPosture, Wrench};
+//! use stiffarm::{predict, prepare, select, simulated_readings};
+//!
+//! fn main() -> stiffarm::Result<()> {
+//!     let (cell, control) = (Cell::built_in("comau")?, Control::default());
+//!     let plan = select(&cell, Index::ExpectedError, 6, &Default::default(), control)?;
+//!     println!("six postures: k to {:.2} % (RMS)", 100.0 * plan.value);
+//!     // Stands in for a day with robot and tracker.
+//!     let readings = simulated_readings(&cell, &plan.group, 1)?;
+//!     let measured = prepare(&cell, readings, &Default::default())?;
+//!     let fit = Fit::new(&cell, &measured, &Default::default())?;
+//!     for joint in &fit.identification()?.estimates.joints {
+//!         println!("{joint}");
+//!     }
+//!     let force = Wrench::force([0.0, 300.0, 0.0]);
+//!     let work = [LoadedPosture::new("mill", plan.group[0].clone(), force)];
+//!     let compliance = fit.compliance()?;
+//!     let bend = predict(&cell, &compliance, &work, &Default::default(), control)?;
+//!     println!("300 N bend it by {:.3} mm", 1e3 * bend.deflection_max_m);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! | module | answers |
+//! |:--|:--|
+//! | [`model`] | what is the robot, its tool, its load, its cell, and how do they bend? |
+//! | [`plan`] | which postures to measure, and how good can any plan be? |
+//! | [`measure`] | from raw readings to displacements, and what is wrong with them |
+//! | [`estimate`] | which joint stiffness, how sure, and what limits it? |
+//! | [`work`] | how far does the arm bend at work, and what to command instead? |
+//! | [`study`] | the paper's comparison of indices on any cell |
+//! | `files` | cell files, tables, built-in examples (feature `files`, on by default) |
+//!
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
@@ -22,6 +59,22 @@ pub mod units;
 pub mod work;
 
 pub use error::{Code, Error, Result};
+pub use estimate::compliance::IdentifiedCompliance;
+pub use estimate::identify::{Fit, Identification, IdentifyOptions, identify};
+pub use measure::experiment::simulated_readings;
+pub use measure::{Measured, prepare};
+pub use model::cell::Cell;
+pub use model::load::{Load, Wrench};
+pub use model::path::LoadedPosture;
+pub use model::posture::{Posture, PostureGroup};
+pub use model::robot::Robot;
+pub use model::tool::Tool;
+pub use nalgebra;
+pub use plan::index::{Index, evaluate};
+pub use plan::select::{GlobalOptions, Selection, select};
+pub use work::compensate::compensate;
+pub use work::predict::{Prediction, predict};
+
 pub use numerics::control::{Control, Report, Stop, Termination};
 
 /// What this project's own tests and benches measure. No promise is made about it.

@@ -90,15 +90,6 @@ impl IdentifiedCompliance {
         IdentifiedCompliance::from_estimates(cell, &result.estimates, noise)
     }
 
-    /// What a fit found, with its systematic errors.
-    ///
-    /// # Errors
-    /// As [`IdentifiedCompliance::from_estimates`] and [`systematic_errors`].
-    pub fn from_fit(fit: &Fit) -> Result<Self> {
-        let found = IdentifiedCompliance::from_identification(fit.cell(), fit.identification()?)?;
-        Ok(found.with_systematic_errors(&systematic_errors(fit)?))
-    }
-
     /// The estimates of an identification. Bands take the noise from the fit
     /// where the fit estimated it from displacements, else from the cell.
     ///
@@ -232,5 +223,17 @@ impl IdentifiedCompliance {
             .hint("use the linear model, or a stiffness identified without further terms"));
         }
         Ok(self.values.iter().map(|h| 1.0 / h).collect())
+    }
+}
+
+impl Fit {
+    /// The compliance that the fit found, with its covariance and what the
+    /// systematic errors do to it.
+    ///
+    /// # Errors
+    /// As [`IdentifiedCompliance::from_estimates`] and [`systematic_errors`].
+    pub fn compliance(&self) -> Result<IdentifiedCompliance> {
+        let found = IdentifiedCompliance::from_identification(self.cell(), self.identification()?)?;
+        Ok(found.with_systematic_errors(&systematic_errors(self)?))
     }
 }

@@ -91,6 +91,24 @@ pub fn cell(name: &str) -> Result<Cell> {
     parse_cell(text, &format!("{PREFIX}{name}"))
 }
 
+impl Cell {
+    /// A built-in cell, as [`cell`]: `comau`, `comau-reference`, `fanuc-r2000ic`.
+    ///
+    /// # Errors
+    /// There is no built-in cell of this name.
+    pub fn built_in(name: &str) -> Result<Cell> {
+        cell(name)
+    }
+
+    /// Reads a cell from the bytes of a `cell.toml`; `file_name` is for messages.
+    ///
+    /// # Errors
+    /// As [`parse_cell_bytes`](crate::files::cell::parse_cell_bytes).
+    pub fn from_toml(bytes: &[u8], file_name: &str) -> Result<Cell> {
+        crate::files::cell::parse_cell_bytes(bytes, file_name)
+    }
+}
+
 /// A built-in posture group for `robot`; `name` without [`PREFIX`].
 ///
 /// # Errors

@@ -19,9 +19,9 @@ pub struct Wrench {
 
 impl Wrench {
     /// A pure force through the loading point.
-    pub fn force(force: Vector3<f64>) -> Self {
+    pub fn force(force: impl Into<Vector3<f64>>) -> Self {
         Wrench {
-            force,
+            force: force.into(),
             moment: Vector3::zeros(),
         }
     }

@@ -64,6 +64,49 @@ pub struct Tool {
 }
 
 impl Tool {
+    /// A rigid tool, points in flange axes \[m\]: where it is loaded, and its
+    /// measuring points by name, the TCP first.
+    ///
+    /// # Errors
+    /// No measuring point, two of one name, or a coordinate that is not finite.
+    pub fn new<N: Into<String>>(
+        loading_point: Vector3<f64>,
+        measuring_points: impl IntoIterator<Item = (N, Vector3<f64>)>,
+    ) -> Result<Self> {
+        let points = measuring_points.into_iter();
+        let measuring_points: Vec<NamedPoint> = points
+            .map(|(name, position)| NamedPoint {
+                name: name.into(),
+                position,
+            })
+            .collect();
+        let all = measuring_points.iter().map(|p| &p.position);
+        if all
+            .chain([&loading_point])
+            .any(|p| p.iter().any(|v| !v.is_finite()))
+        {
+            let message = "A point of the tool is not a finite number.";
+            return Err(Error::new(Code::NotFinite, message));
+        }
+        let twice = |i: usize| {
+            measuring_points[..i]
+                .iter()
+                .any(|p| p.name == measuring_points[i].name)
+        };
+        if measuring_points.is_empty() || (0..measuring_points.len()).any(twice) {
+            return Err(Error::new(
+                Code::InvalidValue,
+                "A tool needs at least one measuring point, and each a name of its own.",
+            ));
+        }
+        Ok(Tool {
+            loading_point,
+            measuring_points,
+            has_sensor: false,
+            series_compliance: None,
+        })
+    }
+
     /// The tool centre point: measuring point 1, flange axes \[m\].
     pub fn tcp(&self) -> Vector3<f64> {
         self.measuring_points[0].position

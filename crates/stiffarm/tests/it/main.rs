@@ -13,6 +13,7 @@ mod diagnose;
 mod edges;
 mod estimators;
 mod experiment;
+mod front_page;
 mod global;
 mod golden;
 mod gradients;

@@ -48,6 +48,21 @@ pub struct JointEstimate {
     pub verdict: Verdict,
 }
 
+/// `joint 1: 2.31e6 N·m/rad (2.25e6 to 2.37e6)`.
+impl std::fmt::Display for JointEstimate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.stiffness {
+            Some(k) => write!(f, "{}: {k:.2e} N·m/rad", self.name)?,
+            None => write!(f, "{}: not determined", self.name)?,
+        }
+        match self.interval {
+            [Some(low), Some(high)] => write!(f, " ({low:.2e} to {high:.2e})"),
+            [Some(low), None] => write!(f, " (above {low:.2e})"),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl JointEstimate {
     /// Interval and verdict from the ends of the interval of H.
     pub(super) fn close(&mut self, low: f64, high: f64) {

@@ -136,24 +136,6 @@ pub struct Experiment {
     pub posture_common_std: f64,
 }
 
-impl Experiment {
-    /// Simulated raw readings at `postures` (controller angles, rad), named `1`,
-    /// `2`, …, of an arm with the cell's prior joint stiffness.
-    ///
-    /// # Errors
-    /// A cell without prior, or as [`experiment`].
-    pub fn readings<Q: AsRef<[f64]>>(
-        &self,
-        cell: &Cell,
-        postures: &[Q],
-        seed: u64,
-    ) -> Result<ReadingTable> {
-        let angles = postures.iter().map(|q| q.as_ref().to_vec());
-        let group = PostureGroup::from_angles("simulated", angles);
-        experiment(cell, &group.postures, cell.require_prior()?, self, seed, 0)
-    }
-}
-
 impl Default for Experiment {
     fn default() -> Self {
         Experiment {
@@ -235,6 +217,23 @@ impl Experiment {
             ..Experiment::default()
         }
     }
+}
+
+/// Raw readings of a simulated experiment at `postures` (controller angles, rad),
+/// named `1`, `2`, …, as [`Experiment::as_measured`], of an arm with the cell's
+/// prior joint stiffness.
+///
+/// # Errors
+/// A cell without prior, or as [`experiment`].
+pub fn simulated_readings<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    postures: &[Q],
+    seed: u64,
+) -> Result<ReadingTable> {
+    let angles = postures.iter().map(|q| q.as_ref().to_vec());
+    let postures = PostureGroup::from_angles("simulated", angles).postures;
+    let done = Experiment::as_measured(cell);
+    experiment(cell, &postures, cell.require_prior()?, &done, seed, 0)
 }
 
 /// Simulates the raw readings of `postures` on an arm with the joint `stiffness`

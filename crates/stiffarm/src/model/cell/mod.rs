@@ -12,9 +12,15 @@ pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
 use crate::model::instruments::{Sensor, Tracker, Uncertainty};
+use crate::model::load::Load;
 use crate::model::observation::Setup;
 use crate::model::posture::Posture;
+use crate::model::robot::Robot;
+use crate::model::tool::Tool;
 use crate::model::work::Work;
+
+/// Variance of a tracker reading per axis in the paper, Table 3 \[m²\].
+const PAPER_VARIANCE: f64 = 9.23e-11;
 
 /// Measurement noise of a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +94,48 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// A cell with the robot's limits as bounds, without limits on tool points,
+    /// and with the tracker noise of the paper; everything else is unknown. All
+    /// fields are public: change what your cell has otherwise.
+    ///
+    /// ```
+    /// use stiffarm::nalgebra::Vector3;
+    /// use stiffarm::{Cell, Load, Robot, Tool};
+    ///
+    /// # fn main() -> stiffarm::Result<()> {
+    /// let robot = Robot::from_catalogue("kuka-kr240-2")?;
+    /// let spindle = Vector3::new(0.1, 0.0, 0.3);
+    /// let tool = Tool::new(spindle, [("tcp", spindle), ("side", Vector3::new(0.0, 0.2, 0.2))])?;
+    /// let load = Load::Rope { anchor: Vector3::new(2.0, 0.0, 0.0), magnitude: 400.0 };
+    /// let mut cell = Cell::new("my cell", robot, tool, load);
+    /// cell.prior = Some(vec![1e6; 6]);
+    /// assert_eq!(cell.bounds.len(), 6);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn new(name: impl Into<String>, robot: Robot, tool: Tool, load: Load) -> Self {
+        Cell {
+            name: name.into(),
+            bounds: robot.joints().iter().map(|joint| joint.limits).collect(),
+            setup: Setup { robot, tool, load },
+            limits: Limits::default(),
+            noise: Noise {
+                reading_variance: PAPER_VARIANCE,
+                readings_per_displacement: 1,
+                posture_common_std: 0.0,
+            },
+            prior: None,
+            characteristic_length: None,
+            validation: Vec::new(),
+            tasks: Vec::new(),
+            sensor: None,
+            tracker: Tracker::default(),
+            uncertainty: Uncertainty::default(),
+            columns: Columns::default(),
+            work: Work::default(),
+        }
+    }
+
     /// The prior stiffness, or an error that says which key gives it.
     ///
     /// # Errors

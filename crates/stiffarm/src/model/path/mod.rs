@@ -57,6 +57,17 @@ pub struct LoadedPosture {
 }
 
 impl LoadedPosture {
+    /// A posture at controller angles `q` \[rad\] under a wrench on the robot at
+    /// the tip, base axes.
+    pub fn new(name: impl Into<String>, q: Vec<f64>, wrench: Wrench) -> Self {
+        LoadedPosture {
+            name: name.into(),
+            line: None,
+            q,
+            wrench,
+        }
+    }
+
     /// `error` with the line of this posture.
     pub(crate) fn at(&self, error: Error) -> Error {
         match self.line {

@@ -262,3 +262,13 @@ const CATALOGUE: [CatalogueEntry; 4] = [
         base_z: 0.566,
     },
 ];
+
+impl Robot {
+    /// A robot of the catalogue by its key, for example `comau-nj165-3.0`.
+    ///
+    /// # Errors
+    /// There is no robot of this key.
+    pub fn from_catalogue(key: &str) -> Result<Robot> {
+        find(key)?.robot()
+    }
+}
