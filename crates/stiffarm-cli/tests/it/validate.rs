@@ -72,7 +72,7 @@ fn saved_further_terms_are_used_and_not_lost() {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(2), "{file}");
         let wanted = if file == "exact" {
-            "knows no further terms"
+            "cannot use further terms"
         } else {
             "cannot be read"
         };

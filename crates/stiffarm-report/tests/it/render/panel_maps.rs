@@ -168,7 +168,8 @@ fn a_map_without_values_is_all_missing_and_has_no_bar() {
 
 #[test]
 fn small_values_are_bright_where_asked_for() {
-    let mut panel = map(2, 1, Axis::linear("value", "mm"), |c, _| c as f64);
+    let axis = Axis::linear("value", "mm").with_range(0.0, 1.0);
+    let mut panel = map(2, 1, axis, |c, _| c as f64);
     let series = panel.series.remove(0);
     panel.series.push(series.with_small_bright(true));
     let svg = render_svg(&figure(vec![panel]));
