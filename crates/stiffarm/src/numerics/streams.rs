@@ -1,5 +1,8 @@
 //! Random numbers by stream: each run and each random group has its own, so
 //! that neither threads nor the number of runs change anything.
+//!
+//! Randomness by stream. Run r of group g at level l draws from its own ChaCha
+//! stream, so threads and the number of runs change nothing.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,5 +1,8 @@
 //! The characteristic length: the L that minimises the smallest attainable
 //! k(J_N) over the joint bounds (Angeles' definition; the paper gives no L).
+//!
+//! Sampling from the bounds uses `sobol_burley` where a fixed set is wanted
+//! (characteristic length, check) and ChaCha8 where a seed is.
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;

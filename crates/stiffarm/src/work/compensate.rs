@@ -8,6 +8,13 @@
 //! on the equilibrium. A series compliance, tilts and lost motion move the tip
 //! beyond the joints; θ_loaded then solves for the pose that makes up for them.
 //! Whatever the way, the command is checked by the equilibrium from its side.
+//!
+//! The command from its end. The loaded tip is right when the loaded joints
+//! stand at the nominal posture, so the command follows in one step from the
+//! load there; iterating the mirror correction converges to the same (a test
+//! does it). Only what gives way beyond the joints needs Newton steps. The
+//! check is the equilibrium from the command's side, which knows nothing of
+//! this.
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;

@@ -1,4 +1,8 @@
 //! Identification from clamped postures.
+//!
+//! Residuals that are angles have keys that say so. Free and clamped
+//! end-effector share `Estimates` (flat in both results); what has a unit is
+//! `…_m` in one and `…_rad` in the other.
 
 use super::friction::{JointFriction, friction};
 use super::{ClampedPosture, LoopClosure, closures, system};

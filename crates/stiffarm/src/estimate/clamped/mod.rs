@@ -20,6 +20,12 @@
 //! kinematic calibration); Lehmann et al., IFAC Proc. Volumes 46(9), 2013,
 //! 813–818 (force sensor); Jubien, Abba & Gautier, ICINCO 2014, 585–591 (also
 //! with motor torques alone).
+//!
+//! Clamped rows live in the space of the angles. J (C Δq_m + K_θ⁻¹ Γ) = t is
+//! formed as V_rᵀ-rows of J C = U S Vᵀ, whose errors are independent with the
+//! variance of an angle; for six joints they are a rotation of the decoupled
+//! form, for seven they leave the null space out, near a singularity the
+//! direction that the flange does not hold.
 
 mod friction;
 mod identification;

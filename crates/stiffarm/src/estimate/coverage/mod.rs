@@ -1,5 +1,10 @@
 //! Do the intervals cover? Many simulated experiments through the estimators
 //! themselves, and how often the interval of each joint held the truth.
+//!
+//! Coverage is counted, not promised. It runs the estimators themselves and the
+//! code that makes their intervals; the table it gives is embedded, so a result
+//! from an estimator without exact intervals can say what they covered. A
+//! number below the table's degrees of freedom is not extrapolated.
 
 mod error_model;
 #[cfg(feature = "files")]

@@ -14,7 +14,7 @@ use crate::model::observation::ExtraTerm;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// An experiment with the estimate of its unknowns.
 ///
@@ -38,6 +38,8 @@ struct Inner {
     solution: Solution,
     folds: OnceLock<Vec<Fold>>,
     identification: OnceLock<Identification>,
+    /// Other options and parts of these displacements, as they were asked for.
+    others: Mutex<Vec<Fit>>,
 }
 
 impl Fit {
@@ -78,6 +80,7 @@ impl Fit {
                 solution,
                 folds: OnceLock::new(),
                 identification: OnceLock::new(),
+                others: Mutex::default(),
             }),
         })
     }
@@ -92,6 +95,32 @@ impl Fit {
         if *options == inner.options {
             return Ok(self.clone());
         }
+        self.kept(options, &inner.left_out, || self.refitted(options))
+    }
+
+    /// The fit that was made before with `options` and `left_out`, else a new one.
+    fn kept(
+        &self,
+        options: &IdentifyOptions,
+        left_out: &BTreeSet<(usize, usize)>,
+        make: impl FnOnce() -> Result<Fit>,
+    ) -> Result<Fit> {
+        let others = || {
+            let others = self.inner.others.lock();
+            others.unwrap_or_else(PoisonError::into_inner)
+        };
+        let same = |fit: &&Fit| fit.options() == options && fit.inner.left_out == *left_out;
+        let known = others().iter().find(same).cloned();
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let made = make()?;
+        others().push(made.clone());
+        Ok(made)
+    }
+
+    fn refitted(&self, options: &IdentifyOptions) -> Result<Self> {
+        let inner = &*self.inner;
         check(options)?;
         let experiment = inner.experiment.clone();
         let left_out = inner.left_out.clone();
@@ -149,16 +178,18 @@ impl Fit {
         let mut left_out = inner.left_out.clone();
         let gone = inner.system.labels.iter().filter(|l| !keep(l));
         left_out.extend(gone.map(|l| (l.measured, l.displacement)));
-        let prepared = Arc::new(Prepared::new(&system, inner.options.estimator)?);
-        let experiment = inner.experiment.clone();
-        Fit::of(
-            experiment,
-            &inner.options,
-            left_out,
-            Arc::new(system),
-            prepared,
-        )
-        .map(Some)
+        let make = || {
+            let prepared = Arc::new(Prepared::new(&system, inner.options.estimator)?);
+            let (experiment, left_out) = (inner.experiment.clone(), left_out.clone());
+            Fit::of(
+                experiment,
+                &inner.options,
+                left_out,
+                Arc::new(system),
+                prepared,
+            )
+        };
+        self.kept(&inner.options, &left_out, make).map(Some)
     }
 
     /// The cell, its noise with as many readings per displacement as were taken.

@@ -113,8 +113,9 @@ impl Whitened {
         let seen = blocks
             .iter()
             .map(|b| {
-                b.by.directions
-                    .tr_mul(&basis.rows(b.rows.start, b.rows.len()))
+                basis
+                    .rows(b.rows.start, b.rows.len())
+                    .tr_mul(&b.by.directions)
             })
             .collect();
         // Where every row is a shift of its own, shifts and noise are one thing.

@@ -15,6 +15,12 @@
 //!
 //! Written: UTF-8, LF, commas, and the shortest decimals that are read back as
 //! the same values: a written table, read and written again, is the same text.
+//!
+//! One table of columns. A column is a name without unit, a quantity, and a
+//! group whose columns share one unit (`heading`, `quantity`); reading,
+//! writing, errors, the keys of `[columns]` and their schema all come from it.
+//! Text and workbook become the same rows before anything is read (`grid`), so
+//! both have the same errors.
 
 mod clamped;
 mod columns;

@@ -2,6 +2,10 @@
 //!
 //! Cells are read one by one, never as a rectangle: one stray cell in the last
 //! corner of a sheet would ask for more memory than there is.
+//!
+//! Workbooks cell by cell. calamine's ranges are dense: one stray cell in a
+//! sheet's last corner would ask for hundreds of gigabytes. Its cell reader
+//! gives only what is there.
 
 use super::grid::Table;
 use crate::error::{Code, Error, Result};

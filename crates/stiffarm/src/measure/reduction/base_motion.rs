@@ -3,6 +3,10 @@
 //! One or two reflectors, or reflectors on a line, give a shift; three or more
 //! give a rigid motion, turn included. Either is taken back from the loaded
 //! positions of the same state.
+//!
+//! A base reflector counts in a whole posture or not at all. Its motion also
+//! holds the tracker's drift, so a correction of some states and not of the
+//! others would add what it should remove.
 
 use super::messages::{length, postures_first};
 use super::series::{Pair, PostureSeries};

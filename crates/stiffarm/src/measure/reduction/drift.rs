@@ -1,4 +1,9 @@
 //! Drift: readings before and after the load that should agree and don't.
+//!
+//! Drift before base motion. Each reflector, those on the base too, is freed of
+//! its own straight line through the readings without load; what then moves on
+//! the base is the base. The other way round the tracker's drift would be taken
+//! for motion of the base.
 
 use super::messages::{length, postures_first};
 use super::repeatability::{SIGNIFICANCE, chi_squared_tails};

@@ -8,6 +8,14 @@
 //!
 //! Libraries of closed forms exist, but want an arm described by their own
 //! seven lengths, without base, coupling or calibrated axes.
+//!
+//! Our own inverse kinematics. The families are recognised by the chain's
+//! geometry, so a placed base, calibrated axes and a coupling C are no
+//! obstacle; rs-opw-kinematics wants seven lengths of its own and has none of
+//! these, ik-geo came without a licence. Angles come from tangents of half
+//! angles, not from arc cosines, which lose half their digits at a stretched
+//! elbow. An arm that is nearly of a family starts its iterations from that
+//! family's postures.
 
 mod closed_form;
 mod numeric;

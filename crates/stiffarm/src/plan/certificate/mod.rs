@@ -25,6 +25,12 @@
 //! the rarest posture of the design itself was met ([`Verification`]). The
 //! postures of the plan are among the points looked at, so that no plan is
 //! ever reported as better than its bound.
+//!
+//! A bound is a theorem plus a search. Given s = max tr(A·G(q)) the bound of
+//! `certificate` holds for any M₀; only s is searched for, from 1024 starts,
+//! because the value at a start says little about the local maximum it leads
+//! to. Interior-point weights, not the multiplicative algorithm, so that the
+//! residual of the equivalence condition is that of the searches alone.
 
 mod climb;
 pub(crate) mod continuous;

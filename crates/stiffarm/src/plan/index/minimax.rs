@@ -1,4 +1,8 @@
 //! Values of an index with its gradients.
+//!
+//! Smooth part + components. An index is exp(smooth + max of components). The
+//! optimiser sees the components as constraints of an epigraph variable and
+//! never differentiates a max().
 
 /// ln of an index at one group, split into a smooth part and components.
 #[derive(Debug, Clone, Default, PartialEq)]

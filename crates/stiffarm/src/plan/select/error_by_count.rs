@@ -1,4 +1,8 @@
 //! How many postures: the best value of an index against their number.
+//!
+//! One certificate for a curve. The bound for n postures is that for one
+//! divided by √n, whatever the plan, so `--curve` certifies its largest group
+//! only; a test holds two sizes against each other.
 
 use super::global::{GlobalOptions, select};
 use crate::error::{Code, Result};

@@ -1,5 +1,8 @@
 //! One local search over all postures of a group: the index with its epigraph
 //! variable, and the limits of the cell that matter.
+//!
+//! Logarithms inside the search. ln(index) turns the product of the novel index
+//! into a sum and makes tolerances relative.
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;

@@ -1,5 +1,11 @@
 //! Paths with a free turn about the tool axis: the cheapest way through the
 //! turns and branches of all points.
+//!
+//! Free turns are a shortest way. Local descent along a path stays in the
+//! branch and the turn it began with; dynamic programming over turns and
+//! branches finds the best of the grid whatever the start, and three finer
+//! passes about it the rest. A price on joint motion keeps the way smooth,
+//! since the deflection is flat about its minimum.
 
 use super::{Search, change, turned};
 use crate::error::{Code, Error, Result};

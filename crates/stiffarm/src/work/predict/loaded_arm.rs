@@ -1,5 +1,9 @@
 //! The arm at work: what a load at the tool tip does to it, exactly and to
 //! first order, and how that depends on the identified compliances.
+//!
+//! A wrench that keeps its direction. The process pushes on the workpiece's
+//! side of the contact; what the tilt of a tool by a milliradian changes in the
+//! direction of its force is second order and not known any better.
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;

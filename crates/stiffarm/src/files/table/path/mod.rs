@@ -1,4 +1,11 @@
 //! Paths: `point` and the angles, poses or tool axes of the tip, with the load there.
+//!
+//! A path goes out as it came in. `format` keeps the columns, units and frame
+//! of a path (`PathFormat`) beside its points. Angles are written exactly;
+//! poses are products of rotations, so their last digits are rounding and would
+//! change at every reading. They are rounded where they are written, of roll as
+//! much as the pitch lets it matter, so that a written path read and written
+//! again is the same text.
 
 mod contents;
 mod format;

@@ -4,6 +4,16 @@
 //! numbers of its own, and the results are compared in the order of the
 //! chains. So the rounds that were completed, not time or threads, decide the
 //! result.
+//!
+//! Quasi-Newton to explore, quadratic programming to finish. A local search
+//! costs milliseconds with L-BFGS-B on a smoothed index and a tenth of a second
+//! or more with SLSQP, whose cost grows with the cube of the angles. The
+//! corners of max() and of limits are found exactly by the latter, once, at the
+//! end.
+//!
+//! Rounds, not seconds. A search is cut at the end of a round of equal work for
+//! every chain; half a round is thrown away. So `--rounds` reproduces what
+//! `--time-limit` or Ctrl-C left.
 
 mod chain;
 mod exchange;
