@@ -2,13 +2,13 @@
 //! a simulated arm whose joint stiffness is known.
 
 mod arm;
+mod tracker;
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::instruments::TrackerAccuracy;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{
-    PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
+    PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 use crate::model::posture::{Posture, PostureGroup};
 use crate::model::stiffness::joint_compliance;
@@ -16,8 +16,7 @@ use crate::model::tool::NamedPoint;
 use crate::numerics::streams::experiment_rng;
 use arm::Arm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use tracker::{SimulatedTracker, normal3};
 
 /// One load state of a simulated experiment.
 #[derive(Debug, Clone, PartialEq)]
@@ -395,67 +394,4 @@ fn check(cell: &Cell, options: &Experiment) -> Result<()> {
         );
     }
     Ok(())
-}
-
-/// Takes readings one after the other.
-struct SimulatedTracker<'a> {
-    options: &'a Experiment,
-    tracker_from_base: Isometry3<f64>,
-    /// Standard deviation along each axis \[m\].
-    noise: f64,
-    accuracy: Option<&'a TrackerAccuracy>,
-    time: f64,
-}
-
-impl SimulatedTracker<'_> {
-    fn read(
-        &mut self,
-        target: ReadingTarget,
-        in_base: &Vector3<f64>,
-        rng: &mut ChaCha8Rng,
-    ) -> Result<Reading> {
-        let mut position = self.tracker_from_base.rotation * in_base
-            + self.tracker_from_base.translation.vector
-            + self.options.drift * self.time;
-        if self.options.tracker_noise != TrackerNoise::None {
-            let draw = normal3(rng);
-            position += match self.accuracy {
-                None => draw * self.noise,
-                Some(accuracy) => root(&accuracy.covariance(&position)?) * draw,
-            };
-        }
-        let time = (self.options.seconds_per_reading > 0.0).then_some(self.time);
-        self.time += self.options.seconds_per_reading;
-        Ok(Reading {
-            target,
-            position,
-            time,
-            line: 0,
-        })
-    }
-}
-
-/// Lower factor L of a covariance LLᵀ that may be singular.
-fn root(covariance: &nalgebra::Matrix3<f64>) -> nalgebra::Matrix3<f64> {
-    let mut lower = nalgebra::Matrix3::zeros();
-    for j in 0..3 {
-        for i in j..3 {
-            let mut sum = covariance[(i, j)];
-            for k in 0..j {
-                sum -= lower[(i, k)] * lower[(j, k)];
-            }
-            lower[(i, j)] = if i == j {
-                sum.max(0.0).sqrt()
-            } else if lower[(j, j)] > 0.0 {
-                sum / lower[(j, j)]
-            } else {
-                0.0
-            };
-        }
-    }
-    lower
-}
-
-fn normal3(rng: &mut ChaCha8Rng) -> Vector3<f64> {
-    Vector3::from_fn(|_, _| StandardNormal.sample(rng))
 }

@@ -105,18 +105,22 @@ fn a_reduction_is_saved_without_its_displacements() {
     let result = reduced(&cell, &full_table(&cell, 1));
     let text = serde_json::to_string(&result).unwrap();
     assert!(!text.contains("measured\""), "{text}");
-    let back: Reduction = serde_json::from_str(&text).unwrap();
-    assert!(back.measured.is_empty());
-    let registration = back.registration.unwrap();
+    // What is there is enough to know the transform and all that was noticed;
+    // displacements are not, so nothing reads it back as a reduction.
+    let saved: serde_json::Value = serde_json::from_str(&text).unwrap();
     let rotation = result.base_from_tracker.rotation.to_rotation_matrix();
     for i in 0..3 {
         for j in 0..3 {
-            assert!((registration.rotation[i][j] - rotation[(i, j)]).abs() < 1e-15);
+            let entry = saved["registration"]["rotation"][i][j].as_f64().unwrap();
+            assert!((entry - rotation[(i, j)]).abs() < 1e-15);
         }
     }
-    assert_eq!(back.findings, result.findings);
-    assert_eq!(back.base_motion.len(), 6);
-    assert!(back.drift.is_some() && back.wrench_check.is_some());
+    assert_eq!(
+        saved["findings"].as_array().unwrap().len(),
+        result.findings.len()
+    );
+    assert_eq!(saved["base_motion"].as_array().unwrap().len(), 6);
+    assert!(saved["drift"].is_object() && saved["wrench_check"].is_object());
 }
 
 /// What is left out is said.
