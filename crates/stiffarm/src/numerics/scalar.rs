@@ -141,6 +141,9 @@ mod tests {
     use super::*;
     use std::cell::Cell;
 
+    /// A function, the ends of an interval, and the place looked for.
+    type Case = (fn(f64) -> f64, [f64; 2], f64);
+
     #[test]
     fn minima_are_found_in_few_steps() {
         let count = Cell::new(0);
@@ -151,7 +154,7 @@ mod tests {
                 f(x)
             }
         };
-        let cases: [(fn(f64) -> f64, [f64; 2], f64); 3] = [
+        let cases: [Case; 3] = [
             (|x| (x - 0.3).powi(2) + 2.0, [-1.0, 1.0], 0.3),
             (|x| x.cosh() + 0.5 * x, [-2.0, 2.0], -(0.5_f64.asinh())),
             (|x| (1.0 + x * x).ln() - 0.1 * x, [-2.0, 2.0], 0.050_125_629),
@@ -171,7 +174,7 @@ mod tests {
 
     #[test]
     fn zeros_are_found_in_few_steps() {
-        let cases: [(fn(f64) -> f64, [f64; 2], f64); 3] = [
+        let cases: [Case; 3] = [
             (|x| x * x - 2.0, [0.0, 2.0], 2f64.sqrt()),
             (|x| x.exp() - 5.0, [0.0, 10.0], 5f64.ln()),
             (|x| (x - 1.0).powi(3), [0.0, 4.0], 1.0),

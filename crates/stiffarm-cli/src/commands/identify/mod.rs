@@ -34,7 +34,7 @@ use stiffarm::plan::select::GlobalOptions;
 use stiffarm::{Code, Error, Result};
 
 /// Rounds of the search for the next posture: one posture is soon found.
-const ADVICE_ROUNDS: u64 = 3;
+const ADVICE_ROUNDS: u64 = 2;
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]

@@ -29,7 +29,7 @@ pub(crate) struct Experiment {
 /// Ψ x = Δ of an experiment by itself.
 ///
 /// # Errors
-/// As [`Experiment::new`] and [`Experiment::system`].
+/// No displacements, or as [`identify`](super::identify()).
 pub fn measured_system(
     cell: &Cell,
     measured: impl Into<Measured>,

@@ -19,7 +19,7 @@
 use super::estimate::{estimate, quantile};
 use super::fit::Fit;
 use super::solve::{Estimator, Scale};
-use super::whitened::{Whitened, best_ratio};
+use super::whitened::Whitened;
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, percent};
@@ -134,7 +134,7 @@ fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
         let criterion = plain.restricted(&moved)?;
         Some(match fixed {
             Some(gamma) => criterion.value(gamma),
-            None => best_ratio(|gamma| criterion.value(gamma)).1,
+            None => criterion.best_ratio().1,
         })
     };
     let Some(lowest) = lowest(&value, centre, half) else {

@@ -19,6 +19,24 @@ struct Whitening {
     sizes: DVector<f64>,
     /// Lower Cholesky factor of the rows' covariance, where it is not the identity.
     root: Option<DMatrix<f64>>,
+    /// γs²/(1 + γs²) and ln(1 + γs²) of each direction at each γ of the grid: the
+    /// same for every fit that has the posture.
+    grid: Vec<Vec<[f64; 2]>>,
+}
+
+/// Sizes of γ at which the likelihood is looked at first: e^x for these x.
+const GRID: std::ops::Range<i32> = -6..12;
+/// Step of x.
+const STEP: f64 = 2.0;
+
+/// x of point `i` of the grid.
+fn grid_place(i: usize) -> f64 {
+    STEP * (f64::from(GRID.start) + i as f64)
+}
+
+/// γs²/(1 + γs²) and ln(1 + γs²).
+fn share(gamma: f64, size: f64) -> [f64; 2] {
+    [gamma * size / (1.0 + gamma * size), (gamma * size).ln_1p()]
 }
 
 impl Whitening {
@@ -45,9 +63,12 @@ impl Whitening {
         let parts = svd(shared)
             .ok_or_else(|| Error::new(Code::NotFinite, "A covariance is not a finite number."))?;
         let rank = parts.values.iter().filter(|v| **v > 0.0).count();
+        let sizes = parts.values.rows(0, rank).map(|v| v * v);
+        let at = |i: usize| sizes.iter().map(move |s| share(grid_place(i).exp(), *s));
         Ok(Whitening {
             directions: parts.u.view((0, 0), (count, rank)).into_owned(),
-            sizes: parts.values.rows(0, rank).map(|v| v * v),
+            grid: (0..GRID.len()).map(|i| at(i).collect()).collect(),
+            sizes,
             root,
         })
     }
@@ -266,7 +287,7 @@ impl Whitened {
         let Some(criterion) = criterion else {
             return 0.0;
         };
-        best_ratio(|gamma| criterion.value(gamma)).0
+        criterion.best_ratio().0
     }
 
     /// −2 ln of the profiled restricted likelihood as a function of γ; `None`
@@ -307,35 +328,60 @@ pub struct Restricted<'a> {
 impl Restricted<'_> {
     /// −2 ln L at γ, up to a constant, σ² profiled out.
     pub fn value(&self, gamma: f64) -> f64 {
+        self.value_by(|by, k| share(gamma, by.sizes[k]))
+    }
+
+    /// [`value`](Restricted::value) at point `i` of the grid.
+    fn value_on_grid(&self, i: usize) -> f64 {
+        self.value_by(|by, k| by.grid[i][k])
+    }
+
+    fn value_by(&self, share: impl Fn(&Whitening, usize) -> [f64; 2]) -> f64 {
+        // Loops of known length are several times as fast as others.
+        match self.system.factor.rank() {
+            1 => self.value_of_rank::<1>(share),
+            2 => self.value_of_rank::<2>(share),
+            3 => self.value_of_rank::<3>(share),
+            4 => self.value_of_rank::<4>(share),
+            5 => self.value_of_rank::<5>(share),
+            6 => self.value_of_rank::<6>(share),
+            7 => self.value_of_rank::<7>(share),
+            8 => self.value_of_rank::<8>(share),
+            rank if rank <= 16 => self.value_of_rank::<16>(share),
+            rank if rank <= 32 => self.value_of_rank::<32>(share),
+            _ => self.value_of_rank::<128>(share),
+        }
+    }
+
+    /// The same, of rank N at most.
+    fn value_of_rank<const N: usize>(&self, share: impl Fn(&Whitening, usize) -> [f64; 2]) -> f64 {
         let rank = self.system.factor.rank();
         // XᵀV⁻¹X, XᵀV⁻¹e and eᵀV⁻¹e in the orthonormal basis, where Xᵀe = 0.
-        let mut information = DMatrix::<f64>::identity(rank, rank);
-        let mut moment = DVector::<f64>::zeros(rank);
+        let mut information = [[0.0; N]; N];
+        let mut moment = [0.0; N];
         let mut size = self.size;
         let mut logarithms = 0.0;
         let seen = self.system.seen.iter();
         for ((block, seen), moved) in self.system.blocks.iter().zip(seen).zip(&self.moved) {
-            for (k, s) in block.by.sizes.iter().enumerate() {
-                let part = gamma * s / (1.0 + gamma * s);
-                let (row, moved) = (&seen.as_slice()[k * rank..(k + 1) * rank], moved[k]);
+            for (k, moved) in moved.iter().enumerate() {
+                let [part, logarithm] = share(&block.by, k);
+                let mut row = [0.0; N];
+                row[..rank].copy_from_slice(&seen.as_slice()[k * rank..(k + 1) * rank]);
                 size -= part * moved * moved;
-                logarithms += (gamma * s).ln_1p();
-                for (moment, seen) in moment.iter_mut().zip(row) {
-                    *moment -= part * seen * moved;
-                }
-                for (j, column) in information
-                    .as_mut_slice()
-                    .chunks_exact_mut(rank)
-                    .enumerate()
-                {
+                logarithms += logarithm;
+                for j in 0..N {
+                    moment[j] -= part * row[j] * moved;
                     let scale = part * row[j];
-                    for (entry, seen) in column[j..].iter_mut().zip(&row[j..]) {
-                        *entry -= scale * seen;
+                    for i in 0..N {
+                        information[j][i] -= scale * row[i];
                     }
                 }
             }
         }
-        // Only the lower triangle is filled, and only it is read.
+        let information = DMatrix::from_fn(rank, rank, |i, j| {
+            information[j][i] + f64::from(u8::from(i == j))
+        });
+        let moment = DVector::from_column_slice(&moment[..rank]);
         let Some(cholesky) = information.cholesky() else {
             return f64::INFINITY;
         };
@@ -348,28 +394,23 @@ impl Restricted<'_> {
         }
         free * rest.ln() + logarithms + determinant
     }
-}
 
-/// The γ ≥ 0 with the smallest `criterion`, and that value: a grid over all
-/// sizes, then Brent's method about its best point.
-pub(super) fn best_ratio(criterion: impl Fn(f64) -> f64) -> (f64, f64) {
-    const LOW: f64 = -12.0;
-    const STEP: f64 = 2.0;
-    const POINTS: usize = 18;
-    const TOLERANCE: f64 = 1e-8;
-    let at = |i: usize| LOW + STEP * i as f64;
-    let none = (0.0, criterion(0.0));
-    let best = (0..POINTS)
-        .map(|i| (at(i), criterion(at(i).exp())))
-        .reduce(|best, next| if next.1 < best.1 { next } else { best });
-    // A flat criterion may fall below that of γ = 0 between two points only.
-    let Some(best) = best.filter(|best| best.1.is_finite()) else {
-        return none;
-    };
-    let ends = [best.0 - STEP, best.0 + STEP];
-    let (place, value) = minimum(|x| criterion(x.exp()), ends, best, TOLERANCE);
-    match value < none.1 {
-        true => (place.exp(), value),
-        false => none,
+    /// The γ ≥ 0 with the smallest value, and that value: a grid over all sizes,
+    /// then Brent's method about its best point.
+    pub(super) fn best_ratio(&self) -> (f64, f64) {
+        const TOLERANCE: f64 = 1e-8;
+        let none = (0.0, self.value(0.0));
+        let best = (0..GRID.len())
+            .map(|i| (grid_place(i), self.value_on_grid(i)))
+            .reduce(|best, next| if next.1 < best.1 { next } else { best });
+        let Some(best) = best.filter(|best| best.1.is_finite()) else {
+            return none;
+        };
+        let ends = [best.0 - STEP, best.0 + STEP];
+        let (place, value) = minimum(|x| self.value(x.exp()), ends, best, TOLERANCE);
+        match value < none.1 {
+            true => (place.exp(), value),
+            false => none,
+        }
     }
 }

@@ -14,7 +14,7 @@ use std::time::Instant;
 const ROUNDS: u64 = 4;
 /// Random postures of a round, and how many of the best are improved.
 const CANDIDATES: usize = 256;
-const IMPROVED: usize = 6;
+const IMPROVED: usize = 3;
 /// First and last step of an improvement \[rad\].
 const FIRST_STEP: f64 = 0.3;
 const LAST_STEP: f64 = 2e-4;

@@ -70,7 +70,7 @@ pub struct SystematicErrors {
 
 /// How far each common error moves the joint stiffness that
 /// [`identify`](crate::estimate::identify::identify()) finds. Sizes come from
-/// [`Cell::uncertainty`] or are assumed and marked so.
+/// [`Cell::uncertainty`](crate::model::cell::Cell::uncertainty) or are assumed and marked so.
 ///
 /// - `force-scale`: all readings of force, and the stated force of a rope or
 ///   weight, too large by this fraction. Every k comes out too large by as much.

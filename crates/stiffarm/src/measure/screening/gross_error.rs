@@ -3,9 +3,10 @@
 //! candidate the other points must still move as the arm does.
 
 use super::frame::{Frame, item_pairs, items, register};
+use super::mean_shape::mean_shape;
 use super::motion::{Move, moves};
 use super::rigid::moved;
-use super::shape::{exceeded_by, mean_shape, name_states, stray_distance};
+use super::shape::{exceeded_by, name_states, stray_distance};
 use super::{Cause, Suspicion, Work};
 use crate::model::measurement::Role;
 use crate::numerics::information::Factor;

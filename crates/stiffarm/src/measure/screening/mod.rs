@@ -20,6 +20,7 @@
 
 mod frame;
 mod gross_error;
+mod mean_shape;
 mod messages;
 mod misfit;
 mod model;
@@ -197,7 +198,7 @@ impl Suspicion {
     }
 }
 
-/// Result of [`inspect`].
+/// Result of [`screen`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Screening {
@@ -218,6 +219,7 @@ struct Work {
     cell: Cell,
     sheet: Sheet,
     found: Vec<Suspicion>,
+    shape: mean_shape::LastShape,
 }
 
 impl Work {
@@ -259,6 +261,7 @@ pub fn screen(
         cell: cell.clone(),
         sheet,
         found,
+        shape: mean_shape::LastShape::default(),
     };
     shape::units(&mut work);
     // Strays first, so that they are not taken for faults of a posture; what

@@ -241,6 +241,7 @@ fn tried(work: &Work, change: &Change, given: Option<&Isometry3<f64>>) -> Option
         cell: work.cell.clone(),
         sheet: work.sheet.clone(),
         found: Vec::new(),
+        shape: Default::default(),
     };
     change.apply(&mut copy);
     fitted(&copy, given)

@@ -2,7 +2,8 @@
 //! must show the same shape. States are held against their own mean shape,
 //! because drawings are rarely exact; the drawing is compared afterwards.
 
-use super::rigid::{Pair, best_rms, fit, is_spread, moved, orders};
+use super::mean_shape::{mean_shape, pairs};
+use super::rigid::{Pair, fit, is_spread, moved, orders};
 use super::sheet::State;
 use super::{Cause, Suspicion, Work};
 use crate::numerics::sample::median;
@@ -17,13 +18,6 @@ const UNIT_TOLERANCE: f64 = 0.1;
 const FALSE_ALARM: f64 = 1e-3;
 /// Standard deviations below which a distance is never worth a word.
 const WORTH: f64 = 5.0;
-/// States held against the others, to find one that has the common shape.
-const REFERENCES: usize = 32;
-/// Fewest states of which a mean shape resists one that is off.
-const STATES: usize = 3;
-/// A state belongs to the mean where it differs by at most this many times what
-/// the middle one does.
-const ALIKE_SHAPES: f64 = 5.0;
 /// Distance from the drawing that is worth a note, and that cannot be meant \[m\].
 const DRAWING: [f64; 2] = [3e-4, 5e-3];
 /// Share of the states that disagree beyond which the tool is to blame.
@@ -134,82 +128,6 @@ pub(super) fn name_states(work: &Work, mut to: Suspicion, at: &[(usize, usize)])
         }
     }
     to
-}
-
-/// Pairs of the points of `state` with those of `shape`, `without` left out.
-pub(super) fn pairs(
-    state: &State,
-    shape: &[Option<Vector3<f64>>],
-    without: Option<usize>,
-) -> Vec<Pair> {
-    let mut out = Vec::new();
-    for (a, (mean, point)) in state.points.iter().zip(shape).enumerate() {
-        if let (Some(mean), Some(point)) = (mean, point)
-            && without != Some(a)
-        {
-            out.push((*point, mean.position));
-        }
-    }
-    out
-}
-
-/// Shape that most states share, by point; `None` with fewer than three states.
-pub(super) fn mean_shape(work: &Work) -> Option<Vec<Option<Vector3<f64>>>> {
-    let count = work.setup().tool.point_count();
-    let whole: Vec<&State> = work
-        .sheet
-        .states()
-        .into_iter()
-        .map(|at| work.sheet.at(at))
-        .filter(|s| s.seen().len() == count)
-        .collect();
-    if count < 3 || whole.len() < STATES {
-        return None;
-    }
-    let positions = |s: &State| -> Vec<Option<Vector3<f64>>> {
-        s.points.iter().map(|m| m.map(|m| m.position)).collect()
-    };
-    // The state that at least half of the others resemble most.
-    let half = whole.len() / 2;
-    let step = whole.len().div_ceil(REFERENCES);
-    let resemblance = |shape: &[Option<Vector3<f64>>]| {
-        let mut all: Vec<f64> = whole
-            .iter()
-            .map(|s| best_rms(&pairs(s, shape, None)))
-            .collect();
-        all.sort_by(f64::total_cmp);
-        all[half]
-    };
-    let (rms, mut shape) = whole
-        .iter()
-        .step_by(step)
-        .map(|s| {
-            let shape = positions(s);
-            (resemblance(&shape), shape)
-        })
-        .min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    // States with mixed up names would shift even a median.
-    let typical = ALIKE_SHAPES * rms + work.sheet.typical_std();
-    let resembles = |s: &&State| best_rms(&pairs(s, &shape, None)) <= typical;
-    let whole: Vec<&State> = whole.iter().copied().filter(resembles).collect();
-    for _ in 0..3 {
-        let mut seen: Vec<Vec<Vector3<f64>>> = vec![Vec::new(); count];
-        for state in &whole {
-            let Some(pose) = fit(&pairs(state, &shape, None)) else {
-                continue;
-            };
-            for (a, mean) in state.points.iter().enumerate() {
-                if let Some(mean) = mean {
-                    seen[a].push(moved(&pose.inverse(), &mean.position));
-                }
-            }
-        }
-        for (a, all) in seen.iter().enumerate() {
-            let middle = |i: usize| median(&all.iter().map(|p| p[i]).collect::<Vec<f64>>());
-            shape[a] = (!all.is_empty()).then(|| Vector3::from_fn(|i, _| middle(i)));
-        }
-    }
-    Some(shape)
 }
 
 /// Quantile of χ²: exceeded with this probability.

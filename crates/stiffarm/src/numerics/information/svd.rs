@@ -88,12 +88,15 @@ pub(crate) fn svd(mut a: DMatrix<f64>) -> Option<Svd> {
     })
 }
 
-/// Turns columns p and q of `m` by the angle of this cosine and sine.
+/// Turns columns p < q of `m` by the angle of this cosine and sine.
 fn rotate(m: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64) {
-    for i in 0..m.nrows() {
-        let (a, b) = (m[(i, p)], m[(i, q)]);
-        m[(i, p)] = cosine * a - sine * b;
-        m[(i, q)] = sine * a + cosine * b;
+    let rows = m.nrows();
+    let (left, right) = m.as_mut_slice().split_at_mut(q * rows);
+    let column = &mut left[p * rows..(p + 1) * rows];
+    for (left, right) in column.iter_mut().zip(right) {
+        let (a, b) = (*left, *right);
+        *left = cosine * a - sine * b;
+        *right = sine * a + cosine * b;
     }
 }
 

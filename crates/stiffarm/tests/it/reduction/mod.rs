@@ -18,7 +18,7 @@ use stiffarm::findings::Severity;
 use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise,
 };
-use stiffarm::measure::reduction::{Clock, ReduceOptions, Reduction, reduce};
+use stiffarm::measure::reduction::{Clock, ReduceOptions, reduce};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
 use stiffarm::model::kinematics::Frames;
