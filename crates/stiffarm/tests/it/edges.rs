@@ -57,7 +57,7 @@ fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
     }
     let result = identify(
         cell,
-        &exact_measurements(cell, postures),
+        exact_measurements(cell, postures),
         &IdentifyOptions::default(),
     )
     .unwrap();
@@ -202,7 +202,7 @@ fn one_posture_with_one_point_is_answered() {
     assert!(found.indices.classical.is_some() && found.indices.condition.is_none());
     let result = identify(
         &cell,
-        &exact_measurements(&cell, &one),
+        exact_measurements(&cell, &one),
         &IdentifyOptions::default(),
     )
     .unwrap();

@@ -526,7 +526,7 @@ fn budgets_and_profiles_of_poor_data() {
     // A large lost motion leaves no stiffness at all.
     let mut loose = cell.clone();
     loose.uncertainty.lost_motion = Some(1.0);
-    let all = Fit::new(&loose, &measure(&cell, &group_1(), 1), &options)
+    let all = Fit::new(&loose, measure(&cell, &group_1(), 1), &options)
         .and_then(|fit| systematic_errors(&fit))
         .unwrap();
     assert!(all.findings.iter().all(|f| !f.sentence.contains("NaN")));

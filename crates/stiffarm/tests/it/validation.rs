@@ -50,7 +50,7 @@ fn options(estimator: Estimator) -> IdentifyOptions {
 fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validation {
     let fit = identify(
         cell,
-        &measure(cell, &group(random_group()), 2 * stream),
+        measure(cell, &group(random_group()), 2 * stream),
         options,
     )
     .unwrap();
@@ -120,7 +120,7 @@ fn a_band_is_that_of_the_dense_formula() {
     cell.noise.posture_common_std = 1.5e-5;
     let fit = identify(
         &cell,
-        &measure(&cell, &group(random_group()), 0),
+        measure(&cell, &group(random_group()), 0),
         &options(Estimator::TwoVariance),
     )
     .unwrap();
@@ -182,7 +182,7 @@ fn readings_that_the_fit_does_not_explain_are_said_to_lie_outside() {
     let cell = reference_cell();
     let fit = identify(
         &cell,
-        &measure(&cell, &group(random_group()), 0),
+        measure(&cell, &group(random_group()), 0),
         &options(Estimator::Ordinary),
     )
     .unwrap();

@@ -26,7 +26,7 @@ fn false_alarms(
     for seed in 0..seeds {
         let truth = truth(cell);
         let measured = simulate_measurements(cell, postures, &truth, Model::Linear, seed, 0);
-        let found = Fit::new(cell, &measured.unwrap(), &options(estimator))
+        let found = Fit::new(cell, measured.unwrap(), &options(estimator))
             .and_then(|fit| diagnose(&fit))
             .unwrap();
         for fault in faults.iter().filter(|f| codes(&found).contains(f)) {
@@ -144,14 +144,14 @@ fn residuals_are_compared_with_the_noise_in_words() {
     assert_eq!(overstated.finding(None).code, "residuals-below-noise");
     // The whitened residual with the declared common part is what it is.
     let cell = noisy_cell(3.0);
-    let shared = Fit::new(&cell, &measure(&cell, 5), &options(Estimator::TwoVariance))
+    let shared = Fit::new(&cell, measure(&cell, 5), &options(Estimator::TwoVariance))
         .and_then(|fit| noise_test(&fit));
     assert_eq!(shared.unwrap().unwrap().agreement, Agreement::Agrees);
     let mut undeclared = cell.clone();
     undeclared.noise.posture_common_std = 0.0;
     let test = Fit::new(
         &undeclared,
-        &measure(&cell, 5),
+        measure(&cell, 5),
         &options(Estimator::TwoVariance),
     )
     .and_then(|fit| noise_test(&fit));
@@ -166,7 +166,7 @@ fn residuals_are_compared_with_the_noise_in_words() {
     // As the result says it, where no common part is declared.
     let result = identify(
         &undeclared,
-        &measure(&cell, 5),
+        measure(&cell, 5),
         &options(Estimator::TwoVariance),
     );
     assert!((result.unwrap().total_std_m.unwrap() / test.residual_std_m - 1.0).abs() < 1e-12);

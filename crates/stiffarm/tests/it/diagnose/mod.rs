@@ -258,7 +258,7 @@ fn the_linear_model_is_judged_posture_by_posture() {
     if let Load::Rope { magnitude, .. } = &mut heavy.setup.load {
         *magnitude = 30_000.0;
     }
-    let found = Fit::new(&heavy, &measure(&heavy, 1), &options(Estimator::Ordinary))
+    let found = Fit::new(&heavy, measure(&heavy, 1), &options(Estimator::Ordinary))
         .and_then(|fit| diagnose(&fit))
         .unwrap();
     let finding = found
