@@ -111,15 +111,9 @@ impl Code {
         self.describe().1
     }
 
-    /// Exit code of the command for this error: 2 bad input or usage,
-    /// 1 a finding, 3 our own fault, 130 interrupted.
-    pub fn exit_code(self) -> u8 {
-        match self {
-            Code::NotIdentifiable => 1,
-            Code::Internal | Code::Numerical => 3,
-            Code::Interrupted => 130,
-            _ => 2,
-        }
+    /// True where no input can be blamed: the fault is the library's own.
+    pub fn is_internal(self) -> bool {
+        matches!(self, Code::Internal | Code::Numerical)
     }
 
     fn describe(self) -> (&'static str, &'static str) {
@@ -128,7 +122,7 @@ impl Code {
             Code::FileWrite => ("file-write", "A file could not be written."),
             Code::FileExists => (
                 "file-exists",
-                "The output exists; nothing is overwritten without --force.",
+                "The output exists, and nothing is overwritten unless asked for.",
             ),
             Code::Encoding => ("encoding", "The text is not valid UTF-8."),
             Code::TomlSyntax => ("toml-syntax", "The cell file is not valid TOML."),

@@ -29,7 +29,7 @@ fn errors() -> String {
             "| `{}` | {} | {} |\n",
             code.as_str(),
             cell(code.meaning()),
-            code.exit_code()
+            crate::error::exit_code(code)
         );
     }
     out + "\n## Exit codes\n\n\

@@ -95,6 +95,21 @@ impl From<&Measured> for Measured {
 /// Makes measurements ready to be identified from: displacements as they are,
 /// raw readings screened and reduced.
 ///
+/// ```
+/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// use stiffarm::{Cell, prepare, simulated_readings};
+///
+/// let cell = Cell::built_in("comau")?;
+/// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let readings = simulated_readings(&cell, &postures, 1)?;
+/// let measured = prepare(&cell, readings, &Default::default())?;
+/// assert_eq!(measured.readings_per_displacement, Some(2));
+/// assert!(measured.findings().all(|finding| !finding.sentence.is_empty()));
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "files"))] fn main() {}
+/// ```
+///
 /// # Errors
 /// As [`reduce`]; where the readings themselves explain the failure, that is said.
 pub fn prepare(

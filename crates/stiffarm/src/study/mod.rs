@@ -202,7 +202,7 @@ pub fn study(
                 named.push((Some(selection), group));
             }
             // One index without a result leaves the others to be compared.
-            Err(error) if error.code().exit_code() != 3 => findings.push(Finding::new(
+            Err(error) if !error.code().is_internal() => findings.push(Finding::new(
                 "no-selection",
                 Severity::Serious,
                 index.as_str(),

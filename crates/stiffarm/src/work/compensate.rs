@@ -224,6 +224,22 @@ fn step(frames: &Frames, p: &Vector3<f64>, twist: &Vector6<f64>) -> Result<DVect
 
 /// Finds the commands for `postures`, each under its own wrench.
 ///
+/// ```
+/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// use stiffarm::estimate::compliance::IdentifiedCompliance;
+/// use stiffarm::{Cell, Control, LoadedPosture, Wrench, compensate};
+///
+/// let cell = Cell::built_in("comau")?;
+/// let catalogue = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
+/// let force = Wrench::force([0.0, 300.0, 0.0]);
+/// let work = [LoadedPosture::new("mill", vec![0.0, -0.5, -1.8, 0.3, 0.9, 0.2], force)];
+/// let found = compensate(&cell, &catalogue, &work, &Default::default(), Control::default())?;
+/// assert!(found.residual_max_m < 1e-9);
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "files"))] fn main() {}
+/// ```
+///
 /// # Errors
 /// As [`command`], with the line of the point; no points; a command outside the
 /// machine's limits; interrupted.

@@ -45,6 +45,25 @@ struct Inner {
 impl Fit {
     /// Fits the unknowns to measured displacements.
     ///
+    /// ```
+    /// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+    /// use stiffarm::{Cell, Fit, prepare, simulated_readings};
+    ///
+    /// let cell = Cell::built_in("comau")?;
+    /// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+    /// let readings = simulated_readings(&cell, &postures, 1)?;
+    /// let measured = prepare(&cell, readings, &Default::default())?;
+    /// let fit = Fit::new(&cell, &measured, &Default::default())?;
+    /// for joint in &fit.identification()?.estimates.joints {
+    ///     println!("{joint}");
+    /// }
+    /// let left_out = fit.leave_one_out()?;
+    /// assert_eq!(left_out.postures.len(), postures.len());
+    /// # Ok(())
+    /// # }
+    /// # #[cfg(not(feature = "files"))] fn main() {}
+    /// ```
+    ///
     /// # Errors
     /// As [`identify`](super::identify()).
     pub fn new(

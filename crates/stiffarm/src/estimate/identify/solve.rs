@@ -381,9 +381,8 @@ impl Prepared {
         let Some(sigma) = base.sigma.filter(|s| *s > 0.0) else {
             let message = "Weighing the prior against the data needs the size of the noise, and the data leave no \
                            degree of freedom to judge it.";
-            return Err(
-                Error::new(Code::TooFewData, message).hint("use the cell's noise: --noise known")
-            );
+            return Err(Error::new(Code::TooFewData, message)
+                .hint("take the size of the noise from the cell (noise known)"));
         };
         let (psi, delta) = self.shifted(white, base.gamma);
         let (rows, unknowns) = psi.shape();

@@ -248,6 +248,8 @@ impl PostureTerms {
 ///
 /// # Errors
 /// As [`PostureTerms::new`]; a length that is not above zero.
+#[doc(alias = "regressor")]
+#[doc(alias = "identification Jacobian")]
 pub fn observation_matrix<Q: AsRef<[f64]>>(
     setup: &Setup,
     postures: &[Q],

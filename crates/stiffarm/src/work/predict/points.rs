@@ -121,6 +121,22 @@ pub struct Prediction {
 /// The bands are to first order in the unknowns. They leave out what the model
 /// leaves out: `validate` shows how much that is on the real arm.
 ///
+/// ```
+/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// use stiffarm::estimate::compliance::IdentifiedCompliance;
+/// use stiffarm::{Cell, Control, LoadedPosture, Wrench, predict};
+///
+/// let cell = Cell::built_in("comau")?;
+/// let catalogue = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
+/// let force = Wrench::force([0.0, 300.0, 0.0]);
+/// let work = [LoadedPosture::new("mill", vec![0.0, -0.5, -1.8, 0.3, 0.9, 0.2], force)];
+/// let bend = predict(&cell, &catalogue, &work, &Default::default(), Control::default())?;
+/// assert!(bend.deflection_max_m > 1e-5);
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "files"))] fn main() {}
+/// ```
+///
 /// # Errors
 /// No postures; an unknown without positive value; angles of the wrong number
 /// or not finite; a load that buckles the arm; interrupted.
