@@ -2,7 +2,7 @@
 //! diagnosis or the systematic errors go on from.
 
 use super::experiment::Experiment;
-use super::leave_out::{Fold, LeaveOneOut, folds, influence};
+use super::leave_out::{Fold, LeaveOneOut, fold_without, folds, influence};
 use super::solve::{Assumptions, Estimator, Prepared, Solution};
 use super::system::{MeasuredSystem, RowLabel};
 use super::{Estimates, Identification, IdentifyOptions, check, describe};
@@ -261,13 +261,9 @@ impl Fit {
     /// The fit without posture `block` alone.
     pub(crate) fn fold_without(&self, block: usize) -> Result<Fold> {
         let (prepared, system) = (self.prepared(), self.system());
-        let others: Vec<usize> = (0..system.blocks.len()).filter(|b| *b != block).collect();
         let white = prepared.whitened().whiten(&system.delta);
-        let (prepared, white) = prepared.select(&others, &white)?;
-        Ok(Fold {
-            left_out: vec![block],
-            solution: prepared.solve_white(&white, self.assumed())?,
-        })
+        let count = system.blocks.len();
+        fold_without(vec![block], count, prepared, &white, self.assumed())
     }
 
     /// Columns of Ψ of further terms, rows as in the system.

@@ -71,12 +71,26 @@ pub(super) fn folds(
     let white = prepared.whitened().whiten(&system.delta);
     let numbers: Vec<usize> = (0..folds).collect();
     in_order(&numbers, |(_, fold)| {
-        let (left_out, others): (Vec<usize>, Vec<usize>) =
-            (0..count).partition(|posture| posture % folds == *fold);
-        let (prepared, white) = prepared.select(&others, &white)?;
-        let solution = prepared.solve_white(&white, assumed)?;
-        Ok(Fold { left_out, solution })
+        let left_out: Vec<usize> = (*fold..count).step_by(folds).collect();
+        fold_without(left_out, count, prepared, &white, assumed)
     })
+}
+
+/// The fit to white displacements without the postures of `left_out`, of `count`.
+///
+/// # Errors
+/// As [`Prepared::solve`].
+pub(super) fn fold_without(
+    left_out: Vec<usize>,
+    count: usize,
+    prepared: &Prepared,
+    white: &DVector<f64>,
+    assumed: &Assumptions,
+) -> Result<Fold> {
+    let others: Vec<usize> = (0..count).filter(|b| !left_out.contains(b)).collect();
+    let (prepared, white) = prepared.select(&others, white)?;
+    let solution = prepared.solve_white(&white, assumed)?;
+    Ok(Fold { left_out, solution })
 }
 
 /// Measured minus predicted displacements of one posture, or `None` where the

@@ -337,51 +337,19 @@ impl Restricted<'_> {
     }
 
     fn value_by(&self, share: impl Fn(&Whitening, usize) -> [f64; 2]) -> f64 {
-        // Loops of known length are several times as fast as others.
-        match self.system.factor.rank() {
-            1 => self.value_of_rank::<1>(share),
-            2 => self.value_of_rank::<2>(share),
-            3 => self.value_of_rank::<3>(share),
-            4 => self.value_of_rank::<4>(share),
-            5 => self.value_of_rank::<5>(share),
-            6 => self.value_of_rank::<6>(share),
-            7 => self.value_of_rank::<7>(share),
-            8 => self.value_of_rank::<8>(share),
-            rank if rank <= 16 => self.value_of_rank::<16>(share),
-            rank if rank <= 32 => self.value_of_rank::<32>(share),
-            _ => self.value_of_rank::<128>(share),
-        }
-    }
-
-    /// The same, of rank N at most.
-    fn value_of_rank<const N: usize>(&self, share: impl Fn(&Whitening, usize) -> [f64; 2]) -> f64 {
         let rank = self.system.factor.rank();
-        // XᵀV⁻¹X, XᵀV⁻¹e and eᵀV⁻¹e in the orthonormal basis, where Xᵀe = 0.
-        let mut information = [[0.0; N]; N];
-        let mut moment = [0.0; N];
-        let mut size = self.size;
-        let mut logarithms = 0.0;
-        let seen = self.system.seen.iter();
-        for ((block, seen), moved) in self.system.blocks.iter().zip(seen).zip(&self.moved) {
-            for (k, moved) in moved.iter().enumerate() {
-                let [part, logarithm] = share(&block.by, k);
-                let mut row = [0.0; N];
-                row[..rank].copy_from_slice(&seen.as_slice()[k * rank..(k + 1) * rank]);
-                size -= part * moved * moved;
-                logarithms += logarithm;
-                for j in 0..N {
-                    moment[j] -= part * row[j] * moved;
-                    let scale = part * row[j];
-                    for i in 0..N {
-                        information[j][i] -= scale * row[i];
-                    }
-                }
-            }
+        let mut information = DMatrix::zeros(rank, rank);
+        let mut moment = DVector::zeros(rank);
+        let sums = (information.as_mut_slice(), moment.as_mut_slice());
+        // Loops of known length are faster: the joints of an arm, and one term more.
+        let [size, logarithms] = match rank {
+            6 => self.sums(6, sums, share),
+            7 => self.sums(7, sums, share),
+            _ => self.sums(rank, sums, share),
+        };
+        for j in 0..rank {
+            information[(j, j)] += 1.0;
         }
-        let information = DMatrix::from_fn(rank, rank, |i, j| {
-            information[j][i] + f64::from(u8::from(i == j))
-        });
-        let moment = DVector::from_column_slice(&moment[..rank]);
         let Some(cholesky) = information.cholesky() else {
             return f64::INFINITY;
         };
@@ -393,6 +361,37 @@ impl Restricted<'_> {
             return f64::INFINITY;
         }
         free * rest.ln() + logarithms + determinant
+    }
+
+    /// Adds up XᵀV⁻¹X − I and XᵀV⁻¹e in the orthonormal basis of `rank` columns,
+    /// where Xᵀe = 0; returns eᵀV⁻¹e and the logarithms of the shifts.
+    #[inline(always)]
+    fn sums(
+        &self,
+        rank: usize,
+        (information, moment): (&mut [f64], &mut [f64]),
+        share: impl Fn(&Whitening, usize) -> [f64; 2],
+    ) -> [f64; 2] {
+        let (information, moment) = (&mut information[..rank * rank], &mut moment[..rank]);
+        let mut size = self.size;
+        let mut logarithms = 0.0;
+        let seen = self.system.seen.iter();
+        for ((block, seen), moved) in self.system.blocks.iter().zip(seen).zip(&self.moved) {
+            for (k, moved) in moved.iter().enumerate() {
+                let [part, logarithm] = share(&block.by, k);
+                let row = &seen.as_slice()[k * rank..(k + 1) * rank];
+                size -= part * moved * moved;
+                logarithms += logarithm;
+                for j in 0..rank {
+                    moment[j] -= part * row[j] * moved;
+                    let scale = part * row[j];
+                    for i in 0..rank {
+                        information[j * rank + i] -= scale * row[i];
+                    }
+                }
+            }
+        }
+        [size, logarithms]
     }
 
     /// The γ ≥ 0 with the smallest value, and that value: a grid over all sizes,

@@ -105,13 +105,3 @@ pub fn row_count(measured: &[MeasuredPosture]) -> usize {
         .map(|p| p.displacements.len())
         .sum::<usize>()
 }
-
-/// Splits off the postures whose names are in `names`: (others, named).
-pub fn split_by_name(
-    measured: Vec<MeasuredPosture>,
-    names: &[String],
-) -> (Vec<MeasuredPosture>, Vec<MeasuredPosture>) {
-    measured
-        .into_iter()
-        .partition(|m| !names.contains(&m.posture.name))
-}
