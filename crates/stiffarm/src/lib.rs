@@ -82,8 +82,8 @@ pub use numerics::control::{Control, Report, Stop, Termination};
 pub mod internals {
     pub use crate::estimate::clamped::clamped_system;
     pub use crate::estimate::identify::internals::{
-        Assumptions, Block, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale, Solution,
-        Whitened, measured_system,
+        Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale,
+        Solution, Whitened, measured_system, solutions_without,
     };
     pub use crate::numerics::{information, jobs, optimise, sample, streams};
     pub use crate::plan::index::minimax::Minimax;

@@ -36,7 +36,7 @@ pub use identification::{ClampedIdentification, ClampedResidual, StateWeight, id
 pub use simulation::{ClampedSimulation, MotorMove, simulate_clamped};
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::identify::{Block, MeasuredSystem, RowLabel, by_name, unknowns};
+use crate::estimate::identify::{Block, Covariance, MeasuredSystem, RowLabel, by_name, unknowns};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
@@ -262,7 +262,7 @@ fn covariance(
     clamped: &[ClampedPosture],
     closures: &[LoopClosure],
     states: &[usize],
-) -> Option<DMatrix<f64>> {
+) -> Covariance {
     let starts: Vec<usize> = states
         .iter()
         .scan(0, |at, m| {
@@ -273,17 +273,15 @@ fn covariance(
         .collect();
     let rows: usize = states.iter().map(|m| closures[*m].rank()).sum();
     let mut out = DMatrix::identity(rows, rows);
-    let mut any = false;
     for (a, &m) in states.iter().enumerate() {
         for (b, &k) in states.iter().enumerate().filter(|(b, _)| *b != a) {
             if clamped[m].reference.is_none() || clamped[m].reference != clamped[k].reference {
                 continue;
             }
-            any = true;
             let common = closures[m].directions.tr_mul(&closures[k].directions) * 0.5;
             out.view_mut((starts[a], starts[b]), common.shape())
                 .copy_from(&common);
         }
     }
-    any.then_some(out)
+    Covariance::from_matrix(&out)
 }

@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::estimate::identify::{Estimates, Fit, JointEstimate, Verdict};
 use crate::findings::{Finding, Severity, length, list, percent};
 use crate::model::observation::ExtraTerm;
+use crate::numerics::jobs::in_order;
 use serde::{Deserialize, Serialize};
 
 /// The RMS must fall by this share for a term to be recommended.
@@ -81,13 +82,15 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
         column(i).dot(&column(j)).abs() >= (1.0 - SAME) * product
     };
     let asked = |i: usize| options.extra.contains(&terms[i]);
-    let mut trials = Vec::new();
-    for (i, &term) in terms.iter().enumerate() {
-        let earlier =
-            (0..i).any(|j| same(i, j)) || (0..terms.len()).any(|j| asked(j) && same(i, j));
-        if asked(i) || (earlier && column(i).norm() > 0.0) {
-            continue;
-        }
+    let tried: Vec<usize> = (0..terms.len())
+        .filter(|&i| {
+            let earlier =
+                (0..i).any(|j| same(i, j)) || (0..terms.len()).any(|j| asked(j) && same(i, j));
+            !asked(i) && !(earlier && column(i).norm() > 0.0)
+        })
+        .collect();
+    let mut trials = in_order(&tried, |(_, &i)| {
+        let term = terms[i];
         let later = (i + 1..terms.len()).filter(|&j| column(j).norm() > 0.0 && same(i, j));
         let same_as = later.map(|j| terms[j].name(robot)).collect();
         let name = term.name(robot);
@@ -106,7 +109,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
                 1.0 - 0.5 * both
             })
         };
-        trials.push(TermTrial {
+        Ok(TermTrial {
             rms_m: rms,
             ratio: rms.zip(rms_m).filter(|(_, b)| *b > 0.0).map(|(a, b)| a / b),
             value,
@@ -122,8 +125,8 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
             }),
             name,
             term,
-        });
-    }
+        })
+    })?;
     let count = trials.len() as f64;
     for trial in &mut trials {
         trial.p_value = trial.p_value.map(|p| (p * count).min(1.0));

@@ -1,9 +1,10 @@
 //! Bootstrap over postures: intervals that assume nothing of the errors but
 //! that postures are alike and independent of each other.
 
+use super::assumptions::{Assumptions, Estimator};
 use super::estimate::{JointEstimate, estimate};
 use super::fit::Fit;
-use super::solve::{Assumptions, Estimator, Prepared, Solution};
+use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;
 use super::{IdentifyOptions, check};
 use crate::error::{Code, Error, Result};

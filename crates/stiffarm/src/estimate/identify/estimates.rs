@@ -1,8 +1,9 @@
 //! The estimates of an experiment, whatever its rows are: displacements of a
 //! free end-effector or angles of a clamped one.
 
+use super::assumptions::Estimator;
 use super::estimate::{JointEstimate, Verdict, estimates, interval_quantile, standard_error};
-use super::solve::{Estimator, Solution};
+use super::solve::Solution;
 use super::system::MeasuredSystem;
 use super::{
     AngleEstimate, CollinearSet, EstimableCombination, IdentifyOptions, NoiseSource, estimable,

@@ -1,9 +1,11 @@
 //! One estimator applied to one experiment, with everything that a profile, a
 //! diagnosis or the systematic errors go on from.
 
+use super::assumptions::{Assumptions, Estimator};
 use super::experiment::Experiment;
 use super::leave_out::{Fold, LeaveOneOut, fold_without, folds, influence};
-use super::solve::{Assumptions, Estimator, Prepared, Solution};
+use super::restricted::Restricted;
+use super::solve::{Prepared, Solution};
 use super::system::{MeasuredSystem, RowLabel};
 use super::{Estimates, Identification, IdentifyOptions, check, describe};
 use crate::error::Result;
@@ -35,6 +37,8 @@ struct Inner {
     system: Arc<MeasuredSystem>,
     prepared: Arc<Prepared>,
     assumed: Assumptions,
+    /// Whitened displacements.
+    white: DVector<f64>,
     solution: Solution,
     folds: OnceLock<Vec<Fold>>,
     identification: OnceLock<Identification>,
@@ -87,7 +91,8 @@ impl Fit {
     ) -> Result<Self> {
         experiment.note(|| format!("fit {options:?} without {left_out:?}"));
         let assumed = experiment.assumptions(options)?;
-        let solution = prepared.solve(&system.delta, &assumed)?;
+        let white = prepared.whitened().whiten(&system.delta);
+        let solution = prepared.solve_white(&white, &assumed)?;
         Ok(Fit {
             inner: Arc::new(Inner {
                 experiment,
@@ -96,6 +101,7 @@ impl Fit {
                 system,
                 prepared,
                 assumed,
+                white,
                 solution,
                 folds: OnceLock::new(),
                 identification: OnceLock::new(),
@@ -260,10 +266,14 @@ impl Fit {
 
     /// The fit without posture `block` alone.
     pub(crate) fn fold_without(&self, block: usize) -> Result<Fold> {
-        let (prepared, system) = (self.prepared(), self.system());
-        let white = prepared.whitened().whiten(&system.delta);
-        let count = system.blocks.len();
-        fold_without(vec![block], count, prepared, &white, self.assumed())
+        let count = self.system().blocks.len();
+        fold_without(
+            vec![block],
+            count,
+            self.prepared(),
+            self.white(),
+            self.assumed(),
+        )
     }
 
     /// Columns of Ψ of further terms, rows as in the system.
@@ -302,7 +312,7 @@ impl Fit {
             let (options, left_out) = (&inner.options, &inner.left_out);
             format!("{count} folds {options:?} without {left_out:?}")
         });
-        folds(&inner.system, &inner.prepared, &inner.assumed, count)
+        folds(&inner.prepared, &inner.white, &inner.assumed, count)
     }
 
     pub(crate) fn experiment(&self) -> &Experiment {
@@ -326,6 +336,16 @@ impl Fit {
     /// What was assumed.
     pub(crate) fn assumed(&self) -> &Assumptions {
         &self.inner.assumed
+    }
+
+    /// Whitened displacements.
+    pub(crate) fn white(&self) -> &DVector<f64> {
+        &self.inner.white
+    }
+
+    /// The restricted likelihood of the displacements.
+    pub(super) fn likelihood(&self) -> Restricted<'_> {
+        Restricted::new(self.prepared().whitened(), self.white())
     }
 
     /// The estimate.

@@ -1,8 +1,10 @@
 //! Fits without some postures: how far the others predict them, and how much
 //! each posture moves the estimates.
 
+use super::assumptions::Assumptions;
+use super::others::Others;
 use super::rms;
-use super::solve::{Assumptions, Prepared, Solution};
+use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;
 use crate::error::{Code, Error, Result};
 use crate::numerics::information::ZERO_COLUMN;
@@ -53,12 +55,12 @@ pub struct LeaveOneOut {
 /// # Errors
 /// Fewer than two folds, more folds than postures, or as [`Prepared::solve`].
 pub(super) fn folds(
-    system: &MeasuredSystem,
     prepared: &Prepared,
+    white: &DVector<f64>,
     assumed: &Assumptions,
     folds: usize,
 ) -> Result<Vec<Fold>> {
-    let count = system.blocks.len();
+    let count = prepared.whitened().block_count();
     if folds < 2 || folds > count {
         return Err(Error::new(
             Code::InvalidValue,
@@ -68,12 +70,32 @@ pub(super) fn folds(
             "give a number of folds from 2 to the number of postures, {count}"
         )));
     }
-    let white = prepared.whitened().whiten(&system.delta);
     let numbers: Vec<usize> = (0..folds).collect();
+    let others = Others::new(prepared, white, assumed);
     in_order(&numbers, |(_, fold)| {
         let left_out: Vec<usize> = (*fold..count).step_by(folds).collect();
-        fold_without(left_out, count, prepared, &white, assumed)
+        if let Some(others) = &others
+            && let Some(solution) = others.without(&left_out)?
+        {
+            return Ok(Fold { left_out, solution });
+        }
+        fold_without(left_out, count, prepared, white, assumed)
     })
+}
+
+/// The solutions of [`folds`]; tests hold them against fits of their own.
+///
+/// # Errors
+/// As [`folds`].
+pub fn solutions_without(
+    prepared: &Prepared,
+    delta: &DVector<f64>,
+    assumed: &Assumptions,
+    count: usize,
+) -> Result<Vec<Solution>> {
+    let white = prepared.whitened().whiten(delta);
+    let made = folds(prepared, &white, assumed, count)?;
+    Ok(made.into_iter().map(|fold| fold.solution).collect())
 }
 
 /// The fit to white displacements without the postures of `left_out`, of `count`.
@@ -93,22 +115,24 @@ pub(super) fn fold_without(
     Ok(Fold { left_out, solution })
 }
 
+/// Norm below which a column of Ψ is rounding.
+pub(crate) fn rounding(system: &MeasuredSystem) -> f64 {
+    let norms = system.psi.column_iter().map(|c| c.norm());
+    ZERO_COLUMN * norms.fold(0.0, f64::max)
+}
+
 /// Measured minus predicted displacements of one posture, or `None` where the
-/// fit lacks an unknown that the posture sees.
+/// fit lacks an unknown that the posture sees. A column below `rounding`
+/// ([`rounding`]) sees nothing: a load through the joint's axis.
 pub(crate) fn prediction_error(
     system: &MeasuredSystem,
     block: usize,
     solution: &Solution,
+    rounding: f64,
 ) -> Option<DVector<f64>> {
     let rows = &system.blocks[block].rows;
     let psi = system.psi.rows(rows.start, rows.len());
-    // Rounding of a column that is zero: a load through the joint's axis.
-    let largest = system
-        .psi
-        .column_iter()
-        .map(|c| c.norm())
-        .fold(0.0, f64::max);
-    let blind = |j: &usize| psi.column(*j).norm() <= ZERO_COLUMN * largest;
+    let blind = |j: &usize| psi.column(*j).norm() <= rounding;
     solution
         .undetermined
         .iter()
@@ -120,9 +144,10 @@ pub(crate) fn prediction_error(
 pub(super) fn influence(system: &MeasuredSystem, all: &Solution, folds: &[Fold]) -> LeaveOneOut {
     let mut errors = Vec::new();
     let mut complete = true;
+    let rounding = rounding(system);
     let mut postures = Vec::with_capacity(system.blocks.len());
     for (b, fold) in folds.iter().enumerate() {
-        let error = prediction_error(system, b, &fold.solution);
+        let error = prediction_error(system, b, &fold.solution, rounding);
         complete &= error.is_some();
         errors.extend(error.iter().flat_map(|e| e.iter().copied()));
         let lost: Vec<usize> = fold

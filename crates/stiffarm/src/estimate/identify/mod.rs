@@ -3,7 +3,9 @@
 //! Estimators for H by column-scaled QR and SVD, never by the normal equations
 //! (Eq. (14) as printed squares the condition number), k_j = 1/H_j.
 
+mod assumptions;
 mod bootstrap;
+mod covariance;
 mod estimable;
 mod estimate;
 mod estimates;
@@ -12,28 +14,32 @@ mod fit;
 mod huber;
 mod leave_out;
 mod non_negative;
+mod others;
 mod plausibility;
 mod profile;
 mod residuals;
+mod restricted;
 mod solve;
 mod system;
 mod whitened;
 
+pub use assumptions::Estimator;
+pub(crate) use assumptions::{Assumptions, PriorKnowledge, Scale};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub(crate) use bootstrap::{Rows, resampled};
+pub(crate) use covariance::Covariance;
 pub use estimable::{CollinearSet, EstimableCombination};
 pub(crate) use estimate::quantile;
 pub use estimate::{JointEstimate, Verdict};
 pub use estimates::Estimates;
 pub(crate) use experiment::Experiment;
 pub use fit::Fit;
-pub(crate) use leave_out::{Fold, prediction_error};
+pub(crate) use leave_out::{Fold, prediction_error, rounding};
 pub use leave_out::{Influence, LeaveOneOut};
 pub use plausibility::implausible_scale;
 pub use profile::{JointProfile, Profile, profile};
 pub use residuals::{DisplacementWeight, PointResidual, PostureResidual};
-pub use solve::Estimator;
-pub(crate) use solve::{Assumptions, Prepared, PriorKnowledge, Scale, Solution};
+pub(crate) use solve::{Prepared, Solution};
 pub use system::Weights;
 pub(crate) use system::{Block, MeasuredSystem, NO_LOAD, RowLabel};
 pub(crate) use system::{by_name, columns, known_displacement, unknowns};
@@ -49,8 +55,11 @@ use serde::{Deserialize, Serialize};
 
 /// What the tests of the estimators look into.
 pub(crate) mod internals {
+    pub use super::assumptions::{Assumptions, PriorKnowledge, Scale};
+    pub use super::covariance::Covariance;
     pub use super::experiment::measured_system;
-    pub use super::solve::{Assumptions, Prepared, PriorKnowledge, Scale, Solution};
+    pub use super::leave_out::solutions_without;
+    pub use super::solve::{Prepared, Solution};
     pub use super::system::{Block, MeasuredSystem, RowLabel};
     pub use super::whitened::Whitened;
 }
@@ -248,10 +257,7 @@ fn describe(fit: &Fit) -> Result<Identification> {
     let (prepared, solution) = (fit.prepared(), fit.solution());
     let estimates = Estimates::new(cell, system, solution, fit.options())?;
     let residual = fit.residual();
-    let left = prepared
-        .whitened()
-        .residual(&prepared.whitened().whiten(&system.delta))
-        .norm_squared();
+    let left = prepared.whitened().residual(fit.white()).norm_squared();
     let estimates_shifts = estimates.estimator.has_shifts()
         && !estimates.independent_rows
         && prepared.whitened().is_separable();

@@ -16,16 +16,15 @@
 //! Softw. 67(1), 2015, doi:10.18637/jss.v067.i01, there for the full
 //! likelihood.)
 
+use super::assumptions::{Estimator, Scale};
 use super::estimate::{estimate, quantile};
 use super::fit::Fit;
-use super::solve::{Estimator, Scale};
-use super::whitened::Whitened;
+use super::restricted::{Restricted, Sums};
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, percent};
 use crate::numerics::jobs::in_order;
 use crate::numerics::scalar::{minimum, zero};
-use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 /// Ends of k that differ by more than this from the main interval's are named.
@@ -86,6 +85,7 @@ pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
         return Ok(None);
     };
     let t = quantile(solution.t_degrees_of_freedom, fit.options().confidence)?;
+    let criterion = fit.likelihood();
     let names: Vec<usize> = (0..system.springs).collect();
     let joints = in_order(&names, |(_, &j)| {
         let name = &system.unknowns[j];
@@ -94,7 +94,7 @@ pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
         }
         let error = covariance[(j, j)].max(0.0).sqrt();
         let main = estimate(name, Some(solution.values[j]), Some(error), Some(t));
-        let ends = ends(fit, j, error, t)?;
+        let ends = ends(fit, &criterion, j, error, t)?;
         Ok(joint_profile(name, ends, main.interval))
     })?;
     let finding = finding(&joints);
@@ -107,7 +107,13 @@ pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
 }
 
 /// Ends of the compliance of joint `j`.
-fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
+fn ends(
+    fit: &Fit,
+    criterion: &Restricted<'_>,
+    j: usize,
+    error: f64,
+    t: f64,
+) -> Result<[Option<f64>; 2]> {
     let (solution, system) = (fit.solution(), fit.system());
     let centre = solution.values[j];
     let half = t * error;
@@ -122,19 +128,24 @@ fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
     let free = (rows - rank) as f64;
     let level = (free + 1.0) * (t * t / free).ln_1p();
 
-    // Everything but column j, whitened as the fit was.
-    let (plain, delta, column) = held(fit, j)?;
-    let fixed = match (fit.assumed().estimator, solution.independent_rows) {
+    if criterion.is_rounding() {
+        // The residuals are rounding: there is no likelihood to speak of.
+        return Ok([None, None]);
+    }
+    let whitened = fit.prepared().whitened();
+    // Estimate and row of the matrix from coordinates to unknowns, without shifts.
+    let plain = whitened.factor().solve(fit.white())[j];
+    let along = whitened.factor().right_inverse().row(j).transpose();
+    let given = match (fit.assumed().estimator, solution.independent_rows) {
         (Estimator::TwoVariance, false) => None,
-        _ => Some(solution.gamma),
+        _ => Some(criterion.at(solution.gamma)),
     };
     // −2 ln L at h, γ at its best or as given.
     let value = |h: f64| -> Option<f64> {
-        let moved = &delta - &column * h;
-        let criterion = plain.restricted(&moved)?;
-        Some(match fixed {
-            Some(gamma) => criterion.value(gamma),
-            None => criterion.best_ratio().1,
+        let held = |sums: &Sums| sums.held(&along, h - plain, rows);
+        Some(match &given {
+            Some(sums) => held(sums),
+            None => criterion.best_by(held).1,
         })
     };
     let Some(lowest) = lowest(&value, centre, half) else {
@@ -160,16 +171,6 @@ fn ends(fit: &Fit, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
         None
     };
     Ok([end(-1.0), end(1.0)])
-}
-
-/// The system without column `j`, with displacements and that column, all
-/// whitened against the readings' covariance.
-fn held(fit: &Fit, j: usize) -> Result<(Whitened, DVector<f64>, DVector<f64>)> {
-    let all = fit.prepared().whitened();
-    let whitened = all.without_column(j)?;
-    let delta = all.whiten(&fit.system().delta);
-    let column = all.psi().column(j).into_owned();
-    Ok((whitened, delta, column))
 }
 
 /// Place and value of the minimum near `centre`.

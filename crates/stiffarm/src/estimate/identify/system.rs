@@ -4,19 +4,16 @@
 //! by posture (all load states of a posture together), displacement by
 //! displacement, x, y, z.
 
+use super::covariance::{Covariance, covariance, shared};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::measurement::{Displacement, MeasuredPosture, row_count};
+use crate::model::measurement::{MeasuredPosture, row_count};
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::model::robot::Robot;
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::ops::Range;
-
-/// Load states whose joint torques point alike, up to sign, share what the
-/// model misses; below this |cosine| they are taken as different loads.
-const ALIKE: f64 = 0.9;
 
 /// A joint whose torque (RMS over postures and load states) is below this share of
 /// the largest one carries no load: what its column holds is rounding, errors of
@@ -54,8 +51,8 @@ pub struct Block {
     pub posture: String,
     /// Its rows.
     pub rows: Range<usize>,
-    /// Covariance of its rows in units of σ², rows × rows; `None` for the identity.
-    pub covariance: Option<DMatrix<f64>>,
+    /// Covariance of its rows in units of σ².
+    pub covariance: Covariance,
     /// What shifts common to the posture's points do to its rows, rows × 3c:
     /// one shift x, y, z per direction of load, in proportion to the load.
     pub shared: DMatrix<f64>,
@@ -113,11 +110,7 @@ impl MeasuredSystem {
                 continue;
             }
             let own: Vec<usize> = rows[from..].iter().map(|r| r - block.rows.start).collect();
-            let covariance = block
-                .covariance
-                .as_ref()
-                .map(|whole| whole.select_rows(&own).select_columns(&own))
-                .filter(|part| *part != DMatrix::identity(own.len(), own.len()));
+            let covariance = block.covariance.select(&own);
             blocks.push(Block {
                 posture: block.posture.clone(),
                 rows: from..rows.len(),
@@ -321,116 +314,6 @@ pub(crate) fn by_name<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Vec<usize
         order[at].push(m);
     }
     order
-}
-
-/// Covariance of the displacements of one posture in units of the variance of
-/// a displacement: fewer readings weigh less, and displacements against one
-/// reference reading share its error (two load states correlate by 0.5).
-fn covariance(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    labels: &[RowLabel],
-    weights: Weights,
-) -> Result<Option<DMatrix<f64>>> {
-    let of = |label: &RowLabel| -> &Displacement {
-        &measured[label.measured].displacements[label.displacement]
-    };
-    // Shares of the variance of a displacement: a reading of either state, or
-    // of the loaded one alone where the paper's count holds.
-    let two = cell.noise.readings_per_displacement == 2;
-    let (loaded, reference) = if two { (0.5, 0.5) } else { (1.0, 0.0) };
-    let unit = cell.noise.reading_variance;
-    let reading = |d: &Displacement| -> Result<Matrix3<f64>> {
-        match (weights, d.covariance) {
-            (Weights::Readings, _) => Ok(Matrix3::identity()),
-            (Weights::Tracker, Some(covariance)) if unit > 0.0 => Ok(covariance / unit),
-            (Weights::Tracker, _) => Err(Error::new(
-                Code::MissingKey,
-                "The weights need the tracker's accuracy, and these displacements come without it.",
-            )
-            .key("tracker")
-            .hint("give range_um and angle_urad in [tracker] of the cell, and the raw readings")),
-        }
-    };
-    let count = labels.len();
-    let mut out = DMatrix::zeros(3 * count, 3 * count);
-    for i in 0..count {
-        let a = of(&labels[i]);
-        let of_a = reading(a)?;
-        let [n_loaded, n_reference] = a.readings.map(|n| f64::from(n.max(1)));
-        for j in 0..=i {
-            let b = of(&labels[j]);
-            let mean = (of_a + reading(b)?) * 0.5;
-            let mut block = Matrix3::zeros();
-            if i == j {
-                block += mean * (loaded / n_loaded + reference / n_reference);
-            } else if a.point == b.point && a.reference == b.reference {
-                block += mean * (reference / n_reference);
-            }
-            // What taking back the motion of the base adds to all points alike.
-            let [here, shared] = measured[labels[i].measured].common_readings;
-            let same_state = labels[i].measured == labels[j].measured;
-            let common = if same_state { here } else { 0.0 } + shared;
-            block += Matrix3::identity() * (mean.trace() / 3.0 * common * loaded);
-            out.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&block);
-            out.fixed_view_mut::<3, 3>(3 * j, 3 * i).copy_from(&block);
-        }
-    }
-    let plain = DMatrix::identity(3 * count, 3 * count);
-    Ok((out != plain).then_some(out))
-}
-
-/// What shifts common to a posture do to its rows, rows × 3c. What the model
-/// misses grows with the load, so a shift counts in proportion to the joint
-/// torques; loads in different directions have shifts of their own.
-fn shared(
-    measured: &[MeasuredPosture],
-    states: &[usize],
-    torques: &[DVector<f64>],
-) -> DMatrix<f64> {
-    let rows: usize = states
-        .iter()
-        .map(|m| 3 * measured[*m].displacements.len())
-        .sum();
-    // States by falling torque, so that the largest of a direction leads it.
-    let mut order: Vec<usize> = (0..states.len()).collect();
-    order.sort_by(|a, b| torques[*b].norm().total_cmp(&torques[*a].norm()));
-    let mut leaders: Vec<usize> = Vec::new();
-    let mut place = vec![(0, 1.0); states.len()];
-    for &s in &order {
-        let found = leaders.iter().position(|&l| {
-            let product = torques[l].norm() * torques[s].norm();
-            product <= 0.0 || (torques[l].dot(&torques[s])).abs() > ALIKE * product
-        });
-        place[s] = match found {
-            Some(class) => {
-                let leader = &torques[leaders[class]];
-                let size = leader.norm_squared();
-                let part = if size > 0.0 {
-                    torques[s].dot(leader) / size
-                } else {
-                    1.0
-                };
-                (class, part)
-            }
-            None => {
-                leaders.push(s);
-                (leaders.len() - 1, 1.0)
-            }
-        };
-    }
-    let mut out = DMatrix::zeros(rows, 3 * leaders.len());
-    let mut at = 0;
-    for (s, m) in states.iter().enumerate() {
-        let (class, part) = place[s];
-        for _ in &measured[*m].displacements {
-            for axis in 0..3 {
-                out[(at + axis, 3 * class + axis)] = part;
-            }
-            at += 3;
-        }
-    }
-    out
 }
 
 pub(super) fn no_displacements() -> Error {

@@ -1,10 +1,10 @@
 //! A system whose rows have been made independent and equally exact, with the
 //! directions in which a posture's rows share shifts.
 
+use super::restricted::Restricted;
 use super::system::{Block, MeasuredSystem};
 use crate::error::{Code, Error, Result};
 use crate::numerics::information::{Factor, svd};
-use crate::numerics::scalar::minimum;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,49 +12,52 @@ use std::sync::Arc;
 /// What whitening the rows of one posture takes: the shifts act along
 /// orthonormal directions.
 #[derive(Debug)]
-struct Whitening {
+pub(super) struct Whitening {
     /// rows × k, orthonormal columns.
     directions: DMatrix<f64>,
     /// Squared size s² of a unit shift along each direction.
     sizes: DVector<f64>,
-    /// Lower Cholesky factor of the rows' covariance, where it is not the identity.
-    root: Option<DMatrix<f64>>,
+    /// Lower Cholesky factors of the parts of the rows' covariance, with their rows.
+    roots: Vec<(Vec<usize>, DMatrix<f64>)>,
     /// γs²/(1 + γs²) and ln(1 + γs²) of each direction at each γ of the grid: the
     /// same for every fit that has the posture.
     grid: Vec<Vec<[f64; 2]>>,
 }
 
 /// Sizes of γ at which the likelihood is looked at first: e^x for these x.
-const GRID: std::ops::Range<i32> = -6..12;
+pub(super) const GRID: Range<i32> = -6..12;
 /// Step of x.
-const STEP: f64 = 2.0;
+pub(super) const STEP: f64 = 2.0;
 
 /// x of point `i` of the grid.
-fn grid_place(i: usize) -> f64 {
+pub(super) fn grid_place(i: usize) -> f64 {
     STEP * (f64::from(GRID.start) + i as f64)
 }
 
 /// γs²/(1 + γs²) and ln(1 + γs²).
-fn share(gamma: f64, size: f64) -> [f64; 2] {
+pub(super) fn share(gamma: f64, size: f64) -> [f64; 2] {
     [gamma * size / (1.0 + gamma * size), (gamma * size).ln_1p()]
 }
 
 impl Whitening {
+    /// Squared size s² of a unit shift along direction `k`.
+    pub(super) fn size(&self, k: usize) -> f64 {
+        self.sizes[k]
+    }
+
+    /// [`share`] of direction `k` at point `i` of the grid.
+    pub(super) fn on_grid(&self, i: usize, k: usize) -> [f64; 2] {
+        self.grid[i][k]
+    }
+
     /// # Errors
     /// A covariance that is not positive definite or not finite.
     fn new(block: &Block) -> Result<Self> {
         let mut shared = block.shared.clone();
-        let root = match &block.covariance {
-            None => None,
-            Some(covariance) => {
-                let root = covariance.clone().cholesky().ok_or_else(not_positive)?;
-                let root = root.unpack();
-                if !root.solve_lower_triangular_mut(&mut shared) {
-                    return Err(not_positive());
-                }
-                Some(root)
-            }
-        };
+        let roots = block.covariance.roots().ok_or_else(not_positive)?;
+        if !whiten_rows(&roots, &mut shared) {
+            return Err(not_positive());
+        }
         let (count, columns) = (block.rows.len(), shared.ncols());
         if count < columns {
             // Zero rows let the decomposition see all columns.
@@ -69,9 +72,22 @@ impl Whitening {
             directions: parts.u.view((0, 0), (count, rank)).into_owned(),
             grid: (0..GRID.len()).map(|i| at(i).collect()).collect(),
             sizes,
-            root,
+            roots,
         })
     }
+}
+
+/// Solves with the factor of each part for its rows; false for a factor that is
+/// singular.
+fn whiten_rows(roots: &[(Vec<usize>, DMatrix<f64>)], rows: &mut DMatrix<f64>) -> bool {
+    roots.iter().all(|(own, root)| {
+        let mut part = rows.select_rows(own);
+        let solved = root.solve_lower_triangular_mut(&mut part);
+        for (a, i) in own.iter().enumerate() {
+            rows.row_mut(*i).copy_from(&part.row(a));
+        }
+        solved
+    })
 }
 
 fn not_positive() -> Error {
@@ -112,12 +128,13 @@ impl Whitened {
         let mut blocks = Vec::with_capacity(system.blocks.len());
         for block in &system.blocks {
             let by = Whitening::new(block)?;
-            if let Some(root) = &by.root
-                && !root.solve_lower_triangular_mut(
-                    &mut psi.rows_mut(block.rows.start, block.rows.len()),
-                )
-            {
-                return Err(not_positive());
+            let (from, count) = (block.rows.start, block.rows.len());
+            if !by.roots.is_empty() {
+                let mut rows = psi.rows(from, count).into_owned();
+                if !whiten_rows(&by.roots, &mut rows) {
+                    return Err(not_positive());
+                }
+                psi.rows_mut(from, count).copy_from(&rows);
             }
             blocks.push(Shared {
                 rows: block.rows.clone(),
@@ -234,13 +251,20 @@ impl Whitened {
     /// Whitens displacements like the rows of Ψ.
     pub fn whiten(&self, delta: &DVector<f64>) -> DVector<f64> {
         let mut out = delta.clone();
-        for block in &self.blocks {
-            if let Some(root) = &block.by.root {
+        for (b, block) in self.blocks.iter().enumerate() {
+            if !block.by.roots.is_empty() {
                 let mut rows = out.rows_mut(block.rows.start, block.rows.len());
-                root.solve_lower_triangular_mut(&mut rows);
+                let mut own = DMatrix::from_column_slice(rows.len(), 1, rows.as_slice());
+                self.whiten_block(b, &mut own);
+                rows.copy_from(&own.column(0));
             }
         }
         out
+    }
+
+    /// Whitens rows of posture `block`, in place.
+    pub(crate) fn whiten_block(&self, block: usize, rows: &mut DMatrix<f64>) {
+        whiten_rows(&self.blocks[block].by.roots, rows);
     }
 
     /// Orthonormal directions of the whitened rows of block `block` in which
@@ -275,141 +299,39 @@ impl Whitened {
         out
     }
 
-    /// The ratio γ = τ²/σ² that maximises the restricted likelihood (REML:
-    /// Patterson & Thompson, Biometrika 58, 1971, 545–554,
-    /// doi:10.1093/biomet/58.3.545); zero where it cannot be told.
+    /// The ratio γ = τ²/σ² that maximises the restricted likelihood; zero where
+    /// it cannot be told.
     pub fn variance_ratio(&self, whitened: &DVector<f64>) -> f64 {
         let rank = self.factor.rank();
         if !self.separable || self.rows() <= rank {
             return 0.0;
         }
-        let criterion = self.restricted(whitened);
-        let Some(criterion) = criterion else {
-            return 0.0;
-        };
-        criterion.best_ratio().0
+        self.restricted(whitened).map_or(0.0, |c| c.best_ratio().0)
     }
 
     /// −2 ln of the profiled restricted likelihood as a function of γ; `None`
     /// where the residuals are rounding.
     pub fn restricted(&self, whitened: &DVector<f64>) -> Option<Restricted<'_>> {
-        let residual = self.residual(whitened);
-        let size = residual.norm_squared();
-        let rounding = (64.0 * f64::EPSILON).powi(2) * whitened.norm_squared();
-        if size <= rounding || !size.is_finite() {
-            return None;
-        }
-        let moved = self
-            .blocks
-            .iter()
-            .map(|b| {
-                b.by.directions
-                    .tr_mul(&residual.rows(b.rows.start, b.rows.len()))
-            })
-            .collect();
-        Some(Restricted {
-            system: self,
-            size,
-            moved,
-        })
-    }
-}
-
-/// The restricted likelihood of one set of displacements.
-#[derive(Debug)]
-pub struct Restricted<'a> {
-    system: &'a Whitened,
-    /// eᵀe of the residual e without shifts.
-    size: f64,
-    /// Uᵀe of each posture.
-    moved: Vec<DVector<f64>>,
-}
-
-impl Restricted<'_> {
-    /// −2 ln L at γ, up to a constant, σ² profiled out.
-    pub fn value(&self, gamma: f64) -> f64 {
-        self.value_by(|by, k| share(gamma, by.sizes[k]))
+        Some(Restricted::new(self, whitened)).filter(|c| !c.is_rounding())
     }
 
-    /// [`value`](Restricted::value) at point `i` of the grid.
-    fn value_on_grid(&self, i: usize) -> f64 {
-        self.value_by(|by, k| by.grid[i][k])
+    /// Number of postures.
+    pub(super) fn block_count(&self) -> usize {
+        self.blocks.len()
     }
 
-    fn value_by(&self, share: impl Fn(&Whitening, usize) -> [f64; 2]) -> f64 {
-        let rank = self.system.factor.rank();
-        let mut information = DMatrix::zeros(rank, rank);
-        let mut moment = DVector::zeros(rank);
-        let sums = (information.as_mut_slice(), moment.as_mut_slice());
-        // Loops of known length are faster: the joints of an arm, and one term more.
-        let [size, logarithms] = match rank {
-            6 => self.sums(6, sums, share),
-            7 => self.sums(7, sums, share),
-            _ => self.sums(rank, sums, share),
-        };
-        for j in 0..rank {
-            information[(j, j)] += 1.0;
-        }
-        let Some(cholesky) = information.cholesky() else {
-            return f64::INFINITY;
-        };
-        let root = cholesky.l_dirty();
-        let determinant: f64 = (0..rank).map(|i| 2.0 * root[(i, i)].ln()).sum();
-        let rest = size - moment.dot(&cholesky.solve(&moment));
-        let free = (self.system.rows() - rank) as f64;
-        if rest <= 0.0 {
-            return f64::INFINITY;
-        }
-        free * rest.ln() + logarithms + determinant
+    /// Rows of posture `block`.
+    pub(super) fn block_rows(&self, block: usize) -> Range<usize> {
+        self.blocks[block].rows.clone()
     }
 
-    /// Adds up XᵀV⁻¹X − I and XᵀV⁻¹e in the orthonormal basis of `rank` columns,
-    /// where Xᵀe = 0; returns eᵀV⁻¹e and the logarithms of the shifts.
-    #[inline(always)]
-    fn sums(
-        &self,
-        rank: usize,
-        (information, moment): (&mut [f64], &mut [f64]),
-        share: impl Fn(&Whitening, usize) -> [f64; 2],
-    ) -> [f64; 2] {
-        let (information, moment) = (&mut information[..rank * rank], &mut moment[..rank]);
-        let mut size = self.size;
-        let mut logarithms = 0.0;
-        let seen = self.system.seen.iter();
-        for ((block, seen), moved) in self.system.blocks.iter().zip(seen).zip(&self.moved) {
-            for (k, moved) in moved.iter().enumerate() {
-                let [part, logarithm] = share(&block.by, k);
-                let row = &seen.as_slice()[k * rank..(k + 1) * rank];
-                size -= part * moved * moved;
-                logarithms += logarithm;
-                for j in 0..rank {
-                    moment[j] -= part * row[j] * moved;
-                    let scale = part * row[j];
-                    for i in 0..rank {
-                        information[j * rank + i] -= scale * row[i];
-                    }
-                }
-            }
-        }
-        [size, logarithms]
+    /// How posture `block` was whitened, and basisᵀ·U of it, rank × k.
+    pub(super) fn seen(&self, block: usize) -> (&Whitening, &DMatrix<f64>) {
+        (&self.blocks[block].by, &self.seen[block])
     }
 
-    /// The γ ≥ 0 with the smallest value, and that value: a grid over all sizes,
-    /// then Brent's method about its best point.
-    pub(super) fn best_ratio(&self) -> (f64, f64) {
-        const TOLERANCE: f64 = 1e-8;
-        let none = (0.0, self.value(0.0));
-        let best = (0..GRID.len())
-            .map(|i| (grid_place(i), self.value_on_grid(i)))
-            .reduce(|best, next| if next.1 < best.1 { next } else { best });
-        let Some(best) = best.filter(|best| best.1.is_finite()) else {
-            return none;
-        };
-        let ends = [best.0 - STEP, best.0 + STEP];
-        let (place, value) = minimum(|x| self.value(x.exp()), ends, best, TOLERANCE);
-        match value < none.1 {
-            true => (place.exp(), value),
-            false => none,
-        }
+    /// Orthonormal basis of the columns of the whitened Ψ, rows × rank.
+    pub(super) fn basis(&self) -> &DMatrix<f64> {
+        &self.basis
     }
 }

@@ -199,9 +199,9 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
         }
     }
     let largest = shares.amax();
-    let mut variance = match &block.covariance {
-        Some(covariance) if !plain => covariance.clone(),
-        _ => DMatrix::identity(count, count),
+    let mut variance = match plain {
+        true => DMatrix::identity(count, count),
+        false => block.covariance.to_matrix(count),
     };
     if largest > 0.0 {
         // The shift common to a posture's points grows with the load.

@@ -61,10 +61,7 @@ pub(super) fn point_band(
     let prediction = cut(&(psi * &spread.covariance * psi.transpose()), 0);
     let at = label.rows.start - block.rows.start;
     // Rows of the posture share its shifts, in proportion to the load.
-    let own = match &block.covariance {
-        Some(covariance) => cut(covariance, at),
-        None => Matrix3::identity(),
-    };
+    let own = block.covariance.of_point(at);
     let shared = block.shared.rows(at, 3);
     let shared = cut(&(shared * shared.transpose()), 0);
     let noise = own * spread.sigma.powi(2) + shared * spread.shift.powi(2);

@@ -3,7 +3,7 @@
 use super::{Model, Point, Validation, band, check_tolerance, summarise};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{Fit, prediction_error};
+use crate::estimate::identify::{Fit, prediction_error, rounding};
 use nalgebra::Vector3;
 
 /// Validates without postures kept out: the postures are left out fold by fold,
@@ -31,11 +31,12 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
     };
     let mut found: Vec<Option<Point>> = vec![None; system.labels.len()];
     let mut unpredicted = Vec::new();
+    let rounding = rounding(system);
     for fold in folds {
         let predictor = IdentifiedCompliance::from_solution(system, &fold.solution, confidence);
         for &b in &fold.left_out {
             let block = &system.blocks[b];
-            let Some(errors) = prediction_error(system, b, &fold.solution) else {
+            let Some(errors) = prediction_error(system, b, &fold.solution, rounding) else {
                 unpredicted.push(b);
                 continue;
             };

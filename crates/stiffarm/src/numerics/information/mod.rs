@@ -178,12 +178,13 @@ impl Factor {
     /// (ΨᵀΨ)⁻¹ on the determined unknowns, n × n; rows and columns of
     /// undetermined ones are those of the pseudo-inverse and mean nothing.
     pub fn inverse_information(&self) -> DMatrix<f64> {
-        let root = self.scaled_right_inverse();
+        let root = self.right_inverse();
         &root * root.transpose()
     }
 
-    /// D⁻¹ V Σ⁺: its rows' norms are the standard errors per unit σ.
-    fn scaled_right_inverse(&self) -> DMatrix<f64> {
+    /// D⁻¹ V Σ⁺: takes coordinates in [`basis`](Factor::basis) to unknowns,
+    /// unknowns × rank; its rows' norms are the standard errors per unit σ.
+    pub(crate) fn right_inverse(&self) -> DMatrix<f64> {
         let n = self.unknowns();
         let mut root = self.v.columns(0, self.rank).into_owned();
         for i in 0..self.rank {
@@ -206,7 +207,7 @@ impl Factor {
             padded = padded.resize_vertically(self.q.nrows(), 0.0);
         }
         let projected = self.u.tr_mul(&self.q.tr_mul(&padded));
-        self.scaled_right_inverse() * projected.rows(0, self.rank)
+        self.right_inverse() * projected.rows(0, self.rank)
     }
 
     /// Orthonormal basis of the columns of Ψ, rows × rank.
@@ -232,8 +233,7 @@ impl Factor {
     /// The matrix that takes Δ to H, n × rows: Ψ⁺ in factored form, Eq. (14)
     /// without the normal equations.
     pub fn pseudo_inverse(&self, rows: usize) -> DMatrix<f64> {
-        let full =
-            self.scaled_right_inverse() * (&self.q * self.u.columns(0, self.rank)).transpose();
+        let full = self.right_inverse() * (&self.q * self.u.columns(0, self.rank)).transpose();
         full.columns(0, rows.min(full.ncols())).into_owned()
     }
 
@@ -243,13 +243,13 @@ impl Factor {
     pub fn mapped_error(&self, map: &DMatrix<f64>) -> Option<f64> {
         self.undetermined
             .is_empty()
-            .then(|| (map * self.scaled_right_inverse()).norm())
+            .then(|| (map * self.right_inverse()).norm())
     }
 
     /// Standard errors per unit σ: sqrt of the diagonal of (ΨᵀΨ)⁻¹, `None` for
     /// undetermined unknowns.
     pub fn standard_errors(&self) -> Vec<Option<f64>> {
-        let root = self.scaled_right_inverse();
+        let root = self.right_inverse();
         (0..self.unknowns())
             .map(|j| (!self.undetermined.contains(&j)).then(|| root.row(j).norm()))
             .collect()

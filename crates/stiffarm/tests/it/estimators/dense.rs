@@ -198,3 +198,102 @@ fn dense_huber(system: &MeasuredSystem) -> (DVector<f64>, Vec<f64>, f64) {
     }
     (values, weights, sigma)
 }
+
+/// The system without the postures of one fold.
+fn without(system: &MeasuredSystem, left_out: &[usize]) -> MeasuredSystem {
+    let mut rows = Vec::new();
+    let mut out = system.clone();
+    (out.blocks, out.labels) = (Vec::new(), Vec::new());
+    for (b, block) in system.blocks.iter().enumerate() {
+        if left_out.contains(&b) {
+            continue;
+        }
+        let from = rows.len();
+        rows.extend(block.rows.clone());
+        let mut own = block.clone();
+        own.rows = from..rows.len();
+        out.blocks.push(own);
+        for label in system.labels_of(block) {
+            let mut label = label.clone();
+            let start = from + label.rows.start - block.rows.start;
+            label.rows = start..start + 3;
+            out.labels.push(label);
+        }
+    }
+    out.psi = system.psi.select_rows(&rows);
+    out.delta = system.delta.select_rows(&rows);
+    out
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    #[test]
+    fn a_fit_that_loses_postures_is_the_fit_of_the_others(
+        seed in any::<u64>(), postures in 4..9_usize, unknowns in 1..5_usize, correlated in any::<bool>(),
+        folds in 2..9_usize, blind in any::<bool>(), wild in any::<bool>(),
+    ) {
+        let mut dice = Dice::new(seed);
+        let mut system = random_system(&mut dice, postures, unknowns, correlated);
+        for block in &system.blocks {
+            let shift = DVector::from_fn(3, |_, _| dice.between(-2.0, 2.0));
+            let mut rows = system.delta.rows_mut(block.rows.start, block.rows.len());
+            rows += &block.shared * shift;
+        }
+        if blind {
+            // One posture alone sees the last unknown.
+            let rows = system.blocks[1].rows.clone();
+            let own = system.psi.view((rows.start, unknowns - 1), (rows.len(), 1)).into_owned();
+            system.psi.column_mut(unknowns - 1).fill(0.0);
+            system.psi.view_mut((rows.start, unknowns - 1), (rows.len(), 1)).copy_from(&own);
+        }
+        if wild {
+            let mut rows = system.delta.rows_mut(0, system.blocks[0].rows.len());
+            rows *= 1e3;
+        }
+        let folds = folds.min(postures);
+        let known = Scale::Known { sigma: 0.7, gamma: 2.0 };
+        for (estimator, scale) in [
+            (Estimator::TwoVariance, Scale::Estimated),
+            (Estimator::TwoVariance, known),
+            (Estimator::Ordinary, Scale::Estimated),
+            (Estimator::Weighted, Scale::Repeats { sigma: 0.5, degrees_of_freedom: 9 }),
+            (Estimator::NonNegative, Scale::Estimated),
+            (Estimator::Prior, Scale::Estimated),
+            (Estimator::Huber, Scale::Estimated),
+        ] {
+            let mut assumed = assume(estimator, scale);
+            if estimator == Estimator::Prior {
+                assumed.prior = Some(PriorKnowledge { compliance: vec![0.3; unknowns], relative_std: 0.5 });
+            }
+            let prepared = Prepared::new(&system, estimator).unwrap();
+            let ours = solutions_without(&prepared, &system.delta, &assumed, folds).unwrap();
+            prop_assert_eq!(ours.len(), folds);
+            for (f, ours) in ours.iter().enumerate() {
+                let left_out: Vec<usize> = (f..postures).step_by(folds).collect();
+                let rest = without(&system, &left_out);
+                let theirs = solve(&rest, &assumed);
+                prop_assert_eq!(&ours.undetermined, &theirs.undetermined);
+                prop_assert_eq!(&ours.at_bound, &theirs.at_bound);
+                prop_assert_eq!(ours.degrees_of_freedom, theirs.degrees_of_freedom);
+                prop_assert_eq!(ours.t_degrees_of_freedom, theirs.t_degrees_of_freedom);
+                prop_assert_eq!(ours.independent_rows, theirs.independent_rows);
+                // The minimum is flat: γ is known to the root of the rounding.
+                let estimated = estimator.as_str() != "ordinary" && scale == Scale::Estimated;
+                let limit = if estimated { 1e-4 } else { 1e-8 };
+                let near = |a: f64, b: f64| (a - b).abs() <= limit * (a.abs() + b.abs()) + 1e-9;
+                let flat = (ours.gamma - theirs.gamma).abs() <= limit * (1.0 + theirs.gamma);
+                prop_assert!(flat, "{:?}: {} {}", estimator, ours.gamma, theirs.gamma);
+                prop_assert!(near(ours.sigma.unwrap(), theirs.sigma.unwrap()));
+                let covariance = theirs.covariance.as_ref().unwrap();
+                for j in (0..unknowns).filter(|j| !theirs.undetermined.contains(j)) {
+                    let error = covariance[(j, j)].sqrt();
+                    let difference = (ours.values[j] - theirs.values[j]).abs();
+                    prop_assert!(difference <= limit * error + 1e-9 * theirs.values[j].abs(), "{:?}", estimator);
+                    let ours = ours.covariance.as_ref().unwrap()[(j, j)].sqrt();
+                    prop_assert!(near(ours, error), "{:?}: {} {}", estimator, ours, error);
+                }
+            }
+        }
+    }
+}

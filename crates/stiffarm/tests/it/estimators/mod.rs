@@ -14,8 +14,8 @@ use stiffarm::estimate::identify::{
     Estimator, Fit, IdentifyOptions, NoiseSource, Verdict, Weights, bootstrap, identify,
 };
 use stiffarm::internals::{
-    Assumptions, Block, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale, Solution,
-    Whitened, measured_system,
+    Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale,
+    Solution, Whitened, measured_system, solutions_without,
 };
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
@@ -99,7 +99,8 @@ fn random_system(
         blocks.push(Block {
             posture: format!("p{p}"),
             rows: at..at + rows,
-            covariance,
+            covariance: covariance
+                .map_or_else(Covariance::default, |c| Covariance::from_matrix(&c)),
             shared,
         });
         at += rows;
@@ -123,10 +124,7 @@ fn dense_covariance(system: &MeasuredSystem, gamma: f64) -> DMatrix<f64> {
     let mut out = DMatrix::identity(rows, rows);
     for block in &system.blocks {
         let (from, count) = (block.rows.start, block.rows.len());
-        let own = block
-            .covariance
-            .clone()
-            .unwrap_or_else(|| DMatrix::identity(count, count));
+        let own = block.covariance.to_matrix(count);
         let shift = &block.shared * block.shared.transpose() * gamma;
         out.view_mut((from, from), (count, count))
             .copy_from(&(own + shift));

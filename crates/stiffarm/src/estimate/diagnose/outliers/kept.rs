@@ -5,7 +5,7 @@ use super::{Outlier, OutlierKind, PointFit, PostureFit};
 use crate::error::Result;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
 use crate::estimate::identify::{
-    Estimator, Fit, Fold, Prepared, RowLabel, Whitened, prediction_error, rms,
+    Estimator, Fit, Fold, Prepared, RowLabel, Whitened, prediction_error, rms, rounding,
 };
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -142,7 +142,7 @@ impl Kept {
         let of_posture = match blocks.iter().position(|b| b.posture == posture) {
             Some(block) if blocks.len() > 1 => {
                 let fold = rest.fit.fold_without(block)?;
-                rest.posture_p(block, &fold)?
+                rest.posture_p(block, &fold, rounding(rest.fit.system()))?
             }
             _ => None,
         };
@@ -191,7 +191,7 @@ impl Kept {
         }
         let whitened = self.fit.prepared().whitened();
         let gamma = solution.gamma;
-        let both = independent(whitened, &system.delta, gamma);
+        let both = shifted(whitened, self.fit.white(), gamma);
         let basis = solution.factor.basis(rows);
         let residual = &both - &basis * basis.tr_mul(&both);
         let size = residual.norm_squared();
@@ -199,7 +199,7 @@ impl Kept {
         for (b, block) in system.blocks.iter().enumerate() {
             let (from, count) = (block.rows.start, block.rows.len());
             // Rows of V^(−1/2) for this block: P = Wᵀ(I − BBᵀ)W, q = P Δ.
-            let w = root_inverse(whitened, b, from, count, rows, gamma);
+            let w = root_inverse(whitened, b, count, gamma);
             let seen = w.tr_mul(&basis.rows(from, count));
             let q = w.tr_mul(&residual.rows(from, count));
             let information = w.tr_mul(&w);
@@ -239,13 +239,14 @@ impl Kept {
             }));
         } else {
             let judged = self.has_residuals();
+            let rounding = rounding(system);
             for (b, fold) in self.fit.folds()?.iter().enumerate() {
-                let error = prediction_error(system, b, &fold.solution);
+                let error = prediction_error(system, b, &fold.solution, rounding);
                 out.push(PostureFit {
                     posture: system.blocks[b].posture.clone(),
                     prediction_rms_m: error.map(|e| rms(e.as_slice())),
                     p_value: if judged {
-                        self.posture_p(b, fold)?
+                        self.posture_p(b, fold, rounding)?
                     } else {
                         None
                     },
@@ -256,11 +257,11 @@ impl Kept {
     }
 
     /// Probability of a deviation of block `b` from the fit without it.
-    fn posture_p(&self, b: usize, fold: &Fold) -> Result<Option<f64>> {
+    fn posture_p(&self, b: usize, fold: &Fold, rounding: f64) -> Result<Option<f64>> {
         let system = self.fit.system();
         let solution = &fold.solution;
         let (Some(error), Some(sigma)) = (
-            prediction_error(system, b, solution),
+            prediction_error(system, b, solution, rounding),
             solution.residual_std.filter(|s| *s > 0.0),
         ) else {
             return Ok(None);
@@ -353,33 +354,26 @@ fn named(kind: OutlierKind, p_value: f64) -> Outlier {
 
 /// Displacements made independent, shifts of ratio `gamma` included.
 fn independent(whitened: &Whitened, delta: &DVector<f64>, gamma: f64) -> DVector<f64> {
-    let white = DMatrix::from_columns(&[whitened.whiten(delta)]);
+    shifted(whitened, &whitened.whiten(delta), gamma)
+}
+
+/// The same of displacements that are white already.
+fn shifted(whitened: &Whitened, white: &DVector<f64>, gamma: f64) -> DVector<f64> {
+    let white = DMatrix::from_column_slice(white.len(), 1, white.as_slice());
     whitened.with_shifts(&white, gamma).column(0).into_owned()
 }
 
 /// What makes the rows of one block independent, as a matrix.
-fn root_inverse(
-    whitened: &Whitened,
-    block: usize,
-    from: usize,
-    count: usize,
-    rows: usize,
-    gamma: f64,
-) -> DMatrix<f64> {
-    let mut out = DMatrix::zeros(count, count);
-    let mut unit = DVector::zeros(rows);
+fn root_inverse(whitened: &Whitened, block: usize, count: usize, gamma: f64) -> DMatrix<f64> {
+    let mut out = DMatrix::identity(count, count);
+    whitened.whiten_block(block, &mut out);
     let (directions, sizes) = whitened.directions(block);
-    for i in 0..count {
-        unit[from + i] = 1.0;
-        let column = whitened.whiten(&unit).rows(from, count).into_owned();
-        unit[from + i] = 0.0;
-        let shared = directions.tr_mul(&column);
-        let shrunk = shared.zip_map(sizes, |part, size| {
-            part * (1.0 - 1.0 / (1.0 + gamma * size).sqrt())
-        });
-        out.set_column(i, &(column - directions * shrunk));
+    let mut shared = directions.tr_mul(&out);
+    for (k, size) in sizes.iter().enumerate() {
+        let part = 1.0 - 1.0 / (1.0 + gamma * size).sqrt();
+        shared.row_mut(k).scale_mut(part);
     }
-    out
+    out - directions * shared
 }
 
 /// Weighted sum of squared residuals at the ratio `gamma`, and the rank.

@@ -2,7 +2,7 @@
 //! curves through them.
 
 use crate::error::Result;
-use crate::estimate::identify::{Block, Fit, RowLabel};
+use crate::estimate::identify::{Block, Covariance, Fit, RowLabel};
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
@@ -23,7 +23,7 @@ pub(super) struct Series {
     pub(super) covariance: DMatrix<f64>,
     /// Components: states × rows and their covariance, state by state.
     components: DVector<f64>,
-    spread: DMatrix<f64>,
+    spread: Covariance,
     /// Number of different loads.
     levels: usize,
 }
@@ -69,26 +69,32 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     }
     // Repeats are averaged.
     let per_state = 3 * points.len();
-    let mut average = DMatrix::zeros(per_state * kept.len(), block.rows.len());
-    for (s, &state) in kept.iter().enumerate() {
-        for (p, &point) in points.iter().enumerate() {
-            let own: Vec<usize> = (0..labels.len())
-                .filter(|&i| labels[i].measured == states[state] && point_of(&labels[i]) == point)
-                .collect();
-            for &i in &own {
-                for axis in 0..3 {
-                    average[(per_state * s + 3 * p + axis, 3 * i + axis)] = 1.0 / own.len() as f64;
-                }
-            }
+    let place = |label: &RowLabel| {
+        let state = kept.iter().position(|&s| states[s] == label.measured)?;
+        let point = points.iter().position(|&p| p == point_of(label))?;
+        Some(per_state * state + 3 * point)
+    };
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); per_state * kept.len()];
+    for (i, label) in labels.iter().enumerate() {
+        if let Some(at) = place(label) {
+            (0..3).for_each(|axis| groups[at + axis].push(3 * i + axis));
         }
     }
-    let rows = |v: &DVector<f64>| v.rows(block.rows.start, block.rows.len()).into_owned();
-    let components = &average * rows(&system.delta);
-    let spread = match &block.covariance {
-        Some(covariance) => &average * covariance * average.transpose(),
-        None => &average * average.transpose(),
+    let average = |v: &DVector<f64>| {
+        let mean = |own: &Vec<usize>| {
+            let values = own.iter().map(|i| v[block.rows.start + i]);
+            values.sum::<f64>() / own.len() as f64
+        };
+        DVector::from_iterator(groups.len(), groups.iter().map(mean))
     };
-    let modelled = &average * rows(&(&system.psi * &fit.solution().values));
+    let components = average(&system.delta);
+    let spread = block.covariance.averaged(&groups);
+    let own = system.psi.rows(block.rows.start, block.rows.len());
+    let mut whole = DVector::zeros(system.delta.len());
+    whole
+        .rows_mut(block.rows.start, block.rows.len())
+        .copy_from(&(own * &fit.solution().values));
+    let modelled = average(&whole);
     let load = DVector::from_iterator(
         kept.len(),
         kept.iter()
@@ -117,7 +123,7 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
         down: directions(&states, &load),
         levels: levels(&load),
         z: &project * &components,
-        covariance: &project * &spread * project.transpose(),
+        covariance: &project * spread.times(&project.transpose()),
         states,
         load,
         components,
@@ -197,14 +203,21 @@ impl Series {
         // With three loads a line would leave the curvature.
         let design = self.design(self.levels > 2).filter(|d| d.ncols() < count)?;
         let per_state = self.components.len() / count;
-        let wide = design.kronecker(&DMatrix::<f64>::identity(per_state, per_state));
-        let root = self.spread.clone().cholesky()?.unpack();
-        let x = root.solve_lower_triangular(&wide)?;
-        let y = root.solve_lower_triangular(&self.components)?;
-        let factor = Factor::new(&x).ok()?;
-        let free = self.components.len() - factor.rank();
-        let left = &y - x * factor.solve(&y);
-        Some((left.norm_squared(), free))
+        let (mut squares, mut rank) = (0.0, 0);
+        // Components that share nothing are fitted one by one.
+        for together in self.spread.classes(per_state) {
+            let wide = design.kronecker(&DMatrix::identity(together.len(), together.len()));
+            let states = (0..count).flat_map(|s| together.iter().map(move |c| per_state * s + c));
+            let rows: Vec<usize> = states.collect();
+            let spread = self.spread.select(&rows).to_matrix(rows.len());
+            let root = spread.cholesky()?.unpack();
+            let x = root.solve_lower_triangular(&wide)?;
+            let y = root.solve_lower_triangular(&self.components.select_rows(&rows))?;
+            let factor = Factor::new(&x).ok()?;
+            rank += factor.rank();
+            squares += (&y - x * factor.solve(&y)).norm_squared();
+        }
+        Some((squares, self.components.len() - rank))
     }
 
     /// Mean of down minus up over pairs at equal load, its variance in units of

@@ -1,0 +1,311 @@
+//! What the rows of one posture share: errors of readings that several
+//! displacements use, and shifts of what the model misses.
+
+use super::system::{RowLabel, Weights};
+use crate::error::{Code, Error, Result};
+use crate::model::cell::Cell;
+use crate::model::measurement::{Displacement, MeasuredPosture};
+use nalgebra::{DMatrix, DVector, Matrix3};
+use std::collections::BTreeMap;
+
+/// Load states whose joint torques point alike, up to sign, share what the
+/// model misses; below this |cosine| they are taken as different loads.
+const ALIKE: f64 = 0.9;
+
+/// Covariance of the rows of one posture in units of σ²: parts that are
+/// independent of each other, so that many points cost no more than each by
+/// itself. Rows in no part are independent, with variance 1.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Covariance {
+    /// Rows of each part, ascending, and their covariance.
+    parts: Vec<(Vec<usize>, DMatrix<f64>)>,
+}
+
+impl Covariance {
+    /// From a symmetric matrix, split where it falls into parts.
+    pub fn from_matrix(matrix: &DMatrix<f64>) -> Self {
+        let entries = (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let entries = entries
+            .map(|(i, j)| (i, j, matrix[(i, j)]))
+            .filter(|e| e.2 != 0.0);
+        Covariance::from_entries(matrix.nrows(), &entries.collect::<Vec<_>>())
+    }
+
+    /// From the entries on and below the diagonal that are not zero, of `rows`
+    /// rows; entries of one place are added.
+    fn from_entries(rows: usize, entries: &[(usize, usize, f64)]) -> Self {
+        let links = entries.iter().map(|(i, j, _)| (*i, *j));
+        let members = classes(rows, links);
+        let mut place = vec![(0, 0); rows];
+        for (class, own) in members.iter().enumerate() {
+            own.iter()
+                .enumerate()
+                .for_each(|(at, i)| place[*i] = (class, at));
+        }
+        let empty = |own: &Vec<usize>| DMatrix::zeros(own.len(), own.len());
+        let mut matrices: Vec<DMatrix<f64>> = members.iter().map(empty).collect();
+        for &(i, j, value) in entries {
+            let ((class, a), (_, b)) = (place[i], place[j]);
+            matrices[class][(a, b)] += value;
+            if i != j {
+                matrices[class][(b, a)] += value;
+            }
+        }
+        let plain = |m: &DMatrix<f64>| m.len() == 1 && m[0] == 1.0;
+        let parts = members.into_iter().zip(matrices);
+        Covariance {
+            parts: parts.filter(|(_, matrix)| !plain(matrix)).collect(),
+        }
+    }
+
+    /// True for independent rows of variance 1.
+    pub fn is_identity(&self) -> bool {
+        self.parts.is_empty()
+    }
+
+    /// Its parts: rows, ascending, and their covariance.
+    pub fn parts(&self) -> &[(Vec<usize>, DMatrix<f64>)] {
+        &self.parts
+    }
+
+    /// The covariance of the rows `chosen`, in that order.
+    pub(crate) fn select(&self, chosen: &[usize]) -> Self {
+        let groups: Vec<Vec<usize>> = chosen.iter().map(|row| vec![*row]).collect();
+        self.averaged(&groups)
+    }
+
+    /// The covariance of the means over `groups` of rows, no row in two of them.
+    pub(crate) fn averaged(&self, groups: &[Vec<usize>]) -> Self {
+        // Group and weight of each row that is in one.
+        let mut place: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
+        for (g, rows) in groups.iter().enumerate() {
+            let weight = 1.0 / rows.len() as f64;
+            place.extend(rows.iter().map(|row| (*row, (g, weight))));
+        }
+        let mut entries = Vec::new();
+        for (rows, matrix) in &self.parts {
+            let own: Vec<Option<(usize, f64)>> = rows.iter().map(|i| place.remove(i)).collect();
+            for (a, i) in own.iter().enumerate() {
+                for (b, j) in own.iter().enumerate() {
+                    let (Some((i, v)), Some((j, w))) = (i, j) else {
+                        continue;
+                    };
+                    // A pair of rows in one group stands twice on the diagonal.
+                    if j <= i && matrix[(a, b)] != 0.0 {
+                        entries.push((*i, *j, v * w * matrix[(a, b)]));
+                    }
+                }
+            }
+        }
+        entries.extend(place.into_values().map(|(g, w)| (g, g, w * w)));
+        Covariance::from_entries(groups.len(), &entries)
+    }
+
+    /// Columns 0..`count` of a table with `count` rows for each line, by those
+    /// that share something in any line.
+    pub(crate) fn classes(&self, count: usize) -> Vec<Vec<usize>> {
+        let links = self.parts.iter().flat_map(|(rows, _)| {
+            let first = rows.first().map_or(0, |i| i % count);
+            rows.iter().map(move |i| (i % count, first))
+        });
+        classes(count, links)
+    }
+
+    /// The whole matrix of `rows` rows.
+    pub fn to_matrix(&self, rows: usize) -> DMatrix<f64> {
+        let mut out = DMatrix::identity(rows, rows);
+        for (own, matrix) in &self.parts {
+            for (a, i) in own.iter().enumerate() {
+                for (b, j) in own.iter().enumerate() {
+                    out[(*i, *j)] = matrix[(a, b)];
+                }
+            }
+        }
+        out
+    }
+
+    /// The three rows from `at`.
+    pub(crate) fn of_point(&self, at: usize) -> Matrix3<f64> {
+        let mut out = Matrix3::identity();
+        for (own, matrix) in &self.parts {
+            for (a, i) in own.iter().enumerate() {
+                for (b, j) in own.iter().enumerate() {
+                    if (at..at + 3).contains(i) && (at..at + 3).contains(j) {
+                        out[(i - at, j - at)] = matrix[(a, b)];
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// The covariance times a matrix with as many rows.
+    pub(crate) fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut out = columns.clone();
+        for (own, matrix) in &self.parts {
+            let product = matrix * columns.select_rows(own);
+            for (a, i) in own.iter().enumerate() {
+                out.row_mut(*i).copy_from(&product.row(a));
+            }
+        }
+        out
+    }
+
+    /// Lower Cholesky factors of the parts, `None` where one is not positive
+    /// definite.
+    pub(super) fn roots(&self) -> Option<Vec<(Vec<usize>, DMatrix<f64>)>> {
+        let root = |(rows, matrix): &(Vec<usize>, DMatrix<f64>)| {
+            Some((rows.clone(), matrix.clone().cholesky()?.unpack()))
+        };
+        self.parts.iter().map(root).collect()
+    }
+}
+
+/// Numbers 0..`count` in classes that `links` join, each ascending, by their
+/// first number.
+fn classes(count: usize, links: impl Iterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {
+    let mut first: Vec<usize> = (0..count).collect();
+    fn root(first: &mut [usize], mut i: usize) -> usize {
+        while first[i] != i {
+            first[i] = first[first[i]];
+            i = first[i];
+        }
+        i
+    }
+    for (i, j) in links {
+        let (a, b) = (root(&mut first, i), root(&mut first, j));
+        first[a.max(b)] = a.min(b);
+    }
+    let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for i in 0..count {
+        members.entry(root(&mut first, i)).or_default().push(i);
+    }
+    members.into_values().collect()
+}
+
+/// Covariance of the displacements of one posture in units of the variance of
+/// a displacement: fewer readings weigh less, and displacements against one
+/// reference reading share its error (two load states correlate by 0.5).
+pub(super) fn covariance(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    labels: &[RowLabel],
+    weights: Weights,
+) -> Result<Covariance> {
+    let of = |label: &RowLabel| -> &Displacement {
+        &measured[label.measured].displacements[label.displacement]
+    };
+    // Shares of the variance of a displacement: a reading of either state, or
+    // of the loaded one alone where the paper's count holds.
+    let two = cell.noise.readings_per_displacement == 2;
+    let (loaded, reference) = if two { (0.5, 0.5) } else { (1.0, 0.0) };
+    let unit = cell.noise.reading_variance;
+    let reading = |d: &Displacement| -> Result<Matrix3<f64>> {
+        match (weights, d.covariance) {
+            (Weights::Readings, _) => Ok(Matrix3::identity()),
+            (Weights::Tracker, Some(covariance)) if unit > 0.0 => Ok(covariance / unit),
+            (Weights::Tracker, _) => Err(Error::new(
+                Code::MissingKey,
+                "The weights need the tracker's accuracy, and these displacements come without it.",
+            )
+            .key("tracker")
+            .hint("give range_um and angle_urad in [tracker] of the cell, and the raw readings")),
+        }
+    };
+    let readings: Vec<Matrix3<f64>> = labels
+        .iter()
+        .map(|l| reading(of(l)))
+        .collect::<Result<_>>()?;
+    let shared = |i: usize| measured[labels[i].measured].common_readings;
+    let shares_all = (0..labels.len()).any(|i| shared(i) != [0.0; 2]);
+    // Displacements before each that can share anything with it.
+    let mut alike: BTreeMap<(usize, u32), Vec<usize>> = BTreeMap::new();
+    let mut entries = Vec::new();
+    let mut add = |i: usize, j: usize, block: &Matrix3<f64>| {
+        for axis in 0..3 {
+            let to = if i == j { axis + 1 } else { 3 };
+            let values = (0..to).map(|other| (3 * i + axis, 3 * j + other, block[(axis, other)]));
+            entries.extend(values.filter(|e| e.2 != 0.0));
+        }
+    };
+    for i in 0..labels.len() {
+        let a = of(&labels[i]);
+        let [n_loaded, n_reference] = a.readings.map(|n| f64::from(n.max(1)));
+        let group = alike.entry((a.point, a.reference)).or_default();
+        // What taking back the motion of the base adds to all points alike.
+        let common = |j: usize, mean: &Matrix3<f64>| {
+            let [here, all] = shared(i);
+            let same_state = labels[i].measured == labels[j].measured;
+            let common = if same_state { here } else { 0.0 } + all;
+            Matrix3::identity() * (mean.trace() / 3.0 * common * loaded)
+        };
+        if reference != 0.0 {
+            for &j in group.iter() {
+                let mean = (readings[i] + readings[j]) * 0.5;
+                add(i, j, &(mean * (reference / n_reference)));
+            }
+        }
+        if shares_all {
+            for j in 0..i {
+                add(i, j, &common(j, &((readings[i] + readings[j]) * 0.5)));
+            }
+        }
+        group.push(i);
+        let own = readings[i] * (loaded / n_loaded + reference / n_reference);
+        add(i, i, &(own + common(i, &readings[i])));
+    }
+    Ok(Covariance::from_entries(3 * labels.len(), &entries))
+}
+
+/// What shifts common to a posture do to its rows, rows × 3c. What the model
+/// misses grows with the load, so a shift counts in proportion to the joint
+/// torques; loads in different directions have shifts of their own.
+pub(super) fn shared(
+    measured: &[MeasuredPosture],
+    states: &[usize],
+    torques: &[DVector<f64>],
+) -> DMatrix<f64> {
+    let rows: usize = states
+        .iter()
+        .map(|m| 3 * measured[*m].displacements.len())
+        .sum();
+    // States by falling torque, so that the largest of a direction leads it.
+    let mut order: Vec<usize> = (0..states.len()).collect();
+    order.sort_by(|a, b| torques[*b].norm().total_cmp(&torques[*a].norm()));
+    let mut leaders: Vec<usize> = Vec::new();
+    let mut place = vec![(0, 1.0); states.len()];
+    for &s in &order {
+        let found = leaders.iter().position(|&l| {
+            let product = torques[l].norm() * torques[s].norm();
+            product <= 0.0 || (torques[l].dot(&torques[s])).abs() > ALIKE * product
+        });
+        place[s] = match found {
+            Some(class) => {
+                let leader = &torques[leaders[class]];
+                let size = leader.norm_squared();
+                let part = if size > 0.0 {
+                    torques[s].dot(leader) / size
+                } else {
+                    1.0
+                };
+                (class, part)
+            }
+            None => {
+                leaders.push(s);
+                (leaders.len() - 1, 1.0)
+            }
+        };
+    }
+    let mut out = DMatrix::zeros(rows, 3 * leaders.len());
+    let mut at = 0;
+    for (s, m) in states.iter().enumerate() {
+        let (class, part) = place[s];
+        for _ in &measured[*m].displacements {
+            for axis in 0..3 {
+                out[(at + axis, 3 * class + axis)] = part;
+            }
+            at += 3;
+        }
+    }
+    out
+}
