@@ -2,8 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::findings::{Finding, Severity};
-use crate::measure::reduction::{ReduceOptions, Reduction, reduce};
-use crate::measure::screening::{Screening, screen};
+use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
+use crate::measure::screening::{Screening, screen_series};
+use crate::measure::series::PostureSeries;
 use crate::model::cell::{Cell, Noise};
 use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter};
 
@@ -111,7 +112,7 @@ impl From<&Measured> for Measured {
 /// ```
 ///
 /// # Errors
-/// As [`reduce`]; where the readings themselves explain the failure, that is said.
+/// As [`reduce`](crate::measure::reduction::reduce); where the readings themselves explain the failure, that is said.
 pub fn prepare(
     cell: &Cell,
     measurements: impl Into<Measurements>,
@@ -121,8 +122,10 @@ pub fn prepare(
         Measurements::Displacements(postures) => return Ok(postures.into()),
         Measurements::Readings(table) => table,
     };
-    let screening = screen(cell, &table, options.base_from_tracker.as_ref())?;
-    let mut reduction = reduce(cell, &table, options).map_err(|error| {
+    let series = PostureSeries::all(&table);
+    let given = options.base_from_tracker.as_ref();
+    let screening = screen_series(cell, &table, &series, given)?;
+    let mut reduction = reduce_series(cell, &table, &series, options).map_err(|error| {
         let mut findings = screening.findings.iter();
         match findings.find(|f| f.severity == Severity::Serious) {
             Some(cause) => Error::new(error.code(), cause.sentence.clone()).hint(error.message()),

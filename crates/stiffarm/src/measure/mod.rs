@@ -6,5 +6,6 @@ mod measured;
 pub mod reduction;
 pub mod registration;
 pub mod screening;
+mod series;
 
 pub use measured::{Measured, prepare};

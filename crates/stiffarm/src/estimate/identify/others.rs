@@ -3,10 +3,10 @@
 //! columns, where that costs no accuracy unless they decide an unknown alone.
 
 use super::assumptions::{Assumptions, Estimator, Scale};
-use super::restricted::{Restricted, Sums};
+use super::restricted::{Restricted, Root, Sums};
 use super::solve::{Prepared, Rows, Shape, Solution, least_squares};
-use crate::error::Result;
-use crate::numerics::information::{Factor, symmetric_eigen};
+use crate::error::{Code, Error, Result};
+use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
 /// Smallest eigenvalue of what is left of BᵀV⁻¹B, the identity for all postures
@@ -24,10 +24,10 @@ pub(super) struct Others<'a> {
     centre: DVector<f64>,
     /// Coordinates of the unknowns in the basis, rank × unknowns.
     seen: DMatrix<f64>,
-    /// Postures that can tell shifts from noise.
+    /// Postures that can tell shifts from noise, and how many they are.
     separable: Vec<bool>,
-    /// Sums over all postures at γ = 0, and at the γ that is given.
-    plain: Sums,
+    separable_count: usize,
+    /// Sums over all postures at the γ that is given.
     given: Option<Sums>,
 }
 
@@ -51,11 +51,12 @@ impl<'a> Others<'a> {
             _ => None,
         };
         let is_separable = |b: usize| system.directions(b).0.ncols() < system.block_rows(b).len();
+        let separable: Vec<bool> = (0..system.block_count()).map(is_separable).collect();
         Some(Others {
             centre: system.factor().solve(white),
             seen: system.factor().seen(),
-            separable: (0..system.block_count()).map(is_separable).collect(),
-            plain: criterion.at(0.0),
+            separable_count: separable.iter().filter(|s| **s).count(),
+            separable,
             given: given.map(|gamma| criterion.at(gamma)),
             prepared,
             assumed,
@@ -72,16 +73,17 @@ impl<'a> Others<'a> {
         let system = self.prepared.whitened();
         let rank = system.factor().rank();
         let sum = |of: &dyn Fn(usize) -> usize| -> usize { left_out.iter().map(|b| of(*b)).sum() };
-        let separable = self.separable.iter().filter(|s| **s).count();
         let shape = Shape {
             rows: system.rows() - sum(&|b| system.block_rows(b).len()),
             rank,
             shifts: system.shifts() - sum(&|b| system.directions(b).0.ncols()),
-            separable: separable > sum(&|b| usize::from(self.separable[b])),
+            separable: self.separable_count > sum(&|b| usize::from(self.separable[b])),
         };
         let own = self.criterion.own(left_out);
-        let plain = self.plain.minus(&own);
-        if shape.rows <= rank || !self.is_enough(&plain, rank) {
+        let plain = self
+            .criterion
+            .without(left_out, &own, self.criterion.plain(), 0.0);
+        if shape.rows <= rank || self.enough(&plain).is_none() {
             return Ok(None);
         }
         let ratio = || match self.criterion.is_rounding() {
@@ -99,52 +101,42 @@ impl<'a> Others<'a> {
                     self.criterion.without(left_out, &own, &all, gamma)
                 }
             };
-            enough = self.is_enough(&sums, rank);
-            self.rows(&sums, rank)
+            let root = self.enough(&sums);
+            enough = root.is_some();
+            root.map_or_else(|| Err(too_little()), |root| self.rows(root))
         };
-        let solution = least_squares(shape, self.prepared.springs(), self.assumed, ratio, rows)?;
-        Ok(enough.then_some(solution))
+        let solution = least_squares(shape, self.prepared.springs(), self.assumed, ratio, rows);
+        match enough {
+            true => solution.map(Some),
+            false => Ok(None),
+        }
     }
 
-    /// True where what is left stands well above the rounding of the difference.
-    fn is_enough(&self, sums: &Sums, rank: usize) -> bool {
-        let (information, moment, size) = sums.parts(rank);
-        let left = |information: DMatrix<f64>| {
-            let best = information.cholesky()?.solve(&moment);
-            Some(size - moment.dot(&best))
+    /// The factor of what is left, where it stands well above the rounding of
+    /// the difference.
+    fn enough(&self, sums: &Sums) -> Option<Root> {
+        let squares = match self.criterion.is_rounding() {
+            true => f64::NEG_INFINITY,
+            false => DOMINANT * self.criterion.size(),
         };
-        let spread =
-            symmetric_eigen(information.clone()).is_some_and(|(values, _)| values[0] > DECISIVE);
-        let is_rounding = self.criterion.is_rounding();
-        spread
-            && left(information)
-                .is_some_and(|left| is_rounding || left > DOMINANT * self.criterion.size())
+        let root = sums.root()?;
+        (root.least() > DECISIVE && root.rest > squares).then_some(root)
     }
 
     /// As many independent rows as unknowns are determined that give the same
     /// least squares.
-    fn rows(&self, sums: &Sums, rank: usize) -> Result<Rows> {
-        let (information, moment, size) = sums.parts(rank);
-        // Not positive definite only where too little is left; the fit is then
-        // made anew.
-        let Some(cholesky) = information.cholesky() else {
-            let psi = self.seen.clone();
-            return Ok(Rows {
-                factor: Factor::new(&psi)?,
-                delta: DVector::zeros(rank),
-                rest: 0.0,
-                psi,
-            });
-        };
-        let root = cholesky.l();
-        let psi = root.tr_mul(&self.seen);
-        let mut moved = moment;
-        root.solve_lower_triangular_mut(&mut moved);
+    fn rows(&self, root: Root) -> Result<Rows> {
+        let psi = root.factor().tr_mul(&self.seen);
         Ok(Rows {
             factor: Factor::new(&psi)?,
-            rest: (size - moved.norm_squared()).max(0.0),
-            delta: moved + &psi * &self.centre,
+            rest: root.rest.max(0.0),
+            delta: DVector::from_vec(root.moved) + &psi * &self.centre,
             psi,
         })
     }
+}
+
+/// Ends an estimate whose rows say too little; the caller makes it anew.
+fn too_little() -> Error {
+    Error::new(Code::Numerical, "The postures left over decide too little.")
 }

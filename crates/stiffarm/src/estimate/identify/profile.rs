@@ -142,7 +142,7 @@ fn ends(
     };
     // −2 ln L at h, γ at its best or as given.
     let value = |h: f64| -> Option<f64> {
-        let held = |sums: &Sums| sums.held(&along, h - plain, rows);
+        let held = |sums: &Sums| sums.held(along.as_slice(), h - plain, rows);
         Some(match &given {
             Some(sums) => held(sums),
             None => criterion.best_by(held).1,

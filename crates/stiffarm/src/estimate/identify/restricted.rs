@@ -12,6 +12,7 @@
 //! Approximation Practice, SIAM 2013, ch. 8), whatever the number of postures.
 
 use super::whitened::{GRID, STEP, Whitened, Whitening, grid_place, share};
+use crate::numerics::information::small::{cholesky, invert_lower, packed};
 use crate::numerics::scalar::minimum;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -22,27 +23,138 @@ const NODES: usize = 20;
 /// Accuracy of ln γ.
 const TOLERANCE: f64 = 1e-8;
 
-/// BᵀV⁻¹B column by column, BᵀV⁻¹e, eᵀV⁻¹e and ln|V|, one after the other.
+/// BᵀV⁻¹B as a packed lower triangle, BᵀV⁻¹e, eᵀV⁻¹e and ln|V|, one after the
+/// other.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sums(Vec<f64>);
+pub(super) struct Sums {
+    rank: usize,
+    all: Vec<f64>,
+}
 
 impl Sums {
     fn zero(rank: usize) -> Self {
-        Sums(vec![0.0; rank * rank + rank + 2])
+        Sums {
+            rank,
+            all: vec![0.0; packed(rank, 0) + rank + 2],
+        }
     }
 
-    /// BᵀV⁻¹B, BᵀV⁻¹e and eᵀV⁻¹e.
-    pub(super) fn parts(&self, rank: usize) -> (DMatrix<f64>, DVector<f64>, f64) {
-        let (information, rest) = self.0.split_at(rank * rank);
-        (
-            DMatrix::from_column_slice(rank, rank, information),
-            DVector::from_column_slice(&rest[..rank]),
-            rest[rank],
-        )
+    fn information(&self) -> &[f64] {
+        &self.all[..packed(self.rank, 0)]
     }
 
-    pub(super) fn minus(&self, other: &Sums) -> Sums {
-        Sums(self.0.iter().zip(&other.0).map(|(a, b)| a - b).collect())
+    fn moment(&self) -> &[f64] {
+        &self.all[packed(self.rank, 0)..][..self.rank]
+    }
+
+    /// eᵀV⁻¹e.
+    fn size(&self) -> f64 {
+        self.all[self.all.len() - 2]
+    }
+
+    /// ln|V|.
+    fn logarithms(&self) -> f64 {
+        self.all[self.all.len() - 1]
+    }
+
+    fn minus(mut self, other: &Sums) -> Sums {
+        let pairs = self.all.iter_mut().zip(&other.all);
+        pairs.for_each(|(a, b)| *a -= b);
+        self
+    }
+
+    /// Cholesky factor L of BᵀV⁻¹B, packed, and what it makes of the moment;
+    /// `None` where it is not positive definite.
+    pub(super) fn root(&self) -> Option<Root> {
+        let mut factor = vec![0.0; packed(self.rank, 0)];
+        cholesky(self.rank, self.information(), &mut factor).then(|| {
+            let mut moved = self.moment().to_vec();
+            forward(&factor, &mut moved);
+            let explained: f64 = moved.iter().map(|v| v * v).sum();
+            Root {
+                rest: self.size() - explained,
+                factor,
+                moved,
+            }
+        })
+    }
+
+    /// −2 ln L of `rows` rows, up to a constant.
+    fn value(&self, rows: usize) -> f64 {
+        let Some(root) = self.root().filter(|root| root.rest > 0.0) else {
+            return f64::INFINITY;
+        };
+        let free = rows.saturating_sub(self.rank) as f64;
+        free * root.rest.ln() + self.logarithms() + root.determinant()
+    }
+
+    /// −2 ln L, up to a constant, of `rows` rows with unknown j held at the
+    /// distance `away` from its estimate without shifts; `along` is its row of
+    /// the matrix that takes coordinates in the basis B to unknowns.
+    ///
+    /// With C = BᵀV⁻¹B the others' information has the determinant
+    /// |C|·(tᵀC⁻¹t)/(tᵀt), and holding tᵀx at d adds (d − tᵀx̂)²/(tᵀC⁻¹t) to the
+    /// squares.
+    pub(super) fn held(&self, along: &[f64], away: f64, rows: usize) -> f64 {
+        let Some(root) = self.root() else {
+            return f64::INFINITY;
+        };
+        let mut across = along.to_vec();
+        forward(&root.factor, &mut across);
+        let variance: f64 = across.iter().map(|v| v * v).sum();
+        let best: f64 = across.iter().zip(&root.moved).map(|(a, b)| a * b).sum();
+        let rest = root.rest + (away - best).powi(2) / variance;
+        if !(rest > 0.0 && variance > 0.0) {
+            return f64::INFINITY;
+        }
+        let length: f64 = along.iter().map(|v| v * v).sum();
+        let free = (rows + 1).saturating_sub(self.rank) as f64;
+        free * rest.ln() + self.logarithms() + root.determinant() + (variance / length).ln()
+    }
+}
+
+/// The Cholesky factor of an information with what follows from it.
+pub(super) struct Root {
+    /// L, packed.
+    factor: Vec<f64>,
+    /// L⁻¹BᵀV⁻¹e.
+    pub(super) moved: Vec<f64>,
+    /// Squares that no unknown explains.
+    pub(super) rest: f64,
+}
+
+impl Root {
+    /// Logarithm of the information's determinant.
+    fn determinant(&self) -> f64 {
+        let diagonal = (0..self.moved.len()).map(|i| self.factor[packed(i, i)]);
+        2.0 * diagonal.map(f64::ln).sum::<f64>()
+    }
+
+    /// A lower bound of the information's smallest eigenvalue, at least a
+    /// rank-th of it: 1/tr(C⁻¹).
+    pub(super) fn least(&self) -> f64 {
+        let mut inverse = vec![0.0; self.factor.len()];
+        invert_lower(self.moved.len(), &self.factor, &mut inverse);
+        1.0 / inverse.iter().map(|v| v * v).sum::<f64>()
+    }
+
+    /// L.
+    pub(super) fn factor(&self) -> DMatrix<f64> {
+        let rank = self.moved.len();
+        let entry = |i: usize, j: usize| match j <= i {
+            true => self.factor[packed(i, j)],
+            false => 0.0,
+        };
+        DMatrix::from_fn(rank, rank, entry)
+    }
+}
+
+/// Solves L x = v in place, L packed.
+fn forward(factor: &[f64], values: &mut [f64]) {
+    for i in 0..values.len() {
+        let row = &factor[packed(i, 0)..];
+        let known: f64 = (0..i).map(|k| row[k] * values[k]).sum();
+        values[i] = (values[i] - known) / row[i];
     }
 }
 
@@ -52,10 +164,16 @@ pub struct Restricted<'a> {
     system: &'a Whitened,
     /// Residual e without shifts.
     residual: DVector<f64>,
+    /// eᵀe.
+    size: f64,
     /// Uᵀe of each posture.
     moved: Vec<DVector<f64>>,
     /// True where e is rounding, so that nothing tells shifts from noise.
     rounding: bool,
+    /// Sums over all postures without shifts.
+    plain: Sums,
+    /// Chebyshev points of −1..1 with their barycentric weights.
+    nodes: [(f64, f64); NODES],
     /// Sums over all postures at the points of the grid.
     grid: OnceLock<Vec<Sums>>,
     /// Sums at the Chebyshev points of each window; the first ends at the
@@ -75,10 +193,24 @@ impl<'a> Restricted<'a> {
                 system.directions(b).0.tr_mul(&own)
             })
             .collect();
+        let rank = system.factor().rank();
+        let mut plain = Sums::zero(rank);
+        // BᵀB = I and Bᵀe = 0.
+        (0..rank).for_each(|j| plain.all[packed(j, j)] = 1.0);
+        let end = plain.all.len();
+        plain.all[end - 2] = size;
+        let node = |j: usize| {
+            let angle = PI * (j as f64 + 0.5) / NODES as f64;
+            let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+            (angle.cos(), sign * angle.sin())
+        };
         Restricted {
             system,
+            plain,
+            nodes: std::array::from_fn(node),
             rounding: size <= rounding || !size.is_finite(),
             residual,
+            size,
             moved,
             grid: OnceLock::new(),
             windows: (0..=GRID.len()).map(|_| OnceLock::new()).collect(),
@@ -90,9 +222,14 @@ impl<'a> Restricted<'a> {
         self.rounding
     }
 
+    /// The sums over all postures without shifts.
+    pub(super) fn plain(&self) -> &Sums {
+        &self.plain
+    }
+
     /// eᵀe.
     pub(super) fn size(&self) -> f64 {
-        self.residual.norm_squared()
+        self.size
     }
 
     fn rank(&self) -> usize {
@@ -101,11 +238,7 @@ impl<'a> Restricted<'a> {
 
     /// −2 ln L at γ, up to a constant, σ² profiled out.
     pub fn value(&self, gamma: f64) -> f64 {
-        self.value_of(&self.at(gamma))
-    }
-
-    fn value_of(&self, sums: &Sums) -> f64 {
-        value(sums, self.rank(), self.system.rows())
+        self.at(gamma).value(self.system.rows())
     }
 
     /// The sums over all postures at γ.
@@ -124,11 +257,7 @@ impl<'a> Restricted<'a> {
         blocks: impl Iterator<Item = usize>,
         share: impl Fn(&Whitening, usize) -> [f64; 2],
     ) -> Sums {
-        let rank = self.rank();
-        let mut out = Sums::zero(rank);
-        // BᵀB = I and Bᵀe = 0 without shifts.
-        (0..rank).for_each(|j| out.0[j * rank + j] = 1.0);
-        out.0[rank * rank + rank] = self.size();
+        let mut out = self.plain.clone();
         self.add_shifts(&mut out, blocks, share);
         out
     }
@@ -156,7 +285,7 @@ impl<'a> Restricted<'a> {
         blocks: impl Iterator<Item = usize>,
         share: impl Fn(&Whitening, usize) -> [f64; 2],
     ) {
-        let (information, rest) = out.0.split_at_mut(rank * rank);
+        let (information, rest) = out.all.split_at_mut(packed(rank, 0));
         let (moment, rest) = rest.split_at_mut(rank);
         let (mut size, mut logarithms) = (0.0, 0.0);
         for b in blocks {
@@ -169,8 +298,8 @@ impl<'a> Restricted<'a> {
                 for j in 0..rank {
                     moment[j] -= part * row[j] * moved;
                     let scale = part * row[j];
-                    for i in 0..rank {
-                        information[j * rank + i] -= scale * row[i];
+                    for i in 0..=j {
+                        information[packed(j, i)] -= scale * row[i];
                     }
                 }
             }
@@ -194,9 +323,10 @@ impl<'a> Restricted<'a> {
             size += residual.norm_squared();
         }
         let mut out = Sums::zero(rank);
-        out.0[..rank * rank].copy_from_slice(information.as_slice());
-        out.0[rank * rank..][..rank].copy_from_slice(moment.as_slice());
-        out.0[rank * rank + rank] = size;
+        let lower = (0..rank).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let values = lower.map(|at| information[at]);
+        let values = values.chain(moment.iter().copied()).chain([size]);
+        out.all.iter_mut().zip(values).for_each(|(o, v)| *o = v);
         out
     }
 
@@ -215,7 +345,7 @@ impl<'a> Restricted<'a> {
         let mut theirs = own.clone();
         let share = |by: &Whitening, k: usize| share(gamma, by.size(k));
         self.add_shifts(&mut theirs, blocks.iter().copied(), share);
-        all.minus(&theirs)
+        all.clone().minus(&theirs)
     }
 
     /// The sums over all postures at ln γ = `place`, from the Chebyshev points of
@@ -224,8 +354,8 @@ impl<'a> Restricted<'a> {
         let from_start = (place - grid_place(0)) / STEP + 1.0;
         let window = (from_start.floor().max(0.0) as usize).min(GRID.len());
         let start = grid_place(0) + STEP * (window as f64 - 1.0);
-        let angle = |j: usize| PI * (j as f64 + 0.5) / NODES as f64;
-        let node = |j: usize| start + 0.5 * STEP * (1.0 + angle(j).cos());
+        let nodes = &self.nodes;
+        let node = |j: usize| start + 0.5 * STEP * (1.0 + nodes[j].0);
         let sums = self.windows[window]
             .get_or_init(|| (0..NODES).map(|j| self.at(node(j).exp())).collect());
         let mut total = 0.0;
@@ -235,14 +365,13 @@ impl<'a> Restricted<'a> {
             if away == 0.0 {
                 return sums.clone();
             }
-            let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
-            let weight = sign * angle(j).sin() / away;
+            let weight = nodes[j].1 / away;
             total += weight;
-            for (out, value) in out.0.iter_mut().zip(&sums.0) {
+            for (out, value) in out.all.iter_mut().zip(&sums.all) {
                 *out += weight * value;
             }
         }
-        out.0.iter_mut().for_each(|v| *v /= total);
+        out.all.iter_mut().for_each(|v| *v /= total);
         out
     }
 
@@ -253,7 +382,7 @@ impl<'a> Restricted<'a> {
 
     /// The γ ≥ 0 with the smallest value, and that value.
     pub(super) fn best_ratio(&self) -> (f64, f64) {
-        let points = (0..GRID.len()).map(|i| self.value_of(&self.on_grid(i)));
+        let points = (0..GRID.len()).map(|i| self.on_grid(i).value(self.system.rows()));
         best(points, self.value(0.0), |x| self.value(x.exp()))
     }
 
@@ -261,21 +390,20 @@ impl<'a> Restricted<'a> {
     /// that value.
     pub(super) fn best_by(&self, value: impl Fn(&Sums) -> f64) -> (f64, f64) {
         let points = self.grid().iter().map(&value);
-        best(points, value(&self.at(0.0)), |x| value(&self.between(x)))
+        best(points, value(&self.plain), |x| value(&self.between(x)))
     }
 
     /// The γ ≥ 0 with the smallest value for all postures but `blocks`, that
     /// have `rows` rows; `own` are the sums over `blocks` without shifts.
     pub(super) fn best_without(&self, blocks: &[usize], own: &Sums, rows: usize) -> f64 {
-        let rank = self.rank();
         let points = self.grid().iter().enumerate().map(|(i, all)| {
             let mut theirs = own.clone();
             let share = |by: &Whitening, k: usize| by.on_grid(i, k);
             self.add_shifts(&mut theirs, blocks.iter().copied(), share);
-            value(&all.minus(&theirs), rank, rows)
+            all.clone().minus(&theirs).value(rows)
         });
-        let none = value(&self.at(0.0).minus(own), rank, rows);
-        let at = |x: f64| value(&self.others(blocks, own, x), rank, rows);
+        let none = self.without(blocks, own, &self.plain, 0.0).value(rows);
+        let at = |x: f64| self.others(blocks, own, x).value(rows);
         best(points, none, at).0
     }
 }
@@ -296,53 +424,5 @@ fn best(points: impl Iterator<Item = f64>, zero: f64, at: impl Fn(f64) -> f64) -
     match value < none.1 {
         true => (place.exp(), value),
         false => none,
-    }
-}
-
-/// −2 ln L of `rows` rows, up to a constant.
-fn value(sums: &Sums, rank: usize, rows: usize) -> f64 {
-    let (information, moment, size) = sums.parts(rank);
-    let Some(cholesky) = information.cholesky() else {
-        return f64::INFINITY;
-    };
-    let root = cholesky.l_dirty();
-    let determinant: f64 = (0..rank).map(|i| 2.0 * root[(i, i)].ln()).sum();
-    let rest = size - moment.dot(&cholesky.solve(&moment));
-    if rest <= 0.0 {
-        return f64::INFINITY;
-    }
-    rows.saturating_sub(rank) as f64 * rest.ln() + sums.logarithms(rank) + determinant
-}
-
-impl Sums {
-    fn logarithms(&self, rank: usize) -> f64 {
-        self.0[rank * rank + rank + 1]
-    }
-
-    /// −2 ln L, up to a constant, of `rows` rows with unknown j held at the
-    /// distance `away` from its estimate without shifts; `along` is its row of
-    /// the matrix that takes coordinates in the basis B to unknowns.
-    ///
-    /// With c = BᵀV⁻¹B the others' information has the determinant
-    /// |c|·(tᵀc⁻¹t)/(tᵀt), and holding t·x at d adds (d − t·x̂)²/(tᵀc⁻¹t) to the
-    /// squares.
-    pub(super) fn held(&self, along: &DVector<f64>, away: f64, rows: usize) -> f64 {
-        let rank = along.len();
-        let (information, moment, size) = self.parts(rank);
-        let Some(cholesky) = information.cholesky() else {
-            return f64::INFINITY;
-        };
-        let root = cholesky.l_dirty();
-        let determinant: f64 = (0..rank).map(|i| 2.0 * root[(i, i)].ln()).sum();
-        let best = cholesky.solve(&moment);
-        let variance = along.dot(&cholesky.solve(along));
-        let rest = size - moment.dot(&best) + (away - along.dot(&best)).powi(2) / variance;
-        if rest <= 0.0 || variance <= 0.0 {
-            return f64::INFINITY;
-        }
-        (rows + 1).saturating_sub(rank) as f64 * rest.ln()
-            + self.logarithms(rank)
-            + determinant
-            + (variance / along.norm_squared()).ln()
     }
 }

@@ -9,10 +9,10 @@
 //! others would add what it should remove.
 
 use super::messages::{length, postures_first};
-use super::series::{Pair, PostureSeries};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, list};
 use crate::measure::registration::rigid_transform;
+use crate::measure::series::{Pair, PostureSeries};
 use crate::model::measurement::Role;
 use crate::numerics::information::{Svd, svd};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Vector3};

@@ -7,9 +7,9 @@
 
 use super::messages::{length, postures_first};
 use super::repeatability::{SIGNIFICANCE, chi_squared_tails};
-use super::series::{Clock, PostureSeries, Series};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
+use crate::measure::series::{Clock, PostureSeries, Series};
 use crate::model::measurement::Role;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -205,7 +205,7 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
 
 /// True where a line covers every loaded state of the reflector, or where no
 /// state could be its reference.
-fn covered(series: &Series, reference: Role) -> bool {
+fn covered(series: &Series<'_>, reference: Role) -> bool {
     let has = |role| series.states.iter().any(|s| s.role == role);
     let mut loaded = series.states.iter().filter(|s| s.role == Role::Loaded);
     !has(reference) || loaded.all(|s| series.line.is_some_and(|line| line.covers(s.clock)))

@@ -20,20 +20,20 @@ mod base_motion;
 mod drift;
 mod messages;
 mod repeatability;
-mod series;
 mod servo;
 mod table;
 mod unloaded;
 mod wrench;
 mod wrench_check;
 
+pub use super::series::Clock;
 pub use base_motion::BaseMotion;
 pub use drift::{Drift, PostureDrift};
 pub use repeatability::Repeatability;
-pub use series::Clock;
 pub use unloaded::{UnloadedPointResidual, UnloadedPostureResidual, UnloadedRegistration};
 pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
 
+use super::series::PostureSeries;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
@@ -44,7 +44,6 @@ pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
 use nalgebra::{Isometry3, Matrix3};
 use serde::Serialize;
-use series::PostureSeries;
 use std::collections::BTreeSet;
 
 /// Options of a reduction.
@@ -93,25 +92,34 @@ pub struct Reduction {
 /// is not finite; no displacement at all; no transform given and too few unloaded
 /// points for one; forces that are missing where others are given.
 pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Result<Reduction> {
+    reduce_series(cell, table, &PostureSeries::all(table), options)
+}
+
+/// [`reduce`] of readings that are sorted already.
+pub(super) fn reduce_series(
+    cell: &Cell,
+    table: &ReadingTable,
+    series: &[PostureSeries<'_>],
+    options: &ReduceOptions,
+) -> Result<Reduction> {
     let given = options.base_from_tracker.or(cell.tracker.base_from_tracker);
     table::check(cell, table, given.as_ref())?;
-    let series: Vec<PostureSeries<'_>> = table.postures.iter().map(PostureSeries::new).collect();
     let mut findings = Vec::new();
 
-    let repeatability = repeatability::repeatability(&series);
+    let repeatability = repeatability::repeatability(series);
     if let Some(result) = &repeatability {
         findings.extend(repeatability::findings(cell, result)?);
     }
     let reading_std = repeatability::reading_std(cell, repeatability.as_ref());
     let (registration, base_from_tracker) =
-        unloaded::registration(cell, &series, given.as_ref(), reading_std, &mut findings)?;
-    let drift = drift::drift(&series, &base_from_tracker, reading_std)?;
-    findings.extend(drift::findings(&series, drift.as_ref()));
+        unloaded::registration(cell, series, given.as_ref(), reading_std, &mut findings)?;
+    let drift = drift::drift(series, &base_from_tracker, reading_std)?;
+    findings.extend(drift::findings(series, drift.as_ref()));
 
     let mut measured = Vec::new();
     let mut base_motion = Vec::new();
     let mut expected_forces = Vec::new();
-    for posture in &series {
+    for posture in series {
         let first = measured.len();
         let motion = displacements(
             cell,
@@ -124,7 +132,7 @@ pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Res
         base_motion.extend(motion);
         expected_forces.extend(expected_force(cell, posture, &measured[first..]));
     }
-    incomplete(cell, &series, &mut findings);
+    incomplete(cell, series, &mut findings);
     if measured.is_empty() {
         return Err(Error::new(
             Code::TooFewData,
@@ -132,9 +140,9 @@ pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Res
         )
         .hint("state names: unloaded, preload, and any other name for a load; -2 and so on for another time"));
     }
-    findings.extend(base_motion::findings(&series, &base_motion, reading_std));
+    findings.extend(base_motion::findings(series, &base_motion, reading_std));
     servo::servo_deflection(cell, &mut measured, &mut findings);
-    findings.extend(wrench::findings(cell, table.wrench_columns, &series));
+    findings.extend(wrench::findings(cell, table.wrench_columns, series));
     let wrench_check =
         wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
     if let Some(check) = &wrench_check {

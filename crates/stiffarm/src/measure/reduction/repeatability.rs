@@ -1,9 +1,9 @@
 //! How well repeated readings of one reflector in one state agree.
 
 use super::messages::length;
-use super::series::PostureSeries;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
+use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};

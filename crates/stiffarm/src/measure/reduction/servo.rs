@@ -1,9 +1,9 @@
 //! How far the controller itself gives way under load, where its angles were
 //! recorded state by state.
 
-use super::series::{PostureSeries, mean_angles};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
+use crate::measure::series::{PostureSeries, mean_angles};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::measurement::{Displacement, MeasuredPosture};

@@ -1,9 +1,9 @@
 //! The wrench of each load state, loaded minus reference.
 
 use super::messages::postures_first;
-use super::series::PostureSeries;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
+use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use crate::model::instruments::Mount;
 use crate::model::kinematics::Frames;

@@ -147,7 +147,7 @@ fn normalised(rotation: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
 /// A right-handed frame of the first two columns; det = +1 because the third
 /// direction follows from them. A column that is zero, where the points lie on
 /// a line, is replaced by any direction across.
-fn frame(columns: &DMatrix<f64>) -> Matrix3<f64> {
+pub(super) fn frame(columns: &DMatrix<f64>) -> Matrix3<f64> {
     let column = |j: usize| Vector3::new(columns[(0, j)], columns[(1, j)], columns[(2, j)]);
     let unit = |v: Vector3<f64>| v.try_normalize(0.5);
     let first = unit(column(0)).unwrap_or_else(Vector3::x);
@@ -159,6 +159,27 @@ fn frame(columns: &DMatrix<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[first, second, first.cross(&second)])
 }
 
+/// True when a rigid transform of these points is determined: at least three
+/// that are not on a line.
+pub(in crate::measure) fn is_spread(points: &[Vector3<f64>]) -> bool {
+    if points.len() < 3 {
+        return false;
+    }
+    let mean = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+    let rows = DMatrix::from_fn(points.len(), 3, |i, j| points[i][j] - mean[j]);
+    singular_values(rows).is_some_and(|values| values[1] > LINE * values[0])
+}
+
+/// Singular values of a matrix of three columns, descending.
+fn singular_values(rows: DMatrix<f64>) -> Option<[f64; 3]> {
+    let small = match rows.nrows() > 12 {
+        true => rows.qr().r(),
+        false => rows,
+    };
+    let values = svd(small)?.values;
+    Some([values[0], values[1], values[2]])
+}
+
 /// Singular values of the weighted, centred tracker positions, descending \[m\].
 fn spread(samples: &[Sample], centroid: &Vector3<f64>) -> Option<[f64; 3]> {
     let rows = samples.len().max(3);
@@ -167,8 +188,7 @@ fn spread(samples: &[Sample], centroid: &Vector3<f64>) -> Option<[f64; 3]> {
         let row = (s.tracker - centroid) * s.weight.sqrt();
         centred.row_mut(i).copy_from(&row.transpose());
     }
-    let values = svd(centred)?.values;
-    Some([values[0], values[1], values[2]])
+    singular_values(centred)
 }
 
 /// RMS of the norms \[m\].

@@ -21,9 +21,14 @@ mod before;
 mod fit;
 mod record;
 mod remarks;
+mod robust;
 mod suspects;
 
 pub use record::RegistrationRecord;
+
+pub(super) use fit::is_spread;
+pub(super) use robust::{Agreement, Pair, TurnSums, agreeing, all_but_the_nearest};
+pub(super) use robust::{misfit, moved, rms, robust};
 
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};

@@ -1,24 +1,22 @@
 //! Registration of the unloaded readings to the kinematic model that a few bad
 //! postures do not spoil.
 
-use super::rigid::{Pair, fit, is_spread, misfit};
 use super::{Work, predicted};
+pub(super) use crate::measure::registration::rms;
+use crate::measure::registration::{Agreement, Pair, agreeing, all_but_the_nearest, robust};
 use crate::model::observation::Setup;
 use nalgebra::{Isometry3, Vector3};
 
-/// Subsets of the postures that are tried as a start.
-const STARTS: usize = 120;
-/// Rounds of sorting out bad postures.
-const ROUNDS: usize = 20;
-/// A posture disagrees where its misfit is above this many times the others'…
-const FACTOR: f64 = 10.0;
-/// … and above this \[m\]: what is below does not matter to Ψ.
-const FLOOR: f64 = 5e-4;
-/// The same where few postures agree with each other: three or four may do so
-/// by chance on a robot that is a few mm off.
-const FLOOR_FEW: f64 = 5e-3;
-/// Postures that are more than a few.
-const MANY: usize = 5;
+/// What is below 0.5 mm does not matter to Ψ; three or four postures may agree
+/// with each other by chance on a robot that is a few mm off.
+const AGREEMENT: Agreement = Agreement {
+    factor: 10.0,
+    floor: 5e-4,
+    floor_few: 5e-3,
+    many: 5,
+    most: |count| count / 2 + 1,
+    least: 1,
+};
 /// Share of the worst postures that the trimmed misfit leaves out.
 const TRIMMED: f64 = 0.25;
 
@@ -39,18 +37,13 @@ pub(super) struct Frame {
 impl Frame {
     /// Misfit above which a posture disagrees \[m\].
     pub fn limit(&self) -> f64 {
-        limit(self.level, self.bad.iter().filter(|b| !**b).count())
+        AGREEMENT.limit(self.level, self.bad.iter().filter(|b| !**b).count())
     }
 
     /// Number of items that disagree.
     pub fn bad_count(&self) -> usize {
         self.bad.iter().filter(|b| **b).count()
     }
-}
-
-fn limit(level: f64, agreeing: usize) -> f64 {
-    let floor = if agreeing < MANY { FLOOR_FEW } else { FLOOR };
-    (FACTOR * level).max(floor)
 }
 
 /// States without load, in the order of the items of a [`Frame`]: those with a
@@ -94,57 +87,24 @@ pub(super) fn state_pairs(
         .collect()
 }
 
-/// RMS distance that `transform` leaves between pairs \[m\].
-pub(super) fn rms(transform: &Isometry3<f64>, pairs: &[Pair]) -> f64 {
-    (misfit(transform, pairs) / pairs.len().max(1) as f64).sqrt()
-}
-
-/// Registers items: from many small subsets the one that at least half of the
-/// items agree with best, then all items that agree. `None` where the points do
+/// Registers items: those that agree with each other. `None` where the points do
 /// not determine a transform.
 pub(super) fn register(items: &[Vec<Pair>]) -> Option<Frame> {
-    let all: Vec<Vector3<f64>> = items.iter().flatten().map(|p| p.1).collect();
-    if !is_spread(&all) {
-        return None;
-    }
-    let half = items.len() / 2;
-    let mut best: Option<(f64, Isometry3<f64>)> = None;
-    for subset in subsets(items) {
-        let chosen: Vec<Pair> = subset.iter().flat_map(|i| items[*i].clone()).collect();
-        let Some(transform) = fit(&chosen) else {
-            continue;
-        };
-        let mut each: Vec<f64> = items.iter().map(|i| rms(&transform, i)).collect();
-        each.sort_by(f64::total_cmp);
-        if best.as_ref().is_none_or(|(score, _)| each[half] < *score) {
-            best = Some((each[half], transform));
-        }
-    }
-    let (_, mut transform) = best?;
-    let mut bad = keep_half(items, &transform);
-    let mut level = 0.0;
-    for _ in 0..ROUNDS {
-        let good: Vec<Pair> = chosen(items, &bad);
-        transform = fit(&good)?;
-        let freedom = (3 * good.len()).saturating_sub(6).max(1) as f64;
-        level = (3.0 * misfit(&transform, &good) / freedom).sqrt();
-        let agreeing = bad.iter().filter(|b| !**b).count();
-        let allowed = limit(level, agreeing);
-        let next: Vec<bool> = items.iter().map(|i| rms(&transform, i) > allowed).collect();
-        if next == bad || next.iter().all(|b| *b) {
-            break;
-        }
-        bad = next;
-    }
-    Some(with_transform(items, transform, bad, level))
+    let found = robust(items, AGREEMENT)?;
+    Some(with_transform(
+        items,
+        found.base_from_tracker,
+        found.bad,
+        found.level,
+    ))
 }
 
 /// Judges a transform that is given.
 pub(super) fn judge(items: &[Vec<Pair>], transform: &Isometry3<f64>) -> Frame {
-    let bad = keep_half(items, transform);
-    let good = chosen(items, &bad);
+    let bad = all_but_the_nearest(items, transform, items.len() / 2 + 1);
+    let good: Vec<Pair> = agreeing(items, &bad).collect();
     let level = rms(transform, &good);
-    let allowed = limit(level, items.len());
+    let allowed = AGREEMENT.limit(level, items.len());
     let bad = items.iter().map(|i| rms(transform, i) > allowed).collect();
     with_transform(items, *transform, bad, level)
 }
@@ -171,44 +131,4 @@ fn with_transform(
         bad,
         level,
     }
-}
-
-fn chosen(items: &[Vec<Pair>], bad: &[bool]) -> Vec<Pair> {
-    let good = items.iter().zip(bad).filter(|(_, bad)| !**bad);
-    good.flat_map(|(item, _)| item.clone()).collect()
-}
-
-/// All but the better half of the items counted as bad.
-fn keep_half(items: &[Vec<Pair>], transform: &Isometry3<f64>) -> Vec<bool> {
-    let each: Vec<f64> = items.iter().map(|i| rms(transform, i)).collect();
-    let mut sorted = each.clone();
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.get(items.len() / 2).copied().unwrap_or(0.0);
-    each.iter().map(|r| *r > middle).collect()
-}
-
-/// Small sets of items to start from: single ones with three points or more and
-/// pairs, or triples where single points are read.
-fn subsets(items: &[Vec<Pair>]) -> Vec<Vec<usize>> {
-    let count = items.len();
-    let mut out: Vec<Vec<usize>> = vec![(0..count).collect()];
-    let whole = |i: &usize| {
-        let points: Vec<Vector3<f64>> = items[*i].iter().map(|p| p.1).collect();
-        is_spread(&points)
-    };
-    out.extend((0..count).filter(whole).map(|i| vec![i]));
-    let mut larger = Vec::new();
-    let triples = out.len() < 2;
-    for c in 0..count {
-        for b in 0..c {
-            if triples {
-                larger.extend((0..b).map(|a| vec![a, b, c]));
-            } else {
-                larger.push(vec![b, c]);
-            }
-        }
-    }
-    let step = larger.len().div_ceil(STARTS).max(1);
-    out.extend(larger.into_iter().step_by(step));
-    out
 }

@@ -32,6 +32,7 @@ mod shape;
 mod sheet;
 mod states;
 
+use super::series::PostureSeries;
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -254,9 +255,19 @@ pub fn screen(
     table: &ReadingTable,
     base_from_tracker: Option<&Isometry3<f64>>,
 ) -> Result<Screening> {
+    screen_series(cell, table, &PostureSeries::all(table), base_from_tracker)
+}
+
+/// [`screen`] of readings that are sorted already.
+pub(super) fn screen_series(
+    cell: &Cell,
+    table: &ReadingTable,
+    series: &[PostureSeries<'_>],
+    base_from_tracker: Option<&Isometry3<f64>>,
+) -> Result<Screening> {
     let given = base_from_tracker.or(cell.tracker.base_from_tracker.as_ref());
     let mut found = Vec::new();
-    let sheet = Sheet::new(cell, table, &mut found)?;
+    let sheet = Sheet::new(cell, table.wrench_columns, series, &mut found)?;
     let mut work = Work {
         cell: cell.clone(),
         sheet,

@@ -1,14 +1,9 @@
 //! Rigid fits of points, and the other orders in which points can be labelled.
 
 use crate::measure::registration::rigid_transform;
-use crate::numerics::information::svd;
-use nalgebra::{DMatrix, Isometry3, Vector3};
+pub(super) use crate::measure::registration::{Pair, is_spread, misfit, moved};
+use nalgebra::Isometry3;
 
-/// Two positions of one point: where it is seen, where it should be \[m\].
-pub(super) type Pair = (Vector3<f64>, Vector3<f64>);
-
-/// Ratio of the second singular value to the first below which points lie on a line.
-const LINE: f64 = 1e-6;
 /// Most points whose labels are tried in every order.
 const ALL_ORDERS: usize = 4;
 
@@ -19,30 +14,6 @@ pub(super) fn fit(pairs: &[Pair]) -> Option<Isometry3<f64>> {
         return None;
     }
     rigid_transform(pairs.iter().copied())
-}
-
-/// True when a rigid transform of these points is determined: at least three
-/// that are not on a line.
-pub(super) fn is_spread(points: &[Vector3<f64>]) -> bool {
-    if points.len() < 3 {
-        return false;
-    }
-    let mean = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-    let rows = DMatrix::from_fn(points.len(), 3, |i, j| points[i][j] - mean[j]);
-    svd(rows).is_some_and(|s| s.values[1] > LINE.sqrt() * s.values[0])
-}
-
-/// `transform` applied to a point.
-pub(super) fn moved(transform: &Isometry3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
-    transform.rotation * point + transform.translation.vector
-}
-
-/// Sum of the squared distances that `transform` leaves \[m²\].
-pub(super) fn misfit(transform: &Isometry3<f64>, pairs: &[Pair]) -> f64 {
-    pairs
-        .iter()
-        .map(|(a, b)| (moved(transform, a) - b).norm_squared())
-        .sum()
 }
 
 /// RMS of the distances that the best rigid transform leaves \[m\].
@@ -92,6 +63,7 @@ fn extend(start: &mut Vec<usize>, count: usize, out: &mut Vec<Vec<usize>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
 
     #[test]
     fn fit_recovers_a_transform_also_of_points_on_a_line() {

@@ -3,9 +3,10 @@
 
 use super::{Cause, Suspicion};
 use crate::error::{Code, Error, Result};
+use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::measurement::{Reading, ReadingTable, ReadingTarget, Role, WrenchColumns};
+use crate::model::measurement::{Reading, Role, WrenchColumns};
 use crate::model::observation::check_angles;
 use crate::numerics::sample::median;
 use nalgebra::Vector3;
@@ -78,15 +79,21 @@ pub(super) struct Sheet {
 
 impl Sheet {
     /// Means of the table's readings; repeats that stray are left out and noted.
-    pub fn new(cell: &Cell, table: &ReadingTable, found: &mut Vec<Suspicion>) -> Result<Self> {
+    pub fn new(
+        cell: &Cell,
+        wrench_columns: WrenchColumns,
+        series: &[PostureSeries<'_>],
+        found: &mut Vec<Suspicion>,
+    ) -> Result<Self> {
         let points = cell.setup.tool.point_count();
-        let spread = repeat_spread(table, points);
-        let mut postures = Vec::with_capacity(table.postures.len());
-        for posture in &table.postures {
-            check_angles(&cell.setup.robot, &posture.posture.q)?;
-            let mut states = Vec::with_capacity(posture.states.len());
-            for state in &posture.states {
-                let q = state.angles.as_ref().unwrap_or(&posture.posture.q);
+        let spread = repeat_spread(series);
+        let mut postures = Vec::with_capacity(series.len());
+        for posture in series {
+            let planned = &posture.readings.posture.q;
+            check_angles(&cell.setup.robot, planned)?;
+            let mut states = Vec::with_capacity(posture.readings.states.len());
+            for (s, state) in posture.readings.states.iter().enumerate() {
+                let q = state.angles.as_ref().unwrap_or(planned);
                 check_angles(&cell.setup.robot, q)?;
                 let mut out = State {
                     name: state.state.clone(),
@@ -97,59 +104,57 @@ impl Sheet {
                     points: vec![None; points],
                     lines: vec![Vec::new(); points],
                     doubtful: Vec::new(),
-                    base: base_reflectors(&state.readings),
+                    base: base_reflectors(posture, s),
                 };
                 for a in 0..points {
-                    let readings: Vec<&Reading> = state
-                        .readings
-                        .iter()
-                        .filter(|r| r.target == ReadingTarget::Point(a))
-                        .collect();
-                    let Some(first) = readings.first() else {
+                    let Some(own) = posture.point(a).and_then(|series| series.state(s)) else {
                         continue;
                     };
-                    if readings
-                        .iter()
-                        .any(|r| r.position.iter().any(|v| !v.is_finite()))
-                    {
+                    let name = &cell.setup.tool.measuring_points[a].name;
+                    if own.readings.iter().any(|r| !is_finite(&r.position)) {
                         return Err(Error::new(
                             Code::NotFinite,
                             format!(
-                                "A coordinate of point {} in posture {} is not a finite number.",
-                                cell.setup.tool.measuring_points[a].name, posture.posture.name
+                                "A coordinate of point {name} in posture {} is not a finite number.",
+                                posture.name()
                             ),
                         ));
                     }
-                    let std = reading_std(cell, &first.position)?;
-                    let (kept, strays) = sift(&readings, std.max(spread));
+                    let std = reading_std(cell, &own.readings[0].position)?;
+                    let (kept, strays) = sift(&own.readings, std.max(spread));
                     if let Some(distance) = strays.distance {
                         let mut suspicion = Suspicion::new(Cause::StrayRepeat)
-                            .posture(&posture.posture.name)
+                            .posture(posture.name())
                             .state(&state.state)
-                            .points([&cell.setup.tool.measuring_points[a].name])
+                            .points([name])
                             .off(distance);
                         suspicion.lines = strays.lines;
                         suspicion.repeat = strays.repeat;
                         found.push(suspicion);
                     }
-                    let count = kept.len() as f64;
-                    let sum: Vector3<f64> = kept.iter().map(|r| r.position).sum();
+                    let position = match kept.len() == own.count() {
+                        true => own.position,
+                        false => {
+                            let sum: Vector3<f64> = kept.iter().map(|r| r.position).sum();
+                            sum / kept.len() as f64
+                        }
+                    };
                     out.points[a] = (!kept.is_empty()).then(|| Mean {
-                        position: sum / count,
-                        std: std / count.sqrt(),
+                        position,
+                        std: std / (kept.len() as f64).sqrt(),
                     });
                     out.lines[a] = kept.iter().map(|r| r.line).filter(|l| *l > 0).collect();
                 }
                 states.push(out);
             }
             postures.push(Posture {
-                name: posture.posture.name.clone(),
+                name: posture.name().to_string(),
                 states,
             });
         }
         Ok(Sheet {
             postures,
-            has_moments: table.wrench_columns == WrenchColumns::ForceAndMoment,
+            has_moments: wrench_columns == WrenchColumns::ForceAndMoment,
         })
     }
 
@@ -238,22 +243,17 @@ impl State {
     }
 }
 
-/// Mean position of each reflector on the base; readings that are not finite are
-/// left out, the reduction refuses them.
-fn base_reflectors(readings: &[Reading]) -> BTreeMap<String, Vector3<f64>> {
-    let mut sums: BTreeMap<String, (Vector3<f64>, f64)> = BTreeMap::new();
-    for reading in readings {
-        if let ReadingTarget::Base(name) = &reading.target
-            && reading.position.iter().all(|v| v.is_finite())
-        {
-            let (sum, count) = sums.entry(name.clone()).or_default();
-            *sum += reading.position;
-            *count += 1.0;
-        }
-    }
-    let means = sums
-        .into_iter()
-        .map(|(name, (sum, count))| (name, sum / count));
+fn is_finite(position: &Vector3<f64>) -> bool {
+    position.iter().all(|v| v.is_finite())
+}
+
+/// Mean position of each reflector on the base in state `s`; one that is not
+/// finite is left out, the reduction refuses it.
+fn base_reflectors(posture: &PostureSeries<'_>, s: usize) -> BTreeMap<String, Vector3<f64>> {
+    let means = posture.base.iter().filter_map(|(name, series)| {
+        let position = series.state(s)?.position;
+        is_finite(&position).then(|| (name.clone(), position))
+    });
     means.collect()
 }
 
@@ -268,20 +268,14 @@ fn reading_std(cell: &Cell, position: &Vector3<f64>) -> Result<f64> {
 
 /// What the repeats themselves scatter along each axis, resistant to a few
 /// that stray \[m\]; zero without repeats.
-fn repeat_spread(table: &ReadingTable, points: usize) -> f64 {
+fn repeat_spread(series: &[PostureSeries<'_>]) -> f64 {
     let mut deviations = Vec::new();
-    for state in table.postures.iter().flat_map(|p| &p.states) {
-        for a in 0..points {
-            let all: Vec<&Vector3<f64>> = state
-                .readings
-                .iter()
-                .filter(|r| r.target == ReadingTarget::Point(a))
-                .map(|r| &r.position)
-                .collect();
-            // Differences of neighbours: slow drift does not count.
-            for pair in all.windows(2) {
-                deviations.extend((pair[1] - pair[0]).iter().map(|v| v.abs()));
-            }
+    let points = series.iter().flat_map(|posture| &posture.points);
+    for own in points.flat_map(|(_, series)| &series.states) {
+        // Differences of neighbours: slow drift does not count.
+        for pair in own.readings.windows(2) {
+            let difference = pair[1].position - pair[0].position;
+            deviations.extend(difference.iter().map(|v| v.abs()));
         }
     }
     match deviations.len() {

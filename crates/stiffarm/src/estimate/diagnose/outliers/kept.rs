@@ -202,10 +202,10 @@ impl Kept {
             let w = root_inverse(whitened, b, count, gamma);
             let seen = w.tr_mul(&basis.rows(from, count));
             let q = w.tr_mul(&residual.rows(from, count));
-            let information = w.tr_mul(&w);
             for i in 0..count / 3 {
                 let seen = seen.fixed_rows::<3>(3 * i);
-                let full: Matrix3<f64> = information.fixed_view::<3, 3>(3 * i, 3 * i).into_owned();
+                let whole = w.columns(3 * i, 3);
+                let full: Matrix3<f64> = whole.tr_mul(&whole).fixed_view::<3, 3>(0, 0).into_owned();
                 let own = full - seen * seen.transpose();
                 let q: Vector3<f64> = q.fixed_rows::<3>(3 * i).into_owned();
                 let judged = own.symmetric_eigenvalues().min() > EXACT * full.trace();
@@ -272,28 +272,30 @@ impl Kept {
         let error = independent(whitened, &error, solution.gamma) / sigma;
         let covariance = solution.factor.inverse_information();
         let free = solution.degrees_of_freedom;
-        let tail = |along: &DMatrix<f64>, free: usize| -> Option<f64> {
-            let count = along.ncols();
-            let (error, psi) = (along.tr_mul(&error), along.tr_mul(&psi));
-            let spread = DMatrix::identity(count, count) + &psi * &covariance * psi.transpose();
-            let size = error.dot(&spread.cholesky()?.solve(&error));
+        // (I + ΨCΨᵀ)⁻¹ = I − ΨC(I + ΨᵀΨC)⁻¹Ψᵀ: as many equations as unknowns.
+        let tail = |error: &DVector<f64>, psi: &DMatrix<f64>, count: usize, free: usize| {
+            let seen = psi.tr_mul(error);
+            let unknowns = psi.ncols();
+            let whole = DMatrix::identity(unknowns, unknowns) + psi.tr_mul(psi) * &covariance;
+            let explained = (&covariance * whole.lu().solve(&seen)?).dot(&seen);
+            let size = (error.norm_squared() - explained).max(0.0);
             f_tail(size / count as f64, count, free)
         };
         let rows = whitened.rows();
         if !self.shifts || solution.independent_rows {
-            return Ok(tail(&DMatrix::identity(rows, rows), free));
+            return Ok(tail(&error, &psi, rows, free));
         }
         // What the posture's points share has a variance of its own.
         let (shared, _) = whitened.directions(0);
         let count = shared.ncols();
         let shared_free = solution.t_degrees_of_freedom.unwrap_or(free);
-        let between = tail(shared, shared_free);
+        let (of_error, of_psi) = (shared.tr_mul(&error), shared.tr_mul(&psi));
+        let between = tail(&of_error, &of_psi, count, shared_free);
         let within = match rows > count {
             true => {
-                let mut wide = shared.clone().resize_horizontally(count + rows, 0.0);
-                wide.view_mut((0, count), (rows, rows)).fill_with_identity();
-                let basis = wide.qr().q();
-                tail(&basis.columns(count, rows - count).into_owned(), free)
+                let rest = &error - shared * of_error;
+                let psi = &psi - shared * of_psi;
+                tail(&rest, &psi, rows - count, free)
             }
             false => None,
         };

@@ -11,10 +11,10 @@ mod fit;
 
 use super::base_motion::on_a_line;
 use super::messages::{length, postures, postures_first};
-use super::series::{PostureSeries, StateSamples};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
-use crate::measure::registration::{PointPair, Registration};
+use crate::measure::registration::{Pair, PointPair, Registration};
+use crate::measure::series::{PostureSeries, StateSamples};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::measurement::Role;
@@ -100,14 +100,14 @@ impl<'a> Seen<'a> {
             .collect();
         let (mut points, mut pairs) = (Vec::new(), Vec::new());
         for (index, series) in &posture.points {
-            let states: Vec<&StateSamples> =
+            let states: Vec<&StateSamples<'_>> =
                 series.states.iter().filter(|s| s.role == role).collect();
             let count: usize = states.iter().map(|s| s.count()).sum();
             if count == 0 {
                 continue;
             }
             let point = &tool.measuring_points[*index];
-            let mean = |of: &dyn Fn(&StateSamples) -> Vector3<f64>| {
+            let mean = |of: &dyn Fn(&StateSamples<'_>) -> Vector3<f64>| {
                 let weighted = states.iter().map(|s| of(s) * s.count() as f64);
                 weighted.sum::<Vector3<f64>>() / count as f64
             };
@@ -123,6 +123,11 @@ impl<'a> Seen<'a> {
             points,
             pairs,
         })
+    }
+
+    /// Tracker and base position of each point.
+    fn positions(&self) -> impl Iterator<Item = Pair> + '_ {
+        self.pairs.iter().map(|p| (p.tracker, p.base))
     }
 
     fn mean_square(&self, transform: &Isometry3<f64>) -> f64 {

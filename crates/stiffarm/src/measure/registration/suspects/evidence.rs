@@ -2,6 +2,7 @@
 
 use super::super::fit::{RigidFit, Sample};
 use super::{CONTRADICTION, Explanation};
+use nalgebra::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 use statrs::function::gamma::ln_gamma;
 use std::f64::consts::PI;
@@ -46,10 +47,23 @@ fn ln_volume_of_transforms(fit: &RigidFit) -> f64 {
 /// ln of the volume in which a wrong point may lie: a ball as wide as the set
 /// \[m³\].
 pub(super) fn ln_volume(samples: &[Sample]) -> f64 {
+    let mean = samples.iter().map(|s| s.base).sum::<Vector3<f64>>() / samples.len() as f64;
+    let mut far: Vec<(f64, Vector3<f64>)> = samples
+        .iter()
+        .map(|s| ((s.base - mean).norm(), s.base))
+        .collect();
+    far.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // No two points are farther apart than their distances from the mean together.
     let mut largest: f64 = 0.0;
-    for (i, a) in samples.iter().enumerate() {
-        for b in &samples[..i] {
-            largest = largest.max((a.base - b.base).norm());
+    for (i, a) in far.iter().enumerate() {
+        if a.0 + far[0].0 <= largest {
+            break;
+        }
+        for b in &far[..i] {
+            if a.0 + b.0 <= largest {
+                break;
+            }
+            largest = largest.max((a.1 - b.1).norm());
         }
     }
     (4.0 / 3.0 * PI).ln() + 3.0 * largest.ln()

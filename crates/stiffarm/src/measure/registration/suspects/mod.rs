@@ -120,6 +120,7 @@ impl Suspicion {
         if let Some(mirrored) = &mut mirrored {
             mirrored.ln_weight = ln_evidence(mirrored, samples, None, std);
         }
+        let volume = ln_volume(samples);
         for (cause, e) in &mut wrong {
             e.ln_weight = match *cause {
                 Cause::Swapped(..) => {
@@ -127,7 +128,7 @@ impl Suspicion {
                     ln_evidence(e, samples, None, std) - swaps.ln()
                 }
                 Cause::Outlier(i) => {
-                    ln_evidence(e, samples, Some(i), std) - ln_volume(samples) - (count as f64).ln()
+                    ln_evidence(e, samples, Some(i), std) - volume - (count as f64).ln()
                 }
             };
         }

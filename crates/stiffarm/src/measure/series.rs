@@ -1,7 +1,9 @@
-//! The readings of one reflector in one posture: means of the load states, the
-//! drift between the states without load, and pairs of reference and load.
+//! Raw readings sorted by posture, reflector and load state, with their means:
+//! what screening and reduction both start from. Then, for one reflector in one
+//! posture, the drift between the states without load, and pairs of reference
+//! and load.
 
-use crate::model::measurement::{PostureReadings, ReadingTarget, Role};
+use crate::model::measurement::{PostureReadings, Reading, ReadingTable, ReadingTarget, Role};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -25,18 +27,20 @@ pub(super) struct Sample {
 
 /// The readings of one reflector in one load state.
 #[derive(Debug, Clone)]
-pub(super) struct StateSamples {
+pub(super) struct StateSamples<'a> {
     /// Number of the state in its posture.
     pub state: usize,
     pub role: Role,
+    /// As they stand in the table.
+    pub readings: Vec<&'a Reading>,
     /// By clock and position, so that no sum depends on the order of rows.
     pub samples: Vec<Sample>,
     pub clock: f64,
     pub position: Vector3<f64>,
 }
 
-impl StateSamples {
-    fn new(state: usize, role: Role, mut samples: Vec<Sample>) -> Self {
+impl<'a> StateSamples<'a> {
+    fn new(state: usize, role: Role, readings: Vec<&'a Reading>, mut samples: Vec<Sample>) -> Self {
         samples.sort_by(|a, b| {
             let by = |i: usize| a.position[i].total_cmp(&b.position[i]);
             let clock = a.clock.total_cmp(&b.clock);
@@ -46,6 +50,7 @@ impl StateSamples {
         StateSamples {
             state,
             role,
+            readings,
             samples,
             clock,
             position,
@@ -84,7 +89,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    fn through(states: &[StateSamples], role: Role) -> Option<Self> {
+    fn through(states: &[StateSamples<'_>], role: Role) -> Option<Self> {
         let of_role = states.iter().filter(|s| s.role == role);
         let samples = of_role.flat_map(|s| &s.samples);
         let (low, high) = samples
@@ -136,35 +141,41 @@ pub(super) struct Pair {
 
 /// One reflector in one posture.
 #[derive(Debug, Clone)]
-pub(super) struct Series {
+pub(super) struct Series<'a> {
     /// The states in which it was read.
-    pub states: Vec<StateSamples>,
+    pub states: Vec<StateSamples<'a>>,
     /// Drift, where states without load lie before and after a loaded one.
     pub line: Option<Line>,
 }
 
-impl Series {
+impl<'a> Series<'a> {
     /// Collects the readings of `target`; `clocks` has one entry per state and reading.
     pub(super) fn new(
         target: ReadingTarget,
-        posture: &PostureReadings,
+        posture: &'a PostureReadings,
         clocks: &[Vec<f64>],
         reference: Role,
     ) -> Self {
         let mut states = Vec::new();
         for (number, state) in posture.states.iter().enumerate() {
-            let samples: Vec<Sample> = state
-                .readings
-                .iter()
-                .zip(&clocks[number])
+            let own = state.readings.iter().zip(&clocks[number]);
+            let (readings, samples): (Vec<&Reading>, Vec<Sample>) = own
                 .filter(|(reading, _)| reading.target == target)
-                .map(|(reading, clock)| Sample {
-                    clock: *clock,
-                    position: reading.position,
+                .map(|(reading, clock)| {
+                    let sample = Sample {
+                        clock: *clock,
+                        position: reading.position,
+                    };
+                    (reading, sample)
                 })
-                .collect();
+                .unzip();
             if !samples.is_empty() {
-                states.push(StateSamples::new(number, Role::of(&state.state), samples));
+                states.push(StateSamples::new(
+                    number,
+                    Role::of(&state.state),
+                    readings,
+                    samples,
+                ));
             }
         }
         // Unloaded readings may differ by lost motion, which a preload takes up:
@@ -180,7 +191,7 @@ impl Series {
     }
 
     /// The readings in one state.
-    pub(super) fn state(&self, number: usize) -> Option<&StateSamples> {
+    pub(super) fn state(&self, number: usize) -> Option<&StateSamples<'a>> {
         self.states.iter().find(|s| s.state == number)
     }
 
@@ -189,14 +200,14 @@ impl Series {
     /// readings, else against the state nearest on the clock.
     pub(super) fn pair(&self, number: usize, reference: Role) -> Option<Pair> {
         let loaded = self.state(number)?;
-        let references: Vec<&StateSamples> = self
+        let references: Vec<&StateSamples<'_>> = self
             .states
             .iter()
             .filter(|s| s.role == reference && s.state != number)
             .collect();
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let Some(line) = self.line.filter(|line| line.covers(loaded.clock)) else {
-            let distance = |s: &StateSamples| (s.clock - loaded.clock).abs();
+            let distance = |s: &StateSamples<'_>| (s.clock - loaded.clock).abs();
             let nearest = references
                 .into_iter()
                 .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
@@ -218,7 +229,7 @@ impl Series {
         let total = samples.count() as f64;
         let variance = 1.0 / total + away * away / line.spread;
         // The mean of the references, and the line's slope from there.
-        let part = |s: &StateSamples| {
+        let part = |s: &StateSamples<'_>| {
             let of_mean = match s.role == reference && s.state != number {
                 true => s.count() as f64 / total,
                 false => 0.0,
@@ -262,9 +273,9 @@ pub(super) struct PostureSeries<'a> {
     /// Mean clock of each state; `None` for a state without readings.
     pub state_clocks: Vec<Option<f64>>,
     /// The measuring points, by index.
-    pub points: Vec<(usize, Series)>,
+    pub points: Vec<(usize, Series<'a>)>,
     /// The base reflectors, by name.
-    pub base: Vec<(String, Series)>,
+    pub base: Vec<(String, Series<'a>)>,
 }
 
 impl<'a> PostureSeries<'a> {
@@ -309,6 +320,17 @@ impl<'a> PostureSeries<'a> {
         }
     }
 
+    /// The postures of a table.
+    pub(super) fn all(table: &'a ReadingTable) -> Vec<Self> {
+        table.postures.iter().map(PostureSeries::new).collect()
+    }
+
+    /// The readings of measuring point `index`.
+    pub(super) fn point(&self, index: usize) -> Option<&Series<'a>> {
+        let place = self.points.binary_search_by_key(&index, |(i, _)| *i);
+        place.ok().map(|place| &self.points[place].1)
+    }
+
     /// Name of the posture.
     pub(super) fn name(&self) -> &'a str {
         &self.readings.posture.name
@@ -332,6 +354,10 @@ pub(super) fn mean_angles(posture: &PostureReadings, role: Role) -> Option<Vec<f
         .filter_map(|s| s.angles.as_ref())
         .collect();
     let first = recorded.first()?;
+    // A state with another number of angles is refused later, by name.
+    if recorded.iter().any(|q| q.len() != first.len()) {
+        return None;
+    }
     // Equal angles stay what they are, to the bit.
     let mean = |j: usize| {
         let from_first = recorded.iter().map(|q| q[j] - first[j]);
