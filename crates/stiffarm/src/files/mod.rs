@@ -3,5 +3,7 @@
 
 pub mod builtin;
 pub mod cell;
+mod json;
 pub mod registration;
+pub mod stiffness;
 pub mod table;

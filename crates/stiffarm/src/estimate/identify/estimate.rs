@@ -134,16 +134,41 @@ pub(super) fn standard_error(solution: &Solution, j: usize) -> Option<f64> {
     (!solution.undetermined.contains(&j)).then(|| covariance[(j, j)].max(0.0).sqrt())
 }
 
+/// From here on Student's t is the normal distribution with one correction: its
+/// next term is below 1e-11, and the exact inverse takes longer with each degree.
+const MANY_DEGREES: usize = 1_000_000;
+
 /// Two-sided quantile of Student's t, or of the normal without degrees of freedom.
+///
+/// # Errors
+/// A confidence outside (0, 1), or no degree of freedom.
 pub(crate) fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Result<f64> {
+    if !(confidence > 0.0 && confidence < 1.0) {
+        let message = format!("The confidence is {confidence}; it must lie between 0 and 1.");
+        return Err(Error::new(Code::InvalidValue, message));
+    }
     let p = 0.5 + 0.5 * confidence;
-    let failed = |_| Error::new(Code::Internal, "A quantile could not be computed.");
-    Ok(match degrees_of_freedom {
-        Some(dof) => StudentsT::new(0.0, 1.0, dof as f64)
-            .map_err(|_| Error::new(Code::Internal, "A quantile could not be computed."))?
-            .inverse_cdf(p),
-        None => Normal::new(0.0, 1.0).map_err(failed)?.inverse_cdf(p),
-    })
+    let failed = || Error::new(Code::Internal, "A quantile could not be computed.");
+    let normal = || -> Result<f64> {
+        let normal = Normal::new(0.0, 1.0).map_err(|_| failed())?;
+        Ok(normal.inverse_cdf(p))
+    };
+    match degrees_of_freedom {
+        Some(0) => {
+            let message = "Without a degree of freedom there is no interval.";
+            Err(Error::new(Code::TooFewData, message))
+        }
+        // Cornish and Fisher, first term (Abramowitz and Stegun 26.7.5).
+        Some(dof) if dof > MANY_DEGREES => {
+            let z = normal()?;
+            Ok(z + (z * z * z + z) / (4.0 * dof as f64))
+        }
+        Some(dof) => {
+            let student = StudentsT::new(0.0, 1.0, dof as f64).map_err(|_| failed())?;
+            Ok(student.inverse_cdf(p))
+        }
+        None => normal(),
+    }
 }
 
 /// Estimate of k = 1/H with its interval, asymmetric because k is not linear
@@ -225,6 +250,26 @@ mod tests {
         ];
         for (dof, expected) in table {
             assert!((quantile(dof, 0.95).unwrap() / expected - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn many_degrees_of_freedom_take_no_time_and_join_the_exact_ones() {
+        let [exact, close] = [MANY_DEGREES, MANY_DEGREES + 1].map(|n| quantile(Some(n), 0.95));
+        assert!((exact.unwrap() - close.unwrap()).abs() < 1e-9);
+        let largest = quantile(Some(usize::MAX), 0.95).unwrap();
+        assert!((largest - quantile(None, 0.95).unwrap()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_quantile_that_does_not_exist_is_an_error() {
+        for (dof, confidence) in [
+            (Some(0), 0.95),
+            (None, 1.0),
+            (None, f64::NAN),
+            (Some(3), 95.0),
+        ] {
+            assert!(!quantile(dof, confidence).unwrap_err().code().is_internal());
         }
     }
 }
