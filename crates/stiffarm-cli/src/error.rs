@@ -54,6 +54,12 @@ pub fn report(session: &Session, error: &Error) -> ExitCode {
     ExitCode::from(exit_code(error.code()))
 }
 
+/// As [`report`], always as text on standard error: a result stands on standard output.
+pub fn report_beside(session: &Session, error: &Error) -> ExitCode {
+    session.print_error(&draw(session, error));
+    ExitCode::from(exit_code(error.code()))
+}
+
 /// Prints what clap says: help and version on standard output, usage errors on
 /// standard error, or as JSON where the line asks for it.
 pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {

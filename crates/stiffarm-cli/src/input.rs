@@ -1,5 +1,6 @@
 //! Reading: files, standard input, built-in files.
 
+use crate::files::{FileId, of_stdin};
 use crate::session::{Input, Session};
 use std::io::Read;
 use std::path::Path;
@@ -126,6 +127,12 @@ impl Session {
     /// asked for twice.
     pub fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)> {
         let is_stdin = from == "-";
+        let id = match is_stdin {
+            true => of_stdin(),
+            false if from.starts_with(builtin::PREFIX) => None,
+            false => Some(FileId::of(Path::new(from))),
+        };
+        self.refuse_output(id.as_ref(), if is_stdin { STDIN } else { from })?;
         let (name, bytes) = if is_stdin {
             (STDIN.to_string(), self.read_stdin()?)
         } else if let Some(name) = from.strip_prefix(builtin::PREFIX) {
@@ -143,6 +150,7 @@ impl Session {
             bytes: bytes.clone(),
             sha256,
             is_stdin,
+            id,
         });
         Ok((name, bytes))
     }

@@ -39,7 +39,11 @@ fn main() -> ExitCode {
         run(&session, &cli.command)
     });
     match ran {
-        Ok(exit) => ExitCode::from(exit.code()),
+        Ok(exit) => match session.failure() {
+            // The result is on standard output already.
+            Some(error) => error::report_beside(&session, &error),
+            None => ExitCode::from(exit.code()),
+        },
         Err(fault) => error::report(&session, &fault),
     }
 }

@@ -1,10 +1,25 @@
 //! Writing files: never over existing ones unasked, and never half.
+//!
+//! Everything that can be known before the work is checked before it: that the
+//! folder is there and can be written to, that no file exists unasked, that no
+//! two results and no input are the same file in another spelling. What fails
+//! all the same, a disk that has filled up, costs the file and not the result:
+//! it is printed.
+
+mod identity;
+mod temporary;
+
+pub use identity::{FileId, of_stdin};
 
 use crate::session::Session;
-use std::fs::{self, OpenOptions};
-use std::io::Write;
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use stiffarm::{Code, Error, Result};
+use temporary::Temporary;
+
+/// Links that a link may lead over; as many as Linux follows.
+const MOST_LINKS: usize = 40;
 
 /// A place to write to that was checked beforehand.
 #[derive(Debug, Clone)]
@@ -21,7 +36,8 @@ impl Target {
     /// Checks `path` (`-` is standard output) before any work is done for it.
     ///
     /// # Errors
-    /// The file exists and `force` is not given, or its folder is missing.
+    /// The file exists and `force` is not given, its folder is missing or
+    /// cannot be written to.
     pub fn new(path: &str, force: bool) -> Result<Self> {
         if path == "-" {
             return Ok(Target::Stdout);
@@ -35,34 +51,45 @@ impl Target {
     /// As [`Target::new`].
     pub fn file(path: &Path, force: bool) -> Result<Self> {
         let shown = path.display().to_string();
-        match fs::metadata(path) {
-            Ok(meta) if meta.is_dir() => Err(Error::new(
+        let exists = |message: &str| {
+            Error::new(Code::FileExists, message)
+                .file(shown.as_str())
+                .hint("add --force to overwrite it, or choose another name")
+        };
+        let target = match fs::metadata(path) {
+            Ok(meta) if meta.is_dir() => {
+                return Err(
+                    Error::new(Code::FileWrite, "This is a folder; the output is a file.")
+                        .file(shown)
+                        .hint("give a file name inside it"),
+                );
+            }
+            Ok(meta) if !meta.is_file() => return Ok(Target::Device(path.to_path_buf())),
+            Ok(_) if !force => return Err(exists("The file exists already.")),
+            // A link stays a link: what it points to is replaced.
+            Ok(_) => fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()),
+            Err(e) if e.kind() == ErrorKind::NotFound => match fs::symlink_metadata(path) {
+                Ok(_) if !force => {
+                    return Err(exists("This is a link to a file that is not there."));
+                }
+                Ok(_) => link_end(path)?,
+                Err(_) => path.to_path_buf(),
+            },
+            // No folder on the way, or one that may not be looked into, is said below.
+            Err(_) if !folder_of(path).is_dir() => path.to_path_buf(),
+            Err(e) => return Err(write_error(path, &e)),
+        };
+        let folder = folder_of(&target);
+        if !folder.is_dir() {
+            return Err(Error::new(
                 Code::FileWrite,
-                "This is a folder; the output is a file.",
+                format!("There is no folder {}.", folder.display()),
             )
             .file(shown)
-            .hint("give a file name inside it")),
-            Ok(meta) if !meta.is_file() => Ok(Target::Device(path.to_path_buf())),
-            Ok(_) if !force => Err(Error::new(Code::FileExists, "The file exists already.")
-                .file(shown)
-                .hint("add --force to overwrite it, or choose another name")),
-            // A link stays a link: what it points to is replaced.
-            Ok(_) => Ok(Target::File(
-                fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()),
-            )),
-            Err(_) => {
-                let folder = folder_of(path);
-                if folder.is_dir() {
-                    return Ok(Target::File(path.to_path_buf()));
-                }
-                Err(Error::new(
-                    Code::FileWrite,
-                    format!("There is no folder {}.", folder.display()),
-                )
-                .file(shown)
-                .hint("make the folder first"))
-            }
+            .hint("make the folder first"));
         }
+        temporary::probe(&target).map_err(|e| write_error(path, &e))?;
+        Ok(Target::File(target))
     }
 
     /// True for standard output.
@@ -71,35 +98,39 @@ impl Target {
     }
 }
 
+/// The file that a link to nothing would be.
+fn link_end(path: &Path) -> Result<PathBuf> {
+    let mut end = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&end) {
+            Ok(next) => end = folder_of(&end).join(next),
+            Err(_) => return Ok(end),
+        }
+    }
+    let error = Error::new(Code::FileWrite, "The links lead in a circle.");
+    Err(error.file(path.display().to_string()))
+}
+
 /// The file of a command that writes one result, where it is asked for.
 ///
 /// # Errors
-/// As [`Target::new`] and [`check_one_stdout`].
+/// As [`Target::new`] and [`check_targets`].
 pub fn only_target(session: &Session, path: Option<&str>, force: bool) -> Result<Option<Target>> {
     let target = path.map(|path| Target::new(path, force)).transpose()?;
-    check_one_stdout(session, &[target.as_ref()])?;
+    check_targets(session, &[target.as_ref()])?;
     Ok(target)
 }
 
-/// Refuses a second use of standard output.
+/// Refuses a second use of standard output, and a file that is written twice
+/// or that the command reads.
 ///
 /// # Errors
-/// More than one of `targets`, or one of them and `--json`, is standard output.
-pub fn check_one_stdout(session: &Session, targets: &[Option<&Target>]) -> Result<()> {
-    for (i, target) in targets.iter().enumerate() {
-        let (Some(Target::File(path)), rest) = (target, &targets[..i]) else {
-            continue;
-        };
-        if rest
-            .iter()
-            .flatten()
-            .any(|other| matches!(other, Target::File(p) if p == path))
-        {
-            return Err(
-                Error::new(Code::Usage, "Two results would go to the same file.")
-                    .file(path.display().to_string())
-                    .hint("give each a name of its own"),
-            );
+/// More than one of `targets`, or one of them and `--json`, is standard output;
+/// two are one file, in whatever spelling; one is an input.
+pub fn check_targets(session: &Session, targets: &[Option<&Target>]) -> Result<()> {
+    for target in targets.iter().flatten() {
+        if let Target::File(path) = target {
+            session.will_write(path)?;
         }
     }
     let used = targets
@@ -119,67 +150,138 @@ pub fn check_one_stdout(session: &Session, targets: &[Option<&Target>]) -> Resul
 /// Writes all files, or none: each is complete under a temporary name beside
 /// its target before the first gets its own.
 ///
+/// A file that cannot be written is no error here: its text is printed where it
+/// is a table, the session remembers the failure ([`Session::fail`]), and the
+/// command goes on to show its result.
+///
 /// # Errors
-/// A file cannot be written.
+/// A file is an input of the same command, or standard output cannot be written.
 pub fn write_all(session: &Session, files: &[(Target, String)]) -> Result<()> {
     for (target, _) in files {
         let Target::File(path) = target else { continue };
-        if session.has_read(path) {
-            return Err(Error::new(
-                Code::Conflict,
-                "This file is an input of the same command, and it is not overwritten even with --force.",
-            )
-            .file(path.display().to_string())
-            .hint("give the output another name"));
-        }
+        session.refuse_input(path)?;
     }
-    let mut finished: Vec<(PathBuf, &PathBuf)> = Vec::new();
-    let written = files.iter().try_for_each(|(target, text)| match target {
+    let Err(error) = place_all(files) else {
+        let to_stdout = files.iter().filter(|(target, _)| target.is_stdout());
+        return to_stdout
+            .into_iter()
+            .try_for_each(|(_, text)| session.print(text));
+    };
+    session.fail(error);
+    files.iter().try_for_each(|(target, text)| match target {
         Target::Stdout => session.print(text),
-        Target::Device(path) => fs::write(path, text).map_err(|e| write_error(path, &e)),
-        Target::File(path) => {
-            let temporary = temporary_name(path);
-            finished.push((temporary.clone(), path));
-            write_new(&temporary, text).map_err(|e| write_error(path, &e))
+        Target::File(path) | Target::Device(path) => print_instead(session, path, text),
+    })
+}
+
+/// Writes `files` to `folder`, which is made where it is not there, as
+/// [`write_all`] does: it may have changed since [`check_folder`].
+///
+/// # Errors
+/// As [`write_all`].
+pub fn write_folder(
+    session: &Session,
+    folder: &Path,
+    files: Vec<(String, String)>,
+    force: bool,
+) -> Result<()> {
+    let target = |(name, _): &(String, String)| Target::file(&folder.join(name), force);
+    let targets: Result<Vec<Target>> =
+        make_folder(folder).and_then(|()| files.iter().map(target).collect());
+    match targets {
+        Ok(targets) => {
+            let texts = files.into_iter().map(|(_, text)| text);
+            write_all(session, &targets.into_iter().zip(texts).collect::<Vec<_>>())
         }
-    });
-    let placed = written.and_then(|()| {
-        finished.iter().try_for_each(|(temporary, path)| {
-            fs::rename(temporary, path).map_err(|e| write_error(path, &e))
-        })
-    });
-    if placed.is_err() {
-        for (temporary, _) in &finished {
-            // It may be placed already, or never have been made.
-            let _ = fs::remove_file(temporary);
+        Err(error) => {
+            session.fail(error);
+            files
+                .iter()
+                .try_for_each(|(name, text)| print_instead(session, &folder.join(name), text))
         }
     }
-    placed
+}
+
+/// Prints a table that could not be written. Pictures and objects are no use on
+/// a screen, and what they show is printed anyway.
+fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
+    match is_table(path) && !session.json {
+        true => session.print(&format!("not written, {}:\n{text}\n", path.display())),
+        false => Ok(()),
+    }
+}
+
+fn is_table(path: &Path) -> bool {
+    !path.extension().is_some_and(|e| {
+        ["svg", "json"]
+            .iter()
+            .any(|other| e.eq_ignore_ascii_case(other))
+    })
+}
+
+/// Writes the files and devices among `files`.
+fn place_all(files: &[(Target, String)]) -> Result<()> {
+    let mut finished: Vec<(Temporary, &PathBuf)> = Vec::new();
+    for (target, text) in files {
+        if let Target::File(path) = target {
+            let temporary =
+                Temporary::write(path, text.as_bytes()).map_err(|e| write_error(path, &e))?;
+            finished.push((temporary, path));
+        }
+    }
+    for (target, text) in files {
+        if let Target::Device(path) = target {
+            fs::write(path, text).map_err(|e| write_error(path, &e))?;
+        }
+    }
+    // The only moment at which a kill leaves new files beside old ones.
+    finished
+        .into_iter()
+        .try_for_each(|(temporary, path)| temporary.place(path).map_err(|e| write_error(path, &e)))
 }
 
 /// Checks, before any work, that the files `names` can be written to `folder`.
 ///
 /// # Errors
-/// The folder is a file, or holds one of the files and `force` is not given.
+/// The folder is a file, cannot be made or written to; it holds one of the
+/// files and `force` is not given; one of the files is an input.
 pub fn check_folder<'n>(
+    session: &Session,
     folder: &Path,
     names: impl IntoIterator<Item = &'n str>,
     force: bool,
 ) -> Result<()> {
+    let shown = || folder.display().to_string();
     if folder.exists() && !folder.is_dir() {
         return Err(
             Error::new(Code::FileWrite, "This is a file; the output is a folder.")
-                .file(folder.display().to_string())
+                .file(shown())
                 .hint("give another --output-dir"),
         );
     }
-    let existing = names.into_iter().map(|name| folder.join(name));
-    match existing.into_iter().find(|path| path.exists() && !force) {
-        None => Ok(()),
-        Some(path) => Err(Error::new(Code::FileExists, "The file exists already.")
-            .file(path.display().to_string())
-            .hint("add --force to overwrite it, or give another --output-dir")),
+    if folder.is_dir() {
+        for name in names {
+            let target = Target::file(&folder.join(name), force).map_err(|e| match e.code() {
+                Code::FileExists => {
+                    e.hint("add --force to overwrite it, or give another --output-dir")
+                }
+                _ => e,
+            })?;
+            if let Target::File(path) = target {
+                session.will_write(&path)?;
+            }
+        }
+        return Ok(());
     }
+    // The nearest folder that is there, in which the others will be made.
+    let nearest = folder.ancestors().skip(1).find(|above| above.is_dir());
+    let nearest = nearest.unwrap_or(Path::new("."));
+    let inside = folder
+        .file_name()
+        .map_or_else(|| nearest.to_path_buf(), |name| nearest.join(name));
+    temporary::probe(&inside).map_err(|e| {
+        Error::new(Code::FileWrite, format!("The folder cannot be made: {e}.")).file(shown())
+    })
 }
 
 /// Makes a folder with those above it.
@@ -190,13 +292,8 @@ pub fn make_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(|e| {
         Error::new(Code::FileWrite, format!("The folder cannot be made: {e}."))
             .file(path.display().to_string())
+            .hint("check the permissions of the folder above it")
     })
-}
-
-fn write_new(path: &Path, text: &str) -> std::io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
-    file.write_all(text.as_bytes())?;
-    file.sync_all()
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -204,14 +301,6 @@ fn folder_of(path: &Path) -> PathBuf {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
         _ => PathBuf::from("."),
     }
-}
-
-fn temporary_name(path: &Path) -> PathBuf {
-    let name = path
-        .file_name()
-        .map(|n| n.to_string_lossy().into_owned())
-        .unwrap_or_default();
-    folder_of(path).join(format!(".{name}.{}.tmp", std::process::id()))
 }
 
 fn write_error(path: &Path, error: &std::io::Error) -> Error {

@@ -2,7 +2,7 @@
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::commands::is_relative_error;
-use crate::files::{Target, check_one_stdout, write_all};
+use crate::files::{Target, check_targets, write_all};
 use crate::input::NamedCell;
 use crate::numbers::optional;
 use crate::output::Envelope;
@@ -116,7 +116,7 @@ impl Outputs {
                 .transpose()
         };
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
-        check_one_stdout(session, &[main.as_ref(), sheet.as_ref()])?;
+        check_targets(session, &[main.as_ref(), sheet.as_ref()])?;
         let options = SheetOptions {
             states: args.states.clone(),
             drift: args.drift,
