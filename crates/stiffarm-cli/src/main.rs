@@ -13,6 +13,7 @@ mod output;
 mod path;
 mod progress;
 mod saved;
+mod screen;
 mod session;
 mod table;
 

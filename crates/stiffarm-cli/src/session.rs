@@ -5,7 +5,11 @@ use crate::files::FileId;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
+use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
+
+/// Threads that are started on a machine of fewer cores.
+const MOST_THREADS: usize = 16;
 
 /// One file that was read.
 pub struct Input {
@@ -64,14 +68,16 @@ impl Session {
         let Some(threads) = global.threads else {
             return Ok(());
         };
+        // More threads than cores gain nothing, and each takes memory.
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
         rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
+            .num_threads(usize::from(threads).min(cores.max(MOST_THREADS)))
             .build_global()
             .map_err(|e| {
-                Error::new(
-                    Code::Internal,
-                    format!("{threads} threads could not be started: {e}."),
-                )
+                let message = format!("{threads} threads could not be started: {e}.");
+                Error::new(Code::Usage, message)
+                    .key("--threads")
+                    .hint("give fewer; the results are the same")
             })
     }
 
@@ -95,7 +101,7 @@ impl Session {
         if self.outputs.borrow().iter().any(|other| other.is(&id)) {
             return Err(
                 Error::new(Code::Usage, "Two results would go to the same file.")
-                    .file(path.display().to_string())
+                    .file(visible(&path.to_string_lossy()).into_owned())
                     .hint("give each a name of its own"),
             );
         }
@@ -112,7 +118,7 @@ impl Session {
         let inputs = self.inputs.borrow();
         let ids = inputs.iter().filter_map(|input| input.id.as_ref());
         match ids.into_iter().any(|input| input.is(&id)) {
-            true => Err(is_input(path.display().to_string())),
+            true => Err(is_input(visible(&path.to_string_lossy()).into_owned())),
             false => Ok(()),
         }
     }

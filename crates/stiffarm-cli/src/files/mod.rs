@@ -15,6 +15,7 @@ use crate::session::Session;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
 use temporary::Temporary;
 
@@ -50,17 +51,17 @@ impl Target {
     /// # Errors
     /// As [`Target::new`].
     pub fn file(path: &Path, force: bool) -> Result<Self> {
-        let shown = path.display().to_string();
+        let name = shown(path);
         let exists = |message: &str| {
             Error::new(Code::FileExists, message)
-                .file(shown.as_str())
+                .file(name.as_str())
                 .hint("add --force to overwrite it, or choose another name")
         };
         let target = match fs::metadata(path) {
             Ok(meta) if meta.is_dir() => {
                 return Err(
                     Error::new(Code::FileWrite, "This is a folder; the output is a file.")
-                        .file(shown)
+                        .file(name)
                         .hint("give a file name inside it"),
                 );
             }
@@ -83,9 +84,9 @@ impl Target {
         if !folder.is_dir() {
             return Err(Error::new(
                 Code::FileWrite,
-                format!("There is no folder {}.", folder.display()),
+                format!("There is no folder {}.", shown(&folder)),
             )
-            .file(shown)
+            .file(name)
             .hint("make the folder first"));
         }
         temporary::probe(&target).map_err(|e| write_error(path, &e))?;
@@ -108,7 +109,7 @@ fn link_end(path: &Path) -> Result<PathBuf> {
         }
     }
     let error = Error::new(Code::FileWrite, "The links lead in a circle.");
-    Err(error.file(path.display().to_string()))
+    Err(error.file(shown(path)))
 }
 
 /// The file of a command that writes one result, where it is asked for.
@@ -165,11 +166,11 @@ pub fn write_all(session: &Session, files: &[(Target, String)]) -> Result<()> {
         let to_stdout = files.iter().filter(|(target, _)| target.is_stdout());
         return to_stdout
             .into_iter()
-            .try_for_each(|(_, text)| session.print(text));
+            .try_for_each(|(_, text)| session.print_exact(text));
     };
     session.fail(error);
     files.iter().try_for_each(|(target, text)| match target {
-        Target::Stdout => session.print(text),
+        Target::Stdout => session.print_exact(text),
         Target::File(path) | Target::Device(path) => print_instead(session, path, text),
     })
 }
@@ -206,7 +207,7 @@ pub fn write_folder(
 /// a screen, and what they show is printed anyway.
 fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
     match is_table(path) && !session.json {
-        true => session.print(&format!("not written, {}:\n{text}\n", path.display())),
+        true => session.print(&format!("not written, {}:\n{text}\n", shown(path))),
         false => Ok(()),
     }
 }
@@ -251,11 +252,11 @@ pub fn check_folder<'n>(
     names: impl IntoIterator<Item = &'n str>,
     force: bool,
 ) -> Result<()> {
-    let shown = || folder.display().to_string();
+    let name = shown(folder);
     if folder.exists() && !folder.is_dir() {
         return Err(
             Error::new(Code::FileWrite, "This is a file; the output is a folder.")
-                .file(shown())
+                .file(name)
                 .hint("give another --output-dir"),
         );
     }
@@ -280,7 +281,7 @@ pub fn check_folder<'n>(
         .file_name()
         .map_or_else(|| nearest.to_path_buf(), |name| nearest.join(name));
     temporary::probe(&inside).map_err(|e| {
-        Error::new(Code::FileWrite, format!("The folder cannot be made: {e}.")).file(shown())
+        Error::new(Code::FileWrite, format!("The folder cannot be made: {e}.")).file(name)
     })
 }
 
@@ -291,9 +292,14 @@ pub fn check_folder<'n>(
 pub fn make_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(|e| {
         Error::new(Code::FileWrite, format!("The folder cannot be made: {e}."))
-            .file(path.display().to_string())
+            .file(shown(path))
             .hint("check the permissions of the folder above it")
     })
+}
+
+/// A path as messages show it.
+fn shown(path: &Path) -> String {
+    visible(&path.to_string_lossy()).into_owned()
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -308,6 +314,6 @@ fn write_error(path: &Path, error: &std::io::Error) -> Error {
         Code::FileWrite,
         format!("The file cannot be written: {error}."),
     )
-    .file(path.display().to_string())
+    .file(shown(path))
     .hint("check the folder's permissions and the free space")
 }

@@ -12,7 +12,8 @@ fn every_kind_of_result_is_read_back() {
     let kinds = [
         "m.csv",
         "m.csv --brief",
-        "m.csv --bootstrap 200 --terms tilt2,lost",
+        "m.csv --terms tilt2,lost",
+        "m.csv --bootstrap 200 --estimator ordinary",
         "m.csv --estimator huber --confidence 0.999",
         "m.csv --estimator non-negative --noise known",
         "r.csv",

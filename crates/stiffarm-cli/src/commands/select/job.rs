@@ -10,6 +10,7 @@ use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::check_name;
 use stiffarm::files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
@@ -117,6 +118,9 @@ impl Outputs {
         };
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
         check_targets(session, &[main.as_ref(), sheet.as_ref()])?;
+        for state in &args.states {
+            check_name(state).map_err(|e| e.key("--states"))?;
+        }
         let options = SheetOptions {
             states: args.states.clone(),
             drift: args.drift,

@@ -5,6 +5,7 @@ use super::keys::below;
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{AngleEstimate, Estimates, JointEstimate, Verdict};
+use crate::files::names::fault_of;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -128,6 +129,9 @@ pub(super) fn postures(result: &Value, key: &str) -> Result<(Vec<String>, Option
             let error = fault("The posture has no name.".to_string());
             return Err(error.key(below(&key, "posture")));
         };
+        if let Some(wrong) = fault_of(name) {
+            return Err(fault(wrong.to_string()).key(below(&key, "posture")));
+        }
         names.push(name.to_string());
         if let Some(rms) = scatter(posture, "displacement_rms_m", &key)? {
             largest = Some(largest.map_or(rms, |most| most.max(rms)));
