@@ -191,7 +191,7 @@ mod tests {
     fn hidden_characters_are_drawn_in_letters() {
         let drawn = picture("a\u{1b}[31m,x\rb", 7..8, None);
         assert!(
-            drawn.contains(" 1 │ a\\u{1b}[31m,x\\rb\n   ·            ─\n"),
+            drawn.contains(" 1 │ a\\u{1b}[31m,x\\rb\n   ·             ─\n"),
             "{drawn}"
         );
     }

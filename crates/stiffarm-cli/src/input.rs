@@ -1,6 +1,6 @@
 //! Reading: files, standard input, built-in files.
 
-use crate::files::{FileId, of_stdin};
+use crate::identity::{FileId, of_stdin};
 use crate::session::{Input, Session};
 use std::io::Read;
 use std::path::Path;

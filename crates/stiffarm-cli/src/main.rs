@@ -6,6 +6,7 @@ mod error;
 mod examples;
 mod excerpt;
 mod files;
+mod identity;
 mod input;
 mod interrupt;
 mod numbers;

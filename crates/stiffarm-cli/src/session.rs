@@ -1,7 +1,7 @@
 //! What all commands share: the way they were asked to speak, and what they read.
 
 use crate::args::Global;
-use crate::files::FileId;
+use crate::identity::FileId;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -55,7 +55,7 @@ impl Table {
     ) {
         self.headings.push((heading.to_string(), align));
         for (row, field) in self.rows.iter_mut().zip(fields) {
-            row.push(field.to_string());
+            row.push(field.replace('\n', "\\n"));
         }
     }
 

@@ -6,11 +6,9 @@
 //! all the same, a disk that has filled up, costs the file and not the result:
 //! it is printed.
 
-mod identity;
 mod temporary;
 
-pub use identity::{FileId, of_stdin};
-
+use crate::identity::folder_of;
 use crate::session::Session;
 use std::fs;
 use std::io::ErrorKind;
@@ -300,13 +298,6 @@ pub fn make_folder(path: &Path) -> Result<()> {
 /// A path as messages show it.
 fn shown(path: &Path) -> String {
     visible(&path.to_string_lossy()).into_owned()
-}
-
-fn folder_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
-        _ => PathBuf::from("."),
-    }
 }
 
 fn write_error(path: &Path, error: &std::io::Error) -> Error {

@@ -5,7 +5,7 @@
 //! the process however it ends, so a file without lock belongs to nobody.
 //! Process numbers would not do: in containers most runs have the same one.
 
-use super::folder_of;
+use crate::identity::folder_of;
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -32,8 +32,11 @@ impl Temporary {
     pub fn write(target: &Path, bytes: &[u8]) -> Result<Self> {
         clean_up(target);
         let mut temporary = Temporary::new(target)?;
+        // A file system without permissions has none to keep, and read-only on
+        // Windows would forbid the new name.
+        #[cfg(unix)]
         if let Ok(meta) = fs::metadata(target) {
-            temporary.file.set_permissions(meta.permissions())?;
+            let _ = temporary.file.set_permissions(meta.permissions());
         }
         temporary.file.write_all(bytes)?;
         temporary.file.sync_all()?;

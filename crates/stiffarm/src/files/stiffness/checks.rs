@@ -4,7 +4,7 @@ use super::fault;
 use super::keys::below;
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{AngleEstimate, Estimates, JointEstimate, Verdict};
+use crate::estimate::identify::{AngleEstimate, Estimates, JointEstimate, NoiseSource, Verdict};
 use crate::files::names::fault_of;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
@@ -199,8 +199,14 @@ pub(super) fn estimates(found: &Estimates, cell: &Cell, key: &str) -> Result<()>
             let message = "Intervals without a degree of freedom: they contradict each other.";
             Err(fault(message.to_string()).key(at("interval_degrees_of_freedom")))
         }
-        Some(dof) if dof > MOST_ROWS => {
-            let message = format!("No experiment has {dof} degrees of freedom.");
+        // Repeated readings have degrees of freedom of their own.
+        Some(dof)
+            if dof > MOST_ROWS || (found.noise != NoiseSource::Repeats && dof > found.rows) =>
+        {
+            let message = format!(
+                "{dof} degrees of freedom cannot come from {} rows.",
+                found.rows
+            );
             Err(fault(message).key(at("interval_degrees_of_freedom")))
         }
         _ => Ok(()),

@@ -65,6 +65,12 @@ fn suggested(error: Error, name: &str, known: &[&str]) -> Error {
 
 fn read(bytes: &[u8], cell: &Cell) -> Result<SavedStiffness> {
     let json = json::parse(bytes)?;
+    if json.get(BARE).is_some() && (json.get("result").is_some() || json.get("joints").is_some()) {
+        let message = "A list of stiffness beside a result: only one of them could count.";
+        return Err(fault(message.to_string())
+            .key(BARE)
+            .hint("keep one of them"));
+    }
     if json.get(BARE).is_some() {
         keys::check(&json, "", &[BARE])?;
         let stiffness = bare(&json[BARE], cell)?;

@@ -16,7 +16,7 @@ impl FileId {
     /// The file that `path` means, whether it is there or not.
     pub fn of(path: &Path) -> Self {
         let inside = || {
-            let folder = fs::canonicalize(super::folder_of(path)).ok()?;
+            let folder = fs::canonicalize(folder_of(path)).ok()?;
             Some(folder.join(path.file_name()?))
         };
         FileId {
@@ -29,6 +29,14 @@ impl FileId {
     pub fn is(&self, other: &FileId) -> bool {
         let same = |a: &Option<PathBuf>, b: &Option<PathBuf>| a.is_some() && a == b;
         same(&self.path, &other.path) || (self.inode.is_some() && self.inode == other.inode)
+    }
+}
+
+/// The folder that a path is in.
+pub fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+        _ => PathBuf::from("."),
     }
 }
 
