@@ -2,6 +2,7 @@
 
 use crate::excerpt::excerpt;
 use crate::output::to_json;
+use crate::screen::rendered;
 use crate::session::Session;
 use crate::table::paint;
 use anstyle::AnsiColor;
@@ -47,10 +48,16 @@ pub fn exit_code(code: Code) -> u8 {
 pub fn report(session: &Session, error: &Error) -> ExitCode {
     if session.json {
         // A reader that has gone needs no error.
-        let _ = session.print(&json(error));
+        let _ = session.print_exact(&json(error));
     } else {
         session.print_error(&draw(session, error));
     }
+    ExitCode::from(exit_code(error.code()))
+}
+
+/// As [`report`], always as text on standard error: a result stands on standard output.
+pub fn report_beside(session: &Session, error: &Error) -> ExitCode {
+    session.print_error(&draw(session, error));
     ExitCode::from(exit_code(error.code()))
 }
 
@@ -59,8 +66,13 @@ pub fn report(session: &Session, error: &Error) -> ExitCode {
 pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {
     let code = u8::try_from(stop.exit_code()).unwrap_or(2);
     if !json_wanted || !stop.use_stderr() {
+        let text = stop.render().to_string();
         // A reader that has gone needs no help.
-        let _ = stop.print();
+        let _ = match text == rendered(&text) {
+            true => stop.print(),
+            // A word of the line that is more than letters, without clap's styles.
+            false => std::io::stderr().write_all(rendered(&text).as_bytes()),
+        };
         return ExitCode::from(code);
     }
     let text = stop.render().to_string();

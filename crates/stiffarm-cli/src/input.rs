@@ -1,5 +1,6 @@
 //! Reading: files, standard input, built-in files.
 
+use crate::identity::{FileId, of_stdin};
 use crate::session::{Input, Session};
 use std::io::Read;
 use std::path::Path;
@@ -7,6 +8,7 @@ use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell_bytes;
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::table::{read_measurements, read_postures, sha256_hex};
+use stiffarm::findings::visible;
 use stiffarm::measure::reduction::ReduceOptions;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Measurements;
@@ -126,13 +128,19 @@ impl Session {
     /// asked for twice.
     pub fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)> {
         let is_stdin = from == "-";
+        let id = match is_stdin {
+            true => of_stdin(),
+            false if from.starts_with(builtin::PREFIX) => None,
+            false => Some(FileId::of(Path::new(from))),
+        };
+        self.refuse_output(id.as_ref(), &visible(if is_stdin { STDIN } else { from }))?;
         let (name, bytes) = if is_stdin {
             (STDIN.to_string(), self.read_stdin()?)
         } else if let Some(name) = from.strip_prefix(builtin::PREFIX) {
             (from.to_string(), read_builtin(name)?)
         } else {
             (
-                from.to_string(),
+                visible(from).into_owned(),
                 std::fs::read(from).map_err(|e| read_error(from, &e))?,
             )
         };
@@ -143,6 +151,7 @@ impl Session {
             bytes: bytes.clone(),
             sha256,
             is_stdin,
+            id,
         });
         Ok((name, bytes))
     }
@@ -215,5 +224,7 @@ fn read_error(from: &str, error: &std::io::Error) -> Error {
     } else {
         format!("The file cannot be read: {error}.")
     };
-    Error::new(Code::FileRead, message).file(from).hint(hint)
+    Error::new(Code::FileRead, message)
+        .file(visible(from))
+        .hint(hint)
 }

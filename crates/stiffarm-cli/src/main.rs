@@ -6,6 +6,7 @@ mod error;
 mod examples;
 mod excerpt;
 mod files;
+mod identity;
 mod input;
 mod interrupt;
 mod numbers;
@@ -13,6 +14,7 @@ mod output;
 mod path;
 mod progress;
 mod saved;
+mod screen;
 mod session;
 mod table;
 
@@ -39,7 +41,11 @@ fn main() -> ExitCode {
         run(&session, &cli.command)
     });
     match ran {
-        Ok(exit) => ExitCode::from(exit.code()),
+        Ok(exit) => match session.failure() {
+            // The result is on standard output already.
+            Some(error) => error::report_beside(&session, &error),
+            None => ExitCode::from(exit.code()),
+        },
         Err(fault) => error::report(&session, &fault),
     }
 }

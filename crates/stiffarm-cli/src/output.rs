@@ -1,10 +1,12 @@
 //! Printing: tables for people, one JSON object for machines.
 
 use crate::files::{Target, write_all};
+use crate::screen::rendered;
 use crate::session::Session;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Write};
+use stiffarm::findings::is_hidden;
 use stiffarm::{Code, Error, Result};
 
 /// How a command ended, where it ended without an error.
@@ -82,11 +84,10 @@ impl Session {
     /// # Errors
     /// Standard output cannot be written.
     pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
-        self.print(&if self.json {
-            to_json(envelope)?
-        } else {
-            table()
-        })
+        match self.json {
+            true => self.print_exact(&to_json(envelope)?),
+            false => self.print(&table()),
+        }
     }
 
     /// Writes the JSON object to `target`, if there is one, and shows the result:
@@ -102,7 +103,7 @@ impl Session {
     ) -> Result<()> {
         match target {
             Some(Target::Stdout) => {
-                self.print(&to_json(envelope)?)?;
+                self.print_exact(&to_json(envelope)?)?;
                 self.remark(&table());
                 return Ok(());
             }
@@ -112,11 +113,20 @@ impl Session {
         self.show(envelope, table)
     }
 
-    /// Prints to standard output. A reader that has gone is no error.
+    /// Prints text for people to standard output: what others wrote in it is
+    /// shown and not obeyed. A reader that has gone is no error.
     ///
     /// # Errors
     /// Standard output cannot be written.
     pub fn print(&self, text: &str) -> Result<()> {
+        self.print_exact(&rendered(text))
+    }
+
+    /// Prints the content of a file, or an object, as it is.
+    ///
+    /// # Errors
+    /// As [`Session::print`].
+    pub fn print_exact(&self, text: &str) -> Result<()> {
         let mut out = anstream::AutoStream::new(std::io::stdout(), self.color).lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::new(
@@ -131,7 +141,7 @@ impl Session {
     pub fn print_error(&self, text: &str) {
         // Where standard error is closed there is nobody left to tell.
         let mut out = anstream::AutoStream::new(std::io::stderr(), self.color).lock();
-        let _ = out.write_all(text.as_bytes());
+        let _ = out.write_all(rendered(text).as_bytes());
     }
 
     /// A remark on standard error, unless the user wants quiet.
@@ -154,7 +164,28 @@ pub fn to_json(value: &impl Serialize) -> Result<String> {
             format!("The result cannot be written as JSON: {e}."),
         )
     })?;
-    Ok(join_plain_lists(&text) + "\n")
+    Ok(without_hidden(join_plain_lists(&text)) + "\n")
+}
+
+/// Hidden characters as JSON writes them in letters: they stand in strings only,
+/// and are read back as themselves.
+fn without_hidden(json: String) -> String {
+    let is_plain = |c: char| c == '\n' || !is_hidden(c);
+    if json.chars().all(is_plain) {
+        return json;
+    }
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        match is_plain(c) {
+            true => out.push(c),
+            false => {
+                for unit in c.encode_utf16(&mut [0; 2]) {
+                    out += &format!("\\u{unit:04x}");
+                }
+            }
+        }
+    }
+    out
 }
 
 /// Puts each list without lists or objects inside on one line.
@@ -218,6 +249,18 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("    [1, 2],\n    [3, 4]\n"), "{text}");
+    }
+
+    #[test]
+    fn hidden_characters_are_in_letters_and_read_back() {
+        let value = json!({"a\u{202e}": "b\u{1b}\u{85}\u{feff}\u{e0041}\nc"});
+        let text = to_json(&value).unwrap();
+        assert!(
+            text.contains(r"a\u202e") && text.contains(r"\udb40\udc41"),
+            "{text}"
+        );
+        assert!(text.chars().all(|c| c == '\n' || !is_hidden(c)));
+        assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What predict and compensate share: a path, its loads and its postures.
 
 use crate::args::PathArgs;
-use crate::files::{Target, check_one_stdout, write_all};
+use crate::files::{Target, check_targets, write_all};
 use crate::numbers::significant;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -208,7 +208,7 @@ impl Outputs {
     /// Checks both places before any work.
     ///
     /// # Errors
-    /// As [`Target::new`] and [`check_one_stdout`].
+    /// As [`Target::new`] and [`check_targets`].
     pub fn new(
         session: &Session,
         table: Option<&str>,
@@ -217,7 +217,7 @@ impl Outputs {
     ) -> Result<Self> {
         let target = |path: Option<&str>| path.map(|path| Target::new(path, force)).transpose();
         let (table, figure) = (target(table)?, target(figure)?);
-        check_one_stdout(session, &[table.as_ref(), figure.as_ref()])?;
+        check_targets(session, &[table.as_ref(), figure.as_ref()])?;
         Ok(Outputs { table, figure })
     }
 

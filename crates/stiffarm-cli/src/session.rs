@@ -1,9 +1,15 @@
 //! What all commands share: the way they were asked to speak, and what they read.
 
 use crate::args::Global;
+use crate::identity::FileId;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::path::Path;
+use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
+
+/// Threads that are started on a machine of fewer cores.
+const MOST_THREADS: usize = 16;
 
 /// One file that was read.
 pub struct Input {
@@ -17,6 +23,8 @@ pub struct Input {
     pub sha256: String,
     /// True for standard input.
     pub is_stdin: bool,
+    /// The file, where it is one.
+    pub id: Option<FileId>,
 }
 
 /// One run of the command.
@@ -29,6 +37,10 @@ pub struct Session {
     pub color: anstream::ColorChoice,
     /// Everything read so far: errors quote from it, results name its hashes.
     inputs: RefCell<Vec<Input>>,
+    /// Files that will be written.
+    outputs: RefCell<Vec<FileId>>,
+    /// Why a file could not be written.
+    failure: RefCell<Option<Error>>,
 }
 
 impl Session {
@@ -43,6 +55,8 @@ impl Session {
                 clap::ColorChoice::Never => anstream::ColorChoice::Never,
             },
             inputs: RefCell::new(Vec::new()),
+            outputs: RefCell::new(Vec::new()),
+            failure: RefCell::new(None),
         }
     }
 
@@ -54,14 +68,16 @@ impl Session {
         let Some(threads) = global.threads else {
             return Ok(());
         };
+        // More threads than cores gain nothing, and each takes memory.
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
         rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
+            .num_threads(usize::from(threads).min(cores.max(MOST_THREADS)))
             .build_global()
             .map_err(|e| {
-                Error::new(
-                    Code::Internal,
-                    format!("{threads} threads could not be started: {e}."),
-                )
+                let message = format!("{threads} threads could not be started: {e}.");
+                Error::new(Code::Usage, message)
+                    .key("--threads")
+                    .hint("give fewer; the results are the same")
             })
     }
 
@@ -75,16 +91,64 @@ impl Session {
         self.inputs.borrow().iter().any(|input| input.is_stdin)
     }
 
-    /// True when `path` is a file that was read.
-    pub fn has_read(&self, path: &std::path::Path) -> bool {
-        let Ok(path) = std::fs::canonicalize(path) else {
-            return false;
-        };
+    /// Remembers a file that will be written.
+    ///
+    /// # Errors
+    /// Another result goes to the same file, or it is an input.
+    pub fn will_write(&self, path: &Path) -> Result<()> {
+        self.refuse_input(path)?;
+        let id = FileId::of(path);
+        if self.outputs.borrow().iter().any(|other| other.is(&id)) {
+            return Err(
+                Error::new(Code::Usage, "Two results would go to the same file.")
+                    .file(visible(&path.to_string_lossy()).into_owned())
+                    .hint("give each a name of its own"),
+            );
+        }
+        self.outputs.borrow_mut().push(id);
+        Ok(())
+    }
+
+    /// Refuses an output that was read.
+    ///
+    /// # Errors
+    /// The file is an input.
+    pub fn refuse_input(&self, path: &Path) -> Result<()> {
+        let id = FileId::of(path);
         let inputs = self.inputs.borrow();
-        inputs
-            .iter()
-            .filter(|input| !input.is_stdin)
-            .any(|input| std::fs::canonicalize(&input.name).is_ok_and(|p| p == path))
+        let ids = inputs.iter().filter_map(|input| input.id.as_ref());
+        match ids.into_iter().any(|input| input.is(&id)) {
+            true => Err(is_input(visible(&path.to_string_lossy()).into_owned())),
+            false => Ok(()),
+        }
+    }
+
+    /// Refuses an input that will be written; `name` is for messages.
+    ///
+    /// # Errors
+    /// The file is an output.
+    pub fn refuse_output(&self, id: Option<&FileId>, name: &str) -> Result<()> {
+        let outputs = self.outputs.borrow();
+        match id.is_some_and(|id| outputs.iter().any(|output| output.is(id))) {
+            true => Err(is_input(name.to_string())),
+            false => Ok(()),
+        }
+    }
+
+    /// Remembers that a file could not be written: the command still shows its
+    /// result, and then ends with this error.
+    pub fn fail(&self, error: Error) {
+        self.failure.borrow_mut().get_or_insert(error);
+    }
+
+    /// True where a file could not be written.
+    pub fn has_failed(&self) -> bool {
+        self.failure.borrow().is_some()
+    }
+
+    /// Why a file could not be written.
+    pub fn failure(&self) -> Option<Error> {
+        self.failure.borrow().clone()
     }
 
     /// Text of an input by the name that errors use for it.
@@ -102,4 +166,13 @@ impl Session {
             .map(|input| (input.role.clone(), input.sha256.clone()))
             .collect()
     }
+}
+
+fn is_input(file: String) -> Error {
+    Error::new(
+        Code::Conflict,
+        "This file is an input of the same command, and it is not overwritten even with --force.",
+    )
+    .file(file)
+    .hint("give the output another name")
 }

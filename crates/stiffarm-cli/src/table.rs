@@ -1,5 +1,6 @@
 //! Tables for people: numbers right-aligned under their units.
 
+use crate::screen;
 use anstyle::{AnsiColor, Style};
 use std::fmt;
 
@@ -38,9 +39,11 @@ impl Table {
         }
     }
 
-    /// Adds a row; missing fields stay empty.
+    /// Adds a row; missing fields stay empty. A row is one line, whatever its names hold.
     pub fn row<S: Into<String>>(&mut self, fields: impl IntoIterator<Item = S>) {
-        self.rows.push(fields.into_iter().map(Into::into).collect());
+        let fields = fields.into_iter().map(Into::into);
+        self.rows
+            .push(fields.map(|field| field.replace('\n', "\\n")).collect());
     }
 
     /// Adds a column on the right of the rows there are.
@@ -52,7 +55,7 @@ impl Table {
     ) {
         self.headings.push((heading.to_string(), align));
         for (row, field) in self.rows.iter_mut().zip(fields) {
-            row.push(field.to_string());
+            row.push(field.replace('\n', "\\n"));
         }
     }
 
@@ -61,12 +64,17 @@ impl Table {
             .rows
             .iter()
             .filter_map(|row| row.get(column))
-            .map(|f| f.chars().count());
+            .map(|f| screen::width(f));
         fields
-            .chain([self.headings[column].0.chars().count()])
+            .chain([screen::width(&self.headings[column].0)])
             .max()
             .unwrap_or(0)
     }
+}
+
+/// What fills a field up to `width`.
+fn space(field: &str, width: usize) -> String {
+    " ".repeat(width.saturating_sub(screen::width(field)))
 }
 
 impl fmt::Display for Table {
@@ -78,8 +86,8 @@ impl fmt::Display for Table {
                     |(c, ((_, align), width))| {
                         let field = fields.get(c).map_or("", String::as_str);
                         match align {
-                            Align::Left => format!("{field:<width$}"),
-                            Align::Right => format!("{field:>width$}"),
+                            Align::Left => format!("{field}{}", space(field, *width)),
+                            Align::Right => format!("{}{field}", space(field, *width)),
                         }
                     },
                 );
@@ -93,10 +101,7 @@ impl fmt::Display for Table {
     }
 }
 
-/// `text` in a style; what prints it drops the style where colours are not wanted.
-pub fn paint(style: Style, text: &str) -> String {
-    format!("{style}{text}{style:#}")
-}
+pub use crate::screen::paint;
 
 /// A heading between tables.
 pub fn title(text: &str) -> String {
@@ -128,7 +133,7 @@ mod tests {
         table.align(2, Align::Left);
         table.row(["joint 1", "9.500e5", ""]);
         table.row(["6", "1.5e5"]);
-        let text = anstream::adapter::strip_str(&table.to_string()).to_string();
+        let text = screen::plain(&table.to_string());
         assert_eq!(
             text,
             "joint    k [N·m/rad]  note\njoint 1      9.500e5\n6              1.5e5\n"

@@ -251,7 +251,7 @@ impl Error {
     pub fn new(code: Code, message: impl Into<String>) -> Self {
         Error(Box::new(Inner {
             code,
-            message: message.into(),
+            message: cut(message.into()),
             place: Place::default(),
             hint: None,
         }))
@@ -260,14 +260,14 @@ impl Error {
     /// Adds what the user can do.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.0.hint = Some(hint.into());
+        self.0.hint = Some(cut(hint.into()));
         self
     }
 
     /// Adds the key path or column name.
     #[must_use]
     pub fn key(mut self, key: impl Into<String>) -> Self {
-        self.0.place.key = Some(key.into());
+        self.0.place.key = Some(cut(key.into()));
         self
     }
 
@@ -325,11 +325,35 @@ impl Error {
     }
 }
 
+/// Bytes of a sentence. A field that stands in one may be as long as its file.
+const LONGEST: usize = 4000;
+
+/// A text whose middle is left out where it is too long to be read.
+fn cut(text: String) -> String {
+    if text.len() <= LONGEST {
+        return text;
+    }
+    let (mut left, mut right) = (LONGEST / 2, text.len() - LONGEST / 2);
+    while !text.is_char_boundary(left) {
+        left -= 1;
+    }
+    while !text.is_char_boundary(right) {
+        right += 1;
+    }
+    format!("{} … {}", &text[..left], &text[right..])
+}
+
+/// Bytes of a name that may be a slip of a known one.
+const LONGEST_NAME: usize = 100;
+
 /// ` (did you mean "…"?)` for the nearest of `known` to `name`, else empty.
 pub(crate) fn did_you_mean<'a>(
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
 ) -> Option<String> {
+    if name.len() > LONGEST_NAME {
+        return None;
+    }
     let lower = name.to_lowercase();
     known
         .into_iter()
@@ -366,6 +390,16 @@ mod tests {
             error.to_string(),
             "cell.toml:2:1: bß: unknown key \"bß\".\n  hint: did you mean \"b\"?"
         );
+    }
+
+    #[test]
+    fn a_field_as_long_as_its_file_does_not_make_the_error_as_long() {
+        let long = "ä".repeat(10_000_000);
+        let error = Error::new(Code::TableRow, format!("\"{long}\" is not a number.")).hint(&long);
+        let shown = error.key(&long).to_string();
+        assert!(shown.len() < 20_000 && shown.contains("ä … ä"));
+        assert!(shown.contains("is not a number."));
+        assert_eq!(did_you_mean(&long, ["posture"]), None);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::units::m_to_mm;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -56,6 +57,30 @@ pub fn list<S: AsRef<str>>(names: &[S]) -> String {
     }
 }
 
+/// True for a character that a reader does not see, or that changes how others
+/// are shown: controls, line separators, marks of direction, fillers, tags.
+pub fn is_hidden(c: char) -> bool {
+    c.is_control()
+        || matches!(c,
+            '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}'
+            | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}' | '\u{3164}' | '\u{feff}' | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}'
+            | '\u{e0000}'..='\u{e0fff}')
+}
+
+/// Text with its hidden characters in letters, `\u{202e}`, on one line.
+pub fn visible(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |c: char| match c {
+        '\n' | '\r' | '\t' => c.escape_default().to_string(),
+        c if is_hidden(c) => c.escape_unicode().to_string(),
+        c => c.to_string(),
+    };
+    Cow::Owned(text.chars().map(shown).collect())
+}
+
 /// Fraction as a percentage with three digits.
 pub(crate) fn percent(fraction: f64) -> String {
     let p = 100.0 * fraction;
@@ -96,6 +121,18 @@ pub(crate) fn probability(p: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hidden_characters_are_shown_in_letters() {
+        assert_eq!(visible("Ψ·H ä 漢 é 👍"), "Ψ·H ä 漢 é 👍");
+        assert_eq!(visible("a\u{1b}[31m\n\t"), "a\\u{1b}[31m\\n\\t");
+        for c in "\0\u{7f}\u{85}\u{9b}\u{200b}\u{2028}\u{202e}\u{2066}\u{feff}\u{e0041}".chars() {
+            assert_eq!(
+                visible(&c.to_string()),
+                format!("\\u{{{:x}}}", u32::from(c))
+            );
+        }
+    }
 
     #[test]
     fn lists_in_words() {

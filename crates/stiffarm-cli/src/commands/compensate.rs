@@ -109,7 +109,12 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         if other {
             out += "note: the stiffness was identified with another version of this cell\n";
         }
-        out + &corrections(&result.compensation) + &notes(&result) + &wrote(args)
+        out + &corrections(&result.compensation)
+            + &notes(&result)
+            + &match session.has_failed() {
+                true => String::new(),
+                false => wrote(args),
+            }
     })?;
     Ok(exit(&result))
 }

@@ -12,6 +12,6 @@ pub fn run(session: &Session, args: &CompletionsArgs) -> Result<Exit> {
     clap_complete::generate(args.shell, &mut Cli::command(), "stiffarm", &mut script);
     let script = String::from_utf8(script)
         .map_err(|_| Error::new(Code::Internal, "The completions are not text."))?;
-    session.print(&script)?;
+    session.print_exact(&script)?;
     Ok(Exit::Done)
 }

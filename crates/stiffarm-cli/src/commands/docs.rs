@@ -12,7 +12,7 @@ pub fn run(session: &Session, args: &DocsArgs) -> Result<Exit> {
         DocsPage::Errors => errors(),
         DocsPage::Commands => commands(),
     };
-    session.print(&page)?;
+    session.print_exact(&page)?;
     Ok(Exit::Done)
 }
 

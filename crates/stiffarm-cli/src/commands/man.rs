@@ -13,7 +13,7 @@ pub fn run(session: &Session, args: &ManArgs) -> Result<Exit> {
     let mut main = Cli::command();
     main.build();
     let Some(folder) = &args.output_dir else {
-        session.print(&page(main)?)?;
+        session.print_exact(&page(main)?)?;
         return Ok(Exit::Done);
     };
     make_folder(folder)?;

@@ -56,7 +56,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultStudy => of::<study::Options, Study>("study"),
     };
-    session.print(&to_json(&schema)?)?;
+    session.print_exact(&to_json(&schema)?)?;
     Ok(Exit::Done)
 }
 

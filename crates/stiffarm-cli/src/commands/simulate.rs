@@ -1,7 +1,7 @@
 //! `stiffarm simulate`: Monte Carlo of identifications with tracker noise.
 
 use crate::args::{ErrorArgs, SimulateArgs};
-use crate::files::{Target, check_one_stdout, write_all};
+use crate::files::{Target, check_targets, write_all};
 use crate::numbers::{percent, percent_with_error};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -39,7 +39,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     };
     let displacements = target_of(&args.measurements)?;
     let readings = target_of(&args.readings)?;
-    check_one_stdout(session, &[displacements.as_ref(), readings.as_ref()])?;
+    check_targets(session, &[displacements.as_ref(), readings.as_ref()])?;
     let model_errors = model_errors(&args.errors)?;
     check_not_negative("--levels", &args.levels)?;
     let named = session.read_cell(&args.cell)?;

@@ -1,7 +1,7 @@
 //! `stiffarm study`: the paper's Section IV on a cell, into a folder.
 
 use crate::args::StudyArgs;
-use crate::files::{Target, check_folder, make_folder, write_all};
+use crate::files::{check_folder, write_folder};
 use crate::numbers::optional_percent;
 use crate::output::{Exit, to_json};
 use crate::progress::Progress;
@@ -54,7 +54,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     // minute to be told that a file exists.
     let names = file_names(&named.cell, &options);
     let names = names.iter().map(String::as_str);
-    check_folder(&args.output_dir, names, args.force)?;
+    check_folder(session, &args.output_dir, names, args.force)?;
     let progress = Progress::new(session, "selecting from Group 1");
     let result = progress.watch(|control| study(&named.cell, &initial, &options, control))?;
     drop(progress);
@@ -82,21 +82,22 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     for table in tables(&result) {
         files.push((format!("{}.csv", table.id), table.csv()));
     }
-    make_folder(&args.output_dir)?;
     let count = files.len();
-    let targets: Result<Vec<(Target, String)>> = files
-        .into_iter()
-        .map(|(name, text)| Ok((Target::file(&args.output_dir.join(name), args.force)?, text)))
-        .collect();
-    write_all(session, &targets?)?;
+    write_folder(session, &args.output_dir, files, args.force)?;
 
     session.show(&envelope, || {
         format!(
-            "{}{}\nwrote {count} files to {}: start with {}\n",
+            "{}{}{}",
             named.line(),
             summary(&result),
-            args.output_dir.display(),
-            args.output_dir.join("study.md").display()
+            match session.has_failed() {
+                true => String::new(),
+                false => format!(
+                    "\nwrote {count} files to {}: start with {}\n",
+                    args.output_dir.display(),
+                    args.output_dir.join("study.md").display()
+                ),
+            }
         )
     })?;
     let serious = result

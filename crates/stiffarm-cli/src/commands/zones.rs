@@ -2,7 +2,7 @@
 
 use super::with_length;
 use crate::args::ZonesArgs;
-use crate::files::{Target, check_folder, make_folder, write_all};
+use crate::files::{check_folder, write_folder};
 use crate::numbers::{optional_percent, percent, significant};
 use crate::output::Exit;
 use crate::session::Session;
@@ -30,7 +30,7 @@ pub struct Options {
 pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
     let mut named = session.read_cell(&args.cell)?;
     if let Some(folder) = &args.output_dir {
-        check_folder(folder, FILES, args.force)?;
+        check_folder(session, folder, FILES, args.force)?;
     }
     let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
@@ -54,14 +54,11 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
             render_svg(&zones_figure(&result)),
             zones_table(&result).csv(),
         ];
-        make_folder(folder)?;
-        let targets: Result<Vec<(Target, String)>> = FILES
-            .iter()
-            .zip(texts)
-            .map(|(name, text)| Ok((Target::file(&folder.join(name), args.force)?, text)))
-            .collect();
-        write_all(session, &targets?)?;
-        written = format!("\nwrote {} to {}\n", FILES.join(" and "), folder.display());
+        let files = FILES.map(String::from).into_iter().zip(texts).collect();
+        write_folder(session, folder, files, args.force)?;
+        if !session.has_failed() {
+            written = format!("\nwrote {} to {}\n", FILES.join(" and "), folder.display());
+        }
     }
     session.show(&envelope, || {
         let length = named.cell.characteristic_length.unwrap_or_default();

@@ -54,7 +54,10 @@ fn saved_further_terms_are_used_and_not_lost() {
     let mut saved = serde_json::to_value(&fit).unwrap();
     folder.write("tilt.json", saved.to_string());
     let with = folder.json("validate builtin:comau tilt.json simulated.csv");
-    saved["extra_springs"][0]["compliance"] = 1e-6.into();
+    let tilt = &mut saved["extra_springs"][0];
+    tilt["compliance"] = 1e-6.into();
+    tilt["stiffness"] = 1e6.into();
+    tilt["standard_error"] = serde_json::Value::Null;
     folder.write("soft.json", saved.to_string());
     let soft = folder.json("validate builtin:comau soft.json simulated.csv");
     let rms = |v: &serde_json::Value| v["result"]["component_rms_m"].as_f64().unwrap();

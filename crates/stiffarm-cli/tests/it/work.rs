@@ -69,6 +69,18 @@ fn the_object_and_the_table_agree() {
 }
 
 #[test]
+fn a_compensated_dwell_at_the_workpiece_s_origin_can_be_read_again() {
+    let folder = folder();
+    // As small as the corrections are, it could be a path in metres.
+    let heading = "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n";
+    let rows = ["100,0,300", "0,200,300", "-50,-100,200", "20,30,100"];
+    let rows = rows.map(|force| format!("0,0,0,180,0,0,{force}\n"));
+    folder.write("dwell.csv", format!("{heading}\n{}", rows.concat()));
+    folder.ok("compensate builtin:comau k.json dwell.csv --axes base --output c.csv");
+    folder.ok("predict builtin:comau k.json c.csv --axes base");
+}
+
+#[test]
 fn commands_bring_the_loaded_tip_back_in_every_format() {
     let folder = folder();
     // A force that does not turn with the commanded feed.

@@ -1,6 +1,7 @@
 //! A study as figures, tables and a page.
 
 mod figures;
+mod markdown;
 mod page;
 mod published;
 mod table;

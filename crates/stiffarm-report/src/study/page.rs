@@ -1,6 +1,7 @@
 //! The page of a study, in Markdown, built like the paper's Section IV.
 
 use super::figures::{figures, slug};
+use super::markdown::{cell, fenced, text};
 use super::published::{PAPER, published_for};
 use super::table::{Table, percent, significant};
 use super::tables::{find, starts_summary, stiffness_side_by_side, tables};
@@ -27,7 +28,12 @@ fn rounded_postures(group: &StudyGroup, joints: &[String]) -> String {
 }
 
 fn write_table(out: &mut String, table: &Table) {
-    let _ = write!(out, "\n{}\n\n*{}*\n", table.markdown(), table.caption);
+    let _ = write!(
+        out,
+        "\n{}\n\n*{}*\n",
+        table.markdown(),
+        text(&table.caption)
+    );
 }
 
 /// The page. `command` is the command line that repeats the study; figures are
@@ -43,12 +49,18 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     };
     let picture = |out: &mut String, id: &str| {
         if let Some(f) = pictures.iter().find(|f| f.id == id) {
-            let _ = write!(out, "\n![{}]({}.svg)\n\n*{}*\n", f.title, f.id, f.caption);
+            let _ = write!(
+                out,
+                "\n![{}]({}.svg)\n\n*{}*\n",
+                text(&f.title),
+                f.id,
+                text(&f.caption)
+            );
         }
     };
     let finding = |out: &mut String, code: &str| {
         for f in study.findings.iter().filter(|f| f.code == code) {
-            let _ = write!(out, "\n{}\n", f.sentence);
+            let _ = write!(out, "\n{}\n", text(&f.sentence));
         }
     };
 
@@ -56,7 +68,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
         out,
         "# Posture selection study: {}\n\nThe study of Section IV of the paper [1] on this cell, computed by stiffarm \
          {version}. Every number here is simulated unless it is marked as the paper's.\n\n## In short\n",
-        study.cell
+        text(&study.cell)
     );
     for code in [
         "undetermined-joints",
@@ -69,7 +81,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
         "other-starts",
     ] {
         for f in study.findings.iter().filter(|f| f.code == code) {
-            let _ = write!(out, "\n- {}", f.sentence);
+            let _ = write!(out, "\n- {}", text(&f.sentence));
         }
     }
     out.push('\n');
@@ -80,7 +92,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
         out,
         "\n## A. Numerical simulations\n\n### Set-up\n\nRobot: {}. True joint stiffness{}: {} N·m/rad. \
          Displacement noise at variance factor 1: {} µm per axis. Characteristic length of Eq. (20): {}.\n",
-        study.robot,
+        text(&study.robot),
         if published_for(&study.robot).is_some() {
             " (Table 2)"
         } else {
@@ -134,7 +146,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
         let _ = writeln!(
             out,
             "| {} | {} | {} | {} |",
-            g.name,
+            cell(&g.name),
             significant(g.evaluation.indices.condition),
             percent(g.error_bound.and_then(|b| b.bound)),
             percent(g.expected_relative_norm)
@@ -186,13 +198,14 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     let _ = write!(
         out,
         "\n## How this was made\n\nstiffarm {version}, seed {}, {} runs per level, {} other initial groups, {} draws of \
-         q1, at most {} iterations per selection. Repeat it with\n\n```\n{command}\n```\n\nAll numbers are in \
+         q1, at most {} iterations per selection. Repeat it with\n\n{}\n\nAll numbers are in \
          `study.json` and, table by table, in the CSV files beside this page.\n\n[1] {PAPER}.\n",
         study.options.simulation.seed,
         study.simulation.runs,
         study.starts.kinds.iter().map(|k| k.count).sum::<usize>(),
         study.classical_q1.as_ref().map_or(0, |r| r.draws),
         study.options.max_iterations,
+        fenced(command),
     );
     out
 }

@@ -1,5 +1,7 @@
 //! One table, for a CSV file and for the page.
 
+use super::markdown::cell;
+
 /// One cell: the page rounds numbers, the CSV file has every digit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
@@ -85,7 +87,7 @@ impl Table {
         let line = |cells: &[String]| {
             let quoted: Vec<String> = cells
                 .iter()
-                .map(|c| match c.contains([',', '"', '\n']) {
+                .map(|c| match c.contains([',', ';', '"', '\n', '\r', '\t']) {
                     true => format!("\"{}\"", c.replace('"', "\"\"")),
                     false => c.clone(),
                 })
@@ -101,7 +103,10 @@ impl Table {
 
     /// The table as Markdown.
     pub fn markdown(&self) -> String {
-        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | ").replace('\n', " "));
+        let line = |cells: &[String]| {
+            let cells: Vec<String> = cells.iter().map(|text| cell(text)).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
         let mut out = line(&self.headings);
         out.push('|');
         for (i, _) in self.headings.iter().enumerate() {

@@ -145,13 +145,16 @@ impl IdentifiedCompliance {
         Ok(IdentifiedCompliance {
             values: DVector::from_vec(values),
             extra: estimates.extra.clone(),
-            spread: covariance.map(|covariance| Spread {
-                covariance,
-                sigma,
-                shift,
-                degrees_of_freedom: estimates.interval_degrees_of_freedom,
-                confidence: estimates.confidence,
-            }),
+            // Without a degree of freedom nothing is known of how well.
+            spread: covariance
+                .filter(|_| estimates.interval_degrees_of_freedom != Some(0))
+                .map(|covariance| Spread {
+                    covariance,
+                    sigma,
+                    shift,
+                    degrees_of_freedom: estimates.interval_degrees_of_freedom,
+                    confidence: estimates.confidence,
+                }),
             common: Vec::new(),
         })
     }

@@ -3,5 +3,10 @@
 
 pub mod builtin;
 pub mod cell;
+mod json;
+mod names;
 pub mod registration;
+pub mod stiffness;
 pub mod table;
+
+pub use names::check_name;

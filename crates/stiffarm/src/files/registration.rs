@@ -1,8 +1,8 @@
 //! A saved registration.
 
+use super::json;
 use crate::error::{Code, Error, Result};
 use crate::measure::registration::{Registration, RegistrationRecord};
-use serde_json::Value;
 
 /// Reads a registration that `stiffarm register --output` or `--json` wrote,
 /// with what made it or bare ([`RegistrationRecord`]); `file_name` is for messages.
@@ -15,8 +15,13 @@ pub fn read_registration(bytes: &[u8], file_name: &str) -> Result<Registration> 
             .file(file_name)
             .hint("give the file that `stiffarm register --output` wrote")
     };
-    let json: Value = serde_json::from_slice(bytes).map_err(|e| {
-        fault("This is not JSON.".to_string()).line(e.line().max(1), Some(e.column().max(1)))
+    let json = json::parse(bytes).map_err(|e| {
+        let place = e.place().clone();
+        let error = fault(e.message().to_string());
+        match place.line {
+            Some(line) => error.line(line, place.column),
+            None => error,
+        }
     })?;
     let whole = ["result", "rotation"].map(|key| json.get(key).cloned());
     let record = match whole {

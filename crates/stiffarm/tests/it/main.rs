@@ -34,6 +34,7 @@ mod reduction_noise;
 mod registration;
 mod registration_faults;
 mod rope_follows;
+mod saved;
 mod screening;
 mod screening_base;
 mod selection;

@@ -1,13 +1,12 @@
 //! What `map` and `map --place` share.
 
 use crate::args::MapArgs;
-use crate::files::{Target, make_folder, write_all};
+use crate::files;
 use crate::input::NamedCell;
 use crate::numbers::coarse_mm;
 use crate::saved::Saved;
 use crate::session::Session;
 use crate::table::yellow;
-use std::path::Path;
 use stiffarm::Result;
 
 /// Cell, stiffness, and whether they belong together.
@@ -32,11 +31,11 @@ pub fn write_folder(
     let Some(folder) = &args.output_dir else {
         return Ok(String::new());
     };
-    make_folder(folder)?;
-    let file = |name: &str| Target::file(&Path::new(folder).join(name), args.force);
-    let [picture, table] = texts();
-    let targets = [(file(names[0])?, picture), (file(names[1])?, table)];
-    write_all(session, &targets)?;
+    let files = names.map(String::from).into_iter().zip(texts()).collect();
+    files::write_folder(session, folder, files, args.force)?;
+    if session.has_failed() {
+        return Ok(String::new());
+    }
     Ok(format!(
         "\nwrote {} to {}\n",
         names.join(" and "),

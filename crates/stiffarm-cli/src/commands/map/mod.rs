@@ -55,7 +55,7 @@ pub fn run(session: &Session, args: &MapArgs) -> Result<Exit> {
 fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let mut named = session.read_cell(&args.cell)?;
     if let Some(folder) = &args.output_dir {
-        check_folder(folder, FILES, args.force)?;
+        check_folder(session, folder, FILES, args.force)?;
     }
     let saved = session.read_stiffness(&args.stiffness, &named.cell)?;
     let (cell, _) = with_length(named.cell);

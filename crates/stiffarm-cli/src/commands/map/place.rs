@@ -52,7 +52,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     if let Some(folder) = &args.output_dir {
-        check_folder(folder, FILES, args.force)?;
+        check_folder(session, folder, FILES, args.force)?;
     }
     let saved = session.read_stiffness(&args.stiffness, cell)?;
     let (name, bytes) = session.read("path", path)?;

@@ -142,7 +142,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
             .flatten()
             .map(String::as_str)
             .collect();
-        if !names.is_empty() {
+        if !names.is_empty() && !session.has_failed() {
             out += &format!("\nwrote {}\n", names.join(" and "));
         }
         out

@@ -2,7 +2,7 @@
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::commands::is_relative_error;
-use crate::files::{Target, check_one_stdout, write_all};
+use crate::files::{Target, check_targets, write_all};
 use crate::input::NamedCell;
 use crate::numbers::optional;
 use crate::output::Envelope;
@@ -10,6 +10,7 @@ use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::check_name;
 use stiffarm::files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
@@ -116,7 +117,10 @@ impl Outputs {
                 .transpose()
         };
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
-        check_one_stdout(session, &[main.as_ref(), sheet.as_ref()])?;
+        check_targets(session, &[main.as_ref(), sheet.as_ref()])?;
+        for state in &args.states {
+            check_name(state).map_err(|e| e.key("--states"))?;
+        }
         let options = SheetOptions {
             states: args.states.clone(),
             drift: args.drift,

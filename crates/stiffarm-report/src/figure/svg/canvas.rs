@@ -321,7 +321,14 @@ pub(super) fn escape(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             '\t' | '\n' | '\r' => out.push(' '),
-            '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            // What XML cannot hold, and marks that turn the text around them.
+            c if c.is_control() => out.push('\u{fffd}'),
+            '\u{200b}'..='\u{200f}'
+            | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}'
+            | '\u{feff}'
+            | '\u{fffe}'
+            | '\u{ffff}' => out.push('\u{fffd}'),
             other => out.push(other),
         }
     }
@@ -346,8 +353,8 @@ mod tests {
     #[test]
     fn escaping_covers_markup_and_control_characters() {
         assert_eq!(
-            escape("a<b & \"c\" 'd'>\u{0}\n"),
-            "a&lt;b &amp; &quot;c&quot; &#39;d&#39;&gt;\u{fffd} "
+            escape("a<b & \"c\" 'd'>\u{0}\n\u{202e}"),
+            "a&lt;b &amp; &quot;c&quot; &#39;d&#39;&gt;\u{fffd} \u{fffd}"
         );
     }
 

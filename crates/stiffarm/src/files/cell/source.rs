@@ -5,6 +5,7 @@
 
 use super::raw::{At, Number, NumberRows, Numbers, Text};
 use crate::error::{Code, Error, Result};
+use crate::files::check_name;
 use crate::units::deg_to_rad;
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use std::ops::Range;
@@ -216,16 +217,10 @@ impl<'a> Source<'a> {
 
     /// [`Source::name`] of a text whose place is given.
     pub(super) fn checked_name(&self, name: &str, span: Range<usize>, key: &str) -> Result<String> {
-        let wrong = if name.trim().is_empty() {
-            "A name must not be empty."
-        } else if name.trim() != name {
-            "A name must not begin or end with a space."
-        } else if name.chars().any(char::is_control) {
-            "A name must not contain line breaks or other control characters."
-        } else {
-            return Ok(name.to_string());
-        };
-        Err(self.error(Code::InvalidValue, key, span, wrong))
+        match check_name(name) {
+            Ok(()) => Ok(name.to_string()),
+            Err(error) => Err(self.place(error, key, span)),
+        }
     }
 
     /// A name that none of `others` has yet.

@@ -2,6 +2,7 @@
 
 use super::quantity::Unit;
 use crate::error::{Code, Error, Result};
+use crate::files::names::fault_of;
 use crate::model::cell::Columns;
 
 /// Numbers beyond this are slips of the pen; see the cell file's limit.
@@ -245,7 +246,10 @@ impl<'a> Table<'a> {
             return Err(self.error(row, column.at, Code::TableRow, "The field is empty."));
         }
         self.refuse_other(row, column, "text", "format the column as text")?;
-        Ok(text)
+        match fault_of(text) {
+            Some(wrong) => Err(self.error(row, column.at, Code::TableRow, wrong)),
+            None => Ok(text),
+        }
     }
 
     /// True where a field is empty.

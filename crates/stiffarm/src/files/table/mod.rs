@@ -16,6 +16,9 @@
 //! Written: UTF-8, LF, commas, and the shortest decimals that are read back as
 //! the same values: a written table, read and written again, is the same text.
 //!
+//! Names are text everywhere ([`check_name`](crate::files::check_name)): what a
+//! spreadsheet would take for a formula, or a reader would not see, is refused.
+//!
 //! One table of columns. A column is a name without unit, a quantity, and a
 //! group whose columns share one unit (`heading`, `quantity`); reading,
 //! writing, errors, the keys of `[columns]` and their schema all come from it.

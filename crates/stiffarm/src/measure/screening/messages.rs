@@ -192,8 +192,8 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
         Cause::Units => {
             let (times, size) = times(s.factor);
             let typed = match s.factor {
-                Some(f) if f < 0.002 => "metres under a heading in millimetres",
-                Some(f) if f > 900.0 => "millimetres under a heading in metres",
+                Some(f) if f < 0.002 => "metres under a heading in millimetres, or millimetres under one in micrometres",
+                Some(f) if f > 900.0 => "micrometres under a heading in millimetres, or millimetres under one in metres",
                 Some(f) if (f - 25.4).abs() < 0.1 => "millimetres under a heading in inches",
                 Some(f) if (f * 25.4 - 1.0).abs() < 0.01 => "inches under a heading in millimetres",
                 Some(f) if f < 1.0 => "a larger unit than the heading's",

@@ -116,18 +116,43 @@ fn xml(place: &str, cell: Cell<'_>) -> String {
     }
 }
 
-/// A ZIP archive of stored files (PKWARE's APPNOTE.TXT, 4.3).
+/// A ZIP archive of stored files.
 fn zip(files: &[(String, String)]) -> Vec<u8> {
+    let entry = |(name, text): &(String, String)| Entry {
+        name: name.clone(),
+        packed: text.as_bytes().to_vec(),
+        method: 0,
+        size: text.len() as u32,
+    };
+    archive(&files.iter().map(entry).collect::<Vec<_>>())
+}
+
+/// A file in an archive, as it is packed: method 0 as it is, 8 deflated.
+pub struct Entry {
+    pub name: String,
+    pub packed: Vec<u8>,
+    pub method: u16,
+    /// What the archive says that it unpacks to.
+    pub size: u32,
+}
+
+/// A ZIP archive (PKWARE's APPNOTE.TXT, 4.3).
+pub fn archive(entries: &[Entry]) -> Vec<u8> {
     let (mut archive, mut directory) = (Vec::new(), Vec::new());
-    for (name, text) in files {
+    for Entry {
+        name,
+        packed,
+        method,
+        size,
+    } in entries
+    {
         let start = archive.len() as u32;
-        let length = text.len() as u32;
         let mut about = Vec::new();
         // Version, flags, method, time, date.
-        for word in [20u16, 0, 0, 0, 0x21] {
+        for word in [20u16, 0, *method, 0, 0x21] {
             about.extend(word.to_le_bytes());
         }
-        for word in [crc32(text.as_bytes()), length, length] {
+        for word in [crc32(packed), packed.len() as u32, *size] {
             about.extend(word.to_le_bytes());
         }
         about.extend((name.len() as u16).to_le_bytes());
@@ -135,7 +160,7 @@ fn zip(files: &[(String, String)]) -> Vec<u8> {
         archive.extend(b"PK\x03\x04");
         archive.extend(&about);
         archive.extend(name.as_bytes());
-        archive.extend(text.as_bytes());
+        archive.extend(packed);
         directory.extend(b"PK\x01\x02\x14\x00");
         directory.extend(&about);
         // Comment, disk, attributes.
@@ -146,7 +171,7 @@ fn zip(files: &[(String, String)]) -> Vec<u8> {
     let (start, length) = (archive.len() as u32, directory.len() as u32);
     archive.extend(directory);
     archive.extend(b"PK\x05\x06\x00\x00\x00\x00");
-    for count in [files.len() as u16; 2] {
+    for count in [entries.len() as u16; 2] {
         archive.extend(count.to_le_bytes());
     }
     archive.extend(length.to_le_bytes());
@@ -164,4 +189,60 @@ fn crc32(bytes: &[u8]) -> u32 {
         }
     }
     !crc
+}
+
+/// `runs` times 258 of the letter A, deflated to two bits for each run (RFC 1951):
+/// a code of one bit for a repeated byte, codes of two for the letter and the end.
+pub fn deflated_letters(runs: usize) -> Vec<u8> {
+    let mut bits = Bits::default();
+    // The last block, with codes of its own: 286 letters and lengths, 1
+    // distance, 18 lengths of codes.
+    for (value, count) in [(1, 1), (2, 2), (29, 5), (0, 5), (14, 4)] {
+        bits.push(value, count);
+    }
+    // Lengths of the codes of 16, 17, 18, 0, 8, …, 2, 14, 1: 18 has one bit, 2 and 1 two.
+    for length in [0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2] {
+        bits.push(length, 3);
+    }
+    // 18 is 0, 1 is 10 and 2 is 11, first bit first.
+    let zeros = |bits: &mut Bits, count: u32| {
+        bits.push(0, 1);
+        bits.push(count - 11, 7);
+    };
+    let (one, two) = (0b01, 0b11);
+    zeros(&mut bits, 65);
+    bits.push(two, 2);
+    zeros(&mut bits, 138);
+    zeros(&mut bits, 52);
+    bits.push(two, 2);
+    zeros(&mut bits, 28);
+    bits.push(one, 2);
+    bits.push(one, 2);
+    // The letter is 10, the end 11, a run of 258 from one byte before 0 and 0.
+    bits.push(0b01, 2);
+    for _ in 0..runs {
+        bits.push(0, 2);
+    }
+    bits.push(0b11, 2);
+    bits.bytes
+}
+
+#[derive(Default)]
+struct Bits {
+    bytes: Vec<u8>,
+    used: u32,
+}
+
+impl Bits {
+    /// The lowest `count` bits of `value`, lowest first.
+    fn push(&mut self, value: u32, count: u32) {
+        for i in 0..count {
+            if self.used.is_multiple_of(8) {
+                self.bytes.push(0);
+            }
+            let last = self.bytes.len() - 1;
+            self.bytes[last] |= ((value >> i & 1) as u8) << (self.used % 8);
+            self.used += 1;
+        }
+    }
 }

@@ -1,7 +1,9 @@
 //! Workbooks.
 #![cfg(feature = "xlsx")]
 
-use super::workbook::{Cell as Held, cells, workbook, workbook_with};
+use super::workbook::{
+    Cell as Held, Entry, archive, cells, deflated_letters, workbook, workbook_with,
+};
 use super::*;
 
 const GOLDEN: &[u8] = include_bytes!("../../golden/xlsx/readings.xlsx");
@@ -62,6 +64,68 @@ fn a_cell_in_the_last_corner_costs_no_memory() {
     readings.xlsx:1048576:16384: "1" lies beyond the last column of the heading.
       hint: give its column a heading, or empty the cell
     "#);
+}
+
+#[test]
+fn cells_far_away_are_refused_and_cost_no_memory() {
+    let cell = sensor_cell();
+    let with = |row: &str| {
+        let rows = cells(FULL).split_off(1);
+        read(&workbook_with(&[("Sheet1", vec![])], row), &cell)
+            .map(|_| rows.len())
+            .unwrap_err()
+            .to_string()
+    };
+    // In the heading, where it makes the table as wide as the sheet.
+    let legal = with("<row r=\"1\"><c r=\"A1\"><v>1</v></c><c r=\"XFD1\"><v>1</v></c></row>");
+    assert!(
+        legal.starts_with("readings.xlsx:1:16384: The heading is 16384 columns wide"),
+        "{legal}"
+    );
+    let beyond = with("<row r=\"1\"><c r=\"A1\"><v>1</v></c><c r=\"ZZZZZZ1\"><v>1</v></c></row>");
+    assert!(beyond.contains("beyond the last row or column"), "{beyond}");
+    // Letters and digits that no number holds.
+    for place in ["ZZZZZZZZZZZZ1", "A99999999999", "A0", "1A"] {
+        with(&format!("<row r=\"1\"><c r=\"{place}\"><v>1</v></c></row>"));
+    }
+}
+
+#[test]
+fn what_unpacks_to_more_than_a_table_is_refused_before_it_is_read() {
+    let cell = sensor_cell();
+    let bomb = |size: u32| {
+        archive(&[Entry {
+            name: "xl/worksheets/sheet1.xml".to_string(),
+            packed: deflated_letters((20 << 20) / 258),
+            method: 8,
+            size,
+        }])
+    };
+    for size in [20 << 20, u32::MAX - 1] {
+        let bytes = bomb(size);
+        assert!(bytes.len() < 30_000);
+        let error = read(&bytes, &cell).unwrap_err().to_string();
+        assert!(error.contains("unpacks to more than"), "{size}: {error}");
+    }
+    // One that says less is read no further than it says.
+    assert!(read(&bomb(1), &cell).is_err());
+}
+
+#[test]
+fn shared_texts_are_not_believed_by_their_number() {
+    let cell = sensor_cell();
+    let text = "<sst uniqueCount = '99999999999'><si><t>x</t></si></sst>";
+    let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for packed in [text.as_bytes().to_vec(), wide] {
+        let bytes = archive(&[Entry {
+            name: "xl/sharedStrings.xml".to_string(),
+            size: packed.len() as u32,
+            packed,
+            method: 0,
+        }]);
+        let error = read(&bytes, &cell).unwrap_err().to_string();
+        assert!(error.contains("more texts than it can"), "{error}");
+    }
 }
 
 #[test]

@@ -80,6 +80,9 @@ pub(super) fn check_size(
         let local = workpiece.inverse_transform_point(&Point3::from(*p));
         workpiece.transform_point(&(local * 1e3)).coords
     };
+    if written_to_a_nanometre(table, columns) {
+        return Ok(());
+    }
     let reachable = |p: &Vector3<f64>| arm.beside_axis(&as_metres(p)).norm() < arm.reach;
     if small.has_shape && small.largest < TINY * arm.reach && positions.iter().all(reachable) {
         let message = format!(
@@ -90,6 +93,22 @@ pub(super) fn check_size(
         return refuse(message, hint);
     }
     Ok(())
+}
+
+/// True where the numbers have the decimals with which this program writes
+/// millimetres. Metres are typed with fewer and calculated with more, and a
+/// compensated dwell is as small as its corrections.
+fn written_to_a_nanometre(table: &Table<'_>, columns: &PathColumns) -> bool {
+    let rows = table.rows().unwrap_or_default();
+    let fields = rows.iter().flat_map(|row| {
+        let at = columns.position.iter().map(|column| column.at);
+        at.filter_map(|at| row.fields.get(at))
+    });
+    let decimals = fields.map(|field| {
+        let fraction = field.text.split(['.', ',']).nth(1).unwrap_or_default();
+        fraction.bytes().take_while(u8::is_ascii_digit).count()
+    });
+    matches!(decimals.max(), Some(8..=9))
 }
 
 /// Where the robot stands, and how far it reaches at most.

@@ -1,0 +1,310 @@
+//! Writing files: never over existing ones unasked, and never half.
+//!
+//! Everything that can be known before the work is checked before it: that the
+//! folder is there and can be written to, that no file exists unasked, that no
+//! two results and no input are the same file in another spelling. What fails
+//! all the same, a disk that has filled up, costs the file and not the result:
+//! it is printed.
+
+mod temporary;
+
+use crate::identity::folder_of;
+use crate::session::Session;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use stiffarm::findings::visible;
+use stiffarm::{Code, Error, Result};
+use temporary::Temporary;
+
+/// Links that a link may lead over; as many as Linux follows.
+const MOST_LINKS: usize = 40;
+
+/// A place to write to that was checked beforehand.
+#[derive(Debug, Clone)]
+pub enum Target {
+    /// Standard output.
+    Stdout,
+    /// A file that may be made or replaced.
+    File(PathBuf),
+    /// A device or pipe: written in place.
+    Device(PathBuf),
+}
+
+impl Target {
+    /// Checks `path` (`-` is standard output) before any work is done for it.
+    ///
+    /// # Errors
+    /// The file exists and `force` is not given, its folder is missing or
+    /// cannot be written to.
+    pub fn new(path: &str, force: bool) -> Result<Self> {
+        if path == "-" {
+            return Ok(Target::Stdout);
+        }
+        Target::file(Path::new(path), force)
+    }
+
+    /// As [`Target::new`], without a meaning for `-`.
+    ///
+    /// # Errors
+    /// As [`Target::new`].
+    pub fn file(path: &Path, force: bool) -> Result<Self> {
+        let name = shown(path);
+        let exists = |message: &str| {
+            Error::new(Code::FileExists, message)
+                .file(name.as_str())
+                .hint("add --force to overwrite it, or choose another name")
+        };
+        let target = match fs::metadata(path) {
+            Ok(meta) if meta.is_dir() => {
+                return Err(
+                    Error::new(Code::FileWrite, "This is a folder; the output is a file.")
+                        .file(name)
+                        .hint("give a file name inside it"),
+                );
+            }
+            Ok(meta) if !meta.is_file() => return Ok(Target::Device(path.to_path_buf())),
+            Ok(_) if !force => return Err(exists("The file exists already.")),
+            // A link stays a link: what it points to is replaced.
+            Ok(_) => fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()),
+            Err(e) if e.kind() == ErrorKind::NotFound => match fs::symlink_metadata(path) {
+                Ok(_) if !force => {
+                    return Err(exists("This is a link to a file that is not there."));
+                }
+                Ok(_) => link_end(path)?,
+                Err(_) => path.to_path_buf(),
+            },
+            // No folder on the way, or one that may not be looked into, is said below.
+            Err(_) if !folder_of(path).is_dir() => path.to_path_buf(),
+            Err(e) => return Err(write_error(path, &e)),
+        };
+        let folder = folder_of(&target);
+        if !folder.is_dir() {
+            return Err(Error::new(
+                Code::FileWrite,
+                format!("There is no folder {}.", shown(&folder)),
+            )
+            .file(name)
+            .hint("make the folder first"));
+        }
+        temporary::probe(&target).map_err(|e| write_error(path, &e))?;
+        Ok(Target::File(target))
+    }
+
+    /// True for standard output.
+    pub fn is_stdout(&self) -> bool {
+        matches!(self, Target::Stdout)
+    }
+}
+
+/// The file that a link to nothing would be.
+fn link_end(path: &Path) -> Result<PathBuf> {
+    let mut end = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&end) {
+            Ok(next) => end = folder_of(&end).join(next),
+            Err(_) => return Ok(end),
+        }
+    }
+    let error = Error::new(Code::FileWrite, "The links lead in a circle.");
+    Err(error.file(shown(path)))
+}
+
+/// The file of a command that writes one result, where it is asked for.
+///
+/// # Errors
+/// As [`Target::new`] and [`check_targets`].
+pub fn only_target(session: &Session, path: Option<&str>, force: bool) -> Result<Option<Target>> {
+    let target = path.map(|path| Target::new(path, force)).transpose()?;
+    check_targets(session, &[target.as_ref()])?;
+    Ok(target)
+}
+
+/// Refuses a second use of standard output, and a file that is written twice
+/// or that the command reads.
+///
+/// # Errors
+/// More than one of `targets`, or one of them and `--json`, is standard output;
+/// two are one file, in whatever spelling; one is an input.
+pub fn check_targets(session: &Session, targets: &[Option<&Target>]) -> Result<()> {
+    for target in targets.iter().flatten() {
+        if let Target::File(path) = target {
+            session.will_write(path)?;
+        }
+    }
+    let used = targets
+        .iter()
+        .flatten()
+        .filter(|target| target.is_stdout())
+        .count();
+    if used + usize::from(session.json) > 1 {
+        return Err(
+            Error::new(Code::Usage, "Standard output can take one result only.")
+                .hint("write one of them to a file"),
+        );
+    }
+    Ok(())
+}
+
+/// Writes all files, or none: each is complete under a temporary name beside
+/// its target before the first gets its own.
+///
+/// A file that cannot be written is no error here: its text is printed where it
+/// is a table, the session remembers the failure ([`Session::fail`]), and the
+/// command goes on to show its result.
+///
+/// # Errors
+/// A file is an input of the same command, or standard output cannot be written.
+pub fn write_all(session: &Session, files: &[(Target, String)]) -> Result<()> {
+    for (target, _) in files {
+        let Target::File(path) = target else { continue };
+        session.refuse_input(path)?;
+    }
+    let Err(error) = place_all(files) else {
+        let to_stdout = files.iter().filter(|(target, _)| target.is_stdout());
+        return to_stdout
+            .into_iter()
+            .try_for_each(|(_, text)| session.print_exact(text));
+    };
+    session.fail(error);
+    files.iter().try_for_each(|(target, text)| match target {
+        Target::Stdout => session.print_exact(text),
+        Target::File(path) | Target::Device(path) => print_instead(session, path, text),
+    })
+}
+
+/// Writes `files` to `folder`, which is made where it is not there, as
+/// [`write_all`] does: it may have changed since [`check_folder`].
+///
+/// # Errors
+/// As [`write_all`].
+pub fn write_folder(
+    session: &Session,
+    folder: &Path,
+    files: Vec<(String, String)>,
+    force: bool,
+) -> Result<()> {
+    let target = |(name, _): &(String, String)| Target::file(&folder.join(name), force);
+    let targets: Result<Vec<Target>> =
+        make_folder(folder).and_then(|()| files.iter().map(target).collect());
+    match targets {
+        Ok(targets) => {
+            let texts = files.into_iter().map(|(_, text)| text);
+            write_all(session, &targets.into_iter().zip(texts).collect::<Vec<_>>())
+        }
+        Err(error) => {
+            session.fail(error);
+            files
+                .iter()
+                .try_for_each(|(name, text)| print_instead(session, &folder.join(name), text))
+        }
+    }
+}
+
+/// Prints a table that could not be written. Pictures and objects are no use on
+/// a screen, and what they show is printed anyway.
+fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
+    match is_table(path) && !session.json {
+        true => session.print(&format!("not written, {}:\n{text}\n", shown(path))),
+        false => Ok(()),
+    }
+}
+
+fn is_table(path: &Path) -> bool {
+    !path.extension().is_some_and(|e| {
+        ["svg", "json"]
+            .iter()
+            .any(|other| e.eq_ignore_ascii_case(other))
+    })
+}
+
+/// Writes the files and devices among `files`.
+fn place_all(files: &[(Target, String)]) -> Result<()> {
+    let mut finished: Vec<(Temporary, &PathBuf)> = Vec::new();
+    for (target, text) in files {
+        if let Target::File(path) = target {
+            let temporary =
+                Temporary::write(path, text.as_bytes()).map_err(|e| write_error(path, &e))?;
+            finished.push((temporary, path));
+        }
+    }
+    for (target, text) in files {
+        if let Target::Device(path) = target {
+            fs::write(path, text).map_err(|e| write_error(path, &e))?;
+        }
+    }
+    // The only moment at which a kill leaves new files beside old ones.
+    finished
+        .into_iter()
+        .try_for_each(|(temporary, path)| temporary.place(path).map_err(|e| write_error(path, &e)))
+}
+
+/// Checks, before any work, that the files `names` can be written to `folder`.
+///
+/// # Errors
+/// The folder is a file, cannot be made or written to; it holds one of the
+/// files and `force` is not given; one of the files is an input.
+pub fn check_folder<'n>(
+    session: &Session,
+    folder: &Path,
+    names: impl IntoIterator<Item = &'n str>,
+    force: bool,
+) -> Result<()> {
+    let name = shown(folder);
+    if folder.exists() && !folder.is_dir() {
+        return Err(
+            Error::new(Code::FileWrite, "This is a file; the output is a folder.")
+                .file(name)
+                .hint("give another --output-dir"),
+        );
+    }
+    if folder.is_dir() {
+        for name in names {
+            let target = Target::file(&folder.join(name), force).map_err(|e| match e.code() {
+                Code::FileExists => {
+                    e.hint("add --force to overwrite it, or give another --output-dir")
+                }
+                _ => e,
+            })?;
+            if let Target::File(path) = target {
+                session.will_write(&path)?;
+            }
+        }
+        return Ok(());
+    }
+    // The nearest folder that is there, in which the others will be made.
+    let nearest = folder.ancestors().skip(1).find(|above| above.is_dir());
+    let nearest = nearest.unwrap_or(Path::new("."));
+    let inside = folder
+        .file_name()
+        .map_or_else(|| nearest.to_path_buf(), |name| nearest.join(name));
+    temporary::probe(&inside).map_err(|e| {
+        Error::new(Code::FileWrite, format!("The folder cannot be made: {e}.")).file(name)
+    })
+}
+
+/// Makes a folder with those above it.
+///
+/// # Errors
+/// The folder cannot be made.
+pub fn make_folder(path: &Path) -> Result<()> {
+    fs::create_dir_all(path).map_err(|e| {
+        Error::new(Code::FileWrite, format!("The folder cannot be made: {e}."))
+            .file(shown(path))
+            .hint("check the permissions of the folder above it")
+    })
+}
+
+/// A path as messages show it.
+fn shown(path: &Path) -> String {
+    visible(&path.to_string_lossy()).into_owned()
+}
+
+fn write_error(path: &Path, error: &std::io::Error) -> Error {
+    Error::new(
+        Code::FileWrite,
+        format!("The file cannot be written: {error}."),
+    )
+    .file(shown(path))
+    .hint("check the folder's permissions and the free space")
+}

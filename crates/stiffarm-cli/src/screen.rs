@@ -1,0 +1,86 @@
+//! Text for a terminal: styles are ours, everything else is shown and not obeyed.
+//!
+//! Names, quoted lines and file names come from anywhere, and an escape sequence
+//! in one of them would be the terminal's command. So a style is wrapped in a
+//! mark that nobody knows beforehand, and whatever stands outside such marks is
+//! printed with its hidden characters in letters. This is the only place that
+//! does it: all text for people goes through [`rendered`].
+
+use anstyle::Style;
+use std::borrow::Cow;
+use std::hash::{BuildHasher, Hasher, RandomState};
+use std::sync::LazyLock;
+use stiffarm::findings::{is_hidden, visible};
+
+/// Two characters of private use, others in each run.
+static MARK: LazyLock<String> = LazyLock::new(|| {
+    let random = RandomState::new().build_hasher().finish();
+    let private = |bits: u64| char::from_u32(0xF_0000 + (bits % 0xFFFE) as u32);
+    [random, random >> 32]
+        .into_iter()
+        .filter_map(private)
+        .collect()
+});
+
+/// `text` in a style; what prints it drops the style where colours are not wanted.
+pub fn paint(style: Style, text: &str) -> String {
+    let mark = MARK.as_str();
+    format!("{mark}{style}{mark}{text}{mark}{style:#}{mark}")
+}
+
+/// The text as a terminal may have it: our styles, line ends, tabs, and all
+/// other hidden characters in letters.
+pub fn rendered(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (i, part) in text.split(MARK.as_str()).enumerate() {
+        match i % 2 {
+            0 => out += &shown(part),
+            _ => out += part,
+        }
+    }
+    out
+}
+
+/// The text without styles, as it is shown.
+pub fn plain(text: &str) -> String {
+    let parts = text.split(MARK.as_str()).step_by(2);
+    parts.map(shown).collect()
+}
+
+/// Columns that a text of one line takes, styles left out.
+pub fn width(text: &str) -> usize {
+    plain(text).chars().count()
+}
+
+/// Hidden characters in letters, but for line ends and tabs.
+fn shown(text: &str) -> Cow<'_, str> {
+    let kept = |c: char| c == '\n' || c == '\t';
+    if !text.chars().any(|c| is_hidden(c) && !kept(c)) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::new();
+    for c in text.chars() {
+        match kept(c) {
+            true => out.push(c),
+            false => out += &visible(c.encode_utf8(&mut [0; 4])),
+        }
+    }
+    Cow::Owned(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anstyle::AnsiColor;
+
+    #[test]
+    fn styles_pass_and_escapes_of_others_are_shown() {
+        let red = AnsiColor::Red.on_default();
+        let text = format!("{}\n", paint(red, "a\u{1b}[2Jb"));
+        assert_eq!(rendered(&text), format!("{red}a\\u{{1b}}[2Jb{red:#}\n"));
+        assert_eq!(plain(&text), "a\\u{1b}[2Jb\n");
+        let nested = paint(red, &paint(red, "x"));
+        assert_eq!((plain(&nested).as_str(), width(&nested)), ("x", 1));
+        assert_eq!(rendered("a\tb\u{202e}c\r\n"), "a\tb\\u{202e}c\\r\n");
+    }
+}

@@ -1,0 +1,203 @@
+//! Files that are written: checked before the work, whole or not at all, and no
+//! result lost with them.
+
+use crate::support;
+
+use std::fs;
+use support::Folder;
+
+const PLAN: &str = "select builtin:comau --from builtin:comau-group1";
+
+#[test]
+fn two_results_in_one_file_are_refused_in_every_spelling() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("a")).unwrap();
+    let absolute = folder.path("p.csv").display().to_string();
+    for other in ["p.csv", "./p.csv", "a/../p.csv", &absolute] {
+        let ran = folder.run(&format!("{PLAN} --output p.csv --sheet {other}"));
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{other}");
+        assert!(
+            ran.err.contains("Two results would go to the same file"),
+            "{}",
+            ran.err
+        );
+    }
+    assert_eq!(folder.names(), ["a"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_and_second_names_are_the_same_file() {
+    let folder = Folder::new();
+    folder.write("p.csv", "old");
+    std::os::unix::fs::symlink("p.csv", folder.path("link.csv")).unwrap();
+    fs::hard_link(folder.path("p.csv"), folder.path("second.csv")).unwrap();
+    for other in ["link.csv", "second.csv"] {
+        let ran = folder.run(&format!("{PLAN} --output p.csv --sheet {other} --force"));
+        assert_eq!(ran.code, Some(2), "{other}");
+        assert!(ran.err.contains("same file"), "{}", ran.err);
+    }
+    assert_eq!(folder.read("p.csv"), "old");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_nothing_is_not_replaced_unasked() {
+    let folder = Folder::new();
+    std::os::unix::fs::symlink("real.csv", folder.path("link.csv")).unwrap();
+    let line = format!("{PLAN} --output link.csv");
+    let ran = folder.run(&line);
+    assert_eq!(ran.code, Some(2));
+    assert!(
+        ran.err.contains("a link to a file that is not there"),
+        "{}",
+        ran.err
+    );
+    assert!(folder.path("link.csv").is_symlink());
+    folder.ok(&format!("{line} --force"));
+    assert!(folder.path("link.csv").is_symlink());
+    assert!(folder.read("real.csv").starts_with("posture"));
+    std::os::unix::fs::symlink("circle.csv", folder.path("circle.csv")).unwrap();
+    assert_eq!(
+        folder
+            .run(&format!("{PLAN} --output circle.csv --force"))
+            .code,
+        Some(2)
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn standard_input_is_not_overwritten() {
+    use std::process::Stdio;
+    let folder = Folder::new();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    let before = folder.read("m.csv");
+    let output = support::command(&folder.path(""))
+        .args("identify builtin:comau - --output m.csv --force".split(' '))
+        .stdin(Stdio::from(fs::File::open(folder.path("m.csv")).unwrap()))
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("input of the same command"));
+    assert_eq!(folder.read("m.csv"), before);
+}
+
+#[test]
+fn an_input_as_output_is_refused_before_the_work() {
+    let folder = Folder::new();
+    folder.write(
+        "plan.csv",
+        stiffarm::files::builtin::postures_text("comau-group1").unwrap(),
+    );
+    let line =
+        "select builtin:comau --given plan.csv --add 2 --rounds 100000 --output ./plan.csv --force";
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("input of the same command"), "{}", ran.err);
+}
+
+#[cfg(unix)]
+#[test]
+fn permissions_stay() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new();
+    folder.write("p.csv", "secret");
+    for mode in [0o600, 0o640, 0o666, 0o444] {
+        fs::set_permissions(folder.path("p.csv"), fs::Permissions::from_mode(mode)).unwrap();
+        folder.ok(&format!("{PLAN} --output p.csv --force"));
+        let meta = fs::metadata(folder.path("p.csv")).unwrap();
+        assert_eq!(meta.permissions().mode() & 0o777, mode);
+    }
+}
+
+#[test]
+fn names_may_be_as_long_as_the_system_lets_them() {
+    let folder = Folder::new();
+    let name = format!("{}.csv", "p".repeat(246));
+    folder.ok(&format!("{PLAN} --output {name}"));
+    assert_eq!(folder.names(), [name]);
+    let ran = folder.run(&format!("{PLAN} --output {}.csv", "p".repeat(300)));
+    assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{}", ran.err);
+}
+
+#[test]
+fn what_killed_runs_left_goes_with_the_next_run_of_the_same_target() {
+    let folder = Folder::new();
+    folder.ok(&format!("{PLAN} --output p.csv"));
+    // A run that is killed while it writes: the name is the target's, the rest chance.
+    folder.write(&temporary("p.csv", "0000000000000001"), "half");
+    folder.write(&temporary("p.csv", "0000000000000002"), "half");
+    let alive = temporary("p.csv", "0000000000000003");
+    folder.write(&alive, "another run, still at work");
+    let lock = fs::OpenOptions::new()
+        .write(true)
+        .open(folder.path(&alive))
+        .unwrap();
+    lock.lock().unwrap();
+    folder.ok(&format!("{PLAN} --output p.csv --force"));
+    assert_eq!(folder.names(), [alive.as_str(), "p.csv"]);
+    drop(lock);
+    folder.ok(&format!("{PLAN} --output p.csv --force"));
+    assert_eq!(folder.names(), ["p.csv"]);
+}
+
+/// A temporary name of the file `name`.
+fn temporary(name: &str, random: &str) -> String {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325, step);
+    format!(".stiffarm-{hash:016x}-{random}.tmp")
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_takes_no_files_is_refused_before_the_work() {
+    // Nobody makes a file in /proc, the superuser neither.
+    let folder = Folder::new();
+    folder.ok(&format!("{PLAN} --output p.csv"));
+    for line in [
+        "select builtin:comau --rounds 1000000 --output /proc/p.csv",
+        "study --output-dir /proc/study",
+        "simulate builtin:comau p.csv --runs 1000000 --readings /proc/r.csv",
+        "map builtin:comau prior --steps 400,400,400 --output-dir /proc/map",
+        "zones builtin:comau --steps 2000 --output-dir /proc/zones",
+        "compensate builtin:comau prior builtin:contour --output /proc/c.csv",
+    ] {
+        let ran = folder.run(line);
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (Some(2), ""),
+            "{line}\n{}",
+            ran.err
+        );
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full_costs_the_file_and_not_the_result() {
+    let folder = Folder::new();
+    let ran = folder.run(&format!("{PLAN} --output /dev/full"));
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("cannot be written"), "{}", ran.err);
+    // The plan that was to be written, and the table.
+    assert!(ran.out.contains("\nposture,q1_deg,"), "{}", ran.out);
+    assert!(ran.out.contains("cell: builtin:comau"), "{}", ran.out);
+    let ran = folder.run(&format!("{PLAN} --output /dev/full --json"));
+    assert_eq!(ran.code, Some(2));
+    assert!(
+        serde_json::from_str::<serde_json::Value>(&ran.out).is_ok(),
+        "{}",
+        ran.out
+    );
+    assert!(ran.err.contains("cannot be written"), "{}", ran.err);
+    let line = "compensate builtin:comau prior builtin:contour --output /dev/full";
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(2));
+    assert!(
+        !ran.out.contains("wrote") && ran.out.lines().count() > 60,
+        "{}",
+        ran.out
+    );
+}

@@ -1,0 +1,227 @@
+//! The first sheet of a workbook, cell by cell.
+
+use super::HINT;
+use super::unpacked;
+use crate::error::{Code, Error, Result};
+use crate::files::table::grid::{Field, Row, Style, Table};
+use crate::model::cell::Columns;
+use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Rows and columns of a sheet, by the format.
+const LAST: (u32, u32) = (1_048_575, 16_383);
+
+/// Columns between the first and the last of a heading. The widest table there
+/// is has some thirty.
+const MOST_COLUMNS: u32 = 512;
+
+/// Cells that hold something, and fields of the table: a path of a million
+/// points with positions and angles.
+const MOST_CELLS: usize = 10_000_000;
+
+/// Characters of a cell, by the format.
+const LONGEST_TEXT: usize = 32_767;
+
+/// Bytes of all cells. One long text can be shared by all of them.
+const MOST_TEXT: usize = 256 << 20;
+
+/// Sheets beside the first that are looked into, and cells of one.
+const OTHERS: usize = 16;
+const CELLS_OF_OTHERS: usize = 100_000;
+
+/// A cell's text, or what it holds that is neither text nor number.
+type Held = Result<String, &'static str>;
+
+/// The cells of a sheet that hold something, by row and column from 0.
+type Cells = BTreeMap<u32, BTreeMap<u32, Held>>;
+
+pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) -> Result<Table<'a>> {
+    unpacked::check(bytes).map_err(|e| e.file(file))?;
+    // The reader of the format counts letters and digits of a place without
+    // looking whether they fit, and stops the program where they do not.
+    let read = catch_unwind(AssertUnwindSafe(|| read(bytes)));
+    let read = read.unwrap_or_else(|_| {
+        let message = "The file cannot be read as an .xlsx workbook: its places make no sense.";
+        Err(Error::new(Code::FileRead, message))
+    });
+    let Sheet {
+        name,
+        mut rows,
+        aside,
+    } = read.map_err(|e| match e.hint_text() {
+        Some(_) => e.file(file),
+        None => e.file(file).hint(HINT),
+    })?;
+    if rows.is_empty() {
+        let message = format!("The first sheet, \"{name}\", is empty.");
+        let error = Error::new(Code::TableHeading, message).file(file);
+        return Err(
+            error.hint(aside.unwrap_or_else(|| "the first row names the columns".to_string()))
+        );
+    }
+    let heading = rows.remove(0);
+    let mut table = Table::new(file, Style::Sheet, heading, rows, foreign);
+    table.aside = aside;
+    Ok(table)
+}
+
+/// The first sheet, and what a reader should know of the others.
+struct Sheet {
+    name: String,
+    rows: Vec<Row>,
+    aside: Option<String>,
+}
+
+fn broken(error: XlsxError) -> Error {
+    let message = format!("The file cannot be read as an .xlsx workbook: {error}.");
+    Error::new(Code::FileRead, message)
+}
+
+fn read(bytes: &[u8]) -> Result<Sheet> {
+    let mut workbook = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
+    let sheets = workbook.sheets_metadata().iter();
+    let names: Vec<String> = sheets
+        .filter(|sheet| sheet.typ == SheetType::WorkSheet)
+        .map(|sheet| sheet.name.clone())
+        .collect();
+    let Some((first, others)) = names.split_first() else {
+        return Err(Error::new(
+            Code::TableHeading,
+            "The workbook has no sheets.",
+        ));
+    };
+    let rows = rows(cells(&mut workbook, first)?)?;
+    // Other sheets matter only to those who miss something in the first.
+    let mut others = others.iter().take(OTHERS);
+    let with_data = others.find(|name| holds_something(&mut workbook, name));
+    let aside = with_data.map(|other| {
+        format!("only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to the front")
+    });
+    Ok(Sheet {
+        name: first.clone(),
+        rows,
+        aside,
+    })
+}
+
+/// What a cell holds; `None` for nothing.
+fn held(value: &DataRef<'_>) -> Option<Held> {
+    let held: Held = match value {
+        DataRef::Empty => return None,
+        DataRef::Int(number) => Ok(number.to_string()),
+        DataRef::Float(number) => Ok(number.to_string()),
+        DataRef::String(text) => Ok(text.trim().to_string()),
+        DataRef::SharedString(text) => Ok(text.trim().to_string()),
+        DataRef::Bool(_) => Err("true or false"),
+        DataRef::DateTime(_) | DataRef::DateTimeIso(_) => Err("a date or time"),
+        DataRef::DurationIso(_) => Err("a duration"),
+        DataRef::Error(_) => Err("an error of its formula"),
+    };
+    (!held.as_ref().is_ok_and(String::is_empty)).then_some(held)
+}
+
+fn holds_something(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> bool {
+    let Ok(mut reader) = workbook.worksheet_cells_reader(sheet) else {
+        return false;
+    };
+    for _ in 0..CELLS_OF_OTHERS {
+        match reader.next_cell() {
+            Ok(Some(cell)) if held(cell.get_value()).is_some() => return true,
+            Ok(Some(_)) => {}
+            Ok(None) | Err(_) => return false,
+        }
+    }
+    false
+}
+
+fn cells(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<Cells> {
+    let mut reader = workbook.worksheet_cells_reader(sheet).map_err(broken)?;
+    let mut cells = Cells::new();
+    let (mut count, mut text) = (0, 0);
+    while let Some(cell) = reader.next_cell().map_err(broken)? {
+        // Looked at before it is copied.
+        let length = match cell.get_value() {
+            DataRef::String(text) => text.len(),
+            DataRef::SharedString(text) => text.len(),
+            _ => 0,
+        };
+        let (row, column) = cell.get_position();
+        let at = |message: String| {
+            let place = (row as usize + 1, Some(column as usize + 1));
+            Error::new(Code::TableRow, message).line(place.0, place.1)
+        };
+        if length > 4 * LONGEST_TEXT {
+            let message = format!("A cell holds {length} bytes; no sheet has cells that long.");
+            return Err(at(message).hint("empty the cell"));
+        }
+        let Some(held) = held(cell.get_value()) else {
+            continue;
+        };
+        if row > LAST.0 || column > LAST.1 {
+            let message = "A cell lies beyond the last row or column that a sheet can have.";
+            return Err(at(message.to_string()).hint(HINT));
+        }
+        count += 1;
+        text += length;
+        if count > MOST_CELLS || text > MOST_TEXT {
+            return Err(too_large());
+        }
+        cells.entry(row).or_default().insert(column, held);
+    }
+    Ok(cells)
+}
+
+fn too_large() -> Error {
+    let message = format!(
+        "The sheet holds more than {MOST_CELLS} cells or {} MB of text.",
+        MOST_TEXT >> 20
+    );
+    Error::new(Code::Unsupported, message).hint("give the table in parts, or as \"CSV UTF-8\"")
+}
+
+/// The rows as of a text: comments left out, gaps filled with empty fields.
+fn rows(mut cells: Cells) -> Result<Vec<Row>> {
+    cells.retain(|_, row| {
+        let first = row.values().next();
+        !first.is_some_and(|held| held.as_ref().is_ok_and(|text| text.starts_with('#')))
+    });
+    // The table may begin in any column; it is as wide as its heading.
+    let heading = cells.iter().next();
+    let Some((line, mut columns)) = heading.map(|(line, row)| (line, row.keys().copied())) else {
+        return Ok(Vec::new());
+    };
+    let left = columns.next().unwrap_or_default();
+    let right = columns.next_back().unwrap_or(left);
+    let width = left..=right;
+    if right - left >= MOST_COLUMNS {
+        let message = format!(
+            "The heading is {} columns wide; a table has {MOST_COLUMNS} at most.",
+            right - left + 1
+        );
+        return Err(Error::new(Code::TableHeading, message)
+            .line(*line as usize + 1, Some(right as usize + 1))
+            .hint("a cell far to the right belongs to no table: empty it"));
+    }
+    if cells.len().saturating_mul((right - left + 1) as usize) > MOST_CELLS {
+        return Err(too_large());
+    }
+    let rows = cells.into_iter().map(|(line, mut row)| {
+        let beside: Vec<u32> = row.keys().copied().filter(|c| !width.contains(c)).collect();
+        let fields = width.clone().chain(beside).map(|column| {
+            let held = row.remove(&column).unwrap_or(Ok(String::new()));
+            Field {
+                other: held.as_ref().err().copied(),
+                text: held.unwrap_or_else(String::from),
+                column: column as usize + 1,
+            }
+        });
+        Row {
+            line: line as usize + 1,
+            fields: fields.collect(),
+            open_quote: false,
+        }
+    });
+    Ok(rows.collect())
+}
