@@ -4,12 +4,14 @@ mod tables;
 
 use super::finding_line;
 use crate::args::PredictArgs;
+use crate::files::Rows;
 use crate::output::Exit;
 use crate::path::{Outputs, PathOptions, curve};
 use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::io::Write;
 use stiffarm::files::table::read_path;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Axes, Wrench};
@@ -20,7 +22,7 @@ use stiffarm::work::posture_path::PosturePathSummary;
 use stiffarm::work::predict::{LoadPoint, PredictOptions, Prediction, predict};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{path_figure, render_svg};
-use tables::{csv, matrices, table};
+use tables::{matrices, table, write_csv};
 
 /// Postures whose stiffness matrices are printed.
 const MATRICES: usize = 2;
@@ -103,7 +105,11 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         let curve = curve(values, &postures, cell);
         render_svg(&path_figure(&curve, prediction.confidence))
     };
-    let on_stdout = outputs.write(session, || Ok(csv(&prediction)), figure)?;
+    let on_stdout = outputs.write(
+        session,
+        || Ok(Rows(|out: &mut dyn Write| write_csv(&prediction, out))),
+        figure,
+    )?;
     let described = Options {
         path: args.along.described(),
         model: options.model,

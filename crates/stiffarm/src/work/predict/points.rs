@@ -86,7 +86,7 @@ pub struct PointPrediction {
     /// How sure the shift is; `null` where the stiffness comes without covariance.
     pub band: Option<TipBand>,
     /// Cartesian stiffness, where asked for.
-    pub stiffness: Option<CartesianStiffness>,
+    pub stiffness: Option<Box<CartesianStiffness>>,
 }
 
 /// Deflections at postures or along a path.
@@ -199,7 +199,7 @@ fn point(
         linear_difference_m: difference.norm(),
         band,
         stiffness: match options.stiffness {
-            true => Some(arm.cartesian(&posture.q, wrench)?),
+            true => Some(Box::new(arm.cartesian(&posture.q, wrench)?)),
             false => None,
         },
     })
