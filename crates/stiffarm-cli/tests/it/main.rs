@@ -7,6 +7,7 @@ mod edges;
 mod errors;
 mod examples;
 mod fanuc;
+mod interrupt;
 mod map;
 mod register;
 mod select;

@@ -78,7 +78,10 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     session.show(&envelope, || {
         head(&named, &saved, envelope.inputs.get("cell")) + &table(&result, &load_words) + &written
     })?;
-    Ok(Exit::finding(result.counts.reachable == 0))
+    Ok(match result.interrupted {
+        true => Exit::Interrupted,
+        false => Exit::finding(result.counts.reachable == 0),
+    })
 }
 
 /// What is mapped, and where its load comes from in words.
@@ -188,6 +191,7 @@ fn table(map: &StiffnessMap, load: &str) -> String {
         (counts.forbidden, "forbidden by the cell's limits"),
         (counts.outside_joint_limits, "outside the joint limits"),
         (counts.unreachable, "out of reach"),
+        (counts.not_computed, "not computed: stopped"),
     ]
     .iter()
     .filter(|(count, _)| *count > 0)

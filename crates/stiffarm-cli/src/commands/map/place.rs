@@ -101,7 +101,10 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
             + &words(&result)
             + &written
     })?;
-    Ok(Exit::finding(result.best.is_none()))
+    Ok(match result.interrupted {
+        true => Exit::Interrupted,
+        false => Exit::finding(result.best.is_none()),
+    })
 }
 
 fn words(result: &Placement) -> String {

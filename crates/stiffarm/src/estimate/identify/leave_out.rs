@@ -5,8 +5,9 @@ use super::rms;
 use super::solve::{Assumptions, Prepared, Solution};
 use super::system::MeasuredSystem;
 use crate::error::{Code, Error, Result};
+use crate::numerics::control::Control;
 use crate::numerics::information::ZERO_COLUMN;
-use crate::numerics::jobs::in_order;
+use crate::numerics::jobs::in_order_watched;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -51,12 +52,13 @@ pub struct LeaveOneOut {
 /// modulo `folds`, so that neighbours in the file go to different folds.
 ///
 /// # Errors
-/// Fewer than two folds, more folds than postures, or as [`Prepared::solve`].
+/// Fewer than two folds, more folds than postures, stopped, or as [`Prepared::solve`].
 pub(super) fn folds(
     system: &MeasuredSystem,
     prepared: &Prepared,
     assumed: &Assumptions,
     folds: usize,
+    control: Control<'_>,
 ) -> Result<Vec<Fold>> {
     let count = system.blocks.len();
     if folds < 2 || folds > count {
@@ -70,7 +72,7 @@ pub(super) fn folds(
     }
     let white = prepared.whitened().whiten(&system.delta);
     let numbers: Vec<usize> = (0..folds).collect();
-    in_order(&numbers, |(_, fold)| {
+    in_order_watched(&numbers, "leaving postures out", control, |(_, fold)| {
         let left_out: Vec<usize> = (*fold..count).step_by(folds).collect();
         fold_without(left_out, count, prepared, &white, assumed)
     })
