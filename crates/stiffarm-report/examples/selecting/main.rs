@@ -112,7 +112,7 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
         plans.push(Plan::select(&default, index, group1.len(), 1, ROUNDS)?);
     }
     for count in [6, 15, 20] {
-        let group = space_filling(&default, count, 1)?;
+        let group = space_filling(&default, count, 1, Control::default())?.postures;
         plans.push(Plan::new(
             &default,
             &format!("space-filling {count}"),

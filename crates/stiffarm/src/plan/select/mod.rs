@@ -23,4 +23,4 @@ pub use selection::{Selection, smallest_margin};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
 };
-pub use space_filling::{joint_distance, smallest_distance, space_filling};
+pub use space_filling::{SpaceFilling, joint_distance, smallest_distance, space_filling};
