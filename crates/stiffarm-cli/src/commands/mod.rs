@@ -51,7 +51,7 @@ fn with_length(cell: Cell) -> (Cell, String) {
 }
 
 /// A finding as a line of its own.
-fn finding_line(finding: &Finding) -> String {
+pub fn finding_line(finding: &Finding) -> String {
     let severity = match finding.severity {
         Severity::Serious => red("serious"),
         Severity::Caution => yellow("caution"),

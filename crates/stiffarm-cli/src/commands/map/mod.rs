@@ -18,6 +18,7 @@ use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use region::Region;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::process::ForceAxes;
@@ -80,7 +81,10 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     })?;
     Ok(match result.interrupted {
         true => Exit::Interrupted,
-        false => Exit::finding(result.counts.reachable == 0),
+        false => {
+            let serious = |f: &Finding| f.severity == Severity::Serious;
+            Exit::finding(result.findings.iter().any(serious))
+        }
     })
 }
 

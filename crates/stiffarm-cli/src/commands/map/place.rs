@@ -13,6 +13,7 @@ use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::files::table::read_path;
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::map::{PlaceOptions, Placed, Placement, Status, place};
 use stiffarm::{Code, Error, Result};
@@ -103,7 +104,10 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
     })?;
     Ok(match result.interrupted {
         true => Exit::Interrupted,
-        false => Exit::finding(result.best.is_none()),
+        false => {
+            let serious = |f: &Finding| f.severity == Severity::Serious;
+            Exit::finding(result.findings.iter().any(serious))
+        }
     })
 }
 

@@ -5,13 +5,13 @@
 
 use super::raw::{At, Number, NumberRows, Numbers, Text};
 use crate::error::{Code, Error, Result};
-use crate::units::deg_to_rad;
+use crate::units::{LARGEST_NUMBER, Sense, deg_to_rad};
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use std::ops::Range;
 
-/// Numbers beyond this are slips of the pen; their squares and fourth powers
-/// must stay finite in everything that is computed from a cell.
-const LARGEST: f64 = 1e30;
+/// Numbers above zero from here on are zero: their squares and fourth powers must stay
+/// finite, and above zero, in everything that is computed from a cell.
+const SMALLEST: f64 = 1e-30;
 
 /// A cell file's text and name.
 pub(super) struct Source<'a> {
@@ -86,7 +86,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// A finite number.
+    /// A finite number of a size that can be meant.
     pub(super) fn number(&self, value: &Number, key: &str) -> Result<f64> {
         let number = *value.get();
         if !number.is_finite() {
@@ -97,27 +97,32 @@ impl<'a> Source<'a> {
                 format!("{number} is not a finite number."),
             ));
         }
-        if number.abs() > LARGEST {
-            return Err(self.error(
-                Code::InvalidValue,
-                key,
-                value.span(),
-                format!("{number:e} is too large."),
-            ));
+        let wrong = match Sense::of(key) {
+            Some(sense) => sense.refuse(number),
+            None => (number.abs() > LARGEST_NUMBER).then(|| format!("{number:e} is too large.")),
+        };
+        match wrong {
+            Some(message) => Err(self.error(Code::InvalidValue, key, value.span(), message)),
+            None => Ok(number),
         }
-        Ok(number)
     }
 
     /// A number above zero.
     pub(super) fn positive(&self, value: &Number, key: &str) -> Result<f64> {
         let number = self.number(value, key)?;
-        if number < 1.0 / LARGEST {
+        if number <= SMALLEST {
             return Err(self.error(
                 Code::InvalidValue,
                 key,
                 value.span(),
                 format!("The value must be above 0, got {number}."),
             ));
+        }
+        let smallest = Sense::of(key).map_or(SMALLEST, |sense| sense.smallest);
+        if number < smallest {
+            let message =
+                format!("{number:e} is too small to be meant: give {smallest:e} or more.");
+            return Err(self.error(Code::InvalidValue, key, value.span(), message));
         }
         Ok(number)
     }
@@ -134,7 +139,7 @@ impl<'a> Source<'a> {
             ));
         }
         // Values too small to square are zero; −0 is 0.
-        Ok(if number < 1.0 / LARGEST { 0.0 } else { number })
+        Ok(if number < SMALLEST { 0.0 } else { number })
     }
 
     /// A list of `count` finite numbers; `what` says what they are.

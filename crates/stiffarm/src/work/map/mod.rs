@@ -25,6 +25,7 @@ pub use status::Status;
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::model::cell::Cell;
+use crate::model::implausible;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::as_far_as;
 use crate::work::predict::{Bands, LoadedArm};
@@ -70,11 +71,10 @@ pub fn stiffness_map(
     let nodes = found.into_iter().zip(&positions);
     let nodes = nodes.map(|(node, at)| node.unwrap_or_else(|| MapNode::not_computed(*at)));
     let nodes = nodes.collect();
-    Ok(result::summarise(
-        cell,
-        options,
-        axes,
-        nodes,
-        bands.map(|b| b.confidence),
-    ))
+    let confidence = bands.map(|b| b.confidence);
+    let mut map = result::summarise(cell, options, axes, nodes, confidence);
+    map.findings.extend(implausible::process(cell));
+    let load = implausible::load(arm.robot(), [("force", &options.wrench)]);
+    map.findings.extend(load);
+    Ok(map)
 }

@@ -10,6 +10,8 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
+use crate::model::implausible;
+use crate::model::load::Wrench;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::as_far_as;
@@ -128,6 +130,18 @@ pub fn place(
         candidates,
     };
     out.findings = findings(cell, predictor, &out);
+    out.findings.extend(implausible::process(cell));
+    let own = points.iter().filter_map(|point| {
+        let load = point.load?;
+        let wrench = Wrench {
+            force: load.force,
+            moment: load.moment,
+        };
+        Some((point.name.as_str(), wrench))
+    });
+    let own: Vec<(&str, Wrench)> = own.collect();
+    let loads = own.iter().map(|(name, wrench)| (*name, wrench));
+    out.findings.extend(implausible::load(arm.robot(), loads));
     Ok(out)
 }
 
