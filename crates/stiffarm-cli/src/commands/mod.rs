@@ -4,6 +4,7 @@ pub mod check;
 pub mod compensate;
 pub mod completions;
 pub mod docs;
+mod earlier;
 pub mod evaluate;
 pub mod identify;
 pub mod init;

@@ -111,3 +111,57 @@ fn a_stopped_simulation_gives_the_runs_that_were_made() {
     assert!(levels.iter().all(|level| runs(level) >= 20));
     assert!(levels.iter().any(|level| runs(level) < 1_000_000));
 }
+
+#[test]
+fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
+    let folder = Folder::new();
+    let cell = std::fs::read(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../cells/comau.toml"
+    ));
+    folder.write("my-cell.toml", cell.unwrap());
+    let line = "study my-cell.toml --runs 2 --starts 2 --seed 3 --output-dir out";
+    folder.ok(line);
+    // As an older version of the program would have left it.
+    let json = folder.read("out/study.json");
+    let listed = json.replace(
+        "\"study.md\"",
+        "\"study.md\" \"old-figure.svg\" \"../mine.csv\"",
+    );
+    assert_ne!(json, listed);
+    let listed = listed.replace("\" \"", "\", \"");
+    folder.write("out/study.json", listed);
+    for name in [
+        "out/old-figure.svg",
+        "out/postures-mine.csv",
+        "out/notes.txt",
+        "mine.csv",
+    ] {
+        folder.write(name, "text");
+    }
+    let line = "study my-cell.toml --starts 1000000 --seed 3 --output-dir out --force";
+    let found = result(&folder, line, "-TERM");
+    assert_eq!(found["interrupted"], true);
+    let page = folder.read("out/study.md");
+    let top = page.split("## In short").next().unwrap();
+    assert!(
+        top.contains("**Stopped.** The study was stopped before its end."),
+        "{top}"
+    );
+    assert!(top.contains("of 1000000 other initial groups"), "{top}");
+    let command = "stiffarm study my-cell.toml --seed 3 --starts 1000000 --output-dir out --force";
+    assert!(page.contains(command), "{page}");
+    let mut files: Vec<String> = std::fs::read_dir(folder.path("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.retain(|name| !["postures-mine.csv", "notes.txt"].contains(&name.as_str()));
+    files.sort();
+    let own = found["files"].as_array().unwrap();
+    let mut own: Vec<&str> = own.iter().map(|name| name.as_str().unwrap()).collect();
+    own.sort_unstable();
+    assert_eq!(files, own);
+    for name in ["out/postures-mine.csv", "out/notes.txt", "mine.csv"] {
+        assert_eq!(folder.read(name), "text", "{name}");
+    }
+}

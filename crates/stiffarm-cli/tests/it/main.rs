@@ -9,6 +9,7 @@ mod examples;
 mod fanuc;
 mod interrupt;
 mod map;
+mod numbers;
 mod register;
 mod select;
 mod support;

@@ -82,8 +82,8 @@ impl Sense {
     /// (`robot.limits_deg[2][1]`), a heading (`fx_n`) or an option (`--force-n`).
     /// `None` where its name ends in no unit.
     pub fn of(name: &str) -> Option<&'static Sense> {
-        let key = name.split('[').next().unwrap_or(name);
-        let key = key.rsplit('.').next().unwrap_or(key);
+        let key = name.rsplit('.').next().unwrap_or(name);
+        let key = key.split('[').next().unwrap_or(key);
         let key = key.trim_start_matches('-').replace('-', "_");
         let ends = |sense: &&Sense| {
             let before = key.strip_suffix(sense.suffix);
@@ -92,12 +92,21 @@ impl Sense {
         TABLE.iter().filter(ends).max_by_key(|s| s.suffix.len())
     }
 
+    /// What may be behind a number that cannot be meant.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self.unit {
+            "mm" if self.quantity == "A length" => Some("the unit is mm: 1 m is 1000 mm"),
+            "N/mm²" | "N/mm" => Some("1 N/mm² is 1 MPa = 1e6 Pa, 1 N/mm is 1000 N/m"),
+            _ => None,
+        }
+    }
+
     /// Says that `value` is beyond what can be meant, where it is.
     pub fn refuse(&self, value: f64) -> Option<String> {
         (value.abs() >= self.limit).then(|| {
             let Sense { quantity, unit, .. } = self;
             let number = |value: f64| match value.abs() {
-                size if (1e-3..1e7).contains(&size) => value.to_string(),
+                size if (1e-3..1e9).contains(&size) => value.to_string(),
                 _ => format!("{value:e}"),
             };
             let [value, limit] = [value, self.limit].map(|v| match *unit {

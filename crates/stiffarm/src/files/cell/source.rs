@@ -97,12 +97,19 @@ impl<'a> Source<'a> {
                 format!("{number} is not a finite number."),
             ));
         }
-        let wrong = match Sense::of(key) {
+        let sense = Sense::of(key);
+        let wrong = match sense {
             Some(sense) => sense.refuse(number),
             None => (number.abs() > LARGEST_NUMBER).then(|| format!("{number:e} is too large.")),
         };
         match wrong {
-            Some(message) => Err(self.error(Code::InvalidValue, key, value.span(), message)),
+            Some(message) => {
+                let error = self.error(Code::InvalidValue, key, value.span(), message);
+                Err(match sense.and_then(Sense::hint) {
+                    Some(hint) => error.hint(hint),
+                    None => error,
+                })
+            }
             None => Ok(number),
         }
     }

@@ -1,0 +1,114 @@
+//! Numbers of the command line: what cannot be meant is refused with its option and
+//! unit, what can hardly be meant is a finding, and nothing is infinite.
+
+use crate::support::Folder;
+
+/// Options with numbers: what stands before the number, and behind it.
+const OPTIONS: [(&str, &str); 24] = [
+    ("map builtin:comau prior --plane z=", ""),
+    ("map builtin:comau prior --to-mm 0,0,0 --from-mm ", ",0,0"),
+    ("map builtin:comau prior --plane z=800 --rpy-deg ", ",0,0"),
+    ("map builtin:comau prior --plane z=800 --force-n ", ",0,0"),
+    (
+        "map builtin:comau prior --plane z=800 --force-n 1,0,0 --moment-nm ",
+        ",0,0",
+    ),
+    ("map builtin:comau prior --plane z=800 --direction ", ",0,0"),
+    (
+        "map builtin:comau prior --place builtin:contour --yaw-deg ",
+        "",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --axes base --force-n ",
+        ",0,0",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --load-uncertainty-percent ",
+        "",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --start-deg 0,0,0,0,0,",
+        "",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --max-step-deg ",
+        "",
+    ),
+    ("simulate builtin:comau builtin:comau-group1 --levels ", ""),
+    (
+        "simulate builtin:comau builtin:comau-group1 --force-percent ",
+        "",
+    ),
+    (
+        "simulate builtin:comau builtin:comau-group1 --joint-angle-deg ",
+        "",
+    ),
+    (
+        "simulate builtin:comau builtin:comau-group1 --anchor-mm ",
+        "",
+    ),
+    ("register builtin:example-pairs --std-mm ", ""),
+    ("zones builtin:comau --q-deg 0,0,0,0,0,", ""),
+    ("select builtin:comau --rounds 1 --largest-load-n ", ""),
+    (
+        "select builtin:comau --rounds 1 --anchor-box-mm 0,0,0,1,1,",
+        "",
+    ),
+    ("select builtin:comau --time-limit ", ""),
+    ("identify builtin:comau m.csv --confidence ", ""),
+    ("identify builtin:comau m.csv --prior-std-percent ", ""),
+    (
+        "identify builtin:comau m.csv --clamped --angle-noise-deg ",
+        "",
+    ),
+    (
+        "validate builtin:comau m.csv --folds all --tolerance-mm ",
+        "",
+    ),
+];
+
+#[test]
+fn a_number_that_cannot_be_meant_is_refused() {
+    let folder = Folder::new();
+    folder.write("m.csv", "posture,point,dx_mm,dy_mm,dz_mm\n");
+    for (before, after) in OPTIONS {
+        for number in ["1e300", "nan", "inf"] {
+            let line = format!("{before}{number}{after}");
+            let ran = folder.run(&line);
+            assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+            let option = before
+                .split(' ')
+                .rfind(|word| word.starts_with("--"))
+                .unwrap();
+            assert!(ran.err.contains(option), "{line}\n{}", ran.err);
+        }
+    }
+}
+
+#[test]
+fn a_load_that_can_hardly_be_meant_is_a_finding() {
+    let folder = Folder::new();
+    let load = "--axes base --force-n";
+    for command in [
+        format!("compensate builtin:comau prior builtin:contour {load}"),
+        format!("predict builtin:comau prior builtin:contour {load}"),
+        "map builtin:comau prior --plane z=800 --steps 5 --force-n".to_string(),
+    ] {
+        let ran = folder.run(&format!("{command} 200000,0,0"));
+        assert_eq!(ran.code, Some(1), "{command}\n{}{}", ran.out, ran.err);
+        // The whole result is there, and what is wrong with it.
+        assert!(
+            ran.out.contains("2.0000e5 N can hardly be meant"),
+            "{}",
+            ran.out
+        );
+        assert!(ran.out.contains("weighs 1618 N"), "{}", ran.out);
+        folder.ok(&format!("{command} 300,0,0"));
+    }
+    let line =
+        format!("compensate builtin:comau prior builtin:contour {load} 200000,0,0 --output -");
+    let ran = folder.run(&line);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.err.contains("can hardly be meant"), "{}", ran.err);
+    assert!(!ran.out.contains("can hardly be meant"), "{}", ran.out);
+}
