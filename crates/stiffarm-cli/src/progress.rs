@@ -17,6 +17,16 @@ const TICK: Duration = Duration::from_millis(120);
 const SPINNER: &str = "{spinner} {msg} ({elapsed}, Ctrl-C stops with the best so far)";
 const COUNTED: &str = "{spinner} {msg} {bar:30} {pos}/{len} ({elapsed})";
 
+/// Says on standard error what a count of the user makes of the work, where it grows
+/// faster than the count (61 steps are 226,981 nodes) and there are `many` pieces.
+pub fn announce(session: &Session, pieces: usize, many: usize, what: &str) {
+    if pieces >= many {
+        session.remark(&format!(
+            "note: {pieces} {what}; this takes a while, and Ctrl-C stops it"
+        ));
+    }
+}
+
 /// A progress bar that shows itself when the work takes long.
 pub struct Progress {
     bar: ProgressBar,

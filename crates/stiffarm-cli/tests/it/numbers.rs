@@ -112,3 +112,41 @@ fn a_load_that_can_hardly_be_meant_is_a_finding() {
     assert!(ran.err.contains("can hardly be meant"), "{}", ran.err);
     assert!(!ran.out.contains("can hardly be meant"), "{}", ran.out);
 }
+
+/// A cell file of the repository with one line replaced.
+fn cell_with(from: &str, to: &str) -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cells/comau.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.contains(from), "{from}");
+    text.replace(from, to)
+}
+
+#[test]
+fn a_joint_that_is_held_stays_where_it_is() {
+    let folder = Folder::new();
+    folder.write("held.toml", cell_with("[-60, 40]", "[20, 20]"));
+    folder.ok("check held.toml");
+    for line in [
+        "select held.toml --rounds 1 -n 4 --output plan.csv --force",
+        "select held.toml --rounds 1 -n 4 --index novel --no-certificate --output plan.csv --force",
+        "select held.toml --space-filling -n 4 --output plan.csv --force",
+    ] {
+        folder.ok(line);
+        let plan = folder.read("plan.csv");
+        let held = plan.lines().skip(1).map(|row| row.split(',').nth(2));
+        assert!(held.eq([Some("20"); 4]), "{line}\n{plan}");
+    }
+    folder.ok("zones held.toml --steps 5 --output-dir zones");
+    assert!(!folder.read("zones/zones.svg").contains("NaN"));
+    // Every joint held: nothing to choose, and it says so.
+    let text = cell_with("[-60, 40]", "[20, 20]");
+    let all = ["[-90, 90]", "[-180, -40]", "[-180, 180]"];
+    let text = all
+        .iter()
+        .zip(["[0, 0]", "[-90, -90]", "[30, 30]"])
+        .fold(text, |text, (range, place)| text.replace(range, place));
+    folder.write("held.toml", text);
+    let ran = folder.run("select held.toml --rounds 1");
+    assert_eq!(ran.code, Some(2), "{}{}", ran.out, ran.err);
+    assert!(ran.err.contains("joint"), "{}", ran.err);
+}

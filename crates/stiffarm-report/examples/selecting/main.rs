@@ -164,7 +164,7 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
     let prior = prior(&default, &plans)?;
 
     say("zones");
-    let maps = zones(&default, &ZoneOptions::default())?;
+    let maps = zones(&default, &ZoneOptions::default(), Control::default())?;
     let zone_groups = match &maps.best {
         Some(zone) => Some(ZoneGroups::new(&default, zone)?),
         None => None,

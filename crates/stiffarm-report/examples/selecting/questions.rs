@@ -126,7 +126,7 @@ pub struct Lost {
 impl Lost {
     pub fn new(cell: &Cell, plan: &Plan) -> Result<Self> {
         let index = Index::ExpectedError;
-        let worth = drop_postures(cell, index, &plan.group, 1)?.values;
+        let worth = drop_postures(cell, index, &plan.group, 1, Control::default())?.values;
         let worst = worth.last().map_or(0, |w| w.posture);
         let mut rest = plan.group.clone();
         rest.remove(worst);

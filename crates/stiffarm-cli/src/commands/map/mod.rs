@@ -10,10 +10,10 @@ use crate::args::MapArgs;
 use crate::files::check_folder;
 use crate::numbers::{NONE, coarse_mm, optional, significant};
 use crate::output::Exit;
-use crate::progress::Progress;
+use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Table, title};
-use common::{head, sides, write_folder};
+use common::{MANY, head, sides, write_folder};
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use region::Region;
 use schemars::JsonSchema;
@@ -62,6 +62,14 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let (cell, _) = with_length(named.cell);
     named.cell = cell;
     let (options, load_words) = options(&named.cell, args)?;
+    let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
+    let postures = nodes.saturating_mul(options.free_turn.unwrap_or(1));
+    announce(
+        session,
+        postures,
+        MANY,
+        "positions and turns of the tip to look at",
+    );
     let progress = Progress::new(session, "mapping");
     let result =
         progress.watch(|control| stiffness_map(&named.cell, &saved.predictor, &options, control));

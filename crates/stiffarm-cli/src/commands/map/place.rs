@@ -1,13 +1,13 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
-use super::common::{head, sides, write_folder};
+use super::common::{MANY, head, sides, write_folder};
 use super::region::Region;
 use crate::args::MapArgs;
 use crate::commands::finding_line;
 use crate::files::check_folder;
 use crate::numbers::{coarse_mm, optional, percent};
 use crate::output::Exit;
-use crate::progress::Progress;
+use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
@@ -21,6 +21,8 @@ use stiffarm_report::{placement_figure, placement_table, render_svg};
 
 /// Files of the folder.
 const FILES: [&str; 2] = ["placement.svg", "placement.csv"];
+/// Points of a path that a search looks at.
+const SEARCHED: usize = 200;
 /// Turns about a free tool axis.
 const FREE_TURNS: usize = 12;
 
@@ -67,6 +69,19 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         free_turns: args.tool.free_turn.unwrap_or(FREE_TURNS),
         refinements: usize::from(args.place.refine),
     };
+    let places = options
+        .steps
+        .iter()
+        .fold(1_usize, |n, s| n.saturating_mul(*s));
+    let rounds = options.refinements + 1;
+    let places = places.saturating_mul(options.yaws.len().saturating_mul(rounds));
+    let points = places.saturating_mul(table.points.len().min(SEARCHED));
+    announce(
+        session,
+        points,
+        MANY,
+        "points of the path to look at, over all places",
+    );
     let progress = Progress::new(session, "placing");
     let result =
         progress.watch(|control| place(cell, &saved.predictor, &table.points, &options, control));
