@@ -2,6 +2,7 @@
 
 mod sense;
 
+#[cfg(feature = "files")]
 pub(crate) use sense::LARGEST_NUMBER;
 pub use sense::Sense;
 

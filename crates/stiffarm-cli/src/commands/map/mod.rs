@@ -63,6 +63,8 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     named.cell = cell;
     let (options, load_words) = options(&named.cell, args)?;
     let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
+    // A larger grid is refused at once.
+    let nodes = nodes * usize::from(nodes <= MapOptions::MOST);
     let postures = nodes.saturating_mul(options.free_turn.unwrap_or(1));
     announce(
         session,

@@ -15,7 +15,7 @@ use serde::Serialize;
 use stiffarm::files::table::read_path;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
-use stiffarm::work::map::{PlaceOptions, Placed, Placement, Status, place};
+use stiffarm::work::map::{MapOptions, PlaceOptions, Placed, Placement, Status, place};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
@@ -73,6 +73,8 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         .steps
         .iter()
         .fold(1_usize, |n, s| n.saturating_mul(*s));
+    // A larger grid is refused at once.
+    let places = places * usize::from(places <= MapOptions::MOST);
     let rounds = options.refinements + 1;
     let places = places.saturating_mul(options.yaws.len().saturating_mul(rounds));
     let points = places.saturating_mul(table.points.len().min(SEARCHED));
