@@ -13,6 +13,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
 use stiffarm::files::table::read_path;
+use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Axes, Wrench};
 use stiffarm::model::observation::PostureTerms;
@@ -121,8 +122,13 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     };
     let envelope = session.envelope("predict", None, described, &result);
     let other = saved.is_of_another_cell(envelope.inputs.get("cell"));
+    let of_path = || result.postures.iter().flat_map(|p| &p.findings);
+    let mut findings = of_path().chain(&result.prediction.findings);
+    let exit = Exit::finding(findings.any(|f| f.severity == Severity::Serious));
     if on_stdout {
-        return Ok(Exit::Done);
+        let findings = of_path().chain(&result.prediction.findings);
+        session.remark_serious(findings);
+        return Ok(exit);
     }
     session.show(&envelope, || {
         let mut out = named.line() + &saved.line() + &line;
@@ -139,8 +145,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         {
             out += &matrices(point);
         }
-        let of_path = result.postures.iter().flat_map(|p| &p.findings);
-        for finding in of_path.chain(&result.prediction.findings) {
+        for finding in of_path().chain(&result.prediction.findings) {
             out += &finding_line(finding);
         }
         let names: Vec<&str> = [&args.output, &args.figure]
@@ -153,7 +158,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         }
         out
     })?;
-    Ok(Exit::Done)
+    Ok(exit)
 }
 
 /// The tasks of the cell with their tip.

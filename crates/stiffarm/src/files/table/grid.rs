@@ -4,9 +4,11 @@ use super::quantity::Unit;
 use crate::error::{Code, Error, Result};
 use crate::files::names::fault_of;
 use crate::model::cell::Columns;
+use crate::units::{LARGEST_NUMBER, Sense};
 
-/// Numbers beyond this are slips of the pen; see the cell file's limit.
-const LARGEST: f64 = 1e30;
+/// Lengths of a table in another unit have an error of their own: so many times the
+/// limit of others is left to it.
+const LENGTHS: f64 = 10.0;
 
 /// A field and where it begins, counted from 1: a character column of a text,
 /// a column of a spreadsheet.
@@ -279,11 +281,25 @@ impl<'a> Table<'a> {
             let message = format!("\"{text}\" is not a finite number.");
             return Err(self.error(row, at, Code::NotFinite, message));
         }
-        if value.abs() > LARGEST {
-            let message = format!("{text} is too large.");
+        if let Some(message) = self.beyond_sense(at, value) {
             return Err(self.error(row, at, Code::TableRow, message));
         }
         Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))
+    }
+
+    /// Says that the number in column `at` cannot be meant, where that is so.
+    fn beyond_sense(&self, at: usize, value: f64) -> Option<String> {
+        let name = &self.headings[at].name;
+        let Some(sense) = Sense::of(name) else {
+            return (value.abs() > LARGEST_NUMBER).then(|| format!("{value:e} is too large."));
+        };
+        match ["mm", "m", "um", "in"]
+            .iter()
+            .any(|unit| name.ends_with(&format!("_{unit}")))
+        {
+            true if value.abs() < LENGTHS * sense.limit => None,
+            _ => sense.refuse(value),
+        }
     }
 
     fn refuse_other(&self, row: &Row, column: Column, wanted: &str, hint: &str) -> Result<()> {
