@@ -86,20 +86,52 @@ fn watched<J: Sync, T: Send>(
     control: Control<'_>,
     run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
-    let done = AtomicUsize::new(0);
     let mut out = Vec::with_capacity(jobs.len());
+    each_portion(jobs, what, control, run, |result| out.push(result))?;
+    Ok(out)
+}
+
+/// [`in_order_watched`] whose results are handed to `take`, in the order of the
+/// jobs, so that they need not all be kept.
+///
+/// # Errors
+/// As [`in_order_watched`].
+pub(crate) fn each_in_order<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+    take: impl FnMut(T),
+) -> Result<()> {
+    let watched = |job: (usize, &J)| {
+        control.check()?;
+        run(job)
+    };
+    each_portion(jobs, what, control, watched, take)
+}
+
+fn each_portion<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+    mut take: impl FnMut(T),
+) -> Result<()> {
+    let done = AtomicUsize::new(0);
+    let mut start = 0;
     for portion in jobs.chunks(PORTION) {
-        let start = out.len();
-        out.extend(in_order(portion, |(i, job)| {
+        let results = in_order(portion, |(i, job)| {
             let result = run((start + i, job))?;
             let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;
             if so_far.is_multiple_of(REPORTED) || so_far == jobs.len() {
                 control.report(what, so_far, jobs.len());
             }
             Ok(result)
-        })?);
+        })?;
+        results.into_iter().for_each(&mut take);
+        start += portion.len();
     }
-    Ok(out)
+    Ok(())
 }
 
 #[cfg(test)]
