@@ -56,9 +56,11 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = session.read_stiffness(&args.stiffness, cell)?;
-    let options = CompensateOptions {
-        load_uncertainty: args.along.load_uncertainty()?,
-        measured_up_to: saved.largest_displacement,
+    let options = {
+        let mut options = CompensateOptions::default();
+        options.load_uncertainty = args.along.load_uncertainty()?;
+        options.measured_up_to = saved.largest_displacement;
+        options
     };
     let progress = Progress::new(session, "compensating the path");
     let followed =
