@@ -156,7 +156,7 @@ fn commanded(
         Some(WriteChoice::Poses) => read.clone().poses(cell),
     };
     let arm = LoadedArm::new(cell, predictor)?;
-    let points: Vec<PathPoint> = followed
+    let points = followed
         .table
         .points
         .iter()
@@ -174,9 +174,8 @@ fn commanded(
                 },
                 ..point.clone()
             }
-        })
-        .collect();
-    write_path(&format, &points)
+        });
+    write_path(&format, points)
 }
 
 fn corrections(result: &Compensation) -> String {
