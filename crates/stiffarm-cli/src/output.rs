@@ -127,6 +127,10 @@ impl Session {
     /// # Errors
     /// As [`Session::print`].
     pub fn print_exact(&self, text: &str) -> Result<()> {
+        if let Some(captured) = &self.captured {
+            captured.borrow_mut().out += text;
+            return Ok(());
+        }
         let mut out = anstream::AutoStream::new(std::io::stdout(), self.color).lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::new(
@@ -139,6 +143,10 @@ impl Session {
 
     /// Prints to standard error.
     pub fn print_error(&self, text: &str) {
+        if let Some(captured) = &self.captured {
+            captured.borrow_mut().err += &rendered(text);
+            return;
+        }
         // Where standard error is closed there is nobody left to tell.
         let mut out = anstream::AutoStream::new(std::io::stderr(), self.color).lock();
         let _ = out.write_all(rendered(text).as_bytes());
