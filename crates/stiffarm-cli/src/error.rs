@@ -64,11 +64,7 @@ pub fn report_beside(session: &Session, error: &Error) -> u8 {
 
 /// Prints what clap says: help and version on standard output, usage errors on
 /// standard error, or as JSON where the line asks for it.
-pub fn usage(
-    stop: &clap::Error,
-    json_wanted: bool,
-    captured: Option<&RefCell<Captured>>,
-) -> u8 {
+pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Captured>>) -> u8 {
     let code = u8::try_from(stop.exit_code()).unwrap_or(2);
     if let Some(captured) = captured {
         let mut captured = captured.borrow_mut();

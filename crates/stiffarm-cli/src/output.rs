@@ -1,7 +1,7 @@
 //! Printing: tables for people, one JSON object for machines.
 
 use crate::files::{Target, write_all};
-use crate::screen::rendered;
+use crate::screen::{plain, rendered};
 use crate::session::Session;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -119,7 +119,10 @@ impl Session {
     /// # Errors
     /// Standard output cannot be written.
     pub fn print(&self, text: &str) -> Result<()> {
-        self.print_exact(&rendered(text))
+        match self.captured {
+            Some(_) => self.print_exact(&plain(text)),
+            None => self.print_exact(&rendered(text)),
+        }
     }
 
     /// Prints the content of a file, or an object, as it is.
@@ -144,7 +147,7 @@ impl Session {
     /// Prints to standard error.
     pub fn print_error(&self, text: &str) {
         if let Some(captured) = &self.captured {
-            captured.borrow_mut().err += &rendered(text);
+            captured.borrow_mut().err += &plain(text);
             return;
         }
         // Where standard error is closed there is nobody left to tell.

@@ -189,9 +189,10 @@ fn child(
 
 /// Takes down a fault; the first of its kind is told at once.
 fn note(plan: &Plan, ledger: &Mutex<Ledger>, target: &'static Target, index: u64, fault: &str) {
+    let fault: String = fault.chars().take(500).collect();
     let Ok(mut book) = ledger.lock() else { return };
-    let entry = book.faults.entry((target.name, signature(fault)));
-    let (count, first, _) = entry.or_insert((0, index, fault.to_string()));
+    let entry = book.faults.entry((target.name, signature(&fault)));
+    let (count, first, _) = entry.or_insert((0, index, fault.clone()));
     *count += 1;
     if *count == 1 {
         println!(

@@ -7,6 +7,7 @@ mod edges;
 mod errors;
 mod examples;
 mod fanuc;
+mod faults;
 mod hostile;
 mod map;
 mod outputs;
