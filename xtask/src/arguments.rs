@@ -20,11 +20,13 @@ Commands:
   generate [--check]
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
-  outputs FOLDER [--against OTHER] [--binary PATH]
+  outputs FOLDER [--against OTHER] [--binary PATH] [--threads N,…]
       Runs the commands of xtask/src/outputs/commands.txt and keeps everything that they print and write in
       FOLDER, which is new, empty, or filled by an earlier run.
       --against OTHER   compares FOLDER with OTHER, the outputs before a change, byte by byte
       --binary PATH     runs this executable; without it `stiffarm` is built for release
+      --threads N,…     runs all of them with each of these numbers of threads: the first fills FOLDER, each
+                        other one FOLDER-N, which is compared with FOLDER
       The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
   lint
       Formatting, structure of the code, clippy with all, the default and no features, documentation, generated
@@ -80,6 +82,8 @@ pub struct OutputsOptions {
     pub against: Option<PathBuf>,
     /// The executable to run instead of one that is built.
     pub binary: Option<PathBuf>,
+    /// Numbers of threads to run with; none leaves it to the machine.
+    pub threads: Vec<usize>,
 }
 
 /// A part of the test suite that a machine may or may not be able to run.
@@ -172,9 +176,8 @@ fn parse_outputs(rest: &[String]) -> Result<OutputsOptions, Failure> {
             Some((name, value)) => (name, Some(value.to_string())),
             None => (argument.as_str(), None),
         };
-        let slot = match name {
-            "--against" => &mut options.against,
-            "--binary" => &mut options.binary,
+        match name {
+            "--against" | "--binary" | "--threads" => {}
             _ if argument.starts_with('-') || folder.is_some() => {
                 return Err(unexpected("outputs", argument));
             }
@@ -182,14 +185,18 @@ fn parse_outputs(rest: &[String]) -> Result<OutputsOptions, Failure> {
                 folder = Some(PathBuf::from(argument));
                 continue;
             }
-        };
+        }
         let value = joined.or_else(|| rest.next().cloned()).ok_or_else(|| {
             Failure::usage(
                 format!("`{name}` has no value"),
                 format!("name a path after it, for example `{name} target/path`"),
             )
         })?;
-        *slot = Some(PathBuf::from(value));
+        match name {
+            "--against" => options.against = Some(PathBuf::from(value)),
+            "--binary" => options.binary = Some(PathBuf::from(value)),
+            _ => options.threads = parse_threads(&value)?,
+        }
     }
     options.folder = folder.ok_or_else(|| {
         Failure::usage(
@@ -198,6 +205,20 @@ fn parse_outputs(rest: &[String]) -> Result<OutputsOptions, Failure> {
         )
     })?;
     Ok(options)
+}
+
+/// Numbers of threads with commas between them.
+fn parse_threads(text: &str) -> Result<Vec<usize>, Failure> {
+    let numbers: Option<Vec<usize>> = text
+        .split(',')
+        .map(|word| word.parse().ok().filter(|n| (1..=64).contains(n)))
+        .collect();
+    numbers.ok_or_else(|| {
+        Failure::usage(
+            format!("`--threads {text}` is no list of numbers from 1 to 64"),
+            "write them with commas between them, for example `--threads 1,2,4`",
+        )
+    })
 }
 
 /// Adds the comma-separated part names in `text` to `parts`.
@@ -278,13 +299,14 @@ mod tests {
         };
         assert_eq!(parsed("outputs now").unwrap(), Command::Outputs(plain));
         for line in [
-            "outputs now --against before --binary target/release/stiffarm",
-            "outputs --binary=target/release/stiffarm --against=before now",
+            "outputs now --against before --binary target/release/stiffarm --threads 1,2",
+            "outputs --binary=target/release/stiffarm --against=before --threads=1,2 now",
         ] {
             let expected = OutputsOptions {
                 folder: PathBuf::from("now"),
                 against: Some(PathBuf::from("before")),
                 binary: Some(PathBuf::from("target/release/stiffarm")),
+                threads: vec![1, 2],
             };
             assert_eq!(parsed(line).unwrap(), Command::Outputs(expected), "{line}");
         }
@@ -306,6 +328,10 @@ mod tests {
             ("outputs a b", "`cargo xtask outputs` does not take `b`"),
             ("outputs a -q", "`cargo xtask outputs` does not take `-q`"),
             ("outputs a --against", "`--against` has no value"),
+            (
+                "outputs a --threads 0",
+                "`--threads 0` is no list of numbers from 1 to 64",
+            ),
             (
                 "test --require rust,",
                 "`--require rust,`: `` is no part of the tests",

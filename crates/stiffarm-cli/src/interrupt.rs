@@ -1,10 +1,11 @@
-//! Ctrl-C: the first asks the work to stop with its best result, the second quits.
+//! Ctrl-C and a request to end (SIGTERM, SIGHUP): the first asks the work to stop with
+//! its best result, the second quits.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Takes Ctrl-C over for the rest of this run.
+/// Takes Ctrl-C, SIGTERM and SIGHUP over for the rest of this run.
 pub fn listen() {
     // Without a handler Ctrl-C ends the program at once, as it always did.
     let _ = ctrlc::set_handler(|| {

@@ -1,12 +1,13 @@
 //! Printing: tables for people, one JSON object for machines.
 
+use crate::commands::finding_line;
 use crate::files::{Target, write_all};
 use crate::screen::{plain, rendered};
 use crate::session::Session;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Write};
-use stiffarm::findings::is_hidden;
+use stiffarm::findings::{Finding, Severity, is_hidden};
 use stiffarm::{Code, Error, Result};
 
 /// How a command ended, where it ended without an error.
@@ -153,6 +154,14 @@ impl Session {
         // Where standard error is closed there is nobody left to tell.
         let mut out = anstream::AutoStream::new(std::io::stderr(), self.color).lock();
         let _ = out.write_all(rendered(text).as_bytes());
+    }
+
+    /// The serious ones of `findings` on standard error: where a table went to
+    /// standard output, nothing else says them.
+    pub fn remark_serious<'f>(&self, findings: impl Iterator<Item = &'f Finding>) {
+        for finding in findings.filter(|f| f.severity == Severity::Serious) {
+            self.print_error(&finding_line(finding));
+        }
     }
 
     /// A remark on standard error, unless the user wants quiet.

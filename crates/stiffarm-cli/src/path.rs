@@ -1,7 +1,7 @@
 //! What predict and compensate share: a path, its loads and its postures.
 
 use crate::args::PathArgs;
-use crate::files::{Target, check_targets, write_all};
+use crate::files::{Contents, Target, check_targets, write_all};
 use crate::numbers::significant;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -225,18 +225,18 @@ impl Outputs {
     ///
     /// # Errors
     /// A text that cannot be made, or a file that cannot be written.
-    pub fn write(
+    pub fn write<C: Contents>(
         self,
         session: &Session,
-        table: impl FnOnce() -> Result<String>,
+        table: impl FnOnce() -> Result<C>,
         figure: impl FnOnce() -> String,
     ) -> Result<bool> {
-        let mut files = Vec::new();
+        let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
         if let Some(target) = self.table {
-            files.push((target, table()?));
+            files.push((target, Box::new(table()?)));
         }
         if let Some(target) = self.figure {
-            files.push((target, figure()));
+            files.push((target, Box::new(figure())));
         }
         write_all(session, &files)?;
         Ok(files.iter().any(|(target, _)| target.is_stdout()))

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::Duration;
-use stiffarm::Control;
+use stiffarm::{Control, Watch};
 
 /// Work shorter than this shows nothing.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -16,6 +16,16 @@ const TICK: Duration = Duration::from_millis(120);
 /// Work whose end is not known, and work that is counted.
 const SPINNER: &str = "{spinner} {msg} ({elapsed}, Ctrl-C stops with the best so far)";
 const COUNTED: &str = "{spinner} {msg} {bar:30} {pos}/{len} ({elapsed})";
+
+/// Says on standard error what a count of the user makes of the work, where it grows
+/// faster than the count (61 steps are 226,981 nodes) and there are `many` pieces.
+pub fn announce(session: &Session, pieces: usize, many: usize, what: &str) {
+    if pieces >= many {
+        session.remark(&format!(
+            "note: {pieces} {what}; this takes a while, and Ctrl-C stops it"
+        ));
+    }
+}
 
 /// A progress bar that shows itself when the work takes long.
 pub struct Progress {
@@ -52,18 +62,7 @@ impl Progress {
 
     /// Tells how far the work is.
     pub fn report(&self, what: &str, done: usize, of: usize) {
-        if self.bar.length() != Some(of as u64) {
-            self.bar.set_length(of as u64);
-            set_style(&self.bar, COUNTED);
-        }
-        if self.bar.message() == what {
-            // Finished out of order on several threads: never step back.
-            self.bar.set_position(self.bar.position().max(done as u64));
-        } else {
-            // Another kind of work counts from the start.
-            self.bar.set_message(what.to_string());
-            self.bar.set_position(done as u64);
-        }
+        report(&self.bar, what, done, of);
     }
 
     /// Tells how work stands whose end is not known.
@@ -75,6 +74,14 @@ impl Progress {
         self.bar.set_message(what.to_string());
     }
 
+    /// This bar and Ctrl-C for a value whose later questions can take long.
+    pub fn shared(&self) -> Watch {
+        interrupt::listen();
+        let bar = self.bar.clone();
+        let report = move |what: &str, done: usize, of: usize| report(&bar, what, done, of);
+        Watch::new(interrupt::stopped, report)
+    }
+
     /// Runs `work` with this bar and Ctrl-C.
     pub fn watch<T>(&self, work: impl FnOnce(Control<'_>) -> T) -> T {
         interrupt::listen();
@@ -84,6 +91,21 @@ impl Progress {
             stop: Some(&stop),
             progress: Some(&progress),
         })
+    }
+}
+
+fn report(bar: &ProgressBar, what: &str, done: usize, of: usize) {
+    if bar.length() != Some(of as u64) {
+        bar.set_length(of as u64);
+        set_style(bar, COUNTED);
+    }
+    if bar.message() == what {
+        // Finished out of order on several threads: never step back.
+        bar.set_position(bar.position().max(done as u64));
+    } else {
+        // Another kind of work counts from the start.
+        bar.set_message(what.to_string());
+        bar.set_position(done as u64);
     }
 }
 

@@ -168,10 +168,14 @@ fn caption(map: &StiffnessMap) -> String {
         true => "",
         false => " The brighter, the stiffer.",
     };
+    let left = match map.counts.not_computed {
+        0 => String::new(),
+        count => format!(", {count} were not computed, for the work was stopped"),
+    };
     format!(
         "Deflection per newton under a force of {} N on the robot at the tip, stiffness along {}, and stiffness \
          along the softest direction, over the position of the tip in the base frame. Tool axis {}{turn}; at each \
-         place the posture that bends least.{colours} {} of {} places are reachable.",
+         place the posture that bends least.{colours} {} of {} places are reachable{left}.",
         vector(force),
         vector(map.direction),
         vector(column),

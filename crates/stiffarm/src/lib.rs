@@ -75,7 +75,7 @@ pub use plan::select::{GlobalOptions, Selection, select};
 pub use work::compensate::compensate;
 pub use work::predict::{Prediction, predict};
 
-pub use numerics::control::{Control, Report, Stop, Termination};
+pub use numerics::control::{Control, Report, Stop, Termination, Watch};
 
 /// What this project's own tests and benches measure. No promise is made about it.
 #[doc(hidden)]

@@ -30,7 +30,6 @@ const TOLD_EVERY: usize = 100;
 
 /// Fills the folder, and compares it where that is asked for. The closing line is the last one.
 pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failure> {
-    let start = Instant::now();
     let folder = absolute(&options.folder)?;
     folder::check(&folder)?;
     let against = options.against.as_deref();
@@ -49,14 +48,43 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
         Some(binary) => binary::given(binary)?,
         None => binary::built(workspace)?,
     };
-    folder::prepare(workspace, &folder)?;
-    if let Ok(robot) = &robot {
-        fanuc::write(robot, &folder.join("fanuc.csv"))?;
+    let mut against = against;
+    let mut ended = Ok(());
+    // Without a wish once, with the machine's own number of threads.
+    let wishes = match options.threads.as_slice() {
+        [] => vec![None],
+        threads => threads.iter().copied().map(Some).collect(),
+    };
+    for (i, threads) in wishes.into_iter().enumerate() {
+        let filled = match threads.filter(|_| i > 0) {
+            Some(threads) => beside(&folder, threads),
+            None => folder.clone(),
+        };
+        folder::check(&filled)?;
+        folder::prepare(workspace, &filled)?;
+        if let Ok(robot) = &robot {
+            fanuc::write(robot, &filled.join("fanuc.csv"))?;
+        }
+        let start = Instant::now();
+        let unexpected = run_all(&binary, &filled, &calls, threads)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let on = threads.map_or(String::new(), |threads| format!(" on {threads} threads"));
+        println!("{} runs of stiffarm{on}, {seconds:.1} s", calls.len());
+        let reported = report(&filled, against.as_deref(), &unexpected);
+        ended = ended.and(reported);
+        if i == 0 {
+            // Every other number of threads gives the same bytes.
+            against = Some(folder.clone());
+        }
     }
-    let unexpected = run_all(&binary, &folder, &calls)?;
-    let seconds = start.elapsed().as_secs_f64();
-    println!("{} runs of stiffarm, {seconds:.1} s", calls.len());
-    report(&folder, against.as_deref(), &unexpected)
+    ended
+}
+
+/// The folder of the same outputs on `threads` threads.
+fn beside(folder: &Path, threads: usize) -> PathBuf {
+    let mut name = folder.as_os_str().to_owned();
+    name.push(format!("-{threads}"));
+    PathBuf::from(name)
 }
 
 /// Prints what differs, what ended unexpectedly, and the closing line.
@@ -82,10 +110,15 @@ fn report(folder: &Path, against: Option<&Path>, unexpected: &[String]) -> Resul
 
 /// Runs the calls in their order and keeps what they print. The result names those that ended with another exit code
 /// than the list expects.
-fn run_all(binary: &Path, folder: &Path, calls: &[Call]) -> Result<Vec<String>, Failure> {
+fn run_all(
+    binary: &Path,
+    folder: &Path,
+    calls: &[Call],
+    threads: Option<usize>,
+) -> Result<Vec<String>, Failure> {
     let mut unexpected = Vec::new();
     for (done, call) in (1..).zip(calls) {
-        let output = run_one(binary, folder, call)?;
+        let output = run_one(binary, folder, call, threads)?;
         let code = output.status.code();
         if !code.is_some_and(|code| call.codes().contains(&code)) {
             unexpected.push(format!(
@@ -105,7 +138,12 @@ fn run_all(binary: &Path, folder: &Path, calls: &[Call]) -> Result<Vec<String>, 
 }
 
 /// Runs one call in the folder, in surroundings that are always the same.
-fn run_one(binary: &Path, folder: &Path, call: &Call) -> Result<Output, Failure> {
+fn run_one(
+    binary: &Path,
+    folder: &Path,
+    call: &Call,
+    threads: Option<usize>,
+) -> Result<Output, Failure> {
     let error = |error: std::io::Error| {
         Failure::internal(
             format!("`{}` could not be run: {error}", call.line()),
@@ -123,6 +161,10 @@ fn run_one(binary: &Path, folder: &Path, call: &Call) -> Result<Output, Failure>
         .stdin(Stdio::null());
     for name in UNSET {
         command.env_remove(name);
+    }
+    if let Some(threads) = threads {
+        // Not as an option, which would stand in what is printed.
+        command.env("RAYON_NUM_THREADS", threads.to_string());
     }
     // Without a file that an earlier command should have written, this one fails and is named too.
     if let Some(input) = &call.input
@@ -186,7 +228,7 @@ mod tests {
         std::fs::create_dir_all(folder.join(PRINTED)).unwrap();
         std::fs::write(folder.join("input.sh"), "exit 7").unwrap();
         let list = "once seven -s < input.sh\nwrong well -c true\n";
-        let ended = run_all(Path::new("/bin/sh"), &folder, &calls(list).unwrap());
+        let ended = run_all(Path::new("/bin/sh"), &folder, &calls(list).unwrap(), None);
         let printed = std::fs::read_dir(folder.join(PRINTED)).unwrap().count();
         std::fs::remove_dir_all(&folder).unwrap();
         let names: Vec<String> = ended

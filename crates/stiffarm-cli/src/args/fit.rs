@@ -1,8 +1,9 @@
 //! How the joint stiffness is estimated.
 
+use super::values::number;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, Weights};
+use stiffarm::estimate::identify::{CONFIDENCE, Estimator, IdentifyOptions, NoiseSource, Weights};
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::model::robot::Robot;
 use stiffarm::{Code, Error, Result};
@@ -21,7 +22,7 @@ pub struct FitArgs {
     #[arg(long, value_name = "FROM")]
     pub weights: Option<WeightsChoice>,
     /// Standard deviation of the cell's prior stiffness, for --estimator prior [%] [default: 30]
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = number("percent"), allow_negative_numbers = true)]
     pub prior_std_percent: Option<f64>,
     /// Size of the noise: from the residuals, the cell, or repeated readings [default: estimated]
     #[arg(long, value_name = "SOURCE")]
@@ -87,11 +88,14 @@ impl FitArgs {
 /// # Errors
 /// It does not lie between 0 and 1.
 fn check_confidence(confidence: f64) -> Result<()> {
-    match confidence > 0.0 && confidence < 1.0 {
+    match (CONFIDENCE[0]..=CONFIDENCE[1]).contains(&confidence) {
         true => Ok(()),
         false => Err(Error::new(
             Code::Usage,
-            format!("The confidence must lie between 0 and 1, got {confidence}."),
+            format!(
+                "The confidence must lie between {} and {}, got {confidence}.",
+                CONFIDENCE[0], CONFIDENCE[1]
+            ),
         )
         .key("--confidence")
         .hint("give 0.95 for 95 %")),

@@ -1,7 +1,7 @@
 //! Commands that work on measurements.
 
 use super::fit::FitArgs;
-use super::values::count;
+use super::values::{above_zero, count, number};
 use clap::{Args, ValueEnum};
 use stiffarm::estimate::validate::Model;
 
@@ -12,7 +12,7 @@ pub struct RegisterArgs {
     pub pairs: String,
     /// Standard deviation of each coordinate of a pair, both frames together [mm] [default: from
     /// the residuals]
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = above_zero("std_mm"), allow_negative_numbers = true)]
     pub std_mm: Option<f64>,
     /// Points to leave out
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -45,7 +45,7 @@ pub struct IdentifyArgs {
     #[arg(long)]
     pub clamped: bool,
     /// Standard deviation of a difference of two angles, for --clamped [deg]
-    #[arg(long, value_name = "X", requires = "clamped")]
+    #[arg(long, value_name = "X", requires = "clamped", value_parser = above_zero("noise_deg"), allow_negative_numbers = true)]
     pub angle_noise_deg: Option<f64>,
     /// How the stiffness is estimated, and what it rests on.
     #[command(flatten)]
@@ -89,7 +89,7 @@ pub struct ValidateArgs {
     #[arg(long, default_value = "linear")]
     pub model: ModelChoice,
     /// Largest deviation allowed [mm]; beyond it the exit code is 1
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = number("tolerance_mm"), allow_negative_numbers = true)]
     pub tolerance_mm: Option<f64>,
     /// Only these postures
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]

@@ -16,7 +16,7 @@ use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
-use values::count;
+use values::{count, count_or_none, number};
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -136,10 +136,10 @@ pub struct StudyArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Runs per group and noise level
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 200, value_parser = count_or_none())]
     pub runs: usize,
     /// Other initial groups to try, half random, half with small wrist angles
-    #[arg(long, default_value_t = 60)]
+    #[arg(long, default_value_t = 60, value_parser = count_or_none())]
     pub starts: usize,
     /// Overwrite existing files
     #[arg(long)]
@@ -190,6 +190,8 @@ pub struct SimulateArgs {
         long,
         value_name = "F,…",
         value_delimiter = ',',
+        value_parser = number("levels"),
+        allow_hyphen_values = true,
         default_value = "0.5,1,1.5,2,2.5,3"
     )]
     pub levels: Vec<f64>,
@@ -216,19 +218,19 @@ pub struct SimulateArgs {
 #[command(next_help_heading = "Errors of the model (standard deviations, zero in the paper)")]
 pub struct ErrorArgs {
     /// Scale of the force reading, one error per run [%]
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
     pub force_scale_percent: f64,
     /// Force reading, a fresh error for each posture [%]
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
     pub force_percent: f64,
     /// Each joint angle of each posture [deg]
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("deg"), allow_negative_numbers = true)]
     pub joint_angle_deg: f64,
     /// Each coordinate of the loading point, one error per run [mm]
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
     pub loading_point_mm: f64,
     /// Each coordinate of the rope's anchor, one error per run [mm]
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
     pub anchor_mm: f64,
 }
 
@@ -249,6 +251,7 @@ pub struct ZonesArgs {
         long,
         value_name = "Q1,…",
         value_delimiter = ',',
+        value_parser = number("deg"),
         allow_hyphen_values = true
     )]
     pub q_deg: Vec<f64>,

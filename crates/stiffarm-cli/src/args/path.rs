@@ -1,7 +1,8 @@
 //! Commands that work on paths of the tool tip.
 
 use super::measured::ModelChoice;
-use super::work::{AxesChoice, Triple, triple};
+use super::values::{number, triple};
+use super::work::{AxesChoice, Triple};
 use clap::{Args, ValueEnum};
 
 /// The path, its loads and its postures.
@@ -11,16 +12,17 @@ pub struct PathArgs {
     #[arg(long, value_name = "AXES")]
     pub axes: Option<AxesChoice>,
     /// Force on the robot's tip [N] where the path has none [default: the cell's [work]]
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple("force_n"), allow_hyphen_values = true)]
     pub force_n: Option<Triple>,
     /// Moment about the tip [N·m], with --force-n
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "force_n")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple("moment_nm"), allow_hyphen_values = true, requires = "force_n")]
     pub moment_nm: Option<Triple>,
     /// Standard uncertainty of the load at work [%]
     #[arg(
         long,
         value_name = "X",
         default_value_t = 0.0,
+        value_parser = number("percent"),
         allow_negative_numbers = true
     )]
     pub load_uncertainty_percent: f64,
@@ -29,6 +31,7 @@ pub struct PathArgs {
         long,
         value_name = "Q1,…",
         value_delimiter = ',',
+        value_parser = number("deg"),
         allow_hyphen_values = true
     )]
     pub start_deg: Vec<f64>,
@@ -37,6 +40,7 @@ pub struct PathArgs {
         long,
         value_name = "X",
         default_value_t = 30.0,
+        value_parser = number("step_deg"),
         allow_negative_numbers = true
     )]
     pub max_step_deg: f64,

@@ -1,6 +1,6 @@
 //! The command line of `stiffarm select`.
 
-use super::values::count;
+use super::values::{above_zero, count, numbers};
 use clap::{Args, ValueEnum};
 use std::time::Duration;
 
@@ -91,15 +91,15 @@ pub struct BudgetArgs {
 #[command(next_help_heading = "Choosing the load together with the postures")]
 pub struct LoadArgs {
     /// Box for the rope's anchor: lowest, then highest corner, base axes [mm]
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners(), allow_hyphen_values = true,
           conflicts_with = "curve")]
     pub anchor_box_mm: Option<[f64; 6]>,
     /// Box for the loading point: lowest, then highest corner, flange axes [mm]
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners(), allow_hyphen_values = true,
           conflicts_with = "curve")]
     pub loading_point_box_mm: Option<[f64; 6]>,
     /// Largest force the rope or weight may have, instead of the cell's [N]
-    #[arg(long, value_name = "X", value_parser = force, allow_negative_numbers = true, conflicts_with = "curve")]
+    #[arg(long, value_name = "X", value_parser = above_zero("n"), allow_negative_numbers = true, conflicts_with = "curve")]
     pub largest_load_n: Option<f64>,
 }
 
@@ -142,29 +142,12 @@ pub enum SheetChoice {
 
 /// A time above zero.
 fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds = above_zero(text)?;
+    let seconds = above_zero("s")(text)?;
     Duration::try_from_secs_f64(seconds).map_err(|_| "the number is too large".to_string())
 }
 
-/// A force above zero.
-fn force(text: &str) -> Result<f64, String> {
-    above_zero(text)
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("a number above zero is needed, with a point for decimals".to_string()),
-    }
-}
-
 /// Two corners of a box; whether they are in order is for the library to say.
-fn corners(text: &str) -> Result<[f64; 6], String> {
+fn corners() -> impl Fn(&str) -> Result<[f64; 6], String> + Clone {
     let wanted = "six numbers are needed: x,y,z of the lowest corner, then x,y,z of the highest";
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let numbers = numbers.map_err(|_| wanted.to_string())?;
-    if numbers.iter().any(|x: &f64| !x.is_finite()) {
-        return Err(wanted.to_string());
-    }
-    <[f64; 6]>::try_from(numbers).map_err(|_| wanted.to_string())
+    numbers("mm", wanted)
 }

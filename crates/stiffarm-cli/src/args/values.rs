@@ -1,6 +1,88 @@
-//! Values that several commands read alike.
+//! Values that several commands read alike. Each number is refused where it cannot be
+//! meant: nothing that is computed from an option is infinite.
+
+use stiffarm::units::Sense;
 
 /// A number of things to make: at least one, and not by a slip a million.
 pub fn count() -> clap::builder::RangedU64ValueParser {
     clap::value_parser!(u64).range(1..=1_000_000)
+}
+
+/// The same for a number that may be zero.
+pub fn count_or_none() -> clap::builder::RangedU64ValueParser<usize> {
+    clap::builder::RangedU64ValueParser::new().range(0..=1_000_000)
+}
+
+/// A number in a unit, which is the end of its option's name.
+pub fn number(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| one(text, unit)
+}
+
+/// A number above zero.
+pub fn above_zero(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let smallest = Sense::of(unit).map_or(f64::MIN_POSITIVE, |sense| sense.smallest);
+        match one(text, unit)? {
+            value if value >= smallest => Ok(value),
+            value if value > 0.0 => Err(format!("the number must be {smallest:e} or more")),
+            _ => Err("a number above zero is needed, with a point for decimals".to_string()),
+        }
+    }
+}
+
+/// Numbers in a unit with commas between them.
+pub fn numbers<const N: usize>(
+    unit: &'static str,
+    wanted: &'static str,
+) -> impl Fn(&str) -> Result<[f64; N], String> + Clone {
+    move |text| {
+        let mut numbers = Vec::new();
+        for part in text.split(',') {
+            match part.trim().parse::<f64>() {
+                Ok(value) if value.is_finite() => numbers.push(meant(value, unit)?),
+                _ => return Err(wanted.to_string()),
+            }
+        }
+        numbers.try_into().map_err(|_| wanted.to_string())
+    }
+}
+
+/// Three numbers in a unit.
+pub fn triple(unit: &'static str) -> impl Fn(&str) -> Result<[f64; 3], String> + Clone {
+    numbers(unit, "three numbers with commas between them are needed")
+}
+
+fn one(text: &str, unit: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => meant(value, unit),
+        _ => Err("a finite number is needed, with a point for decimals".to_string()),
+    }
+}
+
+/// The number, where it can be meant.
+fn meant(value: f64, unit: &str) -> Result<f64, String> {
+    match Sense::of(unit).and_then(|sense| sense.refuse(value)) {
+        Some(sentence) => Err(sentence.trim_end_matches('.').to_string()),
+        None => Ok(value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_with_its_unit() {
+        assert_eq!(number("mm")(" 12.5 "), Ok(12.5));
+        let error = number("force_n")("1e300").unwrap_err();
+        assert!(error.contains("1e300 N"), "{error}");
+        for text in ["nan", "inf", "-inf", "1,5", "", "1e999"] {
+            assert!(number("mm")(text).is_err(), "{text}");
+        }
+        assert!(above_zero("mm")("0").is_err());
+        assert!(above_zero("mm")("1e-300").is_err());
+        assert_eq!(triple("deg")("180, 0,-1e-9"), Ok([180.0, 0.0, -1e-9]));
+        assert!(triple("deg")("180,0").is_err());
+        assert!(triple("deg")("180,0,1e300").is_err());
+    }
 }

@@ -1,5 +1,6 @@
 //! Commands about the robot at work.
 
+use super::values::{number, triple};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use stiffarm::model::process::ForceAxes;
@@ -36,10 +37,10 @@ pub struct RegionArgs {
     #[arg(long, value_name = "AXIS=MM", value_parser = plane)]
     pub plane: Option<Plane>,
     /// Lower corner [mm] [default: the cell's box, else what the arm may reach]
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "to_mm")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple("mm"), allow_hyphen_values = true, requires = "to_mm")]
     pub from_mm: Option<Triple>,
     /// Upper corner [mm]
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "from_mm")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple("mm"), allow_hyphen_values = true, requires = "from_mm")]
     pub to_mm: Option<Triple>,
     /// Nodes along the longest side, or along x, y and z [default: 61; 31 and six planes in z for a
     /// box; 11 with --place]
@@ -53,7 +54,7 @@ pub struct RegionArgs {
 pub struct ToolArgs {
     /// Orientation of the tip frame: turns about the base's x, then y, then z [deg] [default:
     /// 180,0,0, the tool axis down]
-    #[arg(long, value_name = "R,P,Y", value_parser = triple, allow_hyphen_values = true,
+    #[arg(long, value_name = "R,P,Y", value_parser = triple("deg"), allow_hyphen_values = true,
           conflicts_with = "place")]
     pub rpy_deg: Option<Triple>,
     /// The turn about the tool axis is free: try N of them and take the best [default: 24]
@@ -61,15 +62,15 @@ pub struct ToolArgs {
     pub free_turn: Option<usize>,
     /// Force on the robot at the tip, base axes [N] [default: the cell's [work] force, else 1 N
     /// along the direction]
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple("force_n"), allow_hyphen_values = true,
           conflicts_with = "place")]
     pub force_n: Option<Triple>,
     /// Moment about the tip, base axes [N·m]
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple("moment_nm"), allow_hyphen_values = true,
           requires = "force_n")]
     pub moment_nm: Option<Triple>,
     /// Direction of the stiffness, base axes [default: along the force, else against the tool axis]
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple("direction"), allow_hyphen_values = true,
           conflicts_with = "place")]
     pub direction: Option<Triple>,
 }
@@ -90,6 +91,7 @@ pub struct PlaceArgs {
         long,
         value_name = "A,…",
         value_delimiter = ',',
+        value_parser = number("deg"),
         allow_hyphen_values = true,
         default_value = "0",
         requires = "place"
@@ -146,26 +148,17 @@ impl From<AxesChoice> for ForceAxes {
     }
 }
 
-fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|v: &f64| v.is_finite())
-}
-
-pub(super) fn triple(text: &str) -> Result<Triple, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
-    numbers
-        .and_then(|v| v.try_into().ok())
-        .ok_or_else(|| "three numbers with commas between them are needed".to_string())
-}
-
 fn plane(text: &str) -> Result<Plane, String> {
+    let wanted = "x, y or z with a coordinate in mm is needed, as in z=800";
     let parts = text.split_once('=').and_then(|(axis, mm)| {
         let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
-        Some(Plane {
-            axis: axis?,
-            mm: number(mm)?,
-        })
+        Some((axis?, mm.trim().parse::<f64>().is_ok().then_some(mm)?))
     });
-    parts.ok_or_else(|| "x, y or z with a coordinate in mm is needed, as in z=800".to_string())
+    let (axis, mm) = parts.ok_or(wanted)?;
+    Ok(Plane {
+        axis,
+        mm: number("mm")(mm)?,
+    })
 }
 
 fn steps(text: &str) -> Result<Steps, String> {

@@ -4,6 +4,7 @@ pub mod check;
 pub mod compensate;
 pub mod completions;
 pub mod docs;
+mod earlier;
 pub mod evaluate;
 pub mod identify;
 pub mod init;
@@ -51,7 +52,7 @@ fn with_length(cell: Cell) -> (Cell, String) {
 }
 
 /// A finding as a line of its own.
-fn finding_line(finding: &Finding) -> String {
+pub fn finding_line(finding: &Finding) -> String {
     let severity = match finding.severity {
         Severity::Serious => red("serious"),
         Severity::Caution => yellow("caution"),

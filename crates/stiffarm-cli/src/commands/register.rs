@@ -27,12 +27,6 @@ pub struct Options {
 
 /// Registers tracker to base.
 pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
-    if let Some(std) = args.std_mm
-        && !(std.is_finite() && std > 0.0)
-    {
-        let message = format!("The standard deviation must be above 0 mm, got {std}.");
-        return Err(Error::new(Code::Usage, message).key("--std-mm"));
-    }
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let (file, bytes) = session.read("pairs", &args.pairs)?;
     let pairs = without(read_pairs(&bytes, &file)?, &args.exclude)?;

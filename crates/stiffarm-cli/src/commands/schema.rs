@@ -18,7 +18,6 @@ use stiffarm::files::cell::cell_schema;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::zones::Zones;
-use stiffarm::study::Study;
 use stiffarm::work::map::{Placement, StiffnessMap};
 
 /// Prints one schema.
@@ -54,7 +53,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMap => of::<map::Options, StiffnessMap>("map"),
         SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
-        SchemaChoice::ResultStudy => of::<study::Options, Study>("study"),
+        SchemaChoice::ResultStudy => of::<study::Options, study::Written>("study"),
     };
     session.print_exact(&to_json(&schema)?)?;
     Ok(Exit::Done)

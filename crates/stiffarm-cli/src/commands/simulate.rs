@@ -6,7 +6,7 @@ use crate::numbers::{percent, percent_with_error};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
-use crate::table::{Table, title};
+use crate::table::{Table, red, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::simulate::{
@@ -86,7 +86,10 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
             table,
         )?;
     }
-    Ok(Exit::Done)
+    Ok(match result.interrupted {
+        true => Exit::Interrupted,
+        false => Exit::Done,
+    })
 }
 
 /// Errors of the model in SI units.
@@ -117,10 +120,22 @@ fn check_not_negative(option: &str, values: &[f64]) -> Result<()> {
 }
 
 fn table(cell: &Cell, result: &Simulation, model_errors: bool) -> String {
+    let runs = match result.interrupted {
+        true => "runs made".to_string(),
+        false => format!("{} runs made", result.runs),
+    };
     let mut out = format!(
-        "deviation |k̂ − k|/k in %, mean of the {} runs made ± Monte Carlo standard error; expected: closed form, first order\n",
-        result.runs
+        "deviation |k̂ − k|/k in %, mean of the {runs} ± Monte Carlo standard error; expected: closed form, first order\n"
     );
+    if result.interrupted {
+        let levels = || result.groups.iter().flat_map(|g| &g.levels);
+        let fewest = levels().map(|level| level.runs).min().unwrap_or(0);
+        out += &format!(
+            "{} after {fewest} of {} runs at the level with the fewest; each row holds the runs made\n",
+            red("stopped"),
+            result.runs
+        );
+    }
     if model_errors {
         out += "simulated with errors of the model, which the expected values do not hold\n";
     }

@@ -1,5 +1,6 @@
 //! `stiffarm study`: the paper's Section IV on a cell, into a folder.
 
+use super::earlier::Earlier;
 use crate::args::StudyArgs;
 use crate::files::{check_folder, write_folder};
 use crate::numbers::optional_percent;
@@ -34,6 +35,16 @@ pub struct Options {
     pub study: StudyOptions,
 }
 
+/// The study with the files that stand beside it.
+#[derive(Serialize, JsonSchema)]
+pub struct Written {
+    /// The study.
+    #[serde(flatten)]
+    pub study: Study,
+    /// Names of all files of this study, this one included.
+    pub files: Vec<String>,
+}
+
 /// Runs the study and writes its folder.
 pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
@@ -59,6 +70,22 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     let result = progress.watch(|control| study(&named.cell, &initial, &options, control))?;
     drop(progress);
 
+    let version = env!("CARGO_PKG_VERSION");
+    let mut files = vec![(
+        "study.md".to_string(),
+        page(&result, version, &repeat_command(args, result.interrupted)),
+    )];
+    for figure in figures(&result) {
+        files.push((format!("{}.svg", figure.id), render_svg(&figure)));
+    }
+    for table in tables(&result) {
+        files.push((format!("{}.csv", table.id), table.csv()));
+    }
+    let names = std::iter::once("study.json").chain(files.iter().map(|(name, _)| name.as_str()));
+    let result = Written {
+        files: names.map(String::from).collect(),
+        study: result,
+    };
     let envelope = session.envelope(
         "study",
         Some(args.seed),
@@ -68,28 +95,21 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         },
         &result,
     );
-    let version = env!("CARGO_PKG_VERSION");
-    let mut files = vec![
-        ("study.json".to_string(), to_json(&envelope)?),
-        (
-            "study.md".to_string(),
-            page(&result, version, &repeat_command(args)),
-        ),
-    ];
-    for figure in figures(&result) {
-        files.push((format!("{}.svg", figure.id), render_svg(&figure)));
-    }
-    for table in tables(&result) {
-        files.push((format!("{}.csv", table.id), table.csv()));
-    }
+    files.insert(0, ("study.json".to_string(), to_json(&envelope)?));
+    let earlier = Earlier::of(&args.output_dir);
     let count = files.len();
     write_folder(session, &args.output_dir, files, args.force)?;
+    let removed = match session.has_failed() {
+        true => String::new(),
+        false => earlier.remove_all_but(&args.output_dir, &result.files),
+    };
+    let result = &result.study;
 
     session.show(&envelope, || {
         format!(
-            "{}{}{}",
+            "{}{}{}{removed}",
             named.line(),
-            summary(&result),
+            summary(result),
             match session.has_failed() {
                 true => String::new(),
                 false => format!(
@@ -165,14 +185,14 @@ fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
     names
 }
 
-/// The command line that repeats this study, without what does not change it.
-fn repeat_command(args: &StudyArgs) -> String {
+/// The command line that repeats this study, without what is so by itself.
+fn repeat_command(args: &StudyArgs, interrupted: bool) -> String {
     let mut words = vec!["stiffarm study".to_string()];
     if args.cell != "builtin:comau" {
-        words.push(args.cell.clone());
+        words.push(quoted(&args.cell));
     }
     if let Some(initial) = &args.initial {
-        words.push(format!("--initial {initial}"));
+        words.push(format!("--initial {}", quoted(initial)));
     }
     for (flag, value, default) in [
         ("--seed", args.seed, 1),
@@ -183,7 +203,35 @@ fn repeat_command(args: &StudyArgs) -> String {
             words.push(format!("{flag} {value}"));
         }
     }
+    let folder = args.output_dir.to_string_lossy();
+    if folder != "study" {
+        words.push(format!("--output-dir {}", quoted(&folder)));
+    }
+    if interrupted {
+        // The whole study takes the place of this one.
+        words.push("--force".to_string());
+    }
     words.join(" ")
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_./:=,@%+-".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_string();
+    }
+    if !word.chars().any(char::is_control) {
+        return format!("'{}'", word.replace('\'', r"'\''"));
+    }
+    let mut out = "$'".to_string();
+    for c in word.chars() {
+        match c {
+            '\'' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => out += &format!("\\u{:04x}", u32::from(c)),
+            c => out.push(c),
+        }
+    }
+    out + "'"
 }
 
 fn summary(study: &Study) -> String {
@@ -209,4 +257,23 @@ fn summary(study: &Study) -> String {
         out += &format!("- {}\n", finding.sentence);
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_split_them() {
+        for (word, shell) in [
+            ("cells/my-cell.toml", "cells/my-cell.toml"),
+            ("my cell.toml", "'my cell.toml'"),
+            ("it's.toml", r"'it'\''s.toml'"),
+            ("a$(b).toml", "'a$(b).toml'"),
+            ("", "''"),
+            ("a\nb", r"$'a\u000ab'"),
+        ] {
+            assert_eq!(quoted(word), shell, "{word}");
+        }
+    }
 }

@@ -6,6 +6,7 @@ use super::identify::{check_names, confidence};
 use crate::args::{Folds, ValidateArgs};
 use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
+use crate::progress::Progress;
 use crate::saved::Saved;
 use crate::session::Session;
 use crate::table::{Align, Table, green, red, title, yellow};
@@ -128,12 +129,14 @@ fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
         }
     };
     let tolerance = args.tolerance_mm.map(mm_to_m);
-    let result = Fit::new(cell, measured, &fit)
+    let progress = Progress::new(session, "predicting each posture");
+    let result = Fit::watched(cell, measured, &fit, progress.shared())
         .and_then(|fit| cross_validate(&fit, count, tolerance))
         .map_err(|e| match e.code() {
             Code::InvalidValue => e.key("--folds"),
             _ => e,
         })?;
+    drop(progress);
     let said = match folds {
         Folds::All => "each posture is predicted by a fit without it".to_string(),
         Folds::Count(_) => {

@@ -5,6 +5,7 @@ use crate::args::ZonesArgs;
 use crate::files::{check_folder, write_folder};
 use crate::numbers::{optional_percent, percent, significant};
 use crate::output::Exit;
+use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Table, title, yellow};
 use schemars::JsonSchema;
@@ -16,6 +17,9 @@ use stiffarm_report::{render_svg, zones_figure, zones_table};
 
 /// Files of the folder.
 const FILES: [&str; 2] = ["zones.svg", "zones.csv"];
+
+/// From so many postures on, their number is said before.
+const MANY: usize = 100_000;
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
@@ -38,7 +42,15 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
     let mut options = ZoneOptions::default();
     options.steps = args.steps;
     options.q = q;
-    let result = zones(&named.cell, &options)?;
+    announce(
+        session,
+        args.steps.saturating_mul(args.steps),
+        MANY,
+        "postures to look at",
+    );
+    let progress = Progress::new(session, "mapping zones");
+    let result = progress.watch(|control| zones(&named.cell, &options, control))?;
+    drop(progress);
     let envelope = session.envelope(
         "zones",
         None,

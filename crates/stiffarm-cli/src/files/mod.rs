@@ -6,12 +6,14 @@
 //! all the same, a disk that has filled up, costs the file and not the result:
 //! it is printed.
 
+mod contents;
 mod temporary;
 
 use crate::identity::folder_of;
 use crate::session::Session;
+pub use contents::{Contents, Rows};
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
@@ -155,7 +157,7 @@ pub fn check_targets(session: &Session, targets: &[Option<&Target>]) -> Result<(
 ///
 /// # Errors
 /// A file is an input of the same command, or standard output cannot be written.
-pub fn write_all(session: &Session, files: &[(Target, String)]) -> Result<()> {
+pub fn write_all<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result<()> {
     for (target, _) in files {
         let Target::File(path) = target else { continue };
         session.refuse_input(path)?;
@@ -164,13 +166,17 @@ pub fn write_all(session: &Session, files: &[(Target, String)]) -> Result<()> {
         let to_stdout = files.iter().filter(|(target, _)| target.is_stdout());
         return to_stdout
             .into_iter()
-            .try_for_each(|(_, text)| session.print_exact(text));
+            .try_for_each(|(_, contents)| session.print_exact(&contents.text()));
     };
     session.fail(error);
-    files.iter().try_for_each(|(target, text)| match target {
-        Target::Stdout => session.print_exact(text),
-        Target::File(path) | Target::Device(path) => print_instead(session, path, text),
-    })
+    files
+        .iter()
+        .try_for_each(|(target, contents)| match target {
+            Target::Stdout => session.print_exact(&contents.text()),
+            Target::File(path) | Target::Device(path) => {
+                print_instead(session, path, &contents.text())
+            }
+        })
 }
 
 /// Writes `files` to `folder`, which is made where it is not there, as
@@ -219,18 +225,22 @@ fn is_table(path: &Path) -> bool {
 }
 
 /// Writes the files and devices among `files`.
-fn place_all(files: &[(Target, String)]) -> Result<()> {
+fn place_all<C: Contents>(files: &[(Target, C)]) -> Result<()> {
     let mut finished: Vec<(Temporary, &PathBuf)> = Vec::new();
-    for (target, text) in files {
+    for (target, contents) in files {
         if let Target::File(path) = target {
-            let temporary =
-                Temporary::write(path, text.as_bytes()).map_err(|e| write_error(path, &e))?;
+            let temporary = Temporary::write(path, contents).map_err(|e| write_error(path, &e))?;
             finished.push((temporary, path));
         }
     }
-    for (target, text) in files {
+    for (target, contents) in files {
         if let Target::Device(path) = target {
-            fs::write(path, text).map_err(|e| write_error(path, &e))?;
+            let written = fs::File::create(path).and_then(|file| {
+                let mut out = BufWriter::new(file);
+                contents.write_to(&mut out)?;
+                out.flush()
+            });
+            written.map_err(|e| write_error(path, &e))?;
         }
     }
     // The only moment at which a kill leaves new files beside old ones.

@@ -5,11 +5,12 @@
 //! the process however it ends, so a file without lock belongs to nobody.
 //! Process numbers would not do: in containers most runs have the same one.
 
+use super::contents::Contents;
 use crate::identity::folder_of;
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
-use std::io::{Error, ErrorKind, Result, Write};
+use std::io::{BufWriter, Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 
 /// Names that are tried before something else must be wrong.
@@ -27,18 +28,21 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// Writes `bytes` beside `target`, with the permissions of the file that
+    /// Writes `contents` beside `target`, with the permissions of the file that
     /// is there.
-    pub fn write(target: &Path, bytes: &[u8]) -> Result<Self> {
+    pub fn write(target: &Path, contents: &impl Contents) -> Result<Self> {
         clean_up(target);
-        let mut temporary = Temporary::new(target)?;
+        let temporary = Temporary::new(target)?;
         // A file system without permissions has none to keep, and read-only on
         // Windows would forbid the new name.
         #[cfg(unix)]
         if let Ok(meta) = fs::metadata(target) {
             let _ = temporary.file.set_permissions(meta.permissions());
         }
-        temporary.file.write_all(bytes)?;
+        let mut out = BufWriter::new(&temporary.file);
+        contents.write_to(&mut out)?;
+        out.flush()?;
+        drop(out);
         temporary.file.sync_all()?;
         Ok(temporary)
     }

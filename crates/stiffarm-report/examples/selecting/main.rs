@@ -112,7 +112,7 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
         plans.push(Plan::select(&default, index, group1.len(), 1, ROUNDS)?);
     }
     for count in [6, 15, 20] {
-        let group = space_filling(&default, count, 1)?;
+        let group = space_filling(&default, count, 1, Control::default())?.postures;
         plans.push(Plan::new(
             &default,
             &format!("space-filling {count}"),
@@ -164,7 +164,7 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
     let prior = prior(&default, &plans)?;
 
     say("zones");
-    let maps = zones(&default, &ZoneOptions::default())?;
+    let maps = zones(&default, &ZoneOptions::default(), Control::default())?;
     let zone_groups = match &maps.best {
         Some(zone) => Some(ZoneGroups::new(&default, zone)?),
         None => None,

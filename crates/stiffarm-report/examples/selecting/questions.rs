@@ -40,7 +40,10 @@ pub fn count(cell: &Cell, bound: f64) -> Result<Vec<CountPoint>> {
         let expected_error = plan.index(Index::ExpectedError);
         let bound = bound / (postures as f64).sqrt();
         let wide = postures > 2;
-        let even = wide.then(|| space_filling(cell, postures, 1)).transpose()?;
+        let even = wide
+            .then(|| space_filling(cell, postures, 1, Control::default()))
+            .transpose()?
+            .map(|found| found.postures);
         let even = even.map(|group| Plan::new(cell, "space-filling", &group));
         let random = wide.then(|| Band::new(cell, 200, postures)).transpose()?;
         points.push(CountPoint {
@@ -123,7 +126,7 @@ pub struct Lost {
 impl Lost {
     pub fn new(cell: &Cell, plan: &Plan) -> Result<Self> {
         let index = Index::ExpectedError;
-        let worth = drop_postures(cell, index, &plan.group, 1)?.values;
+        let worth = drop_postures(cell, index, &plan.group, 1, Control::default())?.values;
         let worst = worth.last().map_or(0, |w| w.posture);
         let mut rest = plan.group.clone();
         rest.remove(worst);

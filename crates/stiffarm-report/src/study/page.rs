@@ -27,6 +27,13 @@ fn rounded_postures(group: &StudyGroup, joints: &[String]) -> String {
     out
 }
 
+/// Runs of each level: those asked for, or the fewest that were made.
+fn runs_made(study: &Study) -> usize {
+    let levels = study.simulation.groups.iter().flat_map(|g| &g.levels);
+    let fewest = levels.map(|level| level.runs).min();
+    fewest.unwrap_or(study.simulation.runs)
+}
+
 fn write_table(out: &mut String, table: &Table) {
     let _ = write!(
         out,
@@ -67,9 +74,18 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     let _ = write!(
         out,
         "# Posture selection study: {}\n\nThe study of Section IV of the paper [1] on this cell, computed by stiffarm \
-         {version}. Every number here is simulated unless it is marked as the paper's.\n\n## In short\n",
+         {version}. Every number here is simulated unless it is marked as the paper's.\n",
         text(&study.cell)
     );
+    // Before any number: what follows is not the whole study.
+    for f in study.findings.iter().filter(|f| f.code == "interrupted") {
+        let _ = write!(
+            out,
+            "\n> **Stopped.** {} The command under \"How this was made\" makes the whole study.\n",
+            text(&f.sentence)
+        );
+    }
+    out.push_str("\n## In short\n");
     for code in [
         "undetermined-joints",
         "no-selection",
@@ -134,7 +150,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     let _ = write!(
         out,
         "\n### Averages over {} runs at {} noise levels\n",
-        study.simulation.runs,
+        runs_made(study),
         study.options.simulation.variance_factors.len()
     );
     picture(&mut out, "deviation-by-noise");
@@ -201,7 +217,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
          q1, at most {} iterations per selection. Repeat it with\n\n{}\n\nAll numbers are in \
          `study.json` and, table by table, in the CSV files beside this page.\n\n[1] {PAPER}.\n",
         study.options.simulation.seed,
-        study.simulation.runs,
+        runs_made(study),
         study.starts.kinds.iter().map(|k| k.count).sum::<usize>(),
         study.classical_q1.as_ref().map_or(0, |r| r.draws),
         study.options.max_iterations,

@@ -104,7 +104,7 @@ fn good_zones_have_the_same_colour_in_every_panel() {
     let (cell, _) = cell();
     let mut options = ZoneOptions::default();
     options.steps = 7;
-    let figure = zones_figure(&zones(&cell, &options).unwrap());
+    let figure = zones_figure(&zones(&cell, &options, stiffarm::Control::default()).unwrap());
     check(&figure);
     // Dexterity is good where it is large, the influence of K_C where it is small.
     assert_eq!(small_is_bright(&figure), [false, true, true]);

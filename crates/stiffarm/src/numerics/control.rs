@@ -1,6 +1,9 @@
 //! How a caller watches and stops long work, and why a search ended.
 
+use crate::error::{Code, Error, Result};
 use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
 
 /// Why a search ended. Not an error: the best result so far comes with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,10 +59,62 @@ impl Control<'_> {
         self.stop.is_some_and(|stop| stop())
     }
 
+    /// Goes on, unless the work should stop.
+    ///
+    /// # Errors
+    /// [`Code::Interrupted`] once it should.
+    pub fn check(&self) -> Result<()> {
+        match self.stopped() {
+            false => Ok(()),
+            true => Err(Error::new(Code::Interrupted, "Interrupted.")),
+        }
+    }
+
     /// Reports progress.
     pub fn report(&self, what: &str, done: usize, of: usize) {
         if let Some(progress) = self.progress {
             progress(what, done, of);
         }
+    }
+}
+
+type SharedStop = Arc<dyn Fn() -> bool + Send + Sync>;
+type SharedReport = Arc<dyn Fn(&str, usize, usize) + Send + Sync>;
+
+/// What a [`Control`] borrows, kept: for a value whose later questions can take
+/// long, such as a fit.
+#[derive(Clone, Default)]
+pub struct Watch {
+    stop: Option<SharedStop>,
+    progress: Option<SharedReport>,
+}
+
+impl Watch {
+    /// Asks `stop` now and then, and tells `progress` about finished steps: what,
+    /// done, of how many.
+    pub fn new(
+        stop: impl Fn() -> bool + Send + Sync + 'static,
+        progress: impl Fn(&str, usize, usize) + Send + Sync + 'static,
+    ) -> Self {
+        Watch {
+            stop: Some(Arc::new(stop)),
+            progress: Some(Arc::new(progress)),
+        }
+    }
+
+    /// The same for a function that borrows it.
+    pub fn control(&self) -> Control<'_> {
+        Control {
+            stop: self.stop.as_deref().map(|stop| stop as Stop<'_>),
+            progress: self.progress.as_deref().map(|report| report as Report<'_>),
+        }
+    }
+}
+
+impl fmt::Debug for Watch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut out = f.debug_struct("Watch");
+        out.field("stop", &self.stop.is_some());
+        out.field("progress", &self.progress.is_some()).finish()
     }
 }

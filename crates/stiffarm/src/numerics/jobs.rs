@@ -1,7 +1,8 @@
 //! Independent jobs on all cores, with results that do not depend on them.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Code, Result};
 use crate::numerics::control::Control;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Maps `jobs` on all cores, results in the order of the jobs.
 pub(crate) fn in_order<J: Sync, T: Send>(
@@ -19,10 +20,11 @@ pub(crate) fn in_order<J: Sync, T: Send>(
     results.into_iter().collect()
 }
 
-/// Jobs between two looks at progress and Ctrl-C.
+/// Jobs whose results are held twice for a moment, and jobs between two reports.
 const PORTION: usize = 2048;
+const REPORTED: usize = 64;
 
-/// The same with progress, which can be stopped.
+/// The same with progress, which can be stopped between any two jobs.
 ///
 /// # Errors
 /// The first error by order; stopped.
@@ -32,14 +34,134 @@ pub(crate) fn in_order_watched<J: Sync, T: Send>(
     control: Control<'_>,
     run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
-    let mut out = Vec::with_capacity(jobs.len());
-    for portion in jobs.chunks(PORTION) {
+    watched(jobs, what, control, |job| {
+        control.check()?;
+        run(job)
+    })
+}
+
+/// The same, with what was done before it was stopped: `None` for the rest. What
+/// was done lies spread over the jobs.
+///
+/// # Errors
+/// The first error of what was done.
+pub(crate) fn as_far_as<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+) -> Result<Vec<Option<T>>> {
+    let order = spread(jobs.len());
+    let found = watched(&order, what, control, |(_, &i)| {
         if control.stopped() {
-            return Err(Error::new(Code::Interrupted, "Interrupted."));
+            return Ok(None);
         }
-        let start = out.len();
-        out.extend(in_order(portion, |(i, job)| run((start + i, job)))?);
-        control.report(what, out.len(), jobs.len());
+        match run((i, &jobs[i])) {
+            // Stopped in the middle of the job.
+            Err(error) if error.code() == Code::Interrupted => Ok(None),
+            found => found.map(Some),
+        }
+    })?;
+    let mut out: Vec<Option<T>> = jobs.iter().map(|_| None).collect();
+    for (i, result) in order.into_iter().zip(found) {
+        out[i] = result;
     }
     Ok(out)
+}
+
+/// The numbers below `count`: the first, then those halfway between, again and again.
+fn spread(count: usize) -> Vec<usize> {
+    let mut step = count.next_power_of_two();
+    let mut order: Vec<usize> = (0..count).step_by(step).collect();
+    while step > 1 {
+        order.extend((step / 2..count).step_by(step));
+        step /= 2;
+    }
+    order
+}
+
+fn watched<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+) -> Result<Vec<T>> {
+    let mut out = Vec::with_capacity(jobs.len());
+    each_portion(jobs, what, control, run, |result| out.push(result))?;
+    Ok(out)
+}
+
+/// [`in_order_watched`] whose results are handed to `take`, in the order of the
+/// jobs, so that they need not all be kept.
+///
+/// # Errors
+/// As [`in_order_watched`].
+pub(crate) fn each_in_order<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+    take: impl FnMut(T),
+) -> Result<()> {
+    let watched = |job: (usize, &J)| {
+        control.check()?;
+        run(job)
+    };
+    each_portion(jobs, what, control, watched, take)
+}
+
+fn each_portion<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
+    mut take: impl FnMut(T),
+) -> Result<()> {
+    let done = AtomicUsize::new(0);
+    let mut start = 0;
+    for portion in jobs.chunks(PORTION) {
+        let results = in_order(portion, |(i, job)| {
+            let result = run((start + i, job))?;
+            let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;
+            if so_far.is_multiple_of(REPORTED) || so_far == jobs.len() {
+                control.report(what, so_far, jobs.len());
+            }
+            Ok(result)
+        })?;
+        results.into_iter().for_each(&mut take);
+        start += portion.len();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spread_order_has_every_number_once() {
+        for count in [0, 1, 2, 63, 64, 65, 1000] {
+            let mut order = spread(count);
+            order.sort_unstable();
+            assert!(order.into_iter().eq(0..count), "{count}");
+        }
+    }
+
+    #[test]
+    fn what_was_done_before_a_stop_stays() {
+        let jobs: Vec<usize> = (0..500).collect();
+        let asked = AtomicUsize::new(0);
+        let stop = || asked.fetch_add(1, Ordering::Relaxed) > 100;
+        let control = Control {
+            stop: Some(&stop),
+            progress: None,
+        };
+        let found = as_far_as(&jobs, "", control, |(i, job)| Ok(i + job)).unwrap();
+        let done = found.iter().flatten().count();
+        assert!((1..500).contains(&done), "{done}");
+        let mut values = found.iter().enumerate();
+        assert!(values.all(|(i, value)| value.is_none_or(|v| v == 2 * i)));
+        let error = in_order_watched(&jobs, "", control, |(i, _)| Ok(i)).unwrap_err();
+        assert_eq!(error.code(), Code::Interrupted);
+    }
 }

@@ -15,6 +15,7 @@ use crate::model::cell::Cell;
 use crate::model::dexterity::{condition_number, require_six_joints};
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::model::stiffness::{linear_displacement, stiffness_correction};
+use crate::numerics::control::Control;
 use crate::units::{deg_to_rad, rad_to_shortest_deg};
 use serde::{Deserialize, Serialize};
 
@@ -181,7 +182,7 @@ struct Values {
 /// let cell = with_characteristic_length(builtin::cell("comau-reference")?)?;
 /// let mut options = ZoneOptions::default();
 /// options.steps = 5;
-/// let maps = zones(&cell, &options)?;
+/// let maps = zones(&cell, &options, stiffarm::Control::default())?;
 /// assert_eq!((maps.postures, maps.q2.len()), (25, 5));
 /// # }
 /// # Ok(())
@@ -193,7 +194,7 @@ struct Values {
 /// of the wrong number, not finite or outside the machine's limits; a number of
 /// steps outside [`STEPS`]; a cell without prior stiffness, characteristic
 /// length or a load that is known without a measurement.
-pub fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
+pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result<Zones> {
     let robot = &cell.setup.robot;
     let mut q = held(cell, options)?;
     let steps = options.steps;
@@ -216,7 +217,9 @@ pub fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
     let (columns, rows) = (inside(MAPPED[0], &q2), inside(MAPPED[1], &q3));
     let mut within_limits = 0;
     let mut grid: Vec<Vec<Option<Values>>> = Vec::with_capacity(steps);
-    for q3 in &rows {
+    for (done, q3) in rows.iter().enumerate() {
+        control.check()?;
+        control.report("mapping zones", done, steps);
         let mut row = Vec::with_capacity(steps);
         for q2 in &columns {
             (q[MAPPED[0]], q[MAPPED[1]]) = (*q2, *q3);

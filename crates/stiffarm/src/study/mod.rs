@@ -46,6 +46,9 @@ pub fn study_indices(cell: &Cell) -> Vec<(Index, &'static str)> {
 /// Name of the initial group.
 pub const INITIAL_GROUP: &str = "Group 1";
 
+/// Runs of the simulation that are soon made.
+const SOON_MADE: usize = 2000;
+
 /// Options of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -232,12 +235,15 @@ pub fn study(
         .filter(|(_, g)| g.evaluation.undetermined_joints.is_empty())
         .map(|((_, group), _)| group.clone())
         .collect();
-    // The simulation is a matter of milliseconds: an interruption waits for it.
-    let unstopped = Control {
-        stop: None,
-        ..control
+    // So many runs are a matter of milliseconds: an interruption waits for them.
+    let patient = match options.simulation.runs <= SOON_MADE {
+        true => Control {
+            stop: None,
+            ..control
+        },
+        false => control,
     };
-    let simulation = simulate(cell, &simulated, &options.simulation, unstopped)?;
+    let simulation = simulate(cell, &simulated, &options.simulation, patient)?;
     let classical_q1 = match named
         .iter()
         .find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical))

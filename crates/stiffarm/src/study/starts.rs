@@ -94,6 +94,9 @@ pub(super) fn other_starts(
     let done = AtomicUsize::new(0);
     let total = jobs.len();
     let outcomes: Vec<Option<Vec<Option<f64>>>> = in_order(&jobs, |(_, (kind, stream))| {
+        if control.stopped() {
+            return Ok(None);
+        }
         let initial = random_group(cell, *kind, postures, seed, *stream)?;
         let mut row = vec![evaluate(cell, "start", &initial)?.mean_expected_deviation()];
         for (index, _) in &indices {

@@ -3,8 +3,47 @@
 use super::{INITIAL_GROUP, STUDY_INDICES, StartsOfKind, Study, StudyGroup};
 use crate::estimate::simulate::FIRST_ORDER_LIMIT;
 use crate::findings::{Finding, Severity, list, percent};
+use crate::numerics::control::Termination;
 use crate::numerics::sample::mean;
 use crate::plan::index::Index;
+
+/// What a stopped study lacks.
+fn missing(study: &Study) -> Vec<String> {
+    let mut out = Vec::new();
+    let unfinished = study.groups.iter().filter(|group| {
+        let selection = group.selection.as_ref();
+        selection.is_some_and(|s| s.termination == Termination::Interrupted)
+    });
+    let unfinished: Vec<&str> = unfinished.map(|group| group.name.as_str()).collect();
+    if !unfinished.is_empty() {
+        out.push(format!("the end of the searches for {}", list(&unfinished)));
+    }
+    let (runs, groups) = (study.options.simulation.runs, &study.simulation.groups);
+    let levels = groups.iter().flat_map(|group| &group.levels);
+    let fewest = levels.map(|level| level.runs).min().unwrap_or(runs);
+    if fewest < runs {
+        let left = runs - fewest;
+        out.push(format!("up to {left} of {runs} runs of the simulation"));
+    }
+    let draws = study.classical_q1.as_ref().map_or(0, |range| range.draws);
+    if draws < study.options.q1_draws {
+        let left = study.options.q1_draws - draws;
+        out.push(format!("{left} of {} draws of q1", study.options.q1_draws));
+    }
+    let tried: usize = study.starts.kinds.iter().map(|kind| kind.count).sum();
+    if tried < study.options.starts {
+        let left = study.options.starts - tried;
+        out.push(format!(
+            "{left} of {} other initial groups",
+            study.options.starts
+        ));
+    }
+    if out.is_empty() {
+        // Stopped in the last moment.
+        out.push("nothing that shows".to_string());
+    }
+    out
+}
 
 /// Fills in the recommendation and the findings.
 pub(super) fn conclude(study: &mut Study) {
@@ -14,7 +53,10 @@ pub(super) fn conclude(study: &mut Study) {
             "interrupted",
             Severity::Caution,
             "study",
-            "The study was stopped: selections may not have converged, and fewer other initial groups were tried.",
+            format!(
+                "The study was stopped before its end. Missing: {}.",
+                list(&missing(study))
+            ),
         ));
     }
 

@@ -21,6 +21,7 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::rms;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
+use crate::model::implausible;
 use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
 use crate::model::path::LoadedPosture;
@@ -262,7 +263,11 @@ pub fn compensate(
         point(&arm, bands.as_ref(), posture).map_err(|e| posture.at(e))
     })?;
     let confidence = bands.map(|b| b.confidence);
-    Ok(summarise(points, options, confidence))
+    let mut out = summarise(points, options, confidence);
+    out.findings.extend(implausible::process(cell));
+    let loads = postures.iter().map(|p| (p.name.as_str(), &p.wrench));
+    out.findings.extend(implausible::load(arm.robot(), loads));
+    Ok(out)
 }
 
 fn point(

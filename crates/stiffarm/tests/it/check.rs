@@ -273,9 +273,9 @@ fn slips_of_the_unit() {
         ),
         (
             "anchor_mm = [1800, 0, 0]",
-            "anchor_mm = [1800000, 0, 0]",
+            "anchor_mm = [180000, 0, 0]",
             "load.anchor_mm",
-            "1800 m",
+            "180 m",
         ),
         (
             "magnitude_n = 500",
@@ -329,12 +329,66 @@ fn slips_of_the_unit() {
     for (from, to, key, words) in slips {
         let checked = check(&comau_with(from, to)).unwrap();
         let finding = the(&checked, "suspicious-unit", words);
-        assert_eq!(
-            (finding.subject.as_str(), finding.severity),
-            (key, Severity::Caution),
-            "{to}"
-        );
+        assert_eq!(finding.subject, key, "{to}");
+        assert!(finding.severity >= Severity::Caution, "{to}");
     }
+}
+
+/// What is possible and cannot be meant for this robot ends `check` with exit code 1.
+#[test]
+fn work_that_cannot_be_meant_is_serious() {
+    let cut = |line: &str| {
+        let cut = "[work.milling]\nteeth = 4\ndiameter_mm = 20\naxial_depth_mm = 5\nradial_depth_mm = 10\n\
+                   feed_per_tooth_mm = 0.05\ndirection = \"down\"\nk_tc_n_per_mm2 = 800\nk_rc_n_per_mm2 = 300\n";
+        let key = line.split(' ').next().unwrap();
+        let kept = cut.lines().filter(|l| !l.starts_with(key));
+        format!("{}\n{line}\n", kept.collect::<Vec<_>>().join("\n"))
+    };
+    let task = |force: &str| {
+        format!(
+            "[[task]]\nq_deg = [0, 0, -90, 0, 30, 0]\nforce_n = {force}\ntip_mm = [0, 0, 300]\n"
+        )
+    };
+    let cases = [
+        (task("[200000, 0, 0]"), "task[1].force_n", "2.0000e5 N"),
+        (
+            "[work.force]\nforce_n = [0, 0, 20000]\naxes = \"base\"\n".to_string(),
+            "work.force",
+            "weighs 1618 N",
+        ),
+        (
+            cut("k_tc_n_per_mm2 = 0.8"),
+            "work.milling.k_tc_n_per_mm2",
+            "0.8 N/mm²",
+        ),
+        (
+            cut("axial_depth_mm = 400"),
+            "work.milling.axial_depth_mm",
+            "400 mm",
+        ),
+        (
+            "[work]\nworkpiece_mm = [1.2, 0, 0.8]\n".to_string(),
+            "work.workpiece_mm",
+            "1.442 mm from the base's origin",
+        ),
+    ];
+    let text = builtin::cell_text("comau").unwrap();
+    // Tasks and work of the built-in cell make room.
+    let end = text.find("[[task]]").unwrap();
+    let before =
+        |work: &str| parse_cell(&format!("{}\n{work}", &text[..end]), "cell.toml").unwrap();
+    assert!(!check(&before(&cut("teeth = 4"))).unwrap().is_serious());
+    assert!(!check(&before(&task("[300, 0, 0]"))).unwrap().is_serious());
+    for (work, subject, words) in cases {
+        let checked = check(&before(&work)).unwrap();
+        let serious = |f: &&Finding| f.severity == Severity::Serious && f.subject == subject;
+        let finding = checked.findings.iter().find(serious);
+        let finding = finding.unwrap_or_else(|| panic!("{work}: {:#?}", checked.findings));
+        assert!(finding.sentence.contains(words), "{}", finding.sentence);
+    }
+    let noisy = comau_with("posture_common_mm = 0", "posture_common_mm = 100");
+    let noisy = check(&noisy).unwrap();
+    assert!(noisy.is_serious(), "{:#?}", noisy.findings);
 }
 
 #[test]

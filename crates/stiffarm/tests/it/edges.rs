@@ -399,3 +399,24 @@ fn the_displacement_of_a_rigid_body_is_one_twist() {
         assert!((second.fixed_rows::<3>(0) - first.fixed_rows::<3>(0) - arm).amax() < 1e-15);
     }
 }
+
+/// A rope whose anchor lies on the loading point has no direction: refused with the
+/// key, not taken for a load of 0 N.
+#[test]
+fn a_rope_of_no_length_is_refused() {
+    let mut cell = reference_cell();
+    let postures = group1();
+    let terms = PostureTerms::new(&cell.setup, &postures[0], None).unwrap();
+    let Load::Rope { magnitude, .. } = cell.setup.load else {
+        panic!("the reference cell has a rope");
+    };
+    let anchor = *terms.loading_point();
+    cell.setup.load = Load::Rope { anchor, magnitude };
+    let error = evaluate(&cell, "", &postures).unwrap_err();
+    assert_eq!(error.code(), Code::InvalidValue);
+    assert_eq!(error.place().key.as_deref(), Some("load.anchor_mm"));
+    // The other postures have a rope, and a force that is given needs none.
+    PostureTerms::new(&cell.setup, &postures[1], None).unwrap();
+    let force = Wrench::force([0.0, 0.0, 100.0]);
+    PostureTerms::new(&cell.setup, &postures[0], Some(&force)).unwrap();
+}

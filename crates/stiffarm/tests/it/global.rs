@@ -240,7 +240,7 @@ fn the_posture_least_worth_measuring_is_found() {
     let group = random_group(&cell, StartKind::Uniform, 8, 3, 0).unwrap();
     for index in [Index::ExpectedError, Index::O3] {
         for count in [1, 3] {
-            let found = drop_postures(&cell, index, &group, count).unwrap();
+            let found = drop_postures(&cell, index, &group, count, Control::default()).unwrap();
             assert!(found.exhaustive);
             assert_eq!(found.dropped.len(), count);
             assert_eq!(found.kept.len(), 8 - count);
@@ -267,7 +267,8 @@ fn the_posture_least_worth_measuring_is_found() {
             }
         }
     }
-    let error = drop_postures(&cell, Index::ExpectedError, &group, 8).unwrap_err();
+    let error =
+        drop_postures(&cell, Index::ExpectedError, &group, 8, Control::default()).unwrap_err();
     assert_eq!(error.code(), Code::TooFewData);
 }
 

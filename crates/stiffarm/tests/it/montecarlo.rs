@@ -378,8 +378,14 @@ fn simulation_refuses_what_it_cannot_answer() {
         stop: Some(&stop),
         progress: None,
     };
-    let error = simulate(&cell, &groups, &default(), control).unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::Interrupted);
+    // Stopped at once it still has runs at every level: the first ones.
+    let stopped = simulate(&cell, &groups, &default(), control).unwrap();
+    let whole = simulate(&cell, &groups, &default(), Control::default()).unwrap();
+    assert!(stopped.interrupted && !whole.interrupted);
+    for (some, all) in stopped.groups[0].levels.iter().zip(&whole.groups[0].levels) {
+        assert_eq!((some.runs, all.runs), (20, 200));
+        assert_eq!(some.first_run_deviation, all.first_run_deviation);
+    }
 }
 
 /// How often the interval of each joint holds the truth when measurements of

@@ -6,13 +6,20 @@ use common::{cases, default_cell, random::Dice, reference_cell};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
-use stiffarm::Code;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::plan::index::evaluate;
 use stiffarm::plan::select::{
-    StartKind, joint_distance, random_group, smallest_distance, smallest_margin, space_filling,
+    self, StartKind, joint_distance, random_group, smallest_distance, smallest_margin,
 };
+use stiffarm::{Code, Control, Result, Termination};
+
+/// The postures alone, of a search that nobody stops.
+fn space_filling(cell: &Cell, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
+    let found = select::space_filling(cell, count, seed, Control::default())?;
+    assert_ne!(found.termination, Termination::Interrupted);
+    Ok(found.postures)
+}
 
 /// Asserts that a group is inside bounds and limits, and counted right.
 fn assert_inside(cell: &Cell, group: &[Vec<f64>], count: usize) {
@@ -180,6 +187,44 @@ fn a_load_that_comes_with_the_measurement_is_no_obstacle() {
     let before = space_filling(&cell, 6, 1).unwrap();
     cell.setup.load = Load::Measured;
     assert_eq!(space_filling(&cell, 6, 1).unwrap(), before);
+}
+
+/// Exchanges that look at each candidate once choose what a look at all pairs chooses.
+#[test]
+fn many_postures_are_spread_as_far_and_soon() {
+    let cell = default_cell();
+    // Numbers of an earlier version, which took 23 s for the second.
+    for (count, before) in [(20, 0.641_041_3), (60, 0.499_398_7)] {
+        let group = space_filling(&cell, count, 1).unwrap();
+        let ours = smallest_distance(&cell.bounds, &group).unwrap();
+        assert!(ours > before - 1e-6, "{count}: {ours} {before}");
+    }
+}
+
+#[test]
+fn a_stopped_search_gives_the_postures_so_far() {
+    let cell = default_cell();
+    let asked = std::sync::atomic::AtomicUsize::new(0);
+    let after = |most: usize| {
+        asked.store(0, std::sync::atomic::Ordering::Relaxed);
+        let stop = || asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) > most;
+        let control = Control {
+            stop: Some(&stop),
+            progress: None,
+        };
+        select::space_filling(&cell, 40, 1, control)
+    };
+    assert_eq!(after(10).unwrap_err().code(), Code::Interrupted);
+    let whole = space_filling(&cell, 40, 1).unwrap();
+    let distance = |group: &[Vec<f64>]| smallest_distance(&cell.bounds, group).unwrap();
+    // Candidates and a first group take some hundred looks.
+    let early = (1..40)
+        .map(|k| after(100 * k))
+        .find_map(Result::ok)
+        .unwrap();
+    assert_eq!(early.termination, Termination::Interrupted);
+    assert_inside(&cell, &early.postures, 40);
+    assert!(distance(&early.postures) <= distance(&whole));
 }
 
 proptest! {

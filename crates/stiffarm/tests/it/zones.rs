@@ -6,14 +6,19 @@ use common::{cases, default_cell, random::Dice, reference_cell};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_4;
-use stiffarm::Code;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::dexterity::condition_number;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::observation::PostureTerms;
-use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones, zones};
+use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones};
 use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::{Code, Control, Result};
+
+/// The maps of a search that nobody stops.
+fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
+    stiffarm::plan::zones::zones(cell, options, Control::default())
+}
 
 fn held(steps: usize, q: Option<Vec<f64>>) -> ZoneOptions {
     let mut options = ZoneOptions::default();

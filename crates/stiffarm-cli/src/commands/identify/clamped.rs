@@ -40,12 +40,6 @@ pub struct Options {
 
 /// Identifies the joint stiffness from clamped postures.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
-    if let Some(noise) = args.angle_noise_deg
-        && !(noise.is_finite() && noise > 0.0)
-    {
-        let message = format!("The standard deviation must be above 0°, got {noise}.");
-        return Err(Error::new(Code::Usage, message).key("--angle-noise-deg"));
-    }
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;

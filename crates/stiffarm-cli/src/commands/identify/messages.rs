@@ -91,6 +91,35 @@ pub fn collinear(sets: &[CollinearSet]) -> String {
     out
 }
 
+/// Names what the user did not wait for.
+pub fn stopped(not_computed: &[&str]) -> String {
+    if not_computed.is_empty() {
+        return String::new();
+    }
+    let words = |name: &&str| match *name {
+        "bootstrap" => "the bootstrap intervals",
+        "profile" => "the profile of the likelihood",
+        "budget" => "the errors common to the whole experiment",
+        "diagnosis" => "the diagnosis (readings that do not fit, leave-one-out, further terms)",
+        _ => "the next posture",
+    };
+    let names: Vec<&str> = not_computed.iter().map(words).collect();
+    let said = format!("Stopped: {} not computed.", are(&names));
+    format!(
+        "{} The estimates and their intervals are complete.\n",
+        red(&said)
+    )
+}
+
+/// The names with the verb that follows them.
+fn are(names: &[&str]) -> String {
+    format!(
+        "{} {}",
+        list(names),
+        if names.len() == 1 { "was" } else { "were" }
+    )
+}
+
 /// What the numbers say.
 pub fn verdicts(result: &Identified) -> Vec<String> {
     let found = &result.identification;

@@ -17,7 +17,6 @@ use crate::table::{red, title, yellow};
 use readings::Reduced;
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::Control;
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use stiffarm::estimate::diagnose::{Diagnosis, diagnose};
 use stiffarm::estimate::identify::{
@@ -31,7 +30,7 @@ use stiffarm::measure::prepare;
 use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::plan::select::GlobalOptions;
-use stiffarm::{Code, Error, Result};
+use stiffarm::{Code, Control, Error, Result};
 
 /// Rounds of the search for the next posture: one posture is soon found.
 const ADVICE_ROUNDS: u64 = 2;
@@ -79,6 +78,9 @@ pub struct Identified {
     pub next_posture: Option<NextPosture>,
     /// Why there is no next posture; `null` where there is one.
     pub next_posture_missing: Option<String>,
+    /// Names of the parts above that were left out because the user stopped the
+    /// command: `bootstrap`, `profile`, `budget`, `diagnosis`, `next_posture`.
+    pub not_computed: Vec<&'static str>,
     /// How often this estimator's intervals held the truth in simulation, where
     /// they are not exact; `null` for exact ones, and below the tabulated
     /// degrees of freedom, where no coverage is claimed.
@@ -104,12 +106,17 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     }
     let serious = measured.worst() == Some(Severity::Serious);
     let progress = Progress::new(session, "examining the identification");
-    let fit = Fit::new(&named.cell, measured, &options)?;
+    let fit = Fit::watched(&named.cell, measured, &options, progress.shared())?;
     let result = progress.watch(|control| identified(&fit, args, control))?;
+    drop(progress);
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
-    let exit =
-        Exit::finding(!result.identification.estimates.is_complete() || implausible || serious);
+    let exit = match result.not_computed.is_empty() {
+        true => {
+            Exit::finding(!result.identification.estimates.is_complete() || implausible || serious)
+        }
+        false => Exit::Interrupted,
+    };
     let described = Options {
         estimator: options.estimator,
         weights: options.weights,
@@ -127,13 +134,9 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     Ok(exit)
 }
 
-/// The estimates, and what else was asked for.
+/// The estimates, and what else was asked for, as far as the user lets it come.
 fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Identified> {
     let identification = fit.identification()?.clone();
-    let quiet = Control {
-        progress: None,
-        ..control
-    };
     let mut out = Identified {
         readings: Reduced::of(fit.measured()),
         profile: None,
@@ -142,6 +145,7 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
         diagnosis: None,
         next_posture: None,
         next_posture_missing: None,
+        not_computed: Vec::new(),
         measured_coverage: identification
             .estimates
             .interval_degrees_of_freedom
@@ -149,26 +153,50 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
             .and_then(|(dof, kind)| measured_coverage(kind, dof)),
         identification,
     };
+    let mut left_out = Vec::new();
     if let Some(resamples) = args.bootstrap {
         let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
         let found = bootstrap(fit, resamples, args.seed, fit.options().confidence);
-        out.bootstrap = Some(found.map_err(|e| e.key("--bootstrap"))?);
+        let found = found.map_err(|e| e.key("--bootstrap"));
+        out.bootstrap = unless_stopped("bootstrap", &mut left_out, found)?;
     }
     if args.brief {
+        out.not_computed = left_out;
         return Ok(out);
     }
-    out.profile = profile(fit)?;
-    out.budget = Some(systematic_errors(fit)?);
-    out.diagnosis = Some(diagnose(fit)?);
+    out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
+    out.budget = unless_stopped("budget", &mut left_out, systematic_errors(fit))?;
+    out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
     let mut search = GlobalOptions::default();
     search.seed = args.seed;
     search.rounds = Some(ADVICE_ROUNDS);
-    match next_posture(fit, &search, quiet) {
-        Ok(advice) => out.next_posture = Some(advice),
-        Err(error) if error.code() == Code::Interrupted => return Err(error),
-        Err(error) => out.next_posture_missing = Some(error.message().to_string()),
+    let advice = match control.check() {
+        Ok(()) => next_posture(fit, &search, control),
+        Err(stopped) => Err(stopped),
+    };
+    match advice {
+        Err(error) if error.code() != Code::Interrupted => {
+            out.next_posture_missing = Some(error.message().to_string());
+        }
+        found => out.next_posture = unless_stopped("next_posture", &mut left_out, found)?,
     }
+    out.not_computed = left_out;
     Ok(out)
+}
+
+/// What was found; `None`, with its name in `left_out`, where the user stopped it.
+fn unless_stopped<T>(
+    name: &'static str,
+    left_out: &mut Vec<&'static str>,
+    found: Result<T>,
+) -> Result<Option<T>> {
+    match found {
+        Err(error) if error.code() == Code::Interrupted => {
+            left_out.push(name);
+            Ok(None)
+        }
+        found => found.map(Some),
+    }
 }
 
 /// Refuses names that no measured posture has.
@@ -215,6 +243,7 @@ fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String])
     if let Some(finding) = implausible_scale(cell, found) {
         out += &format!("{}\n", red(&finding.sentence));
     }
+    out += &messages::stopped(&result.not_computed);
     for sentence in messages::verdicts(result) {
         out += &format!("{sentence}\n");
     }

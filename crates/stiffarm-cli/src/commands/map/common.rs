@@ -9,6 +9,9 @@ use crate::session::Session;
 use crate::table::yellow;
 use stiffarm::Result;
 
+/// From so many postures to find on, their number is said before.
+pub const MANY: usize = 100_000;
+
 /// Cell, stiffness, and whether they belong together.
 pub fn head(named: &NamedCell, saved: &Saved, hash: Option<&String>) -> String {
     let mut out = named.line() + &saved.line();

@@ -10,14 +10,15 @@ use crate::args::MapArgs;
 use crate::files::check_folder;
 use crate::numbers::{NONE, coarse_mm, optional, significant};
 use crate::output::Exit;
-use crate::progress::Progress;
+use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Table, title};
-use common::{head, sides, write_folder};
+use common::{MANY, head, sides, write_folder};
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use region::Region;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::process::ForceAxes;
@@ -61,6 +62,16 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let (cell, _) = with_length(named.cell);
     named.cell = cell;
     let (options, load_words) = options(&named.cell, args)?;
+    let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
+    // A larger grid is refused at once.
+    let nodes = nodes * usize::from(nodes <= MapOptions::MOST);
+    let postures = nodes.saturating_mul(options.free_turn.unwrap_or(1));
+    announce(
+        session,
+        postures,
+        MANY,
+        "positions and turns of the tip to look at",
+    );
     let progress = Progress::new(session, "mapping");
     let result =
         progress.watch(|control| stiffness_map(&named.cell, &saved.predictor, &options, control));
@@ -78,7 +89,13 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     session.show(&envelope, || {
         head(&named, &saved, envelope.inputs.get("cell")) + &table(&result, &load_words) + &written
     })?;
-    Ok(Exit::finding(result.counts.reachable == 0))
+    Ok(match result.interrupted {
+        true => Exit::Interrupted,
+        false => {
+            let serious = |f: &Finding| f.severity == Severity::Serious;
+            Exit::finding(result.findings.iter().any(serious))
+        }
+    })
 }
 
 /// What is mapped, and where its load comes from in words.
@@ -188,6 +205,7 @@ fn table(map: &StiffnessMap, load: &str) -> String {
         (counts.forbidden, "forbidden by the cell's limits"),
         (counts.outside_joint_limits, "outside the joint limits"),
         (counts.unreachable, "out of reach"),
+        (counts.not_computed, "not computed: stopped"),
     ]
     .iter()
     .filter(|(count, _)| *count > 0)

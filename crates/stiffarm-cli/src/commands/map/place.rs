@@ -1,25 +1,28 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
-use super::common::{head, sides, write_folder};
+use super::common::{MANY, head, sides, write_folder};
 use super::region::Region;
 use crate::args::MapArgs;
 use crate::commands::finding_line;
 use crate::files::check_folder;
 use crate::numbers::{coarse_mm, optional, percent};
 use crate::output::Exit;
-use crate::progress::Progress;
+use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::files::table::read_path;
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
-use stiffarm::work::map::{PlaceOptions, Placed, Placement, Status, place};
+use stiffarm::work::map::{MapOptions, PlaceOptions, Placed, Placement, Status, place};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
 /// Files of the folder.
 const FILES: [&str; 2] = ["placement.svg", "placement.csv"];
+/// Points of a path that a search looks at.
+const SEARCHED: usize = 200;
 /// Turns about a free tool axis.
 const FREE_TURNS: usize = 12;
 
@@ -66,6 +69,21 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         free_turns: args.tool.free_turn.unwrap_or(FREE_TURNS),
         refinements: usize::from(args.place.refine),
     };
+    let places = options
+        .steps
+        .iter()
+        .fold(1_usize, |n, s| n.saturating_mul(*s));
+    // A larger grid is refused at once.
+    let places = places * usize::from(places <= MapOptions::MOST);
+    let rounds = options.refinements + 1;
+    let places = places.saturating_mul(options.yaws.len().saturating_mul(rounds));
+    let points = places.saturating_mul(table.points.len().min(SEARCHED));
+    announce(
+        session,
+        points,
+        MANY,
+        "points of the path to look at, over all places",
+    );
     let progress = Progress::new(session, "placing");
     let result =
         progress.watch(|control| place(cell, &saved.predictor, &table.points, &options, control));
@@ -101,7 +119,13 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
             + &words(&result)
             + &written
     })?;
-    Ok(Exit::finding(result.best.is_none()))
+    Ok(match result.interrupted {
+        true => Exit::Interrupted,
+        false => {
+            let serious = |f: &Finding| f.severity == Severity::Serious;
+            Exit::finding(result.findings.iter().any(serious))
+        }
+    })
 }
 
 fn words(result: &Placement) -> String {

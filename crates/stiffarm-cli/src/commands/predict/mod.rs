@@ -4,13 +4,16 @@ mod tables;
 
 use super::finding_line;
 use crate::args::PredictArgs;
+use crate::files::Rows;
 use crate::output::Exit;
 use crate::path::{Outputs, PathOptions, curve};
 use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::io::Write;
 use stiffarm::files::table::read_path;
+use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Axes, Wrench};
 use stiffarm::model::observation::PostureTerms;
@@ -20,7 +23,7 @@ use stiffarm::work::posture_path::PosturePathSummary;
 use stiffarm::work::predict::{LoadPoint, PredictOptions, Prediction, predict};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::{path_figure, render_svg};
-use tables::{csv, matrices, table};
+use tables::{matrices, table, write_csv};
 
 /// Postures whose stiffness matrices are printed.
 const MATRICES: usize = 2;
@@ -103,7 +106,11 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         let curve = curve(values, &postures, cell);
         render_svg(&path_figure(&curve, prediction.confidence))
     };
-    let on_stdout = outputs.write(session, || Ok(csv(&prediction)), figure)?;
+    let on_stdout = outputs.write(
+        session,
+        || Ok(Rows(|out: &mut dyn Write| write_csv(&prediction, out))),
+        figure,
+    )?;
     let described = Options {
         path: args.along.described(),
         model: options.model,
@@ -115,8 +122,13 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     };
     let envelope = session.envelope("predict", None, described, &result);
     let other = saved.is_of_another_cell(envelope.inputs.get("cell"));
+    let of_path = || result.postures.iter().flat_map(|p| &p.findings);
+    let mut findings = of_path().chain(&result.prediction.findings);
+    let exit = Exit::finding(findings.any(|f| f.severity == Severity::Serious));
     if on_stdout {
-        return Ok(Exit::Done);
+        let findings = of_path().chain(&result.prediction.findings);
+        session.remark_serious(findings);
+        return Ok(exit);
     }
     session.show(&envelope, || {
         let mut out = named.line() + &saved.line() + &line;
@@ -133,8 +145,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         {
             out += &matrices(point);
         }
-        let of_path = result.postures.iter().flat_map(|p| &p.findings);
-        for finding in of_path.chain(&result.prediction.findings) {
+        for finding in of_path().chain(&result.prediction.findings) {
             out += &finding_line(finding);
         }
         let names: Vec<&str> = [&args.output, &args.figure]
@@ -147,7 +158,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         }
         out
     })?;
-    Ok(Exit::Done)
+    Ok(exit)
 }
 
 /// The tasks of the cell with their tip.

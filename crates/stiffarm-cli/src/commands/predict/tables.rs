@@ -4,6 +4,7 @@ use crate::commands::identify::confidence;
 use crate::numbers::{mm, significant};
 use crate::path::largest_first;
 use crate::table::{Align, Table, title};
+use std::io::Write;
 use stiffarm::units::{m_to_shortest_mm, rad_to_deg, rad_to_shortest_deg};
 use stiffarm::work::predict::{CartesianStiffness, PointPrediction, Prediction};
 
@@ -65,7 +66,7 @@ pub fn matrices(point: &PointPrediction) -> String {
         matrix_with_k_c,
         principal,
         ..
-    }) = &point.stiffness
+    }) = point.stiffness.as_deref()
     else {
         return String::new();
     };
@@ -109,8 +110,11 @@ pub fn matrices(point: &PointPrediction) -> String {
     out
 }
 
-/// All points as a table.
-pub fn csv(result: &Prediction) -> String {
+/// Writes all points as a table.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_csv(result: &Prediction, out: &mut dyn Write) -> std::io::Result<()> {
     let joints = result.points.first().map_or(0, |p| p.q.len());
     let mut heading: Vec<String> = vec!["point".to_string()];
     heading.extend((1..=joints).map(|j| format!("q{j}_deg")));
@@ -140,7 +144,7 @@ pub fn csv(result: &Prediction) -> String {
         heading.extend(band.map(|part| format!("{part}_half_width_mm")));
         heading.extend(["x", "y", "z"].map(|axis| format!("total_half_width_{axis}_mm")));
     }
-    let mut text = heading.join(",") + "\n";
+    writeln!(out, "{}", heading.join(","))?;
     let length = |v: f64| m_to_shortest_mm(v).to_string();
     for point in &result.points {
         let mut row = vec![quoted(&point.point)];
@@ -159,9 +163,9 @@ pub fn csv(result: &Prediction) -> String {
         if let Some(band) = &point.band {
             row.extend(band.size_m.iter().chain(&band.total_m).map(|v| length(*v)));
         }
-        text += &(row.join(",") + "\n");
+        writeln!(out, "{}", row.join(","))?;
     }
-    text
+    Ok(())
 }
 
 /// A name as a field of a table.

@@ -3,12 +3,16 @@
 use super::job::{Job, Mode, number, postures_text, shown, to_usize, with_unit};
 use crate::commands::posture_remarks;
 use crate::numbers::percent;
+use crate::progress::{Progress, announce};
 use crate::table::{Align, Table, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::select::{Dropped, drop_postures};
+use stiffarm::plan::select::{Dropped, drop_evaluations, drop_postures};
 use stiffarm::{Code, Result};
+
+/// From so many groups on, their number is said before they are evaluated.
+const EVALUATIONS: usize = 10_000;
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
@@ -38,13 +42,17 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
         .session
         .read_postures("given", given, &cell.setup.robot)?;
     let count = to_usize(count);
-    let dropped = drop_postures(cell, job.index, &postures, count).map_err(|error| {
-        match (error.code(), postures.len()) {
-            (Code::TooFewData, 2..) => {
-                error.hint(format!("leave out {} at most", postures.len() - 1))
-            }
-            _ => error,
-        }
+    if count < postures.len() {
+        let groups = drop_evaluations(postures.len(), count);
+        announce(job.session, groups, EVALUATIONS, "groups to evaluate");
+    }
+    let progress = Progress::new(job.session, "leaving postures out");
+    let dropped =
+        progress.watch(|control| drop_postures(cell, job.index, &postures, count, control));
+    drop(progress);
+    let dropped = dropped.map_err(|error| match (error.code(), postures.len()) {
+        (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", postures.len() - 1)),
+        _ => error,
     })?;
     let kept: Vec<Posture> = dropped.kept.iter().map(|p| postures[*p].clone()).collect();
     job.outputs.write_postures(job.session, cell, &kept)?;

@@ -3,14 +3,15 @@
 use super::job::{Job, Mode, POSTURES, to_usize};
 use crate::commands::{evaluate, posture_table};
 use crate::numbers::{coarse_mm, significant};
-use crate::table::title;
+use crate::progress::Progress;
+use crate::table::{title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::Result;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::{GroupEvaluation, evaluate as evaluate_group};
 use stiffarm::plan::select::{smallest_distance, smallest_margin, space_filling};
 use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::{Result, Termination};
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
@@ -33,6 +34,8 @@ pub struct SpaceFilling {
     /// Smallest distance of two postures, relative to the joints' ranges: 0 to
     /// the root of their number; `null` for one posture.
     pub smallest_distance: Option<f64>,
+    /// Why the search ended.
+    pub termination: Termination,
     /// Smallest margin to a limit of the cell \[m\], `null` without limits.
     pub smallest_margin_m: Option<f64>,
     /// Every index and expected deviation of the postures.
@@ -43,8 +46,10 @@ pub struct SpaceFilling {
 pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let cell = job.cell();
     let count = to_usize(job.args.postures.unwrap_or(POSTURES));
-    let angles = space_filling(cell, count, job.seed())?;
-    let group = PostureGroup::from_angles("space-filling", angles);
+    let progress = Progress::new(job.session, "spreading postures");
+    let found = progress.watch(|control| space_filling(cell, count, job.seed(), control))?;
+    drop(progress);
+    let group = PostureGroup::from_angles("space-filling", found.postures);
     let result = SpaceFilling {
         postures_deg: group
             .postures
@@ -53,6 +58,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
             .collect(),
         posture_names: group.postures.iter().map(|p| p.name.clone()).collect(),
         smallest_distance: smallest_distance(&cell.bounds, &group.postures),
+        termination: found.termination,
         smallest_margin_m: smallest_margin(cell, &group.postures)?,
         evaluation: evaluate_group(cell, &group.name, &group.postures)?,
     };
@@ -78,6 +84,12 @@ fn table(job: &Job<'_>, group: &PostureGroup, result: &SpaceFilling) -> String {
         out += &format!(
             "smallest distance of two postures: {} of the joints' ranges (root of the sum of squares)\n",
             significant(distance, 3)
+        );
+    }
+    if result.termination == Termination::Interrupted {
+        out += &format!(
+            "{}: stopped; more exchanges may spread the postures further\n",
+            yellow("note")
         );
     }
     if let Some(margin) = result.smallest_margin_m {

@@ -217,6 +217,10 @@ pub fn coverage(
                     system: &system,
                     prepared: &prepared,
                     assumed: &assumed,
+                    control: Control {
+                        progress: None,
+                        ..control
+                    },
                 };
                 let all = prepared.solve(&delta, &assumed)?;
                 let (seed, level) = (rng.random(), options.confidence);

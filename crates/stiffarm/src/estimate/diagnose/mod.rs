@@ -83,7 +83,9 @@ pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
         findings.extend(states.findings());
     }
     let second_order = match result.estimates.stiffness() {
-        Some(stiffness) => second_order_shares(fit.cell(), fit.postures(), &stiffness)?,
+        Some(stiffness) => {
+            second_order::watched_shares(fit.cell(), fit.postures(), &stiffness, fit.control())?
+        }
         None => Vec::new(),
     };
     findings.extend(second_order::finding(&second_order, result.expected_std_m));

@@ -5,7 +5,8 @@ use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::stiffness::second_order;
-use crate::numerics::jobs::in_order;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order_watched;
 use serde::{Deserialize, Serialize};
 
 /// Share of the displacement above which the linear model is not enough.
@@ -39,7 +40,17 @@ pub fn second_order_shares(
     measured: &[MeasuredPosture],
     stiffness: &[f64],
 ) -> Result<Vec<SecondOrderShare>> {
-    in_order(measured, |(_, m)| {
+    watched_shares(cell, measured, stiffness, Control::default())
+}
+
+/// The same, which can be stopped.
+pub(super) fn watched_shares(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    stiffness: &[f64],
+    control: Control<'_>,
+) -> Result<Vec<SecondOrderShare>> {
+    in_order_watched(measured, "checking the equilibrium", control, |(_, m)| {
         let parts = second_order(&cell.setup, &m.posture.q, stiffness, m.wrench.as_ref())?;
         let largest = |changes: &[f64]| {
             let mut best = (0.0, 0.0);

@@ -8,7 +8,8 @@ use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;
 use super::{IdentifyOptions, check};
 use crate::error::{Code, Error, Result};
-use crate::numerics::jobs::in_order;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_order_watched;
 use crate::numerics::sample::{mean, quantile_of};
 use crate::numerics::streams::resample_rng;
 use nalgebra::DVector;
@@ -61,6 +62,7 @@ pub fn bootstrap(fit: &Fit, resamples: usize, seed: u64, confidence: f64) -> Res
         system: fit.system(),
         prepared: fit.prepared(),
         assumed: fit.assumed(),
+        control: fit.control(),
     };
     resampled(
         &rows,
@@ -81,6 +83,8 @@ pub(crate) struct Rows<'a> {
     pub prepared: &'a Prepared,
     /// What is assumed.
     pub assumed: &'a Assumptions,
+    /// How the caller stops it.
+    pub control: Control<'a>,
 }
 
 /// [`bootstrap`] of displacements `delta`, to which `all` is the fit.
@@ -99,6 +103,7 @@ pub(crate) fn resampled(
         system,
         prepared,
         assumed,
+        control,
     } = *rows;
     let postures = system.blocks.len();
     if postures < 2 {
@@ -116,7 +121,7 @@ pub(crate) fn resampled(
     }
     let white = prepared.whitened().whiten(delta);
     let numbers: Vec<usize> = (0..resamples).collect();
-    let drawn = in_order(&numbers, |(_, r)| {
+    let drawn = in_order_watched(&numbers, "resampling postures", control, |(_, r)| {
         let mut rng = resample_rng(seed, *r);
         let chosen: Vec<usize> = (0..postures)
             .map(|_| rng.random_range(0..postures))

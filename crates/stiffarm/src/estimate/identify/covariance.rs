@@ -5,6 +5,7 @@ use super::system::{RowLabel, Weights};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture};
+use crate::numerics::information::svd;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use std::collections::BTreeMap;
 
@@ -12,13 +13,57 @@ use std::collections::BTreeMap;
 /// model misses; below this |cosine| they are taken as different loads.
 const ALIKE: f64 = 0.9;
 
-/// Covariance of the rows of one posture in units of σ²: parts that are
-/// independent of each other, so that many points cost no more than each by
-/// itself. Rows in no part are independent, with variance 1.
+/// Covariance of the rows of one posture in units of σ²: B + ZZᵀ. B falls into
+/// parts that are independent of each other, so that many points cost no more
+/// than each by itself; rows in no part are independent, with variance 1. The
+/// few columns of Z are what all points have in common.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Covariance {
     /// Rows of each part, ascending, and their covariance.
     parts: Vec<(Vec<usize>, DMatrix<f64>)>,
+    /// Z, rows × k; `None` where the points have nothing in common.
+    common: Option<DMatrix<f64>>,
+}
+
+/// What makes rows independent: the lower Cholesky factor of each part, with its
+/// rows, then 1 − 1/√(1 + s²) along the directions that all points share.
+#[derive(Debug, Clone)]
+pub(super) struct Roots {
+    parts: Vec<(Vec<usize>, DMatrix<f64>)>,
+    common: Option<(DMatrix<f64>, Vec<f64>)>,
+}
+
+impl Roots {
+    /// True where rows are independent as they are.
+    pub(super) fn is_identity(&self) -> bool {
+        self.parts.is_empty() && self.common.is_none()
+    }
+
+    /// Whitens rows in place; false for a factor that is singular.
+    pub(super) fn whiten(&self, rows: &mut DMatrix<f64>) -> bool {
+        let regular = whiten_parts(&self.parts, rows);
+        if let Some((directions, shares)) = &self.common {
+            let mut along = directions.tr_mul(rows);
+            for (k, share) in shares.iter().enumerate() {
+                along.row_mut(k).scale_mut(*share);
+            }
+            *rows -= directions * along;
+        }
+        regular
+    }
+}
+
+/// Solves with the factor of each part for its rows; false for a factor that is
+/// singular.
+fn whiten_parts(parts: &[(Vec<usize>, DMatrix<f64>)], rows: &mut DMatrix<f64>) -> bool {
+    parts.iter().all(|(own, root)| {
+        let mut part = rows.select_rows(own);
+        let solved = root.solve_lower_triangular_mut(&mut part);
+        for (a, i) in own.iter().enumerate() {
+            rows.row_mut(*i).copy_from(&part.row(a));
+        }
+        solved
+    })
 }
 
 impl Covariance {
@@ -55,17 +100,24 @@ impl Covariance {
         let parts = members.into_iter().zip(matrices);
         Covariance {
             parts: parts.filter(|(_, matrix)| !plain(matrix)).collect(),
+            common: None,
         }
     }
 
     /// True for independent rows of variance 1.
     pub fn is_identity(&self) -> bool {
-        self.parts.is_empty()
+        self.parts.is_empty() && self.common.is_none()
     }
 
-    /// Its parts: rows, ascending, and their covariance.
-    pub fn parts(&self) -> &[(Vec<usize>, DMatrix<f64>)] {
-        &self.parts
+    /// Z, rows × k: what all points have in common.
+    pub(crate) fn common(&self) -> Option<&DMatrix<f64>> {
+        self.common.as_ref()
+    }
+
+    /// Whitens rows by B alone, in place; false where it is not positive definite.
+    pub(crate) fn whiten_without_common(&self, rows: &mut DMatrix<f64>) -> bool {
+        self.factors()
+            .is_some_and(|parts| whiten_parts(&parts, rows))
     }
 
     /// The covariance of the rows `chosen`, in that order.
@@ -82,6 +134,14 @@ impl Covariance {
             let weight = 1.0 / rows.len() as f64;
             place.extend(rows.iter().map(|row| (*row, (g, weight))));
         }
+        let common = self.common.as_ref().map(|whole| {
+            let mut out = DMatrix::zeros(groups.len(), whole.ncols());
+            for (i, (g, weight)) in &place {
+                let mut row = out.row_mut(*g);
+                row += whole.row(*i) * *weight;
+            }
+            out
+        });
         let mut entries = Vec::new();
         for (rows, matrix) in &self.parts {
             let own: Vec<Option<(usize, f64)>> = rows.iter().map(|i| place.remove(i)).collect();
@@ -98,11 +158,12 @@ impl Covariance {
             }
         }
         entries.extend(place.into_values().map(|(g, w)| (g, g, w * w)));
-        Covariance::from_entries(groups.len(), &entries)
+        let parts = Covariance::from_entries(groups.len(), &entries).parts;
+        Covariance { parts, common }
     }
 
     /// Columns 0..`count` of a table with `count` rows for each line, by those
-    /// that share something in any line.
+    /// that share something in any line beside what all have in common.
     pub(crate) fn classes(&self, count: usize) -> Vec<Vec<usize>> {
         let links = self.parts.iter().flat_map(|(rows, _)| {
             let first = rows.first().map_or(0, |i| i % count);
@@ -121,6 +182,9 @@ impl Covariance {
                 }
             }
         }
+        if let Some(common) = &self.common {
+            out += common * common.transpose();
+        }
         out
     }
 
@@ -136,6 +200,10 @@ impl Covariance {
                 }
             }
         }
+        if let Some(common) = &self.common {
+            let own = common.rows(at, 3);
+            out += (own * own.transpose()).fixed_view::<3, 3>(0, 0);
+        }
         out
     }
 
@@ -148,12 +216,38 @@ impl Covariance {
                 out.row_mut(*i).copy_from(&product.row(a));
             }
         }
+        if let Some(common) = &self.common {
+            out += common * common.tr_mul(columns);
+        }
         out
     }
 
-    /// Lower Cholesky factors of the parts, `None` where one is not positive
+    /// What makes rows independent; `None` where the covariance is not positive
     /// definite.
-    pub(super) fn roots(&self) -> Option<Vec<(Vec<usize>, DMatrix<f64>)>> {
+    pub(super) fn roots(&self) -> Option<Roots> {
+        let parts = self.factors()?;
+        let common = match &self.common {
+            None => None,
+            Some(common) => {
+                let mut white = common.clone();
+                whiten_parts(&parts, &mut white);
+                let (rows, columns) = white.shape();
+                if rows < columns {
+                    // Zero rows let the decomposition see all columns.
+                    white = white.resize_vertically(columns, 0.0);
+                }
+                let found = svd(white)?;
+                let rank = found.values.iter().filter(|v| **v > 0.0).count();
+                let share = |s: &f64| 1.0 - 1.0 / (1.0 + s * s).sqrt();
+                let shares = found.values.iter().take(rank).map(share).collect();
+                Some((found.u.view((0, 0), (rows, rank)).into_owned(), shares))
+            }
+        };
+        Some(Roots { parts, common })
+    }
+
+    /// Lower Cholesky factors of the parts, with their rows.
+    fn factors(&self) -> Option<Vec<(Vec<usize>, DMatrix<f64>)>> {
         let root = |(rows, matrix): &(Vec<usize>, DMatrix<f64>)| {
             Some((rows.clone(), matrix.clone().cholesky()?.unpack()))
         };
@@ -216,8 +310,6 @@ pub(super) fn covariance(
         .iter()
         .map(|l| reading(of(l)))
         .collect::<Result<_>>()?;
-    let shared = |i: usize| measured[labels[i].measured].common_readings;
-    let shares_all = (0..labels.len()).any(|i| shared(i) != [0.0; 2]);
     // Displacements before each that can share anything with it.
     let mut alike: BTreeMap<(usize, u32), Vec<usize>> = BTreeMap::new();
     let mut entries = Vec::new();
@@ -232,29 +324,51 @@ pub(super) fn covariance(
         let a = of(&labels[i]);
         let [n_loaded, n_reference] = a.readings.map(|n| f64::from(n.max(1)));
         let group = alike.entry((a.point, a.reference)).or_default();
-        // What taking back the motion of the base adds to all points alike.
-        let common = |j: usize, mean: &Matrix3<f64>| {
-            let [here, all] = shared(i);
-            let same_state = labels[i].measured == labels[j].measured;
-            let common = if same_state { here } else { 0.0 } + all;
-            Matrix3::identity() * (mean.trace() / 3.0 * common * loaded)
-        };
         if reference != 0.0 {
             for &j in group.iter() {
                 let mean = (readings[i] + readings[j]) * 0.5;
                 add(i, j, &(mean * (reference / n_reference)));
             }
         }
-        if shares_all {
-            for j in 0..i {
-                add(i, j, &common(j, &((readings[i] + readings[j]) * 0.5)));
-            }
-        }
         group.push(i);
         let own = readings[i] * (loaded / n_loaded + reference / n_reference);
-        add(i, i, &(own + common(i, &readings[i])));
+        add(i, i, &own);
     }
-    Ok(Covariance::from_entries(3 * labels.len(), &entries))
+    let parts = Covariance::from_entries(3 * labels.len(), &entries).parts;
+    let common = common(measured, labels, &readings, loaded);
+    Ok(Covariance { parts, common })
+}
+
+/// What taking back the motion of the base adds to all points of a posture
+/// alike: in each state by itself, and in all of them together.
+fn common(
+    measured: &[MeasuredPosture],
+    labels: &[RowLabel],
+    readings: &[Matrix3<f64>],
+    loaded: f64,
+) -> Option<DMatrix<f64>> {
+    let mut states: Vec<usize> = labels.iter().map(|l| l.measured).collect();
+    states.dedup();
+    if states
+        .iter()
+        .all(|m| measured[*m].common_readings == [0.0; 2])
+    {
+        return None;
+    }
+    let mut out = DMatrix::zeros(3 * labels.len(), 3 * (states.len() + 1));
+    for (i, label) in labels.iter().enumerate() {
+        let [here, all] = measured[label.measured].common_readings;
+        let state = states
+            .iter()
+            .position(|m| *m == label.measured)
+            .unwrap_or(0);
+        let unit = readings[i].trace() / 3.0 * loaded;
+        for axis in 0..3 {
+            out[(3 * i + axis, axis)] = (all * unit).sqrt();
+            out[(3 * i + axis, 3 * (state + 1) + axis)] = (here * unit).sqrt();
+        }
+    }
+    Some(out)
 }
 
 /// What shifts common to a posture do to its rows, rows × 3c. What the model

@@ -8,6 +8,7 @@ use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::measurement::{MeasuredPosture, row_count};
 use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::numerics::control::{Control, Watch};
 use std::sync::Mutex;
 
 /// One experiment: nothing of it depends on how the unknowns are estimated.
@@ -24,6 +25,8 @@ pub(crate) struct Experiment {
     states: Vec<Vec<usize>>,
     /// What was computed, in order: tests read it to see that nothing is done twice.
     journal: Mutex<Vec<String>>,
+    /// How the caller stops what is asked of a fit to it.
+    watch: Watch,
 }
 
 /// Ψ x = Δ of an experiment by itself.
@@ -63,9 +66,21 @@ impl Experiment {
             terms,
             states,
             journal: Mutex::default(),
+            watch: Watch::default(),
         };
         experiment.note(|| "terms".to_string());
         Ok(experiment)
+    }
+
+    /// The same, stopped as `watch` says.
+    pub(crate) fn watched(mut self, watch: Watch) -> Self {
+        self.watch = watch;
+        self
+    }
+
+    /// How the caller watches and stops long work.
+    pub(crate) fn control(&self) -> Control<'_> {
+        self.watch.control()
     }
 
     /// The measured postures.

@@ -13,6 +13,7 @@ use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::ExtraTerm;
+use crate::numerics::control::{Control, Watch};
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
@@ -75,8 +76,24 @@ impl Fit {
         measured: impl Into<Measured>,
         options: &IdentifyOptions,
     ) -> Result<Self> {
+        Fit::watched(cell, measured, options, Watch::default())
+    }
+
+    /// [`Fit::new`], with everything that is asked of the fit later: once `watch`
+    /// says so, it ends with [`Code::Interrupted`](crate::Code::Interrupted). What
+    /// was computed before stays.
+    ///
+    /// # Errors
+    /// As [`identify`](super::identify()); stopped.
+    pub fn watched(
+        cell: &Cell,
+        measured: impl Into<Measured>,
+        options: &IdentifyOptions,
+        watch: Watch,
+    ) -> Result<Self> {
         check(options)?;
-        let experiment = Arc::new(Experiment::new(cell, measured.into())?);
+        let experiment = Experiment::new(cell, measured.into())?.watched(watch);
+        let experiment = Arc::new(experiment);
         let system = Arc::new(experiment.system(&options.extra, options.weights)?);
         let prepared = Arc::new(Prepared::new(&system, options.estimator)?);
         Fit::of(experiment, options, BTreeSet::new(), system, prepared)
@@ -89,6 +106,7 @@ impl Fit {
         system: Arc<MeasuredSystem>,
         prepared: Arc<Prepared>,
     ) -> Result<Self> {
+        experiment.control().check()?;
         experiment.note(|| format!("fit {options:?} without {left_out:?}"));
         let assumed = experiment.assumptions(options)?;
         let white = prepared.whitened().whiten(&system.delta);
@@ -217,6 +235,11 @@ impl Fit {
         self.kept(&inner.options, &left_out, make).map(Some)
     }
 
+    /// How the caller watches and stops what is asked of this fit.
+    pub(crate) fn control(&self) -> Control<'_> {
+        self.inner.experiment.control()
+    }
+
     /// The cell, its noise with as many readings per displacement as were taken.
     pub fn cell(&self) -> &Cell {
         &self.inner.experiment.cell
@@ -312,7 +335,13 @@ impl Fit {
             let (options, left_out) = (&inner.options, &inner.left_out);
             format!("{count} folds {options:?} without {left_out:?}")
         });
-        folds(&inner.prepared, &inner.white, &inner.assumed, count)
+        folds(
+            &inner.prepared,
+            &inner.white,
+            &inner.assumed,
+            count,
+            self.control(),
+        )
     }
 
     pub(crate) fn experiment(&self) -> &Experiment {

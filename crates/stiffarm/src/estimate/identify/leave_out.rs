@@ -7,8 +7,9 @@ use super::rms;
 use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;
 use crate::error::{Code, Error, Result};
+use crate::numerics::control::Control;
 use crate::numerics::information::ZERO_COLUMN;
-use crate::numerics::jobs::in_order;
+use crate::numerics::jobs::in_order_watched;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -53,12 +54,13 @@ pub struct LeaveOneOut {
 /// modulo `folds`, so that neighbours in the file go to different folds.
 ///
 /// # Errors
-/// Fewer than two folds, more folds than postures, or as [`Prepared::solve`].
+/// Fewer than two folds, more folds than postures, stopped, or as [`Prepared::solve`].
 pub(super) fn folds(
     prepared: &Prepared,
     white: &DVector<f64>,
     assumed: &Assumptions,
     folds: usize,
+    control: Control<'_>,
 ) -> Result<Vec<Fold>> {
     let count = prepared.whitened().block_count();
     if folds < 2 || folds > count {
@@ -72,7 +74,7 @@ pub(super) fn folds(
     }
     let numbers: Vec<usize> = (0..folds).collect();
     let others = Others::new(prepared, white, assumed);
-    in_order(&numbers, |(_, fold)| {
+    in_order_watched(&numbers, "leaving postures out", control, |(_, fold)| {
         let left_out: Vec<usize> = (*fold..count).step_by(folds).collect();
         if let Some(others) = &others
             && let Some(solution) = others.without(&left_out)?
@@ -94,7 +96,7 @@ pub fn solutions_without(
     count: usize,
 ) -> Result<Vec<Solution>> {
     let white = prepared.whitened().whiten(delta);
-    let made = folds(prepared, &white, assumed, count)?;
+    let made = folds(prepared, &white, assumed, count, Control::default())?;
     Ok(made.into_iter().map(|fold| fold.solution).collect())
 }
 

@@ -78,6 +78,9 @@ pub enum NoiseSource {
     Repeats,
 }
 
+/// Confidences that intervals can have: beyond them quantiles are rounding.
+pub const CONFIDENCE: [f64; 2] = [0.01, 0.999_999];
+
 /// Options of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -225,10 +228,13 @@ pub(crate) fn prior_knowledge(
 }
 
 pub(crate) fn check(options: &IdentifyOptions) -> Result<()> {
-    if !(options.confidence > 0.0 && options.confidence < 1.0) {
+    if !(CONFIDENCE[0]..=CONFIDENCE[1]).contains(&options.confidence) {
         return Err(Error::new(
             Code::InvalidValue,
-            "The confidence must lie between 0 and 1.",
+            format!(
+                "The confidence must lie between {} and {}.",
+                CONFIDENCE[0], CONFIDENCE[1]
+            ),
         ));
     }
     if !(options.prior_std.is_finite() && options.prior_std > 0.0) {

@@ -89,6 +89,7 @@ pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
     let names: Vec<usize> = (0..system.springs).collect();
     let joints = in_order(&names, |(_, &j)| {
         let name = &system.unknowns[j];
+        fit.control().check()?;
         if solution.undetermined.contains(&j) {
             return Ok(joint_profile(name, [None, None], [None, None]));
         }
@@ -97,6 +98,8 @@ pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
         let ends = ends(fit, &criterion, j, error, t)?;
         Ok(joint_profile(name, ends, main.interval))
     })?;
+    // What was cut short is no profile.
+    fit.control().check()?;
     let finding = finding(&joints);
     let difference = joints.iter().filter_map(|j| j.difference).reduce(f64::max);
     Ok(Some(Profile {
@@ -142,6 +145,9 @@ fn ends(
     };
     // −2 ln L at h, γ at its best or as given.
     let value = |h: f64| -> Option<f64> {
+        if fit.control().stopped() {
+            return None;
+        }
         let held = |sums: &Sums| sums.held(along.as_slice(), h - plain, rows);
         Some(match &given {
             Some(sums) => held(sums),

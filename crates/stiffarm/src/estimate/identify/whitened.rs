@@ -1,6 +1,7 @@
 //! A system whose rows have been made independent and equally exact, with the
 //! directions in which a posture's rows share shifts.
 
+use super::covariance::Roots;
 use super::restricted::Restricted;
 use super::system::{Block, MeasuredSystem};
 use crate::error::{Code, Error, Result};
@@ -17,8 +18,8 @@ pub(super) struct Whitening {
     directions: DMatrix<f64>,
     /// Squared size s² of a unit shift along each direction.
     sizes: DVector<f64>,
-    /// Lower Cholesky factors of the parts of the rows' covariance, with their rows.
-    roots: Vec<(Vec<usize>, DMatrix<f64>)>,
+    /// What makes the rows independent but for shifts.
+    roots: Roots,
     /// γs²/(1 + γs²) and ln(1 + γs²) of each direction at each γ of the grid: the
     /// same for every fit that has the posture.
     grid: Vec<Vec<[f64; 2]>>,
@@ -55,7 +56,7 @@ impl Whitening {
     fn new(block: &Block) -> Result<Self> {
         let mut shared = block.shared.clone();
         let roots = block.covariance.roots().ok_or_else(not_positive)?;
-        if !whiten_rows(&roots, &mut shared) {
+        if !roots.whiten(&mut shared) {
             return Err(not_positive());
         }
         let (count, columns) = (block.rows.len(), shared.ncols());
@@ -75,19 +76,6 @@ impl Whitening {
             roots,
         })
     }
-}
-
-/// Solves with the factor of each part for its rows; false for a factor that is
-/// singular.
-fn whiten_rows(roots: &[(Vec<usize>, DMatrix<f64>)], rows: &mut DMatrix<f64>) -> bool {
-    roots.iter().all(|(own, root)| {
-        let mut part = rows.select_rows(own);
-        let solved = root.solve_lower_triangular_mut(&mut part);
-        for (a, i) in own.iter().enumerate() {
-            rows.row_mut(*i).copy_from(&part.row(a));
-        }
-        solved
-    })
 }
 
 fn not_positive() -> Error {
@@ -129,9 +117,9 @@ impl Whitened {
         for block in &system.blocks {
             let by = Whitening::new(block)?;
             let (from, count) = (block.rows.start, block.rows.len());
-            if !by.roots.is_empty() {
+            if !by.roots.is_identity() {
                 let mut rows = psi.rows(from, count).into_owned();
-                if !whiten_rows(&by.roots, &mut rows) {
+                if !by.roots.whiten(&mut rows) {
                     return Err(not_positive());
                 }
                 psi.rows_mut(from, count).copy_from(&rows);
@@ -252,7 +240,7 @@ impl Whitened {
     pub fn whiten(&self, delta: &DVector<f64>) -> DVector<f64> {
         let mut out = delta.clone();
         for (b, block) in self.blocks.iter().enumerate() {
-            if !block.by.roots.is_empty() {
+            if !block.by.roots.is_identity() {
                 let mut rows = out.rows_mut(block.rows.start, block.rows.len());
                 let mut own = DMatrix::from_column_slice(rows.len(), 1, rows.as_slice());
                 self.whiten_block(b, &mut own);
@@ -264,7 +252,7 @@ impl Whitened {
 
     /// Whitens rows of posture `block`, in place.
     pub(crate) fn whiten_block(&self, block: usize, rows: &mut DMatrix<f64>) {
-        whiten_rows(&self.blocks[block].by.roots, rows);
+        self.blocks[block].by.roots.whiten(rows);
     }
 
     /// Orthonormal directions of the whitened rows of block `block` in which

@@ -57,6 +57,8 @@ impl Default for SimulationOptions {
 pub struct LevelResult {
     /// Factor on the reading variance.
     pub variance_factor: f64,
+    /// Runs made: those asked for, or fewer where the user stopped them.
+    pub runs: usize,
     /// Mean of |k̂ − k|/k over the runs made (fraction), Fig. 8: a truncated mean,
     /// because the expectation is infinite at every noise level.
     pub mean_deviation: Vec<f64>,
@@ -92,8 +94,10 @@ pub struct GroupSimulation {
 pub struct Simulation {
     /// Names of the joints.
     pub joints: Vec<String>,
-    /// Runs per group and level.
+    /// Runs per group and level that were asked for.
     pub runs: usize,
+    /// True when the user stopped it: some levels have fewer runs.
+    pub interrupted: bool,
     /// The groups, in the order given.
     pub groups: Vec<GroupSimulation>,
 }
@@ -102,7 +106,8 @@ pub struct Simulation {
 ///
 /// Truth is the cell's prior stiffness; each run adds fresh noise to the exact
 /// linear displacements and identifies from them. Run r of group g at level l
-/// always draws the same numbers, for any number of threads.
+/// always draws the same numbers, for any number of threads. Stopped, it gives the
+/// runs that were made, at least some at every level.
 ///
 /// # Errors
 /// No prior, no runs, a negative factor, or a group that cannot determine all
@@ -163,10 +168,7 @@ pub fn simulate(
     let total = jobs.len();
     let done = AtomicUsize::new(0);
     let run = |(_, job): (usize, &Job)| {
-        if control.stopped() {
-            return Err(Error::new(Code::Interrupted, "The simulation was stopped."));
-        }
-        let level = simulate_level(cell, &groups[job.group], prior, options, job);
+        let level = simulate_level(cell, &groups[job.group], prior, options, job, control);
         control.report(
             "simulating",
             done.fetch_add(1, Ordering::Relaxed) + 1,
@@ -176,9 +178,11 @@ pub fn simulate(
     };
     let levels: Vec<LevelResult> = in_order(&jobs, run)?;
     let per_group = options.variance_factors.len();
+    let interrupted = levels.iter().any(|level| level.runs < options.runs);
     Ok(Simulation {
         joints: cell.setup.robot.spring_names(),
         runs: options.runs,
+        interrupted,
         groups: groups
             .iter()
             .zip(levels.chunks(per_group))
@@ -220,6 +224,8 @@ pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
 /// Largest number of noise levels and of runs whose random numbers stay apart.
 const MAX_LEVELS: usize = 1 << 10;
 const MAX_RUNS: usize = 1 << 34;
+/// Runs of a level that nobody can stop: without any there is no mean.
+const AT_LEAST: usize = 20;
 /// One noise level of one group.
 struct Job {
     group: usize,
@@ -234,6 +240,7 @@ fn simulate_level(
     prior: &[f64],
     options: &SimulationOptions,
     job: &Job,
+    control: Control<'_>,
 ) -> Result<LevelResult> {
     let (psi, factor) = (&job.psi, job.factor);
     let n = prior.len();
@@ -267,7 +274,12 @@ fn simulate_level(
     let compliance = DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k));
     let mut deviations = vec![Vec::new(); n];
     let mut compliance_deviations = vec![Vec::new(); n];
+    let mut made = 0;
     for run in 0..options.runs {
+        if run >= AT_LEAST && control.stopped() {
+            break;
+        }
+        made += 1;
         let mut rng = run_rng(options.seed, job.group, job.level, run);
         let mut error = draw_noise(&mut rng, &noise, postures, points);
         if !options.model_errors.is_exact() {
@@ -289,6 +301,7 @@ fn simulate_level(
     let mean_deviation: Vec<f64> = deviations.iter().map(|d| mean(d)).collect();
     Ok(LevelResult {
         variance_factor: factor,
+        runs: made,
         standard_error: deviations.iter().map(|d| standard_error(d)).collect(),
         median_deviation: deviations.iter().map(|d| median(d)).collect(),
         expected_deviation: relative

@@ -114,6 +114,7 @@ fn describe(fit: &Fit, source: Source) -> Result<SystematicSource> {
     let count = fit.system().springs;
     let mut parts = Vec::with_capacity(source.parts.len());
     for Part { name, shift } in source.parts {
+        fit.control().check()?;
         parts.push(SystematicPart {
             name,
             change: changes(fit, &shift)?,

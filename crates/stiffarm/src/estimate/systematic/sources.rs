@@ -170,6 +170,7 @@ impl Nominal<'_> {
     ) -> Result<Part> {
         let mut all = Vec::with_capacity(self.postures.len());
         for ((posture, terms), displacement) in self.postures.iter().zip(&self.displacements) {
+            self.fit.control().check()?;
             all.push(shift(posture, terms, displacement)?);
         }
         let system = self.fit.system();

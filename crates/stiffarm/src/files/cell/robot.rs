@@ -151,7 +151,8 @@ pub(super) fn bounds(
     let Some(rows) = table.and_then(|table| table.get().q_deg.as_ref()) else {
         return Ok(robot.joints().iter().map(|joint| joint.limits).collect());
     };
-    let bounds = radians(&source.ranges(rows, "bounds.q_deg", robot.joint_count())?);
+    let bounds = source.ranges_or_places(rows, "bounds.q_deg", robot.joint_count())?;
+    let bounds = radians(&bounds);
     for (j, row) in rows.get().iter().enumerate() {
         for (entry, end) in row.get().iter().zip([0, 1]) {
             inside_limits(source, entry, robot, j, bounds[j][end], "bounds.q_deg")?;

@@ -6,13 +6,13 @@
 use super::raw::{At, Number, NumberRows, Numbers, Text};
 use crate::error::{Code, Error, Result};
 use crate::files::check_name;
-use crate::units::deg_to_rad;
+use crate::units::{LARGEST_NUMBER, Sense, deg_to_rad};
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use std::ops::Range;
 
-/// Numbers beyond this are slips of the pen; their squares and fourth powers
-/// must stay finite in everything that is computed from a cell.
-const LARGEST: f64 = 1e30;
+/// Numbers above zero from here on are zero: their squares and fourth powers must stay
+/// finite, and above zero, in everything that is computed from a cell.
+const SMALLEST: f64 = 1e-30;
 
 /// A cell file's text and name.
 pub(super) struct Source<'a> {
@@ -87,7 +87,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// A finite number.
+    /// A finite number of a size that can be meant.
     pub(super) fn number(&self, value: &Number, key: &str) -> Result<f64> {
         let number = *value.get();
         if !number.is_finite() {
@@ -98,27 +98,39 @@ impl<'a> Source<'a> {
                 format!("{number} is not a finite number."),
             ));
         }
-        if number.abs() > LARGEST {
-            return Err(self.error(
-                Code::InvalidValue,
-                key,
-                value.span(),
-                format!("{number:e} is too large."),
-            ));
+        let sense = Sense::of(key);
+        let wrong = match sense {
+            Some(sense) => sense.refuse(number),
+            None => (number.abs() > LARGEST_NUMBER).then(|| format!("{number:e} is too large.")),
+        };
+        match wrong {
+            Some(message) => {
+                let error = self.error(Code::InvalidValue, key, value.span(), message);
+                Err(match sense.and_then(Sense::hint) {
+                    Some(hint) => error.hint(hint),
+                    None => error,
+                })
+            }
+            None => Ok(number),
         }
-        Ok(number)
     }
 
     /// A number above zero.
     pub(super) fn positive(&self, value: &Number, key: &str) -> Result<f64> {
         let number = self.number(value, key)?;
-        if number < 1.0 / LARGEST {
+        if number <= SMALLEST {
             return Err(self.error(
                 Code::InvalidValue,
                 key,
                 value.span(),
                 format!("The value must be above 0, got {number}."),
             ));
+        }
+        let smallest = Sense::of(key).map_or(SMALLEST, |sense| sense.smallest);
+        if number < smallest {
+            let message =
+                format!("{number:e} is too small to be meant: give {smallest:e} or more.");
+            return Err(self.error(Code::InvalidValue, key, value.span(), message));
         }
         Ok(number)
     }
@@ -135,7 +147,7 @@ impl<'a> Source<'a> {
             ));
         }
         // Values too small to square are zero; −0 is 0.
-        Ok(if number < 1.0 / LARGEST { 0.0 } else { number })
+        Ok(if number < SMALLEST { 0.0 } else { number })
     }
 
     /// A list of `count` finite numbers; `what` says what they are.
@@ -188,6 +200,27 @@ impl<'a> Source<'a> {
                 .hint("write the lower value first: [low, high]"));
         }
         Ok([low, high])
+    }
+
+    /// Two numbers of which the first is not above the second: equal ones hold a joint
+    /// where it is.
+    fn range_or_place(&self, list: &Numbers, key: &str) -> Result<[f64; 2]> {
+        let values = self.numbers(list, key, 2, "[low, high]")?;
+        match values[0] == values[1] {
+            true => Ok([values[0]; 2]),
+            false => self.range(list, key),
+        }
+    }
+
+    /// One range per joint as [`Source::ranges`], where a joint may be held: [40, 40].
+    pub(super) fn ranges_or_places(
+        &self,
+        rows: &NumberRows,
+        key: &str,
+        joints: usize,
+    ) -> Result<Vec<[f64; 2]>> {
+        self.rows(rows, key, joints, "rows", "one [low, high] per joint")?;
+        self.each(rows, key, |row, key| self.range_or_place(row, key))
     }
 
     /// One range per joint, with the place of each.

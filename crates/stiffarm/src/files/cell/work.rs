@@ -15,9 +15,6 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 /// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.
 const FEEDS_PER_TOOTH_MM: [f64; 2] = [5e-4, 5.0];
 
-/// No material has a larger specific cutting force \[N/mm²\]; in Pa it would.
-const LARGEST_COEFFICIENT: f64 = 1e5;
-
 const DIRECTIONS: [(&str, MillingDirection); 2] = [
     ("up", MillingDirection::Up),
     ("down", MillingDirection::Down),
@@ -198,16 +195,10 @@ fn coefficients(source: &Source<'_>, table: &At<RawMilling>) -> Result<CuttingCo
     let raw = table.get();
     let number = |value: &Option<Number>, key: &str, to_si: fn(f64) -> f64| -> Result<f64> {
         let key = format!("work.milling.{key}");
-        let Some(value) = value else {
-            return Ok(0.0);
-        };
-        let number = source.number(value, &key)?;
-        if number.abs() > LARGEST_COEFFICIENT {
-            let message = format!("{number:e} is too large for a cutting coefficient.");
-            let error = source.error(Code::InvalidValue, &key, value.span(), message);
-            return Err(error.hint("1 N/mm² is 1 MPa = 1e6 Pa, 1 N/mm is 1000 N/m"));
+        match value {
+            Some(value) => source.number(value, &key).map(to_si),
+            None => Ok(0.0),
         }
-        Ok(to_si(number))
     };
     let hint =
         "give the tangential and the radial cutting coefficient of cutter and material in N/mm²";

@@ -25,6 +25,7 @@ pub(super) const RESULT: &[&str] = &[
     "total_std_m", "expected_std_m", "postures", "points", "weights",
     // what the command adds
     "readings", "profile", "bootstrap", "budget", "diagnosis", "next_posture",
+    "not_computed",
     "next_posture_missing", "measured_coverage", "interrupted",
     // ClampedIdentification
     "motor_rms_rad", "residual_rms_rad", "residual_std_rad", "expected_std_rad", "friction",

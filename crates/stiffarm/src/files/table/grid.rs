@@ -4,18 +4,22 @@ use super::quantity::Unit;
 use crate::error::{Code, Error, Result};
 use crate::files::names::fault_of;
 use crate::model::cell::Columns;
+use crate::units::{LARGEST_NUMBER, Sense};
+use smol_str::SmolStr;
 
-/// Numbers beyond this are slips of the pen; see the cell file's limit.
-const LARGEST: f64 = 1e30;
+/// Lengths of a table in another unit have an error of their own: so many times the
+/// limit of others is left to it.
+const LENGTHS: f64 = 10.0;
 
 /// A field and where it begins, counted from 1: a character column of a text,
 /// a column of a spreadsheet.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Field {
-    pub(super) text: String,
-    pub(super) column: usize,
-    /// What a spreadsheet's cell holds that is neither text nor number: a date, ….
-    pub(super) other: Option<&'static str>,
+    pub(super) text: SmolStr,
+    pub(super) column: u32,
+    /// The text says what a spreadsheet's cell holds that is neither text nor
+    /// number: a date, ….
+    pub(super) other: bool,
 }
 
 /// A row and its line, counted from 1; it has one field per heading.
@@ -99,8 +103,8 @@ impl<'a> Table<'a> {
                 Heading {
                     ignored: foreign.ignore.iter().any(same),
                     name: ours.map_or(given.clone(), |(ours, _)| ours.clone()),
-                    shown: field.text,
-                    column: field.column,
+                    shown: field.text.into(),
+                    column: field.column as usize,
                 }
             })
             .collect();
@@ -162,7 +166,7 @@ impl<'a> Table<'a> {
             let message = format!("\"{text}\" lies beyond the last column of the heading.");
             return Err(Error::new(Code::TableRow, message)
                 .file(self.file)
-                .line(row.line, held.map(|field| field.column))
+                .line(row.line, held.map(|field| field.column as usize))
                 .hint("give its column a heading, or empty the cell"));
         }
         let comma = (self.style == Style::Commas && found > expected)
@@ -176,7 +180,7 @@ impl<'a> Table<'a> {
             );
             return Err(Error::new(Code::DecimalComma, message)
                 .file(self.file)
-                .line(row.line, Some(row.fields[at].column))
+                .line(row.line, Some(row.fields[at].column as usize))
                 .hint(format!(
                     "write {whole}.{fraction}, or separate the columns with semicolons"
                 )));
@@ -202,7 +206,7 @@ impl<'a> Table<'a> {
     ) -> Error {
         Error::new(code, message)
             .file(self.file)
-            .line(row.line, Some(row.fields[column].column))
+            .line(row.line, Some(row.fields[column].column as usize))
             .key(self.headings[column].shown.as_str())
     }
 
@@ -279,18 +283,33 @@ impl<'a> Table<'a> {
             let message = format!("\"{text}\" is not a finite number.");
             return Err(self.error(row, at, Code::NotFinite, message));
         }
-        if value.abs() > LARGEST {
-            let message = format!("{text} is too large.");
+        if let Some(message) = self.beyond_sense(at, value) {
             return Err(self.error(row, at, Code::TableRow, message));
         }
         Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))
     }
 
-    fn refuse_other(&self, row: &Row, column: Column, wanted: &str, hint: &str) -> Result<()> {
-        let Some(found) = row.fields[column.at].other else {
-            return Ok(());
+    /// Says that the number in column `at` cannot be meant, where that is so.
+    fn beyond_sense(&self, at: usize, value: f64) -> Option<String> {
+        let name = &self.headings[at].name;
+        let Some(sense) = Sense::of(name) else {
+            return (value.abs() > LARGEST_NUMBER).then(|| format!("{value:e} is too large."));
         };
-        let message = format!("The cell holds {found}; it must be {wanted}.");
+        match ["mm", "m", "um", "in"]
+            .iter()
+            .any(|unit| name.ends_with(&format!("_{unit}")))
+        {
+            true if value.abs() < LENGTHS * sense.limit => None,
+            _ => sense.refuse(value),
+        }
+    }
+
+    fn refuse_other(&self, row: &Row, column: Column, wanted: &str, hint: &str) -> Result<()> {
+        let field = &row.fields[column.at];
+        if !field.other {
+            return Ok(());
+        }
+        let message = format!("The cell holds {}; it must be {wanted}.", field.text);
         Err(self
             .error(row, column.at, Code::TableRow, message)
             .hint(format!("{hint}, and enter the value again")))

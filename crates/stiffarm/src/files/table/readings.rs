@@ -234,7 +234,7 @@ impl Reader<'_, '_> {
 
     /// The posture, once all its rows are read.
     fn close(&self, group: Group<'_>) -> Result<PostureReadings> {
-        let name = group.row.fields[self.columns.posture.at].text.clone();
+        let name = group.row.fields[self.columns.posture.at].text.to_string();
         self.check_states(&group, &name)?;
         self.check_loads(&group, &name)?;
         let reference = group.of(&[Role::Unloaded]).chain(&group.states).next();

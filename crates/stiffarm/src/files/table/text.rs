@@ -4,6 +4,7 @@ use super::grid::{Field, Row, Style, Table};
 use super::workbook;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Columns;
+use std::borrow::Cow;
 
 /// The bytes as text.
 ///
@@ -40,7 +41,10 @@ impl<'a> Table<'a> {
             return workbook::read(bytes, file, foreign);
         }
         let text = decode(bytes, file)?.trim_start_matches('\u{feff}');
-        let text = text.replace("\r\n", "\n").replace('\r', "\n");
+        let text = match text.contains('\r') {
+            true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),
+            false => Cow::Borrowed(text),
+        };
         let mut lines = (1..)
             .zip(text.split('\n'))
             .filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
@@ -87,11 +91,11 @@ fn row(line: usize, text: &str, delimiter: char) -> Row {
         let mut column = 1;
         let fields = text.split(delimiter).map(|text| {
             let start = column;
-            column += text.chars().count() + 1;
+            column += text.chars().count() as u32 + 1;
             Field {
-                text: text.trim().to_string(),
+                text: text.trim().into(),
                 column: start,
-                other: None,
+                other: false,
             }
         });
         return Row {
@@ -111,9 +115,9 @@ fn row(line: usize, text: &str, delimiter: char) -> Row {
     let _ = reader.read_record(&mut record);
     let starts = starts(text, delimiter);
     let fields = record.iter().enumerate().map(|(i, text)| Field {
-        text: text.trim().to_string(),
+        text: text.trim().into(),
         column: starts.get(i).copied().unwrap_or(1),
-        other: None,
+        other: false,
     });
     Row {
         line,
@@ -123,7 +127,7 @@ fn row(line: usize, text: &str, delimiter: char) -> Row {
 }
 
 /// Character columns, from 1, at which the fields of a line begin.
-fn starts(line: &str, delimiter: char) -> Vec<usize> {
+fn starts(line: &str, delimiter: char) -> Vec<u32> {
     let mut starts = vec![1];
     let (mut quoted, mut at_start) = (false, true);
     let mut characters = (1..).zip(line.chars()).peekable();

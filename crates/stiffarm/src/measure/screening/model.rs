@@ -22,6 +22,8 @@ const HALVINGS: usize = 14;
 /// Smallest offset of a joint that is named \[deg\]; a robot that nobody calibrated
 /// has smaller ones, which do not matter to Ψ.
 const SMALLEST_OFFSET: f64 = 0.3;
+/// Of more than twice so many postures a sample is tried first.
+const MANY: usize = 100;
 /// Joints beyond which not all patterns of signs are tried.
 const ALL_SIGNS: usize = 6;
 
@@ -182,15 +184,25 @@ struct Trial {
 /// Finds the simplest change that explains all postures and makes it.
 fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Option<Frame> {
     let mut believed: Vec<Trial> = Vec::new();
-    let consider = |believed: &mut Vec<Trial>, change: Change| {
-        let Some(frame) = tried(work, &change, given) else {
-            return;
-        };
-        let explained = frame.trimmed * BELIEVED < before.trimmed.max(worst(before))
+    let few = thinned(work);
+    let before_few = match &few {
+        Some(few) => fitted(few, given)?,
+        None => before.clone(),
+    };
+    let explained = |frame: &Frame, before: &Frame| {
+        frame.trimmed * BELIEVED < before.trimmed.max(worst(before))
             && frame.trimmed < PLAUSIBLE
             && 4 * frame.bad_count() <= frame.bad.len()
-            && frame.bad_count() < before.bad_count().max(1);
-        if explained {
+            && frame.bad_count() < before.bad_count().max(1)
+    };
+    let consider = |believed: &mut Vec<Trial>, change: Change| {
+        // What does not explain a sample of many postures does not explain all.
+        if let Some(few) = &few
+            && !tried(few, &change, given).is_some_and(|frame| explained(&frame, &before_few))
+        {
+            return;
+        }
+        if let Some(frame) = tried(work, &change, given).filter(|f| explained(f, before)) {
             believed.push(Trial { change, frame });
         }
     };
@@ -200,7 +212,7 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
     // An offset is looked for at length, and supposes more than one simple slip.
     if believed.iter().all(|t| t.change.complexity() > 1) {
         for j in 0..work.setup().robot.joint_count() {
-            if let Some(change) = offset(work, j) {
+            if let Some(change) = offset(few.as_ref().unwrap_or(work), j) {
                 consider(&mut believed, change);
             }
         }
@@ -234,6 +246,22 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
 /// RMS misfit over the postures that disagree, where most agree.
 fn worst(frame: &Frame) -> f64 {
     frame.rms.iter().copied().fold(0.0, f64::max)
+}
+
+/// A sample of the postures, where they are many.
+fn thinned(work: &Work) -> Option<Work> {
+    let step = work.sheet.postures.len() / MANY;
+    (step > 1).then(|| {
+        let mut sheet = work.sheet.clone();
+        let kept = sheet.postures.into_iter().step_by(step);
+        sheet.postures = kept.collect();
+        Work {
+            cell: work.cell.clone(),
+            sheet,
+            found: Vec::new(),
+            shape: Default::default(),
+        }
+    })
 }
 
 fn tried(work: &Work, change: &Change, given: Option<&Isometry3<f64>>) -> Option<Frame> {

@@ -52,6 +52,9 @@ pub struct PostureTerms {
     pub(crate) torque: Vec<f64>,
 }
 
+/// A rope shorter than this has no direction \[m\].
+const SHORTEST_ROPE: f64 = 1e-6;
+
 impl PostureTerms {
     /// Terms at the controller angles `q` \[rad\]. `wrench` replaces the load's
     /// own (a measured wrench at the loading point, base axes).
@@ -90,6 +93,14 @@ impl PostureTerms {
     pub(crate) fn fill(&mut self, setup: &Setup, wrench: Option<&Wrench>) -> Result<()> {
         let n = setup.robot.joint_count();
         self.loading_point = self.frames.point(&setup.tool.loading_point);
+        let rope = setup.load.rope_length(&self.loading_point);
+        if wrench.is_none() && rope.is_some_and(|length| length < SHORTEST_ROPE) {
+            let message = "The rope's anchor lies on the loading point at a posture, so that the rope has no direction \
+                           and pulls with nothing.";
+            return Err(Error::new(Code::InvalidValue, message)
+                .key("load.anchor_mm")
+                .hint("give the rope's fixed end in the base frame: it is not the loading point, which is in flange axes"));
+        }
         self.wrench = match wrench {
             Some(given) => *given,
             None => setup

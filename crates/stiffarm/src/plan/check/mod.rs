@@ -7,6 +7,7 @@
 
 mod excitation;
 mod slips;
+mod work;
 
 pub use excitation::JointExcitation;
 
@@ -85,6 +86,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     validation(cell, &mut findings);
     machine_limits(cell, &mut findings);
     slips::check(cell, &mut findings);
+    work::check(cell, &mut findings);
     setup(cell, &mut findings);
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok(CellCheck {

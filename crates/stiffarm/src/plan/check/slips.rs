@@ -2,8 +2,8 @@
 
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
+use crate::model::implausible::{GRAVITY, payload_weight};
 use crate::model::load::Load;
-use crate::model::robot::catalogue;
 use crate::units::{m_to_mm, rad_to_deg};
 use nalgebra::Vector3;
 
@@ -19,12 +19,14 @@ const SHORT: f64 = 0.02;
 const SMALL_FORCE: f64 = 1.0;
 /// Largest plausible force where the payload is unknown \[N\].
 const LARGE_FORCE: f64 = 2e4;
-/// Standard gravity \[m/s²\].
-const GRAVITY: f64 = 9.806_65;
+/// What is so many times beyond plausible is no caution any more.
+const SERIOUS: f64 = 10.0;
 /// Plausible joint stiffness of an industrial robot \[N·m/rad\].
 const STIFFNESS: [f64; 2] = [1e3, 1e9];
 /// Plausible standard deviation of a tracker reading \[m\].
 const NOISE: [f64; 2] = [1e-7, 1e-3];
+/// Largest plausible shift common to the points of a posture \[m\].
+const COMMON: f64 = 1e-3;
 /// Bounds that all lie below this may be radians \[deg\]: a full turn is 6.28 rad.
 const LIKE_RADIANS: f64 = 7.0;
 /// Plausible characteristic length \[m\].
@@ -34,12 +36,17 @@ struct Slips<'a>(&'a mut Vec<Finding>);
 
 impl Slips<'_> {
     fn add(&mut self, key: &str, sentence: String) {
-        self.0.push(Finding::new(
-            "suspicious-unit",
-            Severity::Caution,
-            key,
-            sentence,
-        ));
+        self.add_beyond(1.0, key, sentence);
+    }
+
+    /// As [`Slips::add`], of a number that is `times` as large as what is plausible.
+    fn add_beyond(&mut self, times: f64, key: &str, sentence: String) {
+        let severity = match times > SERIOUS {
+            true => Severity::Serious,
+            false => Severity::Caution,
+        };
+        self.0
+            .push(Finding::new("suspicious-unit", severity, key, sentence));
     }
 }
 
@@ -72,12 +79,24 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     }
     let noise = cell.noise.reading_variance.sqrt();
     if noise > 0.0 && !(NOISE[0]..=NOISE[1]).contains(&noise) {
-        slips.add(
+        slips.add_beyond(
+            noise / NOISE[1],
             "noise.variance_mm2",
             format!(
                 "The standard deviation of a reading is {:.3e} mm; a laser tracker has some 0.01 mm. The key \
                  takes a variance in mm², the square of it.",
                 m_to_mm(noise)
+            ),
+        );
+    }
+    let common = cell.noise.posture_common_std;
+    if common > COMMON {
+        slips.add_beyond(
+            common / COMMON,
+            "noise.posture_common_mm",
+            format!(
+                "The points of a posture are said to share a shift of {} mm, more than a robot bends: the unit is mm.",
+                m_to_mm(common)
             ),
         );
     }
@@ -96,7 +115,8 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
     let mut point = |key: &str, what: &str, position: &Vector3<f64>| {
         let distance = position.norm();
         if distance > FAR_TOOL {
-            slips.add(
+            slips.add_beyond(
+                distance / FAR_TOOL,
                 key,
                 format!("{what} lies {distance:.0} m from the flange: is it in mm?"),
             );
@@ -143,7 +163,7 @@ fn load(cell: &Cell, slips: &mut Slips<'_>) {
                 let sentence = format!(
                     "The rope's anchor lies {distance:.0} m from the robot's base: is it in mm?"
                 );
-                slips.add("load.anchor_mm", sentence);
+                slips.add_beyond(distance / FAR_ANCHOR, "load.anchor_mm", sentence);
             } else if distance > 0.0 && distance < SHORT {
                 let sentence = format!(
                     "The rope's anchor lies {:.2} mm from the robot's base: is it in metres? The unit is mm.",
@@ -166,18 +186,17 @@ fn load(cell: &Cell, slips: &mut Slips<'_>) {
         );
         return;
     }
-    let robot = cell.setup.robot.name();
-    let entry = catalogue().iter().find(|entry| entry.name == robot);
-    match entry.and_then(|entry| entry.payload_kg) {
-        Some(payload) if force > payload * GRAVITY => slips.add(
+    match payload_weight(&cell.setup.robot) {
+        Some(weight) if force > weight => slips.add_beyond(
+            force / weight,
             key,
             format!(
-                "The load of {force:.0} N is more than the weight of the robot's payload, {payload:.0} kg or \
-                 {:.0} N.",
-                payload * GRAVITY
+                "The load of {force:.0} N is more than the weight of the robot's payload, {:.0} kg or {weight:.0} N.",
+                weight / GRAVITY
             ),
         ),
-        None if force > LARGE_FORCE => slips.add(
+        None if force > LARGE_FORCE => slips.add_beyond(
+            force / LARGE_FORCE,
             key,
             format!("The load of {force:.0} N is beyond the payload of industrial robots."),
         ),

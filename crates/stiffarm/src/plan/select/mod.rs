@@ -17,10 +17,10 @@ pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use from_group::select_from;
 pub use global::{GlobalOptions, RoundReport, select, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
-pub use posture_value::{Dropped, PostureValue, drop_postures};
+pub use posture_value::{Dropped, PostureValue, drop_postures, evaluations as drop_evaluations};
 pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use selection::{Selection, smallest_margin};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
 };
-pub use space_filling::{joint_distance, smallest_distance, space_filling};
+pub use space_filling::{SpaceFilling, joint_distance, smallest_distance, space_filling};

@@ -2,8 +2,10 @@
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
+use crate::numerics::control::Control;
 use crate::plan::index::{Index, evaluate};
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Subsets up to which all ways of leaving postures out are compared.
 const EXHAUSTIVE: u128 = 20_000;
@@ -50,13 +52,14 @@ pub struct Dropped {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::drop_postures;
 ///
 /// let cell = builtin::cell("comau")?;
 /// let group = builtin::postures("comau-group1", &cell.setup.robot)?;
-/// let found = drop_postures(&cell, Index::ExpectedError, &group, 2)?;
+/// let found = drop_postures(&cell, Index::ExpectedError, &group, 2, Control::default())?;
 /// assert_eq!((found.dropped.len(), found.kept.len()), (2, group.len() - 2));
 /// # }
 /// # Ok(())
@@ -65,12 +68,13 @@ pub struct Dropped {
 ///
 /// # Errors
 /// Not fewer postures to leave out than there are, a group or rest that cannot
-/// determine all joints, or a cell without what the index needs.
+/// determine all joints, or a cell without what the index needs; stopped.
 pub fn drop_postures<Q: AsRef<[f64]>>(
     cell: &Cell,
     index: Index,
     postures: &[Q],
     count: usize,
+    control: Control<'_>,
 ) -> Result<Dropped> {
     if count >= postures.len() {
         return Err(Error::new(
@@ -83,7 +87,12 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     }
     // Missing tasks, prior or length are errors, not missing values.
     crate::plan::index::IndexFunction::new(cell, index, 1)?;
+    let total = 1 + postures.len() + evaluations(postures.len(), count);
+    let done = AtomicUsize::new(0);
     let value_of = |kept: &[usize]| -> Result<Option<f64>> {
+        control.check()?;
+        let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;
+        control.report("leaving postures out", so_far.min(total), total);
         let group: Vec<&[f64]> = kept.iter().map(|p| postures[*p].as_ref()).collect();
         Ok(evaluate(cell, index.as_str(), &group)?.indices.get(index))
     };
@@ -164,6 +173,17 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
         exhaustive,
         values,
     })
+}
+
+/// Groups that [`drop_postures`] evaluates to leave `count` of `of` postures out, beside
+/// the whole group and those without one posture.
+pub fn evaluations(of: usize, count: usize) -> usize {
+    let subsets = subsets(of, count.min(of));
+    match usize::try_from(subsets) {
+        Ok(subsets) if subsets as u128 <= EXHAUSTIVE => subsets,
+        // One after the other.
+        _ => (0..count).map(|dropped| of.saturating_sub(dropped)).sum(),
+    }
 }
 
 /// Number of subsets of `count` out of `of`, or more than [`EXHAUSTIVE`].

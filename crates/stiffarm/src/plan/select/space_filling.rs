@@ -19,6 +19,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
+use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::group_rng;
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -35,22 +36,35 @@ const MAX_DRAWS: usize = 500_000;
 const MOST: usize = 5_000;
 /// Exchanges per posture after which the search ends; it mostly ends before.
 const EXCHANGES_EACH: usize = 20;
+/// Draws and exchanges between two looks at progress and Ctrl-C.
+const BETWEEN_LOOKS: usize = 64;
+
+/// Postures that cover the joint space, and why the search for them ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceFilling {
+    /// The postures, controller angles \[rad\].
+    pub postures: Vec<Vec<f64>>,
+    /// `Converged` where no exchange spreads them further.
+    pub termination: Termination,
+}
 
 /// Chooses `count` postures (controller angles, rad) inside the bounds and the
 /// limits of the cell that cover the feasible joint space evenly: the smallest
 /// [`joint_distance`] between two of them is made large, first greedily (each
 /// next posture is the candidate farthest from those chosen), then by
 /// exchanging one of the closest two for a candidate that is farther from all
-/// others. The same seed gives the same postures.
+/// others. The same seed gives the same postures. Stopped, it gives the postures
+/// with the exchanges made so far.
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::select::{smallest_distance, space_filling};
 ///
 /// let cell = builtin::cell("comau")?;
-/// let group = space_filling(&cell, 4, 1)?;
+/// let group = space_filling(&cell, 4, 1, Control::default())?.postures;
 /// assert!(smallest_distance(&cell.bounds, &group) > Some(0.5));
 /// # }
 /// # Ok(())
@@ -60,26 +74,36 @@ const EXCHANGES_EACH: usize = 20;
 /// # Errors
 /// No posture or more than 5,000 wanted; bounds that are reversed or not
 /// finite; fewer feasible postures than wanted among half a million random ones,
-/// or all in one place.
-pub fn space_filling(cell: &Cell, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
+/// or all in one place; stopped before there was a group.
+pub fn space_filling(
+    cell: &Cell,
+    count: usize,
+    seed: u64,
+    control: Control<'_>,
+) -> Result<SpaceFilling> {
     if count == 0 || count > MOST {
         return Err(Error::new(
             Code::InvalidValue,
             format!("A space-filling group has 1 to {MOST} postures, not {count}."),
         ));
     }
-    let candidates = candidates(cell, count, seed)?;
-    let mut chosen = farthest_first(&cell.bounds, &candidates, count);
-    exchange(&cell.bounds, &candidates, &mut chosen);
-    let group: Vec<Vec<f64>> = chosen.iter().map(|c| candidates[*c].clone()).collect();
-    if smallest_distance(&cell.bounds, &group) == Some(0.0) {
+    let candidates = candidates(cell, count, seed, control)?;
+    let chosen = farthest_first(&cell.bounds, &candidates, count, control)?;
+    let mut spread = Exchange::new(&cell.bounds, &candidates, chosen);
+    let termination = spread.run(control);
+    let chosen = spread.chosen.iter();
+    let postures: Vec<Vec<f64>> = chosen.map(|c| candidates[*c].clone()).collect();
+    if smallest_distance(&cell.bounds, &postures) == Some(0.0) {
         return Err(Error::new(
             Code::InvalidValue,
             "The bounds leave room for fewer different postures than wanted.",
         )
         .key("bounds.q_deg"));
     }
-    Ok(group)
+    Ok(SpaceFilling {
+        postures,
+        termination,
+    })
 }
 
 /// Distance of two postures (controller angles, rad) relative to the bounds
@@ -104,7 +128,12 @@ fn squared_distance(bounds: &[[f64; 2]], a: &[f64], b: &[f64]) -> f64 {
     for ((bound, a), b) in bounds.iter().zip(a).zip(b) {
         let range = (bound[1] - bound[0]).min(TAU);
         if range > 0.0 {
-            let turn = (a - b).rem_euclid(TAU);
+            // The remainder is slow, and mostly there is nothing to take off.
+            let apart = (a - b).abs();
+            let turn = match apart < TAU {
+                true => apart,
+                false => apart.rem_euclid(TAU),
+            };
             sum += (turn.min(TAU - turn) / range).powi(2);
         }
     }
@@ -117,7 +146,7 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Random postures inside the bounds and limits, at least `count`.
-fn candidates(cell: &Cell, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
+fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Result<Vec<Vec<f64>>> {
     let setup = &cell.setup;
     let usable = |b: &[f64; 2]| b[0].is_finite() && b[1].is_finite() && b[0] <= b[1];
     if let Some(j) = cell.bounds.iter().position(|b| !usable(b)) {
@@ -138,6 +167,9 @@ fn candidates(cell: &Cell, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
     let mut draws = 0;
     while found.len() < wanted && draws < MAX_DRAWS {
         draws += 1;
+        if draws.is_multiple_of(BETWEEN_LOOKS) {
+            control.check()?;
+        }
         let range = cell.bounds.iter();
         let q: Vec<f64> = range
             .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
@@ -162,7 +194,12 @@ fn candidates(cell: &Cell, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
 }
 
 /// Indices of `count` candidates, each the farthest from those before it.
-fn farthest_first(bounds: &[[f64; 2]], candidates: &[Vec<f64>], count: usize) -> Vec<usize> {
+fn farthest_first(
+    bounds: &[[f64; 2]],
+    candidates: &[Vec<f64>],
+    count: usize,
+    control: Control<'_>,
+) -> Result<Vec<usize>> {
     // Something at the border to begin with: what is farthest from any one candidate.
     let from_first = candidates
         .iter()
@@ -170,13 +207,15 @@ fn farthest_first(bounds: &[[f64; 2]], candidates: &[Vec<f64>], count: usize) ->
     let mut chosen = vec![largest(from_first)];
     let mut nearest = vec![f64::INFINITY; candidates.len()];
     while chosen.len() < count {
+        control.check()?;
         let last = &candidates[chosen[chosen.len() - 1]];
         for (distance, candidate) in nearest.iter_mut().zip(candidates) {
             *distance = distance.min(squared_distance(bounds, candidate, last));
         }
         chosen.push(largest(nearest.iter().copied()));
+        control.report("spreading postures", chosen.len(), count);
     }
-    chosen
+    Ok(chosen)
 }
 
 /// Position of the largest value, the first of equals.
@@ -190,36 +229,146 @@ fn largest(values: impl Iterator<Item = f64>) -> usize {
     best.0
 }
 
-/// Exchanges one of the closest two postures for a candidate that is farther
-/// from all others than they are from each other, while there is one. Each
-/// exchange removes a closest pair and makes none, so this ends.
-fn exchange(bounds: &[[f64; 2]], candidates: &[Vec<f64>], chosen: &mut [usize]) {
-    for _ in 0..EXCHANGES_EACH * chosen.len() {
-        let distance =
-            |i: usize, j: usize| squared_distance(bounds, &candidates[i], &candidates[j]);
-        let closest = pairs(chosen.len())
-            .map(|(a, b)| (distance(chosen[a], chosen[b]), a, b))
-            .min_by(|x, y| x.0.total_cmp(&y.0));
-        let Some((smallest, a, b)) = closest else {
-            return;
+/// The two chosen postures nearest to a candidate: squared distance and place among
+/// the chosen.
+#[derive(Clone, Copy)]
+struct Nearest {
+    first: (f64, usize),
+    second: f64,
+    second_at: usize,
+}
+
+/// Chosen postures beside all candidates, with what makes an exchange cost one look
+/// at each candidate, however many postures there are.
+struct Exchange<'a> {
+    bounds: &'a [[f64; 2]],
+    candidates: &'a [Vec<f64>],
+    chosen: Vec<usize>,
+    /// For each candidate its nearest chosen postures.
+    nearest: Vec<Nearest>,
+    /// For each chosen posture the nearest of those after it; infinite for the last.
+    after: Vec<(f64, usize)>,
+}
+
+impl<'a> Exchange<'a> {
+    fn new(bounds: &'a [[f64; 2]], candidates: &'a [Vec<f64>], chosen: Vec<usize>) -> Self {
+        let mut out = Exchange {
+            bounds,
+            candidates,
+            chosen,
+            nearest: Vec::with_capacity(candidates.len()),
+            after: Vec::new(),
         };
-        let mut best = (smallest, None);
-        for leaving in [a, b] {
-            for candidate in 0..candidates.len() {
-                let mut nearest = f64::INFINITY;
-                for (at, other) in chosen.iter().enumerate() {
-                    if at != leaving && nearest > best.0 {
-                        nearest = nearest.min(distance(candidate, *other));
-                    }
-                }
-                if nearest > best.0 {
-                    best = (nearest, Some((leaving, candidate)));
+        out.nearest = (0..candidates.len()).map(|c| out.nearest_to(c)).collect();
+        out.after = (0..out.chosen.len())
+            .map(|place| out.nearest_after(place))
+            .collect();
+        out
+    }
+
+    fn distance(&self, candidate: usize, place: usize) -> f64 {
+        let other = &self.candidates[self.chosen[place]];
+        squared_distance(self.bounds, &self.candidates[candidate], other)
+    }
+
+    fn nearest_to(&self, candidate: usize) -> Nearest {
+        let mut out = Nearest {
+            first: (f64::INFINITY, 0),
+            second: f64::INFINITY,
+            second_at: 0,
+        };
+        for place in 0..self.chosen.len() {
+            out.add(self.distance(candidate, place), place);
+        }
+        out
+    }
+
+    fn nearest_after(&self, place: usize) -> (f64, usize) {
+        let mut out = (f64::INFINITY, place);
+        for other in place + 1..self.chosen.len() {
+            let distance = self.distance(self.chosen[place], other);
+            if distance < out.0 {
+                out = (distance, other);
+            }
+        }
+        out
+    }
+
+    /// Exchanges one of the closest two postures for a candidate that is farther
+    /// from all others than they are from each other, while there is one. Each
+    /// exchange removes a closest pair and makes none, so this ends.
+    fn run(&mut self, control: Control<'_>) -> Termination {
+        let most = EXCHANGES_EACH * self.chosen.len();
+        for done in 0..most {
+            if control.stopped() {
+                return Termination::Interrupted;
+            }
+            if done.is_multiple_of(BETWEEN_LOOKS) {
+                control.report("exchanging postures", done, most);
+            }
+            let Some((leaving, candidate)) = self.best() else {
+                return Termination::Converged;
+            };
+            self.exchange(leaving, candidate);
+        }
+        Termination::IterationLimit
+    }
+
+    /// The exchange after which the candidate that comes in is farthest from the
+    /// others; `None` where none is farther than the closest two are.
+    fn best(&self) -> Option<(usize, usize)> {
+        let pairs = self.after.iter().enumerate();
+        let (a, (smallest, b)) = pairs.min_by(|x, y| x.1.0.total_cmp(&y.1.0))?;
+        let mut best = (*smallest, None);
+        for leaving in [a, *b] {
+            for (candidate, nearest) in self.nearest.iter().enumerate() {
+                let distance = match nearest.first.1 == leaving {
+                    true => nearest.second,
+                    false => nearest.first.0,
+                };
+                if distance > best.0 {
+                    best = (distance, Some((leaving, candidate)));
                 }
             }
         }
-        let (_, Some((leaving, candidate))) = best else {
-            return;
-        };
-        chosen[leaving] = candidate;
+        best.1
+    }
+
+    fn exchange(&mut self, leaving: usize, candidate: usize) {
+        self.chosen[leaving] = candidate;
+        for c in 0..self.candidates.len() {
+            let near = self.nearest[c];
+            self.nearest[c] = if near.first.1 == leaving || near.second_at == leaving {
+                self.nearest_to(c)
+            } else {
+                let mut near = near;
+                near.add(self.distance(c, leaving), leaving);
+                near
+            };
+        }
+        for place in 0..self.chosen.len() {
+            let new = match place < leaving {
+                true => self.distance(self.chosen[place], leaving),
+                false => f64::INFINITY,
+            };
+            let before = self.after[place];
+            if place == leaving || before.1 == leaving {
+                self.after[place] = self.nearest_after(place);
+            } else if new < before.0 || (new == before.0 && leaving < before.1) {
+                self.after[place] = (new, leaving);
+            }
+        }
+    }
+}
+
+impl Nearest {
+    /// One more posture, of equal ones the earlier place first.
+    fn add(&mut self, distance: f64, place: usize) {
+        if distance < self.first.0 {
+            (self.second, self.second_at) = self.first;
+            self.first = (distance, place);
+        } else if distance < self.second {
+            (self.second, self.second_at) = (distance, place);
+        }
     }
 }

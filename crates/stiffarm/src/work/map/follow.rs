@@ -2,6 +2,7 @@
 
 use super::reach::{Reach, Refusal};
 use crate::error::Result;
+use crate::numerics::control::Control;
 use nalgebra::Isometry3;
 
 /// Largest change of an angle between two poses that counts as the same branch
@@ -21,11 +22,12 @@ pub(super) struct Stopped {
 
 /// The postures along `poses` from `start` at the first of them, with the full
 /// turns that keep the whole path within the machine's limits, or where the
-/// branch ends.
+/// branch ends; stopped as `control` says.
 pub(super) fn follow(
     reach: &Reach<'_>,
     poses: &[Isometry3<f64>],
     start: &[f64],
+    control: Control<'_>,
 ) -> Result<std::result::Result<Vec<Vec<f64>>, Stopped>> {
     let mut offsets: Vec<Vec<f64>> = reach
         .inverse
@@ -39,6 +41,7 @@ pub(super) fn follow(
     }
     let mut path: Vec<Vec<f64>> = Vec::with_capacity(poses.len());
     for (at, pose) in poses.iter().enumerate() {
+        control.check()?;
         let q = match path.last() {
             None => start.to_vec(),
             Some(before) => match step(reach, &poses[at - 1], pose, before, HALVINGS)? {

@@ -25,8 +25,9 @@ pub use status::Status;
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::model::cell::Cell;
+use crate::model::implausible;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
+use crate::numerics::jobs::as_far_as;
 use crate::work::predict::{Bands, LoadedArm};
 use node::evaluate;
 use reach::Reach;
@@ -44,8 +45,8 @@ use reach::Reach;
 ///
 /// # Errors
 /// A grid that is no grid, or larger than [`MapOptions::MOST`]; a load without
-/// force; an unknown without positive value; a load that buckles the arm;
-/// interrupted.
+/// force; an unknown without positive value; a load that buckles the arm. Stopped,
+/// it gives the nodes that were computed.
 pub fn stiffness_map(
     cell: &Cell,
     predictor: &IdentifiedCompliance,
@@ -63,14 +64,17 @@ pub fn stiffness_map(
         }
     }
     let rotations = options.rotations();
-    let nodes = in_order_watched(&positions, "mapping", control, |(_, position)| {
-        evaluate(&reach, bands.as_ref(), options, &rotations, *position)
+    let found = as_far_as(&positions, "mapping", control, |(_, position)| {
+        let turns = (rotations.as_slice(), control);
+        evaluate(&reach, bands.as_ref(), options, turns, *position)
     })?;
-    Ok(result::summarise(
-        cell,
-        options,
-        axes,
-        nodes,
-        bands.map(|b| b.confidence),
-    ))
+    let nodes = found.into_iter().zip(&positions);
+    let nodes = nodes.map(|(node, at)| node.unwrap_or_else(|| MapNode::not_computed(*at)));
+    let nodes = nodes.collect();
+    let confidence = bands.map(|b| b.confidence);
+    let mut map = result::summarise(cell, options, axes, nodes, confidence);
+    map.findings.extend(implausible::process(cell));
+    let load = implausible::load(arm.robot(), [("force", &options.wrench)]);
+    map.findings.extend(load);
+    Ok(map)
 }

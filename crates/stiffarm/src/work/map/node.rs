@@ -5,6 +5,7 @@ use super::reach::{Reach, Refusal, is_better};
 use super::status::Status;
 use crate::error::Result;
 use crate::model::dexterity::condition_number;
+use crate::numerics::control::Control;
 use crate::work::predict::{Bands, PrincipalAxis, principal_axes};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -69,12 +70,25 @@ pub struct MapNode {
     pub values: Option<NodeValues>,
 }
 
-/// The node at `position`.
+impl MapNode {
+    /// A node that nobody waited for.
+    pub(super) fn not_computed(position_m: [f64; 3]) -> Self {
+        MapNode {
+            position_m,
+            status: Status::NotComputed,
+            reason: None,
+            distance_m: None,
+            values: None,
+        }
+    }
+}
+
+/// The node at `position`; stopped as `control` says.
 pub(super) fn evaluate(
     reach: &Reach<'_>,
     bands: Option<&Bands>,
     options: &MapOptions,
-    rotations: &[(f64, UnitQuaternion<f64>)],
+    (rotations, control): (&[(f64, UnitQuaternion<f64>)], Control<'_>),
     position: [f64; 3],
 ) -> Result<MapNode> {
     // The posture whose deflection by the linear model is smallest: deflection and
@@ -82,6 +96,7 @@ pub(super) fn evaluate(
     let mut best: Option<((f64, f64), f64, Vec<f64>)> = None;
     let mut nearest: Option<Refusal> = None;
     for (turn, rotation) in rotations {
+        control.check()?;
         let tip = Isometry3::from_parts(Translation3::from(position), *rotation);
         let postures = match reach.postures(&tip)? {
             Ok(postures) => postures,

@@ -3,16 +3,18 @@
 
 use super::options::{check_turns, grid};
 use super::placed::{PlaceOptions, Placed, PlacementCandidate};
-use super::result::{no_band, place_words, unknown_limits};
-use super::search::{Place, Search};
+use super::result::{no_band, place_words, stopped, unknown_limits};
+use super::search::{Part, Place, Search};
 use super::status::Status;
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
+use crate::model::implausible;
+use crate::model::load::Wrench;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
+use crate::numerics::jobs::as_far_as;
 use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +29,9 @@ pub struct Placement {
     pub point_count: usize,
     /// Points that the search looked at.
     pub searched_points: usize,
+    /// True when the user stopped the search: fewer places were tried, and given and
+    /// best place may be those of the searched points alone.
+    pub interrupted: bool,
     /// The place that the cell gives.
     pub given: Placed,
     /// The best place; `None` where the arm can go along the path nowhere.
@@ -53,8 +58,8 @@ pub struct Placement {
 ///
 /// # Errors
 /// An empty path; a grid that is no grid; an unknown without positive value; a load
-/// in path axes where the path does not move; a load that buckles the arm;
-/// interrupted.
+/// in path axes where the path does not move; a load that buckles the arm. Stopped,
+/// it gives the best of the places that were tried.
 pub fn place(
     cell: &Cell,
     predictor: &IdentifiedCompliance,
@@ -84,10 +89,13 @@ pub fn place(
     };
     for round in 0..=options.refinements {
         let places = region.places()?;
-        let found = in_order_watched(&places, "placing", control, |(_, place)| {
-            search.candidate(round, place)
+        let found = as_far_as(&places, "placing", control, |(_, place)| {
+            search.candidate(round, place, control)
         })?;
-        candidates.extend(found);
+        candidates.extend(found.into_iter().flatten());
+        if control.stopped() {
+            break;
+        }
         let Some(best) = ranked(&candidates).first().copied() else {
             break;
         };
@@ -96,23 +104,16 @@ pub fn place(
             None => break,
         }
     }
-    let given = search.whole(&Place {
-        position: cell.work.workpiece.translation.vector.into(),
-        yaw: 0.0,
-    })?;
-    let mut best = None;
-    // A path that thinned goes along may not do so whole.
-    for i in ranked(&candidates).into_iter().take(TRIED) {
-        let candidate = &candidates[i];
-        let placed = search.whole(&Place {
-            position: candidate.position_m,
-            yaw: candidate.yaw,
-        })?;
-        if placed.status == Status::Reachable {
-            best = Some(placed);
-            break;
-        }
-    }
+    let (part, (given, best)) =
+        match given_and_best(cell, &search, &candidates, Part::Whole, control) {
+            Err(error) if error.code() == Code::Interrupted => {
+                let part = Part::Searched;
+                let unstopped = Control::default();
+                let both = given_and_best(cell, &search, &candidates, part, unstopped)?;
+                (part, both)
+            }
+            both => (Part::Whole, both?),
+        };
     let size = |placed: Option<&Placed>| placed.and_then(|p| p.deflection_rms_m);
     let gain = size(Some(&given))
         .zip(size(best.as_ref()))
@@ -121,6 +122,7 @@ pub fn place(
     let mut out = Placement {
         point_count: points.len(),
         searched_points: search.kept.len(),
+        interrupted: part == Part::Searched || control.stopped(),
         given,
         best,
         gain,
@@ -128,7 +130,44 @@ pub fn place(
         candidates,
     };
     out.findings = findings(cell, predictor, &out);
+    out.findings.extend(implausible::process(cell));
+    let own = points.iter().filter_map(|point| {
+        let load = point.load?;
+        let wrench = Wrench {
+            force: load.force,
+            moment: load.moment,
+        };
+        Some((point.name.as_str(), wrench))
+    });
+    let own: Vec<(&str, Wrench)> = own.collect();
+    let loads = own.iter().map(|(name, wrench)| (*name, wrench));
+    out.findings.extend(implausible::load(arm.robot(), loads));
     Ok(out)
+}
+
+/// The given place, and the best one that works, by `part` of the path.
+fn given_and_best(
+    cell: &Cell,
+    search: &Search<'_>,
+    candidates: &[PlacementCandidate],
+    part: Part,
+    control: Control<'_>,
+) -> Result<(Placed, Option<Placed>)> {
+    let position = cell.work.workpiece.translation.vector.into();
+    let given = search.placed(&Place { position, yaw: 0.0 }, part, control)?;
+    // A path that thinned goes along may not do so whole.
+    for i in ranked(candidates).into_iter().take(TRIED) {
+        let candidate = &candidates[i];
+        let place = Place {
+            position: candidate.position_m,
+            yaw: candidate.yaw,
+        };
+        let placed = search.placed(&place, part, control)?;
+        if placed.status == Status::Reachable {
+            return Ok((given, Some(placed)));
+        }
+    }
+    Ok((given, None))
 }
 
 /// A grid of places.
@@ -194,6 +233,14 @@ fn ranked(candidates: &[PlacementCandidate]) -> Vec<usize> {
 
 fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -> Vec<Finding> {
     let mut out = Vec::new();
+    if result.interrupted {
+        out.push(stopped(format!(
+            "Stopped: {} places were tried, spread over the grid; a better one may be among the others. Deflections are \
+             those of the {} searched points of the path.",
+            result.candidates.len(),
+            result.searched_points
+        )));
+    }
     let given = &result.given;
     if let (Some(reason), Some(point)) = (&given.reason, &given.point) {
         out.push(Finding::new(
@@ -206,6 +253,7 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
         ));
     }
     match &result.best {
+        None if result.candidates.is_empty() => {}
         None => out.push(nowhere(result)),
         Some(best) => {
             let size = length(best.deflection_rms_m.unwrap_or(0.0));

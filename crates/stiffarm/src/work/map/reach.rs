@@ -63,6 +63,7 @@ impl Refusal {
             Status::OutsideJointLimits => 2,
             Status::Discontinuous => 3,
             Status::Unreachable => 4,
+            Status::NotComputed => 5,
         };
         (kind, self.excess)
     }

@@ -36,6 +36,8 @@ pub struct StatusCounts {
     pub outside_joint_limits: usize,
     /// Nodes without a posture.
     pub unreachable: usize,
+    /// Nodes that were not looked at, for the user stopped the work.
+    pub not_computed: usize,
 }
 
 /// Nodes of the smallest and the largest deflection, counted from 0.
@@ -71,6 +73,8 @@ pub struct StiffnessMap {
     pub moment_nm: [f64; 3],
     /// Confidence of the bands.
     pub confidence: Option<f64>,
+    /// True when the user stopped the work: some nodes are `not_computed`.
+    pub interrupted: bool,
     /// Nodes by status.
     pub counts: StatusCounts,
     /// Deflection per newton \[m/N\]; `None` where nothing is reachable.
@@ -115,6 +119,7 @@ pub(super) fn summarise(
         forbidden: count(Status::Forbidden),
         outside_joint_limits: count(Status::OutsideJointLimits),
         unreachable: count(Status::Unreachable),
+        not_computed: count(Status::NotComputed),
     };
     let reached = || nodes.iter().filter_map(|n| n.values.as_ref());
     let sizes = || {
@@ -139,6 +144,7 @@ pub(super) fn summarise(
         force_n: options.wrench.force.into(),
         moment_nm: options.wrench.moment.into(),
         confidence,
+        interrupted: counts.not_computed > 0,
         counts,
         deflection_per_newton_m: range(reached().map(|v| v.deflection_per_newton_m)),
         stiffness_n_per_m: range(reached().filter_map(|v| v.stiffness_n_per_m)),
@@ -173,7 +179,14 @@ pub(super) fn place_words(position: [f64; 3]) -> String {
 
 fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
     let mut out = Vec::new();
-    if map.counts.reachable == 0 {
+    if map.interrupted {
+        let done = map.nodes.len() - map.counts.not_computed;
+        out.push(stopped(format!(
+            "Stopped: {done} of {} nodes were computed, spread over the region; all that is said of the map holds for these.",
+            map.nodes.len()
+        )));
+    }
+    if map.counts.reachable == 0 && map.counts.not_computed < map.nodes.len() {
         out.push(nothing_reachable(map));
     }
     if let Some(MapExtremes { best, worst }) = map.extremes {
@@ -218,6 +231,11 @@ fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
     out
 }
 
+/// The user did not wait for the end.
+pub(super) fn stopped(sentence: String) -> Finding {
+    Finding::new("stopped", Severity::Caution, "region", sentence)
+}
+
 /// Nothing says how sure the deflections are.
 pub(super) fn no_band() -> Finding {
     Finding::new(
@@ -246,7 +264,8 @@ fn nothing_reachable(map: &StiffnessMap) -> Finding {
         _ => 2,
     };
     let far = |n: &MapNode| n.distance_m.unwrap_or(0.0);
-    let nearest = map.nodes.iter().min_by(|a, b| {
+    let computed = map.nodes.iter().filter(|n| n.status != Status::NotComputed);
+    let nearest = computed.min_by(|a, b| {
         rank(a.status)
             .cmp(&rank(b.status))
             .then(far(a).total_cmp(&far(b)))

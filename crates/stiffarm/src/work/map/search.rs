@@ -11,6 +11,7 @@ use crate::estimate::identify::rms;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::path::{PathPoint, PathTarget};
+use crate::numerics::control::Control;
 use crate::units::roll_pitch_yaw;
 use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -23,6 +24,15 @@ const SEARCHED_POINTS: usize = 200;
 pub(super) struct Place {
     pub position: [f64; 3],
     pub yaw: f64,
+}
+
+/// How much of the path is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// The points that the search looks at.
+    Searched,
+    /// All of it.
+    Whole,
 }
 
 /// What every place shares.
@@ -88,7 +98,8 @@ impl<'a> Search<'a> {
     fn along(
         &self,
         place: &Place,
-        path: fn(&(f64, Prepared, Prepared)) -> &Prepared,
+        part: Part,
+        control: Control<'_>,
     ) -> Result<std::result::Result<Along, Stopped>> {
         let workpiece = self.workpiece(place);
         let mut best: Option<((f64, f64), Along)> = None;
@@ -99,8 +110,13 @@ impl<'a> Search<'a> {
                 farthest = Some(stopped);
             }
         };
-        for entry in &self.turned {
-            let (poses, wrenches) = path(entry).at(&workpiece);
+        for (turn, whole, thinned) in &self.turned {
+            let prepared = match part {
+                Part::Searched => thinned,
+                Part::Whole => whole,
+            };
+            control.check()?;
+            let (poses, wrenches) = prepared.at(&workpiece);
             let starts = match self.reach.postures(&poses[0])? {
                 Ok(starts) => starts,
                 Err(refusal) => {
@@ -109,7 +125,7 @@ impl<'a> Search<'a> {
                 }
             };
             for start in starts {
-                let path = match follow(&self.reach, &poses, &start)? {
+                let path = match follow(&self.reach, &poses, &start, control)? {
                     Ok(path) => path,
                     Err(stopped) => {
                         stop(stopped);
@@ -125,7 +141,7 @@ impl<'a> Search<'a> {
                     .is_none_or(|(than, _)| is_better(size, strain, *than))
                 {
                     let along = Along {
-                        turn: entry.0,
+                        turn: *turn,
                         path,
                         wrenches: wrenches.clone(),
                         sizes,
@@ -158,8 +174,13 @@ impl<'a> Search<'a> {
     }
 
     /// The thinned path at `place`.
-    pub(super) fn candidate(&self, round: usize, place: &Place) -> Result<PlacementCandidate> {
-        let along = self.along(place, |(_, _, thinned)| thinned)?;
+    pub(super) fn candidate(
+        &self,
+        round: usize,
+        place: &Place,
+        control: Control<'_>,
+    ) -> Result<PlacementCandidate> {
+        let along = self.along(place, Part::Searched, control)?;
         let mut out = PlacementCandidate {
             round,
             position_m: place.position,
@@ -184,10 +205,14 @@ impl<'a> Search<'a> {
         Ok(out)
     }
 
-    /// The whole path at `place`, by the exact equilibrium.
-    pub(super) fn whole(&self, place: &Place) -> Result<Placed> {
+    /// The path at `place`, by the exact equilibrium.
+    pub(super) fn placed(&self, place: &Place, part: Part, control: Control<'_>) -> Result<Placed> {
         let workpiece = self.workpiece(place);
-        let along = self.along(place, |(_, whole, _)| whole)?;
+        let along = self.along(place, part, control)?;
+        let name = |i: usize| match part {
+            Part::Searched => self.points[self.kept[i]].name.clone(),
+            Part::Whole => self.points[i].name.clone(),
+        };
         let mut out = Placed {
             position_m: place.position,
             roll_pitch_yaw: roll_pitch_yaw(&workpiece.rotation),
@@ -205,21 +230,22 @@ impl<'a> Search<'a> {
             Ok(along) => {
                 let mut sizes = Vec::with_capacity(along.path.len());
                 for (q, wrench) in along.path.iter().zip(&along.wrenches) {
+                    control.check()?;
                     let bent = self.reach.arm.deflect(q, wrench)?;
                     sizes.push(bent.displacement.fixed_rows::<3>(0).norm());
                 }
-                let pairs = sizes.iter().zip(self.points);
-                let largest = pairs.reduce(|a, b| if b.0 > a.0 { b } else { a });
+                let sizes_in_order = sizes.iter().enumerate();
+                let largest = sizes_in_order.reduce(|a, b| if b.1 > a.1 { b } else { a });
                 out.turn = self.has_free_turn.then_some(along.turn);
                 out.deflection_rms_m = Some(rms(&sizes));
-                out.deflection_max_m = largest.map(|(size, _)| *size);
-                out.deflection_max_point = largest.map(|(_, point)| point.name.clone());
+                out.deflection_max_m = largest.map(|(_, size)| *size);
+                out.deflection_max_point = largest.map(|(i, _)| name(i));
                 out.start = along.path.first().cloned();
             }
             Err(stopped) => {
                 out.status = stopped.refusal.status;
                 out.reason = Some(stopped.refusal.reason);
-                out.point = Some(self.points[stopped.at].name.clone());
+                out.point = Some(name(stopped.at));
             }
         }
         Ok(out)

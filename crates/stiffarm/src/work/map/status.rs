@@ -17,6 +17,8 @@ pub enum Status {
     Unreachable,
     /// Of a path: no posture can be followed along it.
     Discontinuous,
+    /// The user stopped the work before it was looked at.
+    NotComputed,
 }
 
 impl Status {
@@ -28,6 +30,7 @@ impl Status {
             Status::OutsideJointLimits => "outside the joint limits",
             Status::Unreachable => "unreachable",
             Status::Discontinuous => "not in one go",
+            Status::NotComputed => "not computed",
         }
     }
 }

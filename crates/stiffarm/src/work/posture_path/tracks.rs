@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
 use crate::model::inverse::Method;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
+use crate::numerics::jobs::each_in_order;
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
 
@@ -14,6 +14,36 @@ struct Broken {
     /// Points that it came along.
     length: usize,
     why: Error,
+}
+
+/// All branches of many poses, without a vector for each: a path may have
+/// millions of points.
+struct Layers {
+    joints: usize,
+    angles: Vec<f64>,
+    /// Where the branches of each pose end in `angles`.
+    ends: Vec<usize>,
+}
+
+impl Layers {
+    fn new(joints: usize) -> Self {
+        Layers {
+            joints,
+            angles: Vec::new(),
+            ends: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, branches: &[Vec<f64>]) {
+        branches.iter().for_each(|q| self.angles.extend(q));
+        self.ends.push(self.angles.len());
+    }
+
+    /// The branches of pose `i`.
+    fn of(&self, i: usize) -> impl Iterator<Item = &[f64]> {
+        let start = i.checked_sub(1).map_or(0, |before| self.ends[before]);
+        self.angles[start..self.ends[i]].chunks(self.joints)
+    }
 }
 
 /// Postures with the tip at `poses`.
@@ -25,18 +55,23 @@ pub(super) fn postures(
     let closed = search.inverse.method() == Method::ClosedForm;
     // All branches of all poses, or of the first one.
     let solved = if closed { poses } else { &poses[..1] };
-    let layers = in_order_watched(solved, "inverse kinematics", control, |(i, pose)| {
-        search.branches(i, pose)
+    let mut layers = Layers::new(search.arm.robot().joint_count());
+    let solve = |(i, pose): (usize, &Isometry3<f64>)| search.branches(i, pose);
+    each_in_order(solved, "inverse kinematics", control, solve, |branches| {
+        layers.push(&branches);
     })?;
-    let mut starts: Vec<Vec<Vec<f64>>> = layers[0]
-        .iter()
+    let mut starts: Vec<Vec<Vec<f64>>> = layers
+        .of(0)
         .map(|q| search.inverse.turns_within_limits(q))
         .filter(|turns| !turns.is_empty())
         .collect();
     if starts.is_empty() {
         let error = search
             .inverse
-            .nearest(&search.flange(&poses[0]), &layers[0][0])
+            .nearest(
+                &search.flange(&poses[0]),
+                layers.of(0).next().unwrap_or(&[]),
+            )
             .err()
             .unwrap_or_else(|| Error::new(Code::OutsideLimits, "No posture is within the limits."));
         return Err(search.named(0, &error));
@@ -92,7 +127,7 @@ pub(super) fn postures(
 fn follow(
     search: &Search<'_>,
     poses: &[Isometry3<f64>],
-    layers: Option<&Vec<Vec<Vec<f64>>>>,
+    layers: Option<&Layers>,
     start: &[f64],
 ) -> Result<Vec<Vec<f64>>, Broken> {
     let mut track = Vec::with_capacity(poses.len());
@@ -100,7 +135,7 @@ fn follow(
     for (i, pose) in poses.iter().enumerate().skip(1) {
         let last = &track[i - 1];
         let next = match layers {
-            Some(layers) => nearest(search, &layers[i], last),
+            Some(layers) => nearest(search, layers.of(i), last),
             None => iterated(search, pose, last),
         };
         let stuck = |why: Error| Broken { length: i, why };
@@ -122,10 +157,12 @@ fn follow(
 }
 
 /// The posture among `branches`, with turns within the limits, nearest to `last`.
-fn nearest(search: &Search<'_>, branches: &[Vec<f64>], last: &[f64]) -> Option<Vec<f64>> {
-    let near = branches
-        .iter()
-        .filter_map(|q| search.inverse.turns_near(q, last));
+fn nearest<'b>(
+    search: &Search<'_>,
+    branches: impl Iterator<Item = &'b [f64]>,
+    last: &[f64],
+) -> Option<Vec<f64>> {
+    let near = branches.filter_map(|q| search.inverse.turns_near(q, last));
     near.min_by(|a, b| change(last, a).1.total_cmp(&change(last, b).1))
 }
 

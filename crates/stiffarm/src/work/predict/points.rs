@@ -7,6 +7,7 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::rms;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
+use crate::model::implausible;
 use crate::model::path::LoadedPosture;
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
@@ -86,7 +87,7 @@ pub struct PointPrediction {
     /// How sure the shift is; `null` where the stiffness comes without covariance.
     pub band: Option<TipBand>,
     /// Cartesian stiffness, where asked for.
-    pub stiffness: Option<CartesianStiffness>,
+    pub stiffness: Option<Box<CartesianStiffness>>,
 }
 
 /// Deflections at postures or along a path.
@@ -161,7 +162,11 @@ pub fn predict(
     let points = in_order_watched(postures, "bending", control, |(_, posture)| {
         point(&arm, bands.as_ref(), posture, options).map_err(|e| posture.at(e))
     })?;
-    Ok(summarise(points, options, bands.map(|b| b.confidence)))
+    let mut out = summarise(points, options, bands.map(|b| b.confidence));
+    out.findings.extend(implausible::process(cell));
+    let loads = postures.iter().map(|p| (p.name.as_str(), &p.wrench));
+    out.findings.extend(implausible::load(arm.robot(), loads));
+    Ok(out)
 }
 
 fn point(
@@ -199,7 +204,7 @@ fn point(
         linear_difference_m: difference.norm(),
         band,
         stiffness: match options.stiffness {
-            true => Some(arm.cartesian(&posture.q, wrench)?),
+            true => Some(Box::new(arm.cartesian(&posture.q, wrench)?)),
             false => None,
         },
     })

@@ -197,6 +197,7 @@ impl Kept {
         let size = residual.norm_squared();
         let mut out = Vec::with_capacity(rows / 3);
         for (b, block) in system.blocks.iter().enumerate() {
+            self.fit.control().check()?;
             let (from, count) = (block.rows.start, block.rows.len());
             // Rows of V^(−1/2) for this block: P = Wᵀ(I − BBᵀ)W, q = P Δ.
             let w = root_inverse(whitened, b, count, gamma);
@@ -241,6 +242,7 @@ impl Kept {
             let judged = self.has_residuals();
             let rounding = rounding(system);
             for (b, fold) in self.fit.folds()?.iter().enumerate() {
+                self.fit.control().check()?;
                 let error = prediction_error(system, b, &fold.solution, rounding);
                 out.push(PostureFit {
                     posture: system.blocks[b].posture.clone(),
@@ -322,6 +324,7 @@ impl Kept {
 
     /// Probability of the residuals of `point` by the fit to the other points.
     fn point_p(&self, point: usize) -> Result<Option<f64>> {
+        self.fit.control().check()?;
         let whole = self.fit.system();
         let of_point = |l: &RowLabel| self.fit.experiment().behind(l).1 == point;
         let Some(system) = whole.filtered(|l| !of_point(l)) else {

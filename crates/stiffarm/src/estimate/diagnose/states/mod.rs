@@ -92,6 +92,7 @@ pub struct LoadStates {
 pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadStates>> {
     let mut all = Vec::new();
     for block in &fit.system().blocks {
+        fit.control().check()?;
         all.extend(series(fit, block)?);
     }
     if all.is_empty() {

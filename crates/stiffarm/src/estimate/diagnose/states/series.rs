@@ -203,19 +203,39 @@ impl Series {
         // With three loads a line would leave the curvature.
         let design = self.design(self.levels > 2).filter(|d| d.ncols() < count)?;
         let per_state = self.components.len() / count;
-        let (mut squares, mut rank) = (0.0, 0);
-        // Components that share nothing are fitted one by one.
+        let mut wanted = DMatrix::from_columns(std::slice::from_ref(&self.components));
+        if let Some(common) = self.spread.common() {
+            let columns = common.ncols();
+            wanted = wanted.resize_horizontally(1 + columns, 0.0);
+            wanted.columns_mut(1, columns).copy_from(common);
+        }
+        // Components that share nothing are fitted one by one; what the curve
+        // leaves of them, and of what they have in common.
+        let mut left = DMatrix::zeros(wanted.ncols(), wanted.ncols());
+        let mut rank = 0;
         for together in self.spread.classes(per_state) {
             let wide = design.kronecker(&DMatrix::identity(together.len(), together.len()));
             let states = (0..count).flat_map(|s| together.iter().map(move |c| per_state * s + c));
             let rows: Vec<usize> = states.collect();
-            let spread = self.spread.select(&rows).to_matrix(rows.len());
-            let root = spread.cholesky()?.unpack();
-            let x = root.solve_lower_triangular(&wide)?;
-            let y = root.solve_lower_triangular(&self.components.select_rows(&rows))?;
+            let spread = self.spread.select(&rows);
+            let (mut x, mut y) = (wide, wanted.select_rows(&rows));
+            if !(spread.whiten_without_common(&mut x) && spread.whiten_without_common(&mut y)) {
+                return None;
+            }
             let factor = Factor::new(&x).ok()?;
             rank += factor.rank();
-            squares += (&y - x * factor.solve(&y)).norm_squared();
+            let basis = factor.basis(x.nrows());
+            y -= &basis * basis.tr_mul(&y);
+            left += y.tr_mul(&y);
+        }
+        // Least squares with the common part as further unknowns of variance 1.
+        let columns = left.ncols() - 1;
+        let mut squares = left[(0, 0)];
+        if columns > 0 {
+            let across = left.view((1, 0), (columns, 1)).into_owned();
+            let whole = left.view((1, 1), (columns, columns)) + DMatrix::identity(columns, columns);
+            let explained = whole.cholesky()?.solve(&across);
+            squares -= across.dot(&explained);
         }
         Some((squares, self.components.len() - rank))
     }

@@ -212,9 +212,9 @@ fn rows(mut cells: Cells) -> Result<Vec<Row>> {
         let fields = width.clone().chain(beside).map(|column| {
             let held = row.remove(&column).unwrap_or(Ok(String::new()));
             Field {
-                other: held.as_ref().err().copied(),
-                text: held.unwrap_or_else(String::from),
-                column: column as usize + 1,
+                other: held.is_err(),
+                text: held.unwrap_or_else(String::from).into(),
+                column: column + 1,
             }
         });
         Row {

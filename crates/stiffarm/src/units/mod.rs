@@ -1,5 +1,11 @@
 //! Units of files and of the screen. Inside the library everything is SI: m, rad, N, N·m.
 
+mod sense;
+
+#[cfg(feature = "files")]
+pub(crate) use sense::LARGEST_NUMBER;
+pub use sense::Sense;
+
 use nalgebra::UnitQuaternion;
 
 /// Metres per millimetre.

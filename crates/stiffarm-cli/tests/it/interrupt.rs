@@ -1,0 +1,167 @@
+//! Ctrl-C and SIGTERM: what is finished is printed and written, and what is not is named.
+#![cfg(unix)]
+
+use crate::support::{Folder, command};
+use serde_json::Value;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+/// Runs `line`, which takes long, and sends it `signal` once it is at work.
+fn stopped(folder: &Folder, line: &str, signal: &str) -> Output {
+    let mut wait = Duration::from_millis(700);
+    loop {
+        let child = command(&folder.path(""))
+            .args(line.split(' '))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(wait);
+        let id = child.id().to_string();
+        let sent = Command::new("kill").args([signal, &id]).status().unwrap();
+        assert!(sent.success(), "{line} ended by itself");
+        let output = child.wait_with_output().unwrap();
+        // A busy machine had not come as far as the work: nothing was there to keep.
+        if output.status.code().is_some() || wait > Duration::from_secs(20) {
+            return output;
+        }
+        wait *= 2;
+    }
+}
+
+/// The same with `--json`: exit code 130 and the result.
+fn result(folder: &Folder, line: &str, signal: &str) -> Value {
+    let output = stopped(folder, &format!("{line} --json"), signal);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{line}: {errors}");
+    let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+    value["result"].clone()
+}
+
+/// A plan of six postures with its measurements.
+fn measured() -> Folder {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau --rounds 1 --no-certificate --output plan.csv");
+    folder.ok("simulate builtin:comau plan.csv --runs 20 --measurements m.csv");
+    folder
+}
+
+#[test]
+fn a_stopped_identification_keeps_its_estimates() {
+    let folder = measured();
+    let whole = folder.json("identify builtin:comau m.csv");
+    assert_eq!(whole["result"]["not_computed"], Value::Array(Vec::new()));
+    let line = "identify builtin:comau m.csv --bootstrap 1000000 --output k.json";
+    for signal in ["-INT", "-TERM"] {
+        let found = result(&folder, &format!("{line} --force"), signal);
+        assert_eq!(found["joints"], whole["result"]["joints"]);
+        let named = found["not_computed"].as_array().unwrap();
+        assert_eq!(named[0], "bootstrap");
+        assert!(found["bootstrap"].is_null());
+    }
+    // What was written serves as any other result.
+    folder.ok("predict builtin:comau k.json plan.csv --force-n 0,0,100 --axes base");
+    let table = stopped(&folder, &format!("{line} --force"), "-INT");
+    let text = String::from_utf8(table.stdout).unwrap();
+    assert!(text.contains("Stopped: the bootstrap intervals"), "{text}");
+    assert!(text.contains("joint 6"), "{text}");
+}
+
+#[test]
+fn a_stopped_map_holds_the_nodes_that_were_done() {
+    let folder = Folder::new();
+    let line = "map builtin:comau prior --steps 30,30,30 --free-turn=720 --output-dir out";
+    let found = result(&folder, line, "-TERM");
+    assert_eq!(found["interrupted"], true);
+    let counts = &found["counts"];
+    let (left, reached) = (
+        counts["not_computed"].as_u64(),
+        counts["reachable"].as_u64(),
+    );
+    assert!(left > Some(0) && reached > Some(0), "{counts}");
+    let nodes = found["nodes"].as_array().unwrap();
+    assert_eq!(nodes.len(), 30 * 30 * 30);
+    // Spread over the whole region, not its first slice.
+    let computed = |part: &[Value]| part.iter().any(|n| n["status"] != "not_computed");
+    assert!(nodes.chunks(nodes.len() / 4).all(computed));
+    assert!(folder.read("out/map.csv").contains("not computed"));
+}
+
+#[test]
+fn a_stopped_search_for_a_place_gives_the_best_so_far() {
+    let folder = Folder::new();
+    let line = "map builtin:comau prior --place builtin:contour --steps 90,90,1 --refine 8";
+    let found = result(&folder, line, "-INT");
+    assert_eq!(found["interrupted"], true);
+    assert!(!found["given"].is_null());
+    let sentences = found["findings"].to_string();
+    assert!(sentences.contains("Stopped: "), "{sentences}");
+}
+
+#[test]
+fn a_stopped_simulation_gives_the_runs_that_were_made() {
+    let folder = measured();
+    let line = "simulate builtin:comau plan.csv --runs 1000000";
+    let found = result(&folder, line, "-TERM");
+    assert_eq!(found["interrupted"], true);
+    assert_eq!(found["runs"], 1_000_000);
+    let levels = found["groups"][0]["levels"].as_array().unwrap();
+    assert_eq!(levels.len(), 6);
+    let runs = |level: &Value| level["runs"].as_u64().unwrap();
+    assert!(levels.iter().all(|level| runs(level) >= 20));
+    assert!(levels.iter().any(|level| runs(level) < 1_000_000));
+}
+
+#[test]
+fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
+    let folder = Folder::new();
+    let cell = std::fs::read(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../cells/comau.toml"
+    ));
+    folder.write("my-cell.toml", cell.unwrap());
+    let line = "study my-cell.toml --runs 2 --starts 2 --seed 3 --output-dir out";
+    folder.ok(line);
+    // As an older version of the program would have left it.
+    let json = folder.read("out/study.json");
+    let listed = json.replace(
+        "\"study.md\"",
+        "\"study.md\" \"old-figure.svg\" \"../mine.csv\"",
+    );
+    assert_ne!(json, listed);
+    let listed = listed.replace("\" \"", "\", \"");
+    folder.write("out/study.json", listed);
+    for name in [
+        "out/old-figure.svg",
+        "out/postures-mine.csv",
+        "out/notes.txt",
+        "mine.csv",
+    ] {
+        folder.write(name, "text");
+    }
+    let line = "study my-cell.toml --starts 1000000 --seed 3 --output-dir out --force";
+    let found = result(&folder, line, "-TERM");
+    assert_eq!(found["interrupted"], true);
+    let page = folder.read("out/study.md");
+    let top = page.split("## In short").next().unwrap();
+    assert!(
+        top.contains("**Stopped.** The study was stopped before its end."),
+        "{top}"
+    );
+    assert!(top.contains("of 1000000 other initial groups"), "{top}");
+    let command = "stiffarm study my-cell.toml --seed 3 --starts 1000000 --output-dir out --force";
+    assert!(page.contains(command), "{page}");
+    let mut files: Vec<String> = std::fs::read_dir(folder.path("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.retain(|name| !["postures-mine.csv", "notes.txt"].contains(&name.as_str()));
+    files.sort();
+    let own = found["files"].as_array().unwrap();
+    let mut own: Vec<&str> = own.iter().map(|name| name.as_str().unwrap()).collect();
+    own.sort_unstable();
+    assert_eq!(files, own);
+    for name in ["out/postures-mine.csv", "out/notes.txt", "mine.csv"] {
+        assert_eq!(folder.read(name), "text", "{name}");
+    }
+}

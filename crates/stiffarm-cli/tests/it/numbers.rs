@@ -1,0 +1,171 @@
+//! Numbers of the command line: what cannot be meant is refused with its option and
+//! unit, what can hardly be meant is a finding, and nothing is infinite.
+
+use crate::support::Folder;
+
+/// Options with numbers: what stands before the number, and behind it.
+const OPTIONS: [(&str, &str); 24] = [
+    ("map builtin:comau prior --plane z=", ""),
+    ("map builtin:comau prior --to-mm 0,0,0 --from-mm ", ",0,0"),
+    ("map builtin:comau prior --plane z=800 --rpy-deg ", ",0,0"),
+    ("map builtin:comau prior --plane z=800 --force-n ", ",0,0"),
+    (
+        "map builtin:comau prior --plane z=800 --force-n 1,0,0 --moment-nm ",
+        ",0,0",
+    ),
+    ("map builtin:comau prior --plane z=800 --direction ", ",0,0"),
+    (
+        "map builtin:comau prior --place builtin:contour --yaw-deg ",
+        "",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --axes base --force-n ",
+        ",0,0",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --load-uncertainty-percent ",
+        "",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --start-deg 0,0,0,0,0,",
+        "",
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --max-step-deg ",
+        "",
+    ),
+    ("simulate builtin:comau builtin:comau-group1 --levels ", ""),
+    (
+        "simulate builtin:comau builtin:comau-group1 --force-percent ",
+        "",
+    ),
+    (
+        "simulate builtin:comau builtin:comau-group1 --joint-angle-deg ",
+        "",
+    ),
+    (
+        "simulate builtin:comau builtin:comau-group1 --anchor-mm ",
+        "",
+    ),
+    ("register builtin:example-pairs --std-mm ", ""),
+    ("zones builtin:comau --q-deg 0,0,0,0,0,", ""),
+    ("select builtin:comau --rounds 1 --largest-load-n ", ""),
+    (
+        "select builtin:comau --rounds 1 --anchor-box-mm 0,0,0,1,1,",
+        "",
+    ),
+    ("select builtin:comau --time-limit ", ""),
+    ("identify builtin:comau m.csv --confidence ", ""),
+    ("identify builtin:comau m.csv --prior-std-percent ", ""),
+    (
+        "identify builtin:comau m.csv --clamped --angle-noise-deg ",
+        "",
+    ),
+    (
+        "validate builtin:comau m.csv --folds all --tolerance-mm ",
+        "",
+    ),
+];
+
+#[test]
+fn a_number_that_cannot_be_meant_is_refused() {
+    let folder = Folder::new();
+    folder.write("m.csv", "posture,point,dx_mm,dy_mm,dz_mm\n");
+    for (before, after) in OPTIONS {
+        for number in ["1e300", "nan", "inf"] {
+            let line = format!("{before}{number}{after}");
+            let ran = folder.run(&line);
+            assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+            let option = before
+                .split(' ')
+                .rfind(|word| word.starts_with("--"))
+                .unwrap();
+            assert!(ran.err.contains(option), "{line}\n{}", ran.err);
+        }
+    }
+}
+
+#[test]
+fn a_load_that_can_hardly_be_meant_is_a_finding() {
+    let folder = Folder::new();
+    let load = "--axes base --force-n";
+    for command in [
+        format!("compensate builtin:comau prior builtin:contour {load}"),
+        format!("predict builtin:comau prior builtin:contour {load}"),
+        "map builtin:comau prior --plane z=800 --steps 5 --force-n".to_string(),
+    ] {
+        let ran = folder.run(&format!("{command} 200000,0,0"));
+        assert_eq!(ran.code, Some(1), "{command}\n{}{}", ran.out, ran.err);
+        // The whole result is there, and what is wrong with it.
+        assert!(
+            ran.out.contains("2.0000e5 N can hardly be meant"),
+            "{}",
+            ran.out
+        );
+        assert!(ran.out.contains("weighs 1618 N"), "{}", ran.out);
+        folder.ok(&format!("{command} 300,0,0"));
+    }
+    let line =
+        format!("compensate builtin:comau prior builtin:contour {load} 200000,0,0 --output -");
+    let ran = folder.run(&line);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.err.contains("can hardly be meant"), "{}", ran.err);
+    assert!(!ran.out.contains("can hardly be meant"), "{}", ran.out);
+}
+
+/// What three small counts multiply to is said before the work, in one line.
+#[test]
+fn work_that_outgrows_its_counts_says_so_first() {
+    let folder = Folder::new();
+    let line = "map builtin:comau prior --plane z=4000 --steps 40,40,1 --free-turn=72";
+    let ran = folder.run(line);
+    assert_eq!(
+        ran.err,
+        "note: 115200 positions and turns of the tip to look at; this takes a while, and Ctrl-C stops it\n"
+    );
+    assert_eq!(folder.run(&format!("{line} --quiet")).err, "");
+    assert_eq!(
+        folder
+            .run("map builtin:comau prior --plane z=800 --steps 5")
+            .err,
+        ""
+    );
+}
+
+/// A cell file of the repository with one line replaced.
+fn cell_with(from: &str, to: &str) -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cells/comau.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.contains(from), "{from}");
+    text.replace(from, to)
+}
+
+#[test]
+fn a_joint_that_is_held_stays_where_it_is() {
+    let folder = Folder::new();
+    folder.write("held.toml", cell_with("[-60, 40]", "[20, 20]"));
+    folder.ok("check held.toml");
+    for line in [
+        "select held.toml --rounds 1 -n 4 --output plan.csv --force",
+        "select held.toml --rounds 1 -n 4 --index novel --no-certificate --output plan.csv --force",
+        "select held.toml --space-filling -n 4 --output plan.csv --force",
+    ] {
+        folder.ok(line);
+        let plan = folder.read("plan.csv");
+        let held = plan.lines().skip(1).map(|row| row.split(',').nth(2));
+        assert!(held.eq([Some("20"); 4]), "{line}\n{plan}");
+    }
+    folder.ok("zones held.toml --steps 5 --output-dir zones");
+    assert!(!folder.read("zones/zones.svg").contains("NaN"));
+    // Every joint held: nothing to choose, and it says so.
+    let text = cell_with("[-60, 40]", "[20, 20]");
+    let all = ["[-90, 90]", "[-180, -40]", "[-180, 180]"];
+    let text = all
+        .iter()
+        .zip(["[0, 0]", "[-90, -90]", "[30, 30]"])
+        .fold(text, |text, (range, place)| text.replace(range, place));
+    folder.write("held.toml", text);
+    let ran = folder.run("select held.toml --rounds 1");
+    assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
+    assert!(ran.err.contains("cannot determine joint"), "{}", ran.err);
+}

@@ -1,0 +1,127 @@
+//! Loads and cuts that are possible and yet hardly meant for this robot: results that
+//! rest on them are printed, with a serious finding.
+
+use crate::findings::{Finding, Severity};
+use crate::model::cell::Cell;
+use crate::model::load::Wrench;
+use crate::model::process::{Milling, Process};
+use crate::model::robot::{Robot, catalogue};
+use crate::units::m_to_mm;
+
+/// Standard gravity \[m/s²\].
+pub(crate) const GRAVITY: f64 = 9.806_65;
+/// No process pushes with so many times the weight of a robot's payload.
+const PAYLOADS: f64 = 5.0;
+/// Largest force that counts as meant where the payload is unknown \[N\].
+const FORCE: f64 = 1e5;
+/// Length by which a force that counts as meant makes a moment \[m\].
+const LEVER: f64 = 2.0;
+/// Tangential cutting coefficients that materials have, foam to nickel alloys \[Pa\].
+const COEFFICIENT: [f64; 2] = [1e6, 2e10];
+/// Longest cutters \[m\].
+const CUTTER: f64 = 0.3;
+
+/// Weight of the robot's payload \[N\], where the catalogue knows it.
+pub fn payload_weight(robot: &Robot) -> Option<f64> {
+    let entry = catalogue()
+        .iter()
+        .find(|entry| entry.name == robot.name())?;
+    Some(entry.payload_kg? * GRAVITY)
+}
+
+/// Says that the largest of the loads at the tip, each with its place, cannot be
+/// meant for `robot`, where that is so.
+pub fn load<'a>(
+    robot: &Robot,
+    loads: impl IntoIterator<Item = (&'a str, &'a Wrench)>,
+) -> Option<Finding> {
+    let weight = payload_weight(robot);
+    let most = weight.map_or(FORCE, |weight| PAYLOADS * weight);
+    let times = |wrench: &Wrench| {
+        let (force, moment) = (wrench.force.norm(), wrench.moment.norm());
+        (force / most).max(moment / (most * LEVER))
+    };
+    let (place, wrench) = loads
+        .into_iter()
+        .max_by(|a, b| times(a.1).total_cmp(&times(b.1)))?;
+    // Not written as `<=`: what is no number is not meant either.
+    if times(wrench) < 1.0 {
+        return None;
+    }
+    let (force, moment) = (wrench.force.norm(), wrench.moment.norm());
+    let load = match force >= most {
+        true => format!("{force:.4e} N"),
+        false => format!("{moment:.4e} N·m"),
+    };
+    let beside = match weight {
+        Some(weight) => format!(
+            "the payload of {} weighs {weight:.0} N, and no process pushes with {PAYLOADS} times that",
+            robot.name()
+        ),
+        None => format!("no process pushes an industrial robot with more than {FORCE} N"),
+    };
+    Some(Finding::new(
+        "implausible-load",
+        Severity::Serious,
+        place,
+        format!("A load of {load} can hardly be meant: {beside}. Check its unit (N, N·m)."),
+    ))
+}
+
+/// What of the cell's process can hardly be meant.
+pub fn process(cell: &Cell) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let Some(process) = &cell.work.process else {
+        return out;
+    };
+    let (key, given) = match process {
+        Process::Constant(given) => ("work.force", *given),
+        Process::Milling(cut) => {
+            milling(cut, &mut out);
+            ("work.milling", cut.mean_load())
+        }
+    };
+    let wrench = Wrench {
+        force: given.force,
+        moment: given.moment,
+    };
+    out.extend(load(&cell.setup.robot, [(key, &wrench)]));
+    out
+}
+
+fn milling(cut: &Milling, out: &mut Vec<Finding>) {
+    let mut add = |key: &str, sentence: String| {
+        let key = format!("work.milling.{key}");
+        out.push(Finding::new(
+            "implausible-cut",
+            Severity::Serious,
+            key,
+            sentence,
+        ));
+    };
+    let coefficient = cut.coefficients.k_tc;
+    if !(COEFFICIENT[0]..=COEFFICIENT[1]).contains(&coefficient) {
+        add(
+            "k_tc_n_per_mm2",
+            format!(
+                "A tangential cutting coefficient of {} N/mm² is that of no material: foam has some 5, wood 20, \
+                 aluminium 800, steel 2000. Is it in GPa or in Pa? 1 N/mm² is 1 MPa.",
+                coefficient / 1e6
+            ),
+        );
+    }
+    for (key, length) in [
+        ("axial_depth_mm", cut.axial_depth),
+        ("diameter_mm", cut.diameter),
+    ] {
+        if length > CUTTER {
+            add(
+                key,
+                format!(
+                    "{} mm is more than any cutter has on a robot. The unit is mm.",
+                    m_to_mm(length)
+                ),
+            );
+        }
+    }
+}

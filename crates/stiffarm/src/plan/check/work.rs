@@ -1,0 +1,39 @@
+//! Tasks, process and workpiece that can hardly be meant.
+
+use crate::findings::{Finding, Severity};
+use crate::model::cell::Cell;
+use crate::model::implausible;
+use crate::units::m_to_mm;
+
+/// A workpiece nearer to the base's origin than this is there by a slip of the unit,
+/// unless it is the origin \[m\].
+const NEAR: f64 = 5e-3;
+/// A workpiece farther away is one, too \[m\].
+const FAR: f64 = 100.0;
+
+/// Looks at everything that the cell says of the robot at work.
+pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
+    for (t, task) in cell.tasks.iter().enumerate() {
+        let key = format!("task[{}].force_n", t + 1);
+        let found = implausible::load(&cell.setup.robot, [(key.as_str(), &task.wrench)]);
+        findings.extend(found);
+    }
+    findings.extend(implausible::process(cell));
+    let distance = cell.work.workpiece.translation.vector.norm();
+    let sentence = if distance > 0.0 && distance < NEAR {
+        format!(
+            "The workpiece lies {:.3} mm from the base's origin, inside the robot: is it in metres? The unit is mm.",
+            m_to_mm(distance)
+        )
+    } else if distance > FAR {
+        format!("The workpiece lies {distance:.0} m from the robot's base: is it in mm?")
+    } else {
+        return;
+    };
+    findings.push(Finding::new(
+        "implausible-place",
+        Severity::Serious,
+        "work.workpiece_mm",
+        sentence,
+    ));
+}
