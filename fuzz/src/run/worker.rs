@@ -178,8 +178,10 @@ fn mark(file: &std::fs::File, index: u64) {
 
 fn tell(line: &str) {
     let mut out = std::io::stdout().lock();
-    // A parent that has gone needs no news.
-    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+    // A parent that has gone needs no more.
+    if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
+        std::process::exit(0);
+    }
 }
 
 #[cfg(test)]

@@ -268,6 +268,8 @@ fn judged(scratch: &Scratch, words: &[String], files: &[(String, String)]) -> Ve
             oracle::text_is_plain(&ran.err)?;
             return Ok(false);
         }
+        // Ctrl-C at the terminal, which the command has taken over.
+        130 => std::process::exit(130),
         code => return Err(format!("exit code {code}: {}{}", ran.err, ran.out)),
     }
     oracle::text_is_plain(&ran.out)?;
