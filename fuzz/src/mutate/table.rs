@@ -55,7 +55,7 @@ pub fn change(text: &str, random: &mut Random) -> String {
     let Some(column) = random.place(&rows[row]) else {
         return text.to_string();
     };
-    match random.below(20) {
+    match random.below(25) {
         0..=5 => {
             let cell = &mut rows[row][column];
             *cell = edge_number(cell.trim().parse().ok(), random);
@@ -106,6 +106,29 @@ pub fn change(text: &str, random: &mut Random) -> String {
             let cell = rows[row][column].clone();
             rows[row][column] = format!("\"{cell}\"");
         }
+        19 => {
+            // The same values under another name: postures or points that are one.
+            let other = random.below(rows.len());
+            let tail = rows[other].get(column..).unwrap_or_default().to_vec();
+            rows[row].truncate(column);
+            rows[row].extend(tail);
+        }
+        20 | 21 => columns_scaled(&mut rows, column, random),
+        22 => {
+            // All rows of one name, or all others.
+            let name = rows[row].first().cloned();
+            let keep = random.one_in(2);
+            let mut number = 0;
+            rows.retain(|cells| {
+                number += 1;
+                number == 1 || (cells.first() == name.as_ref()) == keep
+            });
+        }
+        23 => {
+            // Every second row, or the first few: few data.
+            let few = 2 + random.below(12);
+            rows.truncate(few);
+        }
         _ => return rewritten(&rows, separator, random),
     }
     joined(&rows, separator, "\n")
@@ -126,6 +149,19 @@ fn whole_column(rows: &mut Rows, column: usize, random: &mut Random) {
             (1, Some(number)) => *cell = format!("{:?}", number * scale),
             (1, None) => {}
             _ => cell.clear(),
+        }
+    }
+}
+
+/// Some columns side by side made large, small, nothing or turned about.
+fn columns_scaled(rows: &mut Rows, column: usize, random: &mut Random) {
+    let scale = [0.0, 1e-9, 1e-3, 0.5, -1.0, 2.0, 30.0, 1e3][random.below(8)];
+    let end = column + 1 + random.below(6);
+    for cells in rows.iter_mut().skip(1) {
+        for cell in cells.iter_mut().take(end).skip(column) {
+            if let Ok(number) = cell.trim().parse::<f64>() {
+                *cell = format!("{:?}", number * scale);
+            }
         }
     }
 }

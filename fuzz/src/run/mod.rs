@@ -36,6 +36,8 @@ pub fn judge(target: &Target, input: &Input) -> Result<bool, String> {
             .map(|mut text| std::mem::take(&mut *text))
             .unwrap_or_default()
     };
+    // That of another input, or of its making.
+    let _ = place();
     match catch_unwind(AssertUnwindSafe(|| (target.check)(input))) {
         Ok(Ok(accepted)) => Ok(accepted),
         Ok(Err(fault)) => match place() {

@@ -1,7 +1,7 @@
 //! Whole commands in this process, on mutated files or with mutated options.
 
 use super::Verdict;
-use super::readers::written_again;
+use super::readers::{self, written_again};
 use crate::input::Input;
 use crate::mutate::{COUNTS, Grammar, WORDS, edge_number, mutate};
 use crate::oracle;
@@ -159,12 +159,9 @@ pub fn make(random: &mut Random) -> Input {
     let all = random.one_in(10);
     let mut files = Vec::new();
     for (i, (name, kind, grammar)) in named.into_iter().enumerate() {
-        let text = seed(*kind, random);
         let text = match i == chosen || all {
-            true => {
-                String::from_utf8_lossy(&mutate(text.as_bytes(), *grammar, random)).into_owned()
-            }
-            false => text.to_string(),
+            true => changed(*kind, *grammar, random),
+            false => seed(*kind, random).to_string(),
         };
         files.push((name.to_string(), text));
     }
@@ -172,6 +169,20 @@ pub fn make(random: &mut Random) -> Input {
         words: words(line, random),
         files,
     }
+}
+
+/// A mutated file, most often one that its reader takes: what readers refuse they refuse as
+/// targets of their own, and a command should get to its work.
+fn changed(kind: Kind, grammar: Grammar, random: &mut Random) -> String {
+    let mut text = String::new();
+    for _ in 0..=random.below(8) {
+        let bytes = mutate(seed(kind, random).as_bytes(), grammar, random);
+        text = String::from_utf8_lossy(&bytes).into_owned();
+        if readers::takes(kind, text.as_bytes()) {
+            break;
+        }
+    }
+    text
 }
 
 /// A command with options at the edges.

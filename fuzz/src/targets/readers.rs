@@ -122,6 +122,25 @@ pub fn written_again<T>(
     }
 }
 
+/// Whether the reader of a kind accepts a file. A panic counts as yes: the target shows it.
+pub fn takes(kind: Kind, file: &[u8]) -> bool {
+    let cell = cell_of_tables();
+    let read = || match kind {
+        Kind::Cell => parse_cell_bytes(file, NAME).is_ok(),
+        Kind::Postures => read_postures(file, NAME, &cell.setup.robot).is_ok(),
+        Kind::Displacements | Kind::Readings => read_measurements(file, NAME, cell, None).is_ok(),
+        Kind::Clamped => read_clamped(file, NAME, cell, None).is_ok(),
+        Kind::Pairs => read_pairs(file, NAME).is_ok(),
+        Kind::Path => {
+            let axes = Some(stiffarm::model::process::ForceAxes::Base);
+            read_path(file, NAME, cell, axes).is_ok()
+        }
+        Kind::Stiffness => read_stiffness(file, NAME, cell).is_ok(),
+        Kind::Registration => read_registration(file, NAME).is_ok(),
+    };
+    std::panic::catch_unwind(read).unwrap_or(true)
+}
+
 /// The cell file.
 pub fn cell(input: &Input) -> Verdict {
     judged(&parse_cell_bytes(bytes(input), NAME))
