@@ -112,8 +112,10 @@ fn one(options: &Options) -> ExitCode {
 }
 
 fn parse(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
-    let mut options = Options::default();
-    options.seed = 1;
+    let mut options = Options {
+        seed: 1,
+        ..Options::default()
+    };
     while let Some(name) = words.next() {
         match name.as_str() {
             "--worker" => options.is_worker = true,
