@@ -116,8 +116,10 @@ impl Session {
         };
         let (name, bytes) = self.read("registration", from)?;
         let registration = read_registration(&bytes, &name)?;
-        Ok(ReduceOptions {
-            base_from_tracker: Some(registration.base_from_tracker),
+        Ok({
+            let mut options = ReduceOptions::default();
+            options.base_from_tracker = Some(registration.base_from_tracker);
+            options
         })
     }
 

@@ -117,13 +117,15 @@ impl PathArgs {
             None => cell.work.process.as_ref().map(|p| p.load()),
         };
         let start = self.start_deg.iter().copied().map(deg_to_rad).collect();
-        Ok(PosturePathOptions {
-            start: (!self.start_deg.is_empty()).then_some(start),
-            largest_step: deg_to_rad(self.max_step_deg),
-            free_turn: self.free_turn.is_some(),
-            turns: self.free_turn.map_or(TURNS, usize::from),
-            process,
-            workpiece: cell.work.workpiece,
+        Ok({
+            let mut options = PosturePathOptions::default();
+            options.start = (!self.start_deg.is_empty()).then_some(start);
+            options.largest_step = deg_to_rad(self.max_step_deg);
+            options.free_turn = self.free_turn.is_some();
+            options.turns = self.free_turn.map_or(TURNS, usize::from);
+            options.process = process;
+            options.workpiece = cell.work.workpiece;
+            options
         })
     }
 }

@@ -71,15 +71,14 @@ impl FitArgs {
             }
             None => default.prior_std,
         };
-        Ok(IdentifyOptions {
-            estimator: self.estimator.unwrap_or(default.estimator),
-            weights: self.weights.map_or(default.weights, Into::into),
-            prior_std,
-            noise: self.noise.map_or(default.noise, Into::into),
-            confidence,
-            extra,
-            ..default
-        })
+        let mut options = IdentifyOptions::default();
+        options.estimator = self.estimator.unwrap_or(default.estimator);
+        options.weights = self.weights.map_or(default.weights, Into::into);
+        options.prior_std = prior_std;
+        options.noise = self.noise.map_or(default.noise, Into::into);
+        options.confidence = confidence;
+        options.extra = extra;
+        Ok(options)
     }
 }
 

@@ -56,9 +56,11 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = session.read_stiffness(&args.stiffness, cell)?;
-    let options = CompensateOptions {
-        load_uncertainty: args.along.load_uncertainty()?,
-        measured_up_to: saved.largest_displacement,
+    let options = {
+        let mut options = CompensateOptions::default();
+        options.load_uncertainty = args.along.load_uncertainty()?;
+        options.measured_up_to = saved.largest_displacement;
+        options
     };
     let progress = Progress::new(session, "compensating the path");
     let followed =
@@ -154,7 +156,7 @@ fn commanded(
         Some(WriteChoice::Poses) => read.clone().poses(cell),
     };
     let arm = LoadedArm::new(cell, predictor)?;
-    let points: Vec<PathPoint> = followed
+    let points = followed
         .table
         .points
         .iter()
@@ -172,9 +174,8 @@ fn commanded(
                 },
                 ..point.clone()
             }
-        })
-        .collect();
-    write_path(&format, &points)
+        });
+    write_path(&format, points)
 }
 
 fn corrections(result: &Compensation) -> String {

@@ -30,9 +30,11 @@ pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let (file, bytes) = session.read("pairs", &args.pairs)?;
     let pairs = without(read_pairs(&bytes, &file)?, &args.exclude)?;
-    let options = RegisterOptions {
-        std: args.std_mm.map(mm_to_m),
-        weights: Vec::new(),
+    let options = {
+        let mut options = RegisterOptions::default();
+        options.std = args.std_mm.map(mm_to_m);
+        options.weights = Vec::new();
+        options
     };
     let registration = register_with(&pairs, &options).map_err(|e| e.file(&file))?;
 

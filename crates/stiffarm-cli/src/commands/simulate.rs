@@ -45,11 +45,13 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
-    let options = SimulationOptions {
-        variance_factors: args.levels.clone(),
-        runs: usize::try_from(args.runs).unwrap_or(usize::MAX),
-        seed: args.seed,
-        model_errors,
+    let options = {
+        let mut options = SimulationOptions::default();
+        options.variance_factors = args.levels.clone();
+        options.runs = usize::try_from(args.runs).unwrap_or(usize::MAX);
+        options.seed = args.seed;
+        options.model_errors = model_errors;
+        options
     };
     let progress = Progress::new(session, "simulating");
     let result = progress.watch(|control| simulate(cell, &groups, &options, control))?;

@@ -49,14 +49,16 @@ pub struct Written {
 pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let (initial, origin) = initial_group(session, args, &named.cell)?;
-    let options = StudyOptions {
-        simulation: SimulationOptions {
-            runs: args.runs,
-            seed: args.seed,
-            ..SimulationOptions::default()
-        },
-        starts: args.starts,
-        ..StudyOptions::default()
+    let options = {
+        let mut own = StudyOptions::default();
+        own.simulation = {
+            let mut options = SimulationOptions::default();
+            options.runs = args.runs;
+            options.seed = args.seed;
+            options
+        };
+        own.starts = args.starts;
+        own
     };
     if args.runs == 0 {
         return Err(Error::new(Code::Usage, "A study needs at least one run.").key("--runs"));

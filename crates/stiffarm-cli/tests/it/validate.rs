@@ -46,9 +46,10 @@ fn saved_further_terms_are_used_and_not_lost() {
     let data =
         stiffarm::files::table::read_displacements(table.as_bytes(), "simulated.csv", &cell, None)
             .unwrap();
-    let options = stiffarm::estimate::identify::IdentifyOptions {
-        extra: vec![stiffarm::model::observation::ExtraTerm::JointTilt(2)],
-        ..Default::default()
+    let options = {
+        let mut options = stiffarm::IdentifyOptions::default();
+        options.extra = vec![stiffarm::model::observation::ExtraTerm::JointTilt(2)];
+        options
     };
     let fit = stiffarm::estimate::identify::identify(&cell, &data, &options).unwrap();
     let mut saved = serde_json::to_value(&fit).unwrap();

@@ -30,14 +30,13 @@ fn down() -> UnitQuaternion<f64> {
 
 fn map(steps: [usize; 3]) -> StiffnessMap {
     let (cell, prior) = cell();
-    let options = MapOptions {
-        lower: [0.9, -1.9, 0.6],
-        upper: [3.1, 1.9, 2.4],
-        steps,
-        rotation: down(),
-        free_turn: None,
-        direction: UnitVector3::new_normalize(Vector3::z()),
-        wrench: Wrench::force(Vector3::new(0.0, 0.0, 100.0)),
+    let options = {
+        let mut options = MapOptions::new([0.9, -1.9, 0.6], [3.1, 1.9, 2.4], steps);
+        options.rotation = down();
+        options.free_turn = None;
+        options.direction = UnitVector3::new_normalize(Vector3::z());
+        options.wrench = Wrench::force(Vector3::new(0.0, 0.0, 100.0));
+        options
     };
     stiffness_map(&cell, &prior, &options, Control::default()).unwrap()
 }
@@ -205,13 +204,14 @@ fn places_are_a_panel_per_turn_with_given_and_best() {
             }
         })
         .collect();
-    let options = PlaceOptions {
-        lower: [1.0, -1.0, 0.8],
-        upper: [3.4, 1.0, 0.8],
-        steps: [5, 4, 1],
-        yaws: vec![0.0, 1.0],
-        refinements: 1,
-        ..PlaceOptions::default()
+    let options = {
+        let mut options = PlaceOptions::default();
+        options.lower = [1.0, -1.0, 0.8];
+        options.upper = [3.4, 1.0, 0.8];
+        options.steps = [5, 4, 1];
+        options.yaws = vec![0.0, 1.0];
+        options.refinements = 1;
+        options
     };
     let found = place(&cell, &prior, &points, &options, Control::default()).unwrap();
     let figure = placement_figure(&found);

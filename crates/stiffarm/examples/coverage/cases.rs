@@ -105,9 +105,10 @@ impl Bench {
             cell: self.cell(points),
             group: group.clone(),
             case: CoverageCase {
-                options: IdentifyOptions {
-                    estimator,
-                    ..IdentifyOptions::default()
+                options: {
+                    let mut options = IdentifyOptions::default();
+                    options.estimator = estimator;
+                    options
                 },
                 world: ErrorModel::default(),
                 resamples: None,

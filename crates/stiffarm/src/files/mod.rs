@@ -1,5 +1,16 @@
 //! The only part of the library that reads and writes text and bytes: cell files,
 //! tables, saved results, built-in examples.
+//!
+//! ```
+//! use stiffarm::Cell;
+//! use stiffarm::files::table::read_postures;
+//!
+//! let cell = Cell::built_in("comau")?;
+//! let text = "q1_deg;q2_deg;q3_deg;q4_deg;q5_deg;q6_deg\n10,5;20;-100;0;45;0\n";
+//! let postures = read_postures(text.as_bytes(), "plan.csv", &cell.setup.robot)?;
+//! assert!((postures[0].q[0] - 10.5_f64.to_radians()).abs() < 1e-15);
+//! # Ok::<(), stiffarm::Error>(())
+//! ```
 
 pub mod builtin;
 pub mod cell;

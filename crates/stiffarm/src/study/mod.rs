@@ -52,6 +52,7 @@ const SOON_MADE: usize = 2000;
 /// Options of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct StudyOptions {
     /// Noise levels and runs of the simulation.
     pub simulation: SimulationOptions,
@@ -152,6 +153,25 @@ pub struct Study {
 }
 
 /// Runs the study from `initial` (Group 1).
+///
+/// ```no_run
+/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// use stiffarm::model::posture::PostureGroup;
+/// use stiffarm::study::{StudyOptions, study};
+/// use stiffarm::{Cell, Control};
+///
+/// let cell = Cell::built_in("comau")?;
+/// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let initial = PostureGroup {
+///     name: "Group 1".to_string(),
+///     postures,
+/// };
+/// let result = study(&cell, &initial, &StudyOptions::default(), Control::default())?;
+/// println!("{:?}", result.recommended);
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "files"))] fn main() {}
+/// ```
 ///
 /// # Errors
 /// A cell without prior stiffness, a group or load that cannot be used, or an

@@ -43,6 +43,7 @@ const STUCK: f64 = 1e-9;
 
 /// What to compensate, and how sure the load is.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct CompensateOptions {
     /// Relative standard uncertainty of the load at work (fraction).
     pub load_uncertainty: f64,

@@ -368,13 +368,12 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
     let (sure, codes) = run(&model, CompensateOptions::default());
     assert_eq!(codes, ["correction-beyond-uncertainty"]);
     assert_eq!(sure.beyond_uncertainty, Some(10));
-    let (_, codes) = run(
-        &model,
-        CompensateOptions {
-            load_uncertainty: 0.6,
-            measured_up_to: Some(1e-5),
-        },
-    );
+    let (_, codes) = run(&model, {
+        let mut options = CompensateOptions::default();
+        options.load_uncertainty = 0.6;
+        options.measured_up_to = Some(1e-5);
+        options
+    });
     assert_eq!(codes, ["correction-within-uncertainty", "beyond-measured"]);
     model.spread = None;
     let (alone, codes) = run(&model, CompensateOptions::default());

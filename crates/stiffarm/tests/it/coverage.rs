@@ -41,9 +41,10 @@ fn postures(count: usize) -> Vec<Posture> {
 
 fn case(estimator: Estimator, experiments: usize) -> CoverageCase {
     CoverageCase {
-        options: IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        options: {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         },
         world: ErrorModel::default(),
         resamples: None,

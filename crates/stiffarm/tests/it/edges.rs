@@ -327,9 +327,10 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         Code::TooFewData
     );
     for confidence in [0.0, 1.0, f64::NAN] {
-        let options = IdentifyOptions {
-            confidence,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.confidence = confidence;
+            options
         };
         let measured = exact_measurements(&cell, &group1());
         assert_eq!(

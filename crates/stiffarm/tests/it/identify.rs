@@ -183,9 +183,10 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let values = [5e-7, 3e-5];
     let measured = measured_with(&cell, &postures, &extra, &values, 0);
     let plain = IdentifyOptions::default();
-    let with = IdentifyOptions {
-        extra,
-        ..plain.clone()
+    let with = {
+        let mut options = plain.clone();
+        options.extra = extra;
+        options
     };
     let found = identify(&cell, &measured, &with).unwrap();
     let tilt = &found.estimates.extra_springs[0];
@@ -231,9 +232,10 @@ fn the_next_posture_beats_random_ones() {
         .collect();
     let truth = cell.require_prior().unwrap().to_vec();
     let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 5, 0).unwrap();
-    let options = IdentifyOptions {
-        estimator: Estimator::Weighted,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Weighted;
+        options
     };
     let result = identify(&cell, &measured, &options).unwrap();
     let fit = Fit::new(&cell, &measured, &options).unwrap();

@@ -50,10 +50,11 @@ fn groups(cell: &Cell) -> Vec<PostureGroup> {
 }
 
 fn run(cell: &Cell, groups: &[PostureGroup], runs: usize, seed: u64) -> Simulation {
-    let options = SimulationOptions {
-        runs,
-        seed,
-        ..SimulationOptions::default()
+    let options = {
+        let mut options = SimulationOptions::default();
+        options.runs = runs;
+        options.seed = seed;
+        options
     };
     simulate(cell, groups, &options, Control::default()).unwrap()
 }
@@ -204,10 +205,11 @@ fn the_median_holds_where_the_mean_does_not_exist() {
     let count = runs(2_000) as usize;
     let cell = reference_cell();
     let groups = [PostureGroup::from_angles("hand-picked", group1())];
-    let options = SimulationOptions {
-        variance_factors: vec![20.0, 40.0],
-        runs: count,
-        ..SimulationOptions::default()
+    let options = {
+        let mut options = SimulationOptions::default();
+        options.variance_factors = vec![20.0, 40.0];
+        options.runs = count;
+        options
     };
     let simulation = simulate(&cell, &groups, &options, Control::default()).unwrap();
     let limit = threshold(12);
@@ -263,10 +265,11 @@ fn noise_grows_with_the_square_root_of_its_variance() {
         }
     }
     // Without noise nothing deviates, and two readings double the variance.
-    let quiet = SimulationOptions {
-        variance_factors: vec![0.0],
-        runs: 3,
-        ..SimulationOptions::default()
+    let quiet = {
+        let mut options = SimulationOptions::default();
+        options.variance_factors = vec![0.0];
+        options.runs = 3;
+        options
     };
     let quiet = simulate(&cell, &groups, &quiet, Control::default()).unwrap();
     assert_eq!(quiet.groups[0].levels[0].mean_deviation, [0.0; 6]);
@@ -328,11 +331,12 @@ fn longer_simulations_begin_with_the_runs_of_shorter_ones() {
         }
     }
     // Neither do further groups and levels change what came before.
-    let options = SimulationOptions {
-        variance_factors: vec![0.5],
-        runs: 50,
-        seed: 9,
-        ..Default::default()
+    let options = {
+        let mut options = SimulationOptions::default();
+        options.variance_factors = vec![0.5];
+        options.runs = 50;
+        options.seed = 9;
+        options
     };
     let part = simulate(&cell, &groups[..1], &options, Control::default()).unwrap();
     assert_eq!(part.groups[0].levels[0], many[0]);
@@ -352,19 +356,18 @@ fn simulation_refuses_what_it_cannot_answer() {
     };
     let default = SimulationOptions::default;
     assert_eq!(
-        fails(
-            &cell,
-            SimulationOptions {
-                runs: 0,
-                ..default()
-            }
-        ),
+        fails(&cell, {
+            let mut options = default();
+            options.runs = 0;
+            options
+        }),
         stiffarm::Code::InvalidValue
     );
     for factors in [vec![], vec![-1.0], vec![f64::NAN]] {
-        let options = SimulationOptions {
-            variance_factors: factors,
-            ..default()
+        let options = {
+            let mut options = default();
+            options.variance_factors = factors;
+            options
         };
         assert_eq!(fails(&cell, options), stiffarm::Code::InvalidValue);
     }
@@ -399,10 +402,11 @@ fn coverage(
 ) -> Vec<u64> {
     let postures = &group.postures;
     let truth = world.require_prior().unwrap();
-    let options = IdentifyOptions {
-        estimator: Estimator::Weighted,
-        noise,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Weighted;
+        options.noise = noise;
+        options
     };
     let mut covered = vec![0; 6];
     for stream in 0..runs {

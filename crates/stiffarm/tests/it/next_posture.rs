@@ -67,9 +67,10 @@ fn now_is_what_the_table_of_estimates_says() {
         Estimator::NonNegative,
         Estimator::Prior,
     ] {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         let measured = measured(&cell, group1(), &with_states(ForceRecord::Load), 4);
         let fit = Fit::new(&cell, measured, &options).unwrap();
@@ -87,10 +88,11 @@ fn with_it_is_what_a_fit_with_that_posture_has() {
     let mut cell = default_cell();
     cell.noise.posture_common_std = 3e-5;
     // The size of the noise is known, so that it is the same in both fits.
-    let options = IdentifyOptions {
-        estimator: Estimator::Weighted,
-        noise: NoiseSource::Known,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Weighted;
+        options.noise = NoiseSource::Known;
+        options
     };
     for force in [ForceRecord::Load, ForceRecord::Force] {
         let done = with_states(force);
@@ -112,10 +114,11 @@ fn with_it_is_what_a_fit_with_that_posture_has() {
 #[test]
 fn no_random_posture_measured_alike_is_better() {
     let cell = default_cell();
-    let options = IdentifyOptions {
-        estimator: Estimator::Weighted,
-        noise: NoiseSource::Known,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Weighted;
+        options.noise = NoiseSource::Known;
+        options
     };
     let done = with_states(ForceRecord::Load);
     let fit = Fit::new(&cell, measured(&cell, group1(), &done, 4), &options).unwrap();
@@ -150,7 +153,11 @@ proptest! {
         let force = if forces { ForceRecord::ForceAndMoment } else { ForceRecord::Load };
         let mut done = with_states(force);
         done.states.truncate(1 + loads);
-        let options = IdentifyOptions { estimator: Estimator::ALL[kind], ..IdentifyOptions::default() };
+        let options = {
+ let mut options = IdentifyOptions::default();
+options.estimator = Estimator::ALL[kind];
+options
+};
         let fit = Fit::new(&cell, measured(&cell, q, &done, seed), &options).unwrap();
         let advice = advice(&fit, 1);
         for (before, after) in advice.before.iter().zip(&advice.after) {

@@ -58,9 +58,10 @@ fn one_assembly_and_one_fit_per_options_and_data() {
         (&odd, Estimator::TwoVariance),
         (&odd, Estimator::Ordinary),
     ] {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         let fit = Fit::new(&cell, measured, &options).unwrap();
         whole(&fit);
@@ -84,9 +85,10 @@ fn other_options_use_the_same_terms() {
     let measured = measured(&cell);
     let two = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     for estimator in Estimator::ALL {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         let again = two.with(&options).unwrap();
         let alone = identify(&cell, &measured, &options).unwrap();
@@ -104,10 +106,11 @@ fn the_count_of_readings_travels_with_the_measurements() {
     assert_eq!(cell.noise.readings_per_displacement, 1);
     let measured = measured(&cell);
     assert_eq!(measured.readings_per_displacement, Some(2));
-    let known = IdentifyOptions {
-        estimator: Estimator::Weighted,
-        noise: NoiseSource::Known,
-        ..IdentifyOptions::default()
+    let known = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Weighted;
+        options.noise = NoiseSource::Known;
+        options
     };
     let found = identify(&cell, &measured, &known).unwrap();
     let mut two = cell.clone();
@@ -115,9 +118,10 @@ fn the_count_of_readings_travels_with_the_measurements() {
     let by_cell = identify(&two, &measured.postures, &known).unwrap();
     assert_eq!(found, by_cell);
     assert_eq!(found.expected_std_m, two.noise.displacement_std());
-    let repeats = IdentifyOptions {
-        noise: NoiseSource::Repeats,
-        ..known
+    let repeats = {
+        let mut options = known;
+        options.noise = NoiseSource::Repeats;
+        options
     };
     let fit = Fit::new(&cell, &measured, &repeats).unwrap();
     // Folds see the repeats too.

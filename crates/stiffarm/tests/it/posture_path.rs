@@ -94,9 +94,10 @@ fn assert_continuous(cell: &Cell, found: &[LoadedPosture], step: f64) {
 fn poses_are_held_on_one_branch() {
     let cell = default_cell();
     let circle = circle(90);
-    let options = PosturePathOptions {
-        process: milling(),
-        ..PosturePathOptions::default()
+    let options = {
+        let mut options = PosturePathOptions::default();
+        options.process = milling();
+        options
     };
     let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(summary.origin, Origin::ClosedForm);
@@ -117,9 +118,10 @@ fn poses_are_held_on_one_branch() {
         .branches(&(circle[0] * arm.tip().inverse()))
         .unwrap()
     {
-        let options = PosturePathOptions {
-            start: Some(branch.q.clone()),
-            ..options.clone()
+        let options = {
+            let mut options = options.clone();
+            options.start = Some(branch.q.clone());
+            options
         };
         if let Ok((_, other)) = run(&cell, &poses(&circle), &options) {
             assert!(other.deflection_rms_m >= summary.deflection_rms_m * (1.0 - 1e-12));
@@ -133,13 +135,15 @@ fn poses_are_held_on_one_branch() {
 fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
     let cell = default_cell();
     let circle = circle(60);
-    let fixed = PosturePathOptions {
-        process: milling(),
-        ..PosturePathOptions::default()
+    let fixed = {
+        let mut options = PosturePathOptions::default();
+        options.process = milling();
+        options
     };
-    let free = PosturePathOptions {
-        free_turn: true,
-        ..fixed.clone()
+    let free = {
+        let mut options = fixed.clone();
+        options.free_turn = true;
+        options
     };
     let (_, given) = run(&cell, &poses(&circle), &fixed).unwrap();
     let (found, summary) = run(&cell, &poses(&circle), &free).unwrap();
@@ -197,11 +201,12 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
 fn long_paths_choose_turns_at_knots() {
     let cell = default_cell();
     let circle = circle(3000);
-    let options = PosturePathOptions {
-        process: milling(),
-        free_turn: true,
-        turns: 24,
-        ..PosturePathOptions::default()
+    let options = {
+        let mut options = PosturePathOptions::default();
+        options.process = milling();
+        options.free_turn = true;
+        options.turns = 24;
+        options
     };
     let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
@@ -225,24 +230,27 @@ fn unreachable_points_jumps_and_limits_are_named_with_their_line() {
         "{error}"
     );
     // Three points of a circle are a jump of some joint.
-    let narrow = PosturePathOptions {
-        largest_step: 0.01,
-        ..options.clone()
+    let narrow = {
+        let mut options = options.clone();
+        options.largest_step = 0.01;
+        options
     };
     let error = run(&cell, &poses(&circle(8)), &narrow).unwrap_err();
     assert_eq!(error.place().line, Some(3));
     assert!(error.message().contains("From point 1 to 2"), "{error}");
-    let free = PosturePathOptions {
-        free_turn: true,
-        ..narrow
+    let free = {
+        let mut options = narrow;
+        options.free_turn = true;
+        options
     };
     let error = run(&cell, &poses(&circle(8)), &free).unwrap_err();
     assert!(error.message().contains("every posture jumps"), "{error}");
     // A feed load where nothing moves.
     let still = vec![circle(3)[0]; 3];
-    let fed = PosturePathOptions {
-        process: milling(),
-        ..options.clone()
+    let fed = {
+        let mut options = options.clone();
+        options.process = milling();
+        options
     };
     let error = run(&cell, &poses(&still), &fed).unwrap_err();
     assert!(error.message().contains("does not move"), "{error}");
@@ -301,17 +309,19 @@ fn arms_without_closed_form_follow_and_turn_as_well() {
     cell.setup.robot = Robot::from_dh("calibrated", DhConvention::Modified, &rows, base).unwrap();
     cell.prior = Some(vec![3.8e6, 6.6e6, 3.9e6, 5.6e5, 6.6e5, 4.7e5]);
     let circle = circle(30);
-    let options = PosturePathOptions {
-        process: milling(),
-        turns: 24,
-        ..PosturePathOptions::default()
+    let options = {
+        let mut options = PosturePathOptions::default();
+        options.process = milling();
+        options.turns = 24;
+        options
     };
     let (found, fixed) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(fixed.origin, Origin::Numeric);
     assert!(worst_gap(&cell, &found, &circle, false) < 1e-9);
-    let free = PosturePathOptions {
-        free_turn: true,
-        ..options
+    let free = {
+        let mut options = options;
+        options.free_turn = true;
+        options
     };
     let (found, turned) = run(&cell, &poses(&circle), &free).unwrap();
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-9);

@@ -70,10 +70,11 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
         let expected = numbers(&golden["displacement_m1"]);
         assert!(relative_error(&linear.as_slice()[..expected.len()], &expected) < 1e-9);
         // The command's way to the same number.
-        let options = PredictOptions {
-            model: Model::Linear,
-            load_at: LoadPoint::LoadingPoint,
-            ..PredictOptions::default()
+        let options = {
+            let mut options = PredictOptions::default();
+            options.model = Model::Linear;
+            options.load_at = LoadPoint::LoadingPoint;
+            options
         };
         let points = predict(
             &cell,
@@ -269,10 +270,11 @@ fn identified(
 ) -> IdentifiedCompliance {
     let truth = cell.require_prior().unwrap();
     let measured = simulate_measurements(cell, group, truth, Model::Equilibrium, seed, 0).unwrap();
-    let options = IdentifyOptions {
-        estimator,
-        noise: NoiseSource::Estimated,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = estimator;
+        options.noise = NoiseSource::Estimated;
+        options
     };
     let found = identify(cell, &measured, &options).unwrap();
     IdentifiedCompliance::from_identification(cell, &found).unwrap()
@@ -362,10 +364,11 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
     let run = |predictor: &IdentifiedCompliance, load: f64| -> Prediction {
         // The bands are those of the linear model.
-        let options = PredictOptions {
-            model: Model::Linear,
-            load_uncertainty: load,
-            ..PredictOptions::default()
+        let options = {
+            let mut options = PredictOptions::default();
+            options.model = Model::Linear;
+            options.load_uncertainty = load;
+            options
         };
         predict(&cell, predictor, &work, &options, Control::default()).unwrap()
     };
@@ -423,9 +426,10 @@ fn says_which_model_and_whether_the_linear_one_would_do() {
     let predictor = prior(&cell);
     let run = |force: f64, model| {
         let load = Wrench::force(Vector3::new(0.0, 0.0, -force));
-        let options = PredictOptions {
-            model,
-            ..PredictOptions::default()
+        let options = {
+            let mut options = PredictOptions::default();
+            options.model = model;
+            options
         };
         let work = [at(&cell.tasks[1].q, load)];
         predict(&cell, &predictor, &work, &options, Control::default()).unwrap()

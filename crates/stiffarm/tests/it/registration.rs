@@ -153,9 +153,11 @@ fn the_covariance_agrees_with_simulation() {
         let pose = dice.pose();
         let exact = pairs(&base, &pose);
         let total = f64::hypot(std[0], std[1]);
-        let options = RegisterOptions {
-            std: Some(total),
-            weights,
+        let options = {
+            let mut options = RegisterOptions::default();
+            options.std = Some(total);
+            options.weights = weights;
+            options
         };
         // First order: the covariance at the truth.
         let truth = register_with(&exact, &options).unwrap().covariance;
@@ -223,9 +225,10 @@ fn a_transformed_point_has_the_covariance_of_shift_and_turn() {
     let base = points(&mut dice, 5, false);
     let pose = dice.pose();
     let exact = pairs(&base, &pose);
-    let options = RegisterOptions {
-        std: Some(4e-5),
-        ..RegisterOptions::default()
+    let options = {
+        let mut options = RegisterOptions::default();
+        options.std = Some(4e-5);
+        options
     };
     let at = Vector3::new(2.0, -1.0, 0.5);
     let tracker = pose.inverse_transform_point(&at.into()).coords;
@@ -249,9 +252,11 @@ fn a_pair_of_weight_two_counts_as_two_pairs() {
     let base = points(&mut dice, 5, false);
     let mut noisy = pairs(&base, &dice.pose());
     noisy.iter_mut().for_each(|p| p.base += dice.noise(1e-3));
-    let options = RegisterOptions {
-        std: Some(1e-3),
-        weights: vec![2.0, 1.0, 1.0, 1.0, 1.0],
+    let options = {
+        let mut options = RegisterOptions::default();
+        options.std = Some(1e-3);
+        options.weights = vec![2.0, 1.0, 1.0, 1.0, 1.0];
+        options
     };
     let weighted = register_with(&noisy, &options).unwrap();
     let mut twice = noisy.clone();
@@ -259,9 +264,10 @@ fn a_pair_of_weight_two_counts_as_two_pairs() {
         name: "again".to_string(),
         ..noisy[0].clone()
     });
-    let known = RegisterOptions {
-        std: Some(1e-3),
-        ..RegisterOptions::default()
+    let known = {
+        let mut options = RegisterOptions::default();
+        options.std = Some(1e-3);
+        options
     };
     let repeated = register_with(&twice, &known).unwrap();
     let difference =

@@ -183,9 +183,11 @@ fn wrong_sets_are_refused() {
         })
         .collect();
     add("too near to a line for their errors", &thin, &free);
-    let weights = |weights: &[f64]| RegisterOptions {
-        std: None,
-        weights: weights.to_vec(),
+    let weights = |weights: &[f64]| {
+        let mut options = RegisterOptions::default();
+        options.std = None;
+        options.weights = weights.to_vec();
+        options
     };
     add("a weight missing", &good, &weights(&[1.0; 4]));
     add(
@@ -193,23 +195,23 @@ fn wrong_sets_are_refused() {
         &good,
         &weights(&[1.0, 1.0, 0.0, 1.0, 1.0]),
     );
-    add(
-        "no standard deviation",
-        &good,
-        &RegisterOptions {
-            std: Some(-1.0),
-            weights: vec![],
-        },
-    );
+    add("no standard deviation", &good, &{
+        let mut options = RegisterOptions::default();
+        options.std = Some(-1.0);
+        options.weights = vec![];
+        options
+    });
     insta::assert_snapshot!("registration_refusals", out);
 }
 
 #[test]
 fn wrong_pairs_are_named() {
     let free = RegisterOptions::default();
-    let known = |std| RegisterOptions {
-        std: Some(std),
-        weights: vec![],
+    let known = |std| {
+        let mut options = RegisterOptions::default();
+        options.std = Some(std);
+        options.weights = vec![];
+        options
     };
     let mut out = String::new();
     let mut add =
@@ -394,9 +396,11 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
                 let mut pairs = anywhere(&mut dice, count);
                 let at = dice.below(count);
                 pairs[at].base += dice.direction() * mm * 1e-3;
-                let options = RegisterOptions {
-                    std: known.then_some(NOISE * 2f64.sqrt()),
-                    weights: vec![],
+                let options = {
+                    let mut options = RegisterOptions::default();
+                    options.std = known.then_some(NOISE * 2f64.sqrt());
+                    options.weights = vec![];
+                    options
                 };
                 let Ok(found) = register_with(&pairs, &options) else {
                     refused += 1;

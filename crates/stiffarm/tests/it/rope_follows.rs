@@ -142,9 +142,10 @@ fn a_prediction_under_the_cells_load_follows_it() {
                 q: q.clone(),
                 wrench: own(&cell, &q, 1.0),
             };
-            let options = PredictOptions {
-                load_at: LoadPoint::LoadingPoint,
-                ..PredictOptions::default()
+            let options = {
+                let mut options = PredictOptions::default();
+                options.load_at = LoadPoint::LoadingPoint;
+                options
             };
             let found = predict(
                 &cell,

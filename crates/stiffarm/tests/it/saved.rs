@@ -34,9 +34,10 @@ fn result(options: &IdentifyOptions) -> Value {
 }
 
 static SAVED: LazyLock<Value> = LazyLock::new(|| {
-    result(&IdentifyOptions {
-        extra: vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)],
-        ..IdentifyOptions::default()
+    result(&{
+        let mut options = IdentifyOptions::default();
+        options.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)];
+        options
     })
 });
 
@@ -74,10 +75,11 @@ fn every_estimator_writes_what_can_be_read() {
     use Estimator::{Huber, NonNegative, Ordinary, Prior, TwoVariance, Weighted};
     for estimator in [Ordinary, Weighted, TwoVariance, Huber, NonNegative, Prior] {
         for noise in [NoiseSource::Estimated, NoiseSource::Known] {
-            let options = IdentifyOptions {
-                estimator,
-                noise,
-                ..IdentifyOptions::default()
+            let options = {
+                let mut options = IdentifyOptions::default();
+                options.estimator = estimator;
+                options.noise = noise;
+                options
             };
             let saved = result(&options);
             read(&saved).unwrap_or_else(|e| panic!("{estimator:?} {noise:?}: {e}"));

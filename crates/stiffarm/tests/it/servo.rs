@@ -54,8 +54,10 @@ fn table(cell: &Cell, states: Vec<ExperimentState>, seconds: f64) -> ReadingTabl
 
 /// Largest relative error of the identified stiffness.
 fn error(cell: &Cell, table: &ReadingTable) -> f64 {
-    let given = ReduceOptions {
-        base_from_tracker: Some(tracker_pose()),
+    let given = {
+        let mut options = ReduceOptions::default();
+        options.base_from_tracker = Some(tracker_pose());
+        options
     };
     let measured = prepare(cell, table.clone(), &given).unwrap();
     let found = identify(cell, &measured, &IdentifyOptions::default()).unwrap();

@@ -23,15 +23,16 @@ fn group_1(cell: &Cell) -> PostureGroup {
 }
 
 fn options(starts: usize, max_iterations: u64) -> StudyOptions {
-    StudyOptions {
-        simulation: SimulationOptions {
-            runs: 50,
-            ..SimulationOptions::default()
-        },
-        starts,
-        q1_draws: 40,
-        max_iterations,
-    }
+    let mut own = StudyOptions::default();
+    own.simulation = {
+        let mut options = SimulationOptions::default();
+        options.runs = 50;
+        options
+    };
+    own.starts = starts;
+    own.q1_draws = 40;
+    own.max_iterations = max_iterations;
+    own
 }
 
 fn run(cell: &Cell, options: &StudyOptions) -> Study {

@@ -52,10 +52,9 @@ fn measure(cell: &Cell, postures: &[Posture], seed: u64) -> Vec<MeasuredPosture>
 }
 
 fn ordinary() -> IdentifyOptions {
-    IdentifyOptions {
-        estimator: Estimator::Ordinary,
-        ..IdentifyOptions::default()
-    }
+    let mut options = IdentifyOptions::default();
+    options.estimator = Estimator::Ordinary;
+    options
 }
 
 fn source<'a>(budget: &'a SystematicErrors, name: &str) -> &'a SystematicSource {
@@ -303,9 +302,10 @@ fn the_force_scale_is_in_every_budget() {
     );
     let measured = measure(&cell, &postures, 3);
     for estimator in Estimator::ALL {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         let all = Fit::new(&cell, &measured, &options)
             .and_then(|fit| systematic_errors(&fit))
@@ -351,10 +351,11 @@ fn the_profile_of_least_squares_is_the_t_interval() {
         let measured = measure(&cell, &postures, seed);
         for estimator in [Estimator::Ordinary, Estimator::Weighted] {
             for noise in [NoiseSource::Estimated, NoiseSource::Known] {
-                let options = IdentifyOptions {
-                    estimator,
-                    noise,
-                    ..IdentifyOptions::default()
+                let options = {
+                    let mut options = IdentifyOptions::default();
+                    options.estimator = estimator;
+                    options.noise = noise;
+                    options
                 };
                 let found = Fit::new(&cell, &measured, &options)
                     .and_then(|fit| profile(&fit))
@@ -473,9 +474,10 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     assert!(largest > 1e-4 && largest < 0.1, "{largest}");
     println!("largest difference of two-variance profiles: {largest}");
     for estimator in [Estimator::Huber, Estimator::NonNegative, Estimator::Prior] {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         let measured = measure(&cell, &group_1(), 1);
         assert_eq!(

@@ -41,10 +41,9 @@ fn measure(cell: &Cell, postures: &[Posture], stream: usize) -> Vec<MeasuredPost
 }
 
 fn options(estimator: Estimator) -> IdentifyOptions {
-    IdentifyOptions {
-        estimator,
-        ..IdentifyOptions::default()
-    }
+    let mut options = IdentifyOptions::default();
+    options.estimator = estimator;
+    options
 }
 
 fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validation {
@@ -65,9 +64,10 @@ fn bands_hold_as_many_readings_as_they_say() {
     let independent = reference_cell();
     let mut common = independent.clone();
     common.noise.posture_common_std = 2.0 * common.noise.displacement_std();
-    let known = IdentifyOptions {
-        noise: NoiseSource::Known,
-        ..options(Estimator::Weighted)
+    let known = {
+        let mut options = options(Estimator::Weighted);
+        options.noise = NoiseSource::Known;
+        options
     };
     // Shares of single components, one of each experiment, are independent.
     let binomial = Binomial::new(0.95, runs as u64).unwrap();
@@ -237,9 +237,10 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
     let mut angles = group1();
     angles.extend(random_group());
     let measured = measure(&cell, &group(angles), 4);
-    let options = IdentifyOptions {
-        extra: vec![ExtraTerm::JointTilt(2)],
-        ..options(Estimator::Ordinary)
+    let options = {
+        let mut options = options(Estimator::Ordinary);
+        options.extra = vec![ExtraTerm::JointTilt(2)];
+        options
     };
     let result = Fit::new(&cell, &measured, &options)
         .and_then(|fit| cross_validate(&fit, 3, None))
@@ -339,9 +340,10 @@ fn further_terms_and_servo_give_are_predicted() {
     let without = validate(&cell, truth, &measured, Model::Linear, None).unwrap();
     assert!(without.deviation_max_m > 1e-5);
     // And through an identification.
-    let options = IdentifyOptions {
-        extra,
-        ..options(Estimator::Ordinary)
+    let options = {
+        let mut options = options(Estimator::Ordinary);
+        options.extra = extra;
+        options
     };
     let fit = identify(&cell, &measured, &options).unwrap();
     let found = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();

@@ -147,14 +147,13 @@ fn options(cell: &Cell, args: &MapArgs) -> Result<(MapOptions, String)> {
         let along = wrench.and_then(|w| fixed(w.force));
         along.map_or(back, UnitVector3::new_normalize)
     });
-    let options = MapOptions {
-        lower: region.lower,
-        upper: region.upper,
-        steps: region.steps,
-        rotation,
-        free_turn: tool.free_turn,
-        direction,
-        wrench: wrench.unwrap_or_else(|| Wrench::force(direction.into_inner())),
+    let options = {
+        let mut options = MapOptions::new(region.lower, region.upper, region.steps);
+        options.rotation = rotation;
+        options.free_turn = tool.free_turn;
+        options.direction = direction;
+        options.wrench = wrench.unwrap_or_else(|| Wrench::force(direction.into_inner()));
+        options
     };
     let words = match wrench {
         Some(_) => format!("from {words}"),

@@ -61,13 +61,15 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
     let (name, bytes) = session.read("path", path)?;
     let table = read_path(&bytes, &name, cell, args.place.axes.map(Into::into))?;
     let region = Region::of_places(cell, &args.region)?;
-    let options = PlaceOptions {
-        lower: region.lower,
-        upper: region.upper,
-        steps: region.steps,
-        yaws: args.place.yaw_deg.iter().copied().map(deg_to_rad).collect(),
-        free_turns: args.tool.free_turn.unwrap_or(FREE_TURNS),
-        refinements: usize::from(args.place.refine),
+    let options = {
+        let mut options = PlaceOptions::default();
+        options.lower = region.lower;
+        options.upper = region.upper;
+        options.steps = region.steps;
+        options.yaws = args.place.yaw_deg.iter().copied().map(deg_to_rad).collect();
+        options.free_turns = args.tool.free_turn.unwrap_or(FREE_TURNS);
+        options.refinements = usize::from(args.place.refine);
+        options
     };
     let places = options
         .steps

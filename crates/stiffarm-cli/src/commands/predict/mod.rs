@@ -60,14 +60,16 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     )?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = session.read_stiffness(&args.stiffness, &named.cell)?;
-    let options = PredictOptions {
-        model: args.model.into(),
-        load_uncertainty: args.along.load_uncertainty()?,
-        load_at: match args.cell_load {
+    let options = {
+        let mut options = PredictOptions::default();
+        options.model = args.model.into();
+        options.load_uncertainty = args.along.load_uncertainty()?;
+        options.load_at = match args.cell_load {
             true => LoadPoint::LoadingPoint,
             false => LoadPoint::Tip,
-        },
-        stiffness: args.matrix,
+        };
+        options.stiffness = args.matrix;
+        options
     };
     let progress = Progress::new(session, "predicting deflections");
     let (postures, summary, line, file) = match &args.path {

@@ -121,10 +121,12 @@ impl Outputs {
         for state in &args.states {
             check_name(state).map_err(|e| e.key("--states"))?;
         }
-        let options = SheetOptions {
-            states: args.states.clone(),
-            drift: args.drift,
-            base_reflector: args.base_reflector,
+        let options = {
+            let mut options = SheetOptions::default();
+            options.states = args.states.clone();
+            options.drift = args.drift;
+            options.base_reflector = args.base_reflector;
+            options
         };
         let sheet_of = args.sheet_of.unwrap_or(SheetChoice::Readings);
         if sheet_of == SheetChoice::Displacements && (args.drift || args.base_reflector) {

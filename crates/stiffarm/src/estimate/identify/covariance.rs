@@ -5,7 +5,7 @@ use super::system::{RowLabel, Weights};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture};
-use crate::numerics::information::svd;
+use crate::numerics::information::tall_svd;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use std::collections::BTreeMap;
 
@@ -236,7 +236,7 @@ impl Covariance {
                     // Zero rows let the decomposition see all columns.
                     white = white.resize_vertically(columns, 0.0);
                 }
-                let found = svd(white)?;
+                let found = tall_svd(white)?;
                 let rank = found.values.iter().filter(|v| **v > 0.0).count();
                 let share = |s: &f64| 1.0 - 1.0 / (1.0 + s * s).sqrt();
                 let shares = found.values.iter().take(rank).map(share).collect();

@@ -84,6 +84,7 @@ pub const CONFIDENCE: [f64; 2] = [0.01, 0.999_999];
 /// Options of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct IdentifyOptions {
     /// How the unknowns are estimated.
     pub estimator: Estimator,

@@ -5,7 +5,7 @@ use super::covariance::Roots;
 use super::restricted::Restricted;
 use super::system::{Block, MeasuredSystem};
 use crate::error::{Code, Error, Result};
-use crate::numerics::information::{Factor, svd};
+use crate::numerics::information::{Factor, tall_svd};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
@@ -64,7 +64,7 @@ impl Whitening {
             // Zero rows let the decomposition see all columns.
             shared = shared.resize_vertically(columns, 0.0);
         }
-        let parts = svd(shared)
+        let parts = tall_svd(shared)
             .ok_or_else(|| Error::new(Code::NotFinite, "A covariance is not a finite number."))?;
         let rank = parts.values.iter().filter(|v| **v > 0.0).count();
         let sizes = parts.values.rows(0, rank).map(|v| v * v);

@@ -28,6 +28,7 @@ pub use crate::plan::index::FIRST_ORDER_LIMIT;
 /// {0.5 … 3.0} times the variance, 200 runs (Table 3).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct SimulationOptions {
     /// Factors on the reading variance, one per noise level.
     pub variance_factors: Vec<f64>,

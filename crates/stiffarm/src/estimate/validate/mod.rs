@@ -134,6 +134,23 @@ pub fn calculated_displacements(
 /// Compares calculated with measured displacements, Eq. (22), for a stiffness
 /// alone: without bands.
 ///
+/// ```
+/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// use stiffarm::estimate::validate::validate;
+/// use stiffarm::model::stiffness::Model;
+/// use stiffarm::{Cell, prepare, simulated_readings};
+///
+/// let cell = Cell::built_in("comau")?;
+/// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let measured = prepare(&cell, simulated_readings(&cell, &postures, 1)?, &Default::default())?;
+/// // The cell's prior is the truth of the simulation: only noise is left.
+/// let found = validate(&cell, cell.require_prior()?, &measured, Model::Equilibrium, None)?;
+/// assert!(found.deviation_rms_m < 5e-5);
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "files"))] fn main() {}
+/// ```
+///
 /// # Errors
 /// As [`validate_with`]; a stiffness that is not positive.
 pub fn validate(

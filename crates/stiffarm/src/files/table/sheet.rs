@@ -10,6 +10,7 @@ use crate::model::posture::Posture;
 
 /// What a sheet for raw readings asks for.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SheetOptions {
     /// Load states in the order in which they are taken; `loaded` if none is
     /// named. An unloaded state comes first where none is among them.

@@ -48,6 +48,7 @@ use std::collections::BTreeSet;
 
 /// Options of a reduction.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReduceOptions {
     /// Base frame from tracker frame \[m\], before the cell's own; where neither
     /// gives it, the unloaded readings do.

@@ -49,6 +49,7 @@ pub struct PointPair {
 
 /// What is known about the errors of the pairs.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct RegisterOptions {
     /// σ: standard deviation of each coordinate of a residual, both frames
     /// together, at weight 1 \[m\]; `None` estimates it from the residuals.
@@ -138,6 +139,23 @@ pub(crate) fn rigid_transform(
 
 /// Registers tracker to base from at least three pairs that are not on a line,
 /// with σ estimated from the residuals and all pairs alike.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use stiffarm::measure::registration::{PointPair, register};
+///
+/// // A tracker 4 m in front of the robot, turned by half a turn about z.
+/// let to_tracker = |p: Vector3<f64>| Vector3::new(4.0 - p.x, -p.y, p.z);
+/// let points = [[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.5, 0.5, 1.5], [0.2, -0.4, 0.9]];
+/// let pairs = points.map(Vector3::from).map(|base| PointPair {
+///     name: format!("{base:?}"),
+///     tracker: to_tracker(base),
+///     base,
+/// });
+/// let found = register(&pairs)?;
+/// assert!((found.to_base(&Vector3::zeros()) - Vector3::new(4.0, 0.0, 0.0)).norm() < 1e-12);
+/// # Ok::<(), stiffarm::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`register_with`].

@@ -6,7 +6,7 @@
 pub(crate) mod small;
 pub(crate) mod svd;
 
-pub(crate) use svd::{Svd, svd};
+pub(crate) use svd::{Svd, svd, tall_svd};
 
 use crate::error::{Code, Error, Result};
 use nalgebra::linalg::SymmetricEigen;

@@ -22,6 +22,24 @@ pub(crate) struct Svd {
     pub v: DMatrix<f64>,
 }
 
+/// Rows from which on a matrix is first reduced to a square one.
+const TALL: usize = 64;
+
+/// [`svd`] of a matrix that may have very many rows: by QR first, so that the
+/// rotations do not go over all of them again and again.
+pub(crate) fn tall_svd(a: DMatrix<f64>) -> Option<Svd> {
+    let (rows, n) = a.shape();
+    if rows < TALL.max(2 * n) || a.iter().any(|v| !v.is_finite()) {
+        return svd(a);
+    }
+    let qr = a.qr();
+    let parts = svd(qr.r())?;
+    Some(Svd {
+        u: qr.q() * parts.u,
+        ..parts
+    })
+}
+
 /// Decomposes a matrix with at least as many rows as columns; `None` when an
 /// entry is not finite or the rotations do not converge.
 pub(crate) fn svd(mut a: DMatrix<f64>) -> Option<Svd> {

@@ -43,6 +43,23 @@ use reach::Reach;
 /// and the cell's, which hold for the tip, the cell's tool points, the flange and
 /// the wrist; the rope's length is left out, for there is no rope at work.
 ///
+/// ```
+/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// use stiffarm::estimate::compliance::IdentifiedCompliance;
+/// use stiffarm::work::map::{MapOptions, stiffness_map};
+/// use stiffarm::{Cell, Control};
+///
+/// let cell = Cell::built_in("comau")?;
+/// let catalogue = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
+/// let plane = MapOptions::new([1.2, -0.6, 0.8], [2.0, 0.6, 0.8], [5, 7, 1]);
+/// let map = stiffness_map(&cell, &catalogue, &plane, Control::default())?;
+/// let stiffest = map.nodes.iter().filter_map(|node| node.values.as_ref());
+/// assert!(stiffest.count() > 10);
+/// # Ok(())
+/// # }
+/// # #[cfg(not(feature = "files"))] fn main() {}
+/// ```
+///
 /// # Errors
 /// A grid that is no grid, or larger than [`MapOptions::MOST`]; a load without
 /// force; an unknown without positive value; a load that buckles the arm. Stopped,

@@ -3,7 +3,7 @@
 use crate::error::{Code, Error, Result};
 use crate::model::load::Wrench;
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
@@ -12,6 +12,7 @@ const MOST_TURNS: usize = 720;
 
 /// Where the tip is held, how, and under which load.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct MapOptions {
     /// Lower corner of the box, base frame \[m\].
     pub lower: [f64; 3],
@@ -31,6 +32,20 @@ pub struct MapOptions {
 }
 
 impl MapOptions {
+    /// A grid of `steps` nodes between two corners, base frame \[m\]: the tool
+    /// axis down, a force of 1 N up against it, and the stiffness along that.
+    pub fn new(lower: [f64; 3], upper: [f64; 3], steps: [usize; 3]) -> Self {
+        MapOptions {
+            lower,
+            upper,
+            steps,
+            rotation: UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI),
+            free_turn: None,
+            direction: Vector3::z_axis(),
+            wrench: Wrench::force([0.0, 0.0, 1.0]),
+        }
+    }
+
     /// Most nodes of a map.
     pub const MOST: usize = 1_000_000;
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where the workpiece may be.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct PlaceOptions {
     /// Lower corner of the box for the workpiece's origin, base frame \[m\].
     pub lower: [f64; 3],

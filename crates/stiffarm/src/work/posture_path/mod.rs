@@ -34,6 +34,7 @@ const NAMED: usize = 5;
 
 /// How to find the postures of a path.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct PosturePathOptions {
     /// Posture \[rad\] that the first one should be near; without one the branch
     /// that bends least is taken.

@@ -56,7 +56,14 @@ pub(super) fn postures(
     // All branches of all poses, or of the first one.
     let solved = if closed { poses } else { &poses[..1] };
     let mut layers = Layers::new(search.arm.robot().joint_count());
-    let solve = |(i, pose): (usize, &Isometry3<f64>)| search.branches(i, pose);
+    let solve = |(i, pose): (usize, &Isometry3<f64>)| {
+        let mut branches = search.branches(i, pose)?;
+        if i > 0 {
+            // What no turns bring within the limits is never followed.
+            branches.retain(|q| search.inverse.turns_near(q, q).is_some());
+        }
+        Ok(branches)
+    };
     each_in_order(solved, "inverse kinematics", control, solve, |branches| {
         layers.push(&branches);
     })?;

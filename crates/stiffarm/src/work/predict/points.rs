@@ -35,6 +35,7 @@ pub enum LoadPoint {
 
 /// What to predict.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PredictOptions {
     /// The deflection itself: equilibrium, or the linear model, Eq. (7).
     pub model: Model,

@@ -206,34 +206,38 @@ fn wrong_input_is_refused() {
         refusal(&with(|c| c.motor.truncate(5)), plain()).0,
         Code::Dimension
     );
-    let noise = |noise| IdentifyOptions { noise, ..plain() };
+    let noise = |noise| {
+        let mut options = plain();
+        options.noise = noise;
+        options
+    };
     assert_eq!(
         refusal(&data, noise(NoiseSource::Known)).0,
         Code::MissingKey
     );
     assert_eq!(
-        refusal(
-            &data,
-            IdentifyOptions {
-                estimator: Estimator::Weighted,
-                ..noise(NoiseSource::Repeats)
-            }
-        )
+        refusal(&data, {
+            let mut options = noise(NoiseSource::Repeats);
+            options.estimator = Estimator::Weighted;
+            options
+        })
         .0,
         Code::Conflict
     );
     assert_eq!(
-        refusal(
-            &data,
-            IdentifyOptions {
-                weights: Weights::Tracker,
-                ..plain()
-            }
-        )
+        refusal(&data, {
+            let mut options = plain();
+            options.weights = Weights::Tracker;
+            options
+        })
         .0,
         Code::Conflict
     );
-    let extra = |extra| IdentifyOptions { extra, ..plain() };
+    let extra = |extra| {
+        let mut options = plain();
+        options.extra = extra;
+        options
+    };
     assert_eq!(
         refusal(&data, extra(vec![ExtraTerm::BaseTilt, ExtraTerm::BaseTilt])).0,
         Code::Duplicate

@@ -295,9 +295,10 @@ fn a_tilting_joint_and_lost_motion_are_further_terms() {
                 *q -= m;
             }
         }
-        let options = IdentifyOptions {
-            extra: vec![term],
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.extra = vec![term];
+            options
         };
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert_close(
@@ -394,9 +395,10 @@ fn every_estimator_takes_clamped_rows() {
     let postures = postures(&cell, &mut dice, 6);
     let data = simulate_clamped(&cell, &postures, truth, &simulation, 6, 0).unwrap();
     for estimator in Estimator::ALL {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert!(result.estimates.independent_rows);

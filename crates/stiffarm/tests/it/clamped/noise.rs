@@ -23,9 +23,10 @@ fn intervals_cover_as_often_as_they_say() {
             .fold(0.0_f64, |m, q| m.max(q.abs()));
         simulation.angle_std = 0.01 * largest;
         for noise in [NoiseSource::Estimated, NoiseSource::Known] {
-            let options = IdentifyOptions {
-                noise,
-                ..IdentifyOptions::default()
+            let options = {
+                let mut options = IdentifyOptions::default();
+                options.noise = noise;
+                options
             };
             let mut covered = vec![0; n];
             for run in 0..runs {
@@ -95,9 +96,10 @@ fn states_against_one_reference_weigh_as_dense_least_squares() {
         .lu()
         .solve(&(system.psi.transpose() * precision * &system.delta))
         .unwrap();
-    let options = IdentifyOptions {
-        estimator: Estimator::Weighted,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Weighted;
+        options
     };
     let result = identify_clamped(&cell, &data, None, &options).unwrap();
     for (joint, h) in result.estimates.joints.iter().zip(expected.iter()) {
@@ -121,9 +123,10 @@ fn huber_finds_a_state_that_does_not_fit() {
         *q *= 3.0;
     }
     let error = |estimator| {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         let found = result.estimates.stiffness().unwrap();

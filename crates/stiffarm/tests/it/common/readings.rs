@@ -83,9 +83,9 @@ pub fn reduced(cell: &Cell, table: &ReadingTable) -> Reduction {
 }
 
 pub fn given(transform: Isometry3<f64>) -> ReduceOptions {
-    ReduceOptions {
-        base_from_tracker: Some(transform),
-    }
+    let mut options = ReduceOptions::default();
+    options.base_from_tracker = Some(transform);
+    options
 }
 
 /// Displacements of the measuring points and wrench under `factor` times the

@@ -44,10 +44,9 @@ fn measure(cell: &Cell, seed: u64) -> Vec<MeasuredPosture> {
 }
 
 fn options(estimator: Estimator) -> IdentifyOptions {
-    IdentifyOptions {
-        estimator,
-        ..IdentifyOptions::default()
-    }
+    let mut options = IdentifyOptions::default();
+    options.estimator = estimator;
+    options
 }
 
 fn codes(diagnosis: &Diagnosis) -> Vec<&str> {

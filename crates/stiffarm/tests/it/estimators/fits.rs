@@ -92,10 +92,11 @@ fn tracker_weights_are_least_squares_with_the_trackers_covariance() {
             blocks.push(covariance);
         }
     }
-    let options = IdentifyOptions {
-        estimator: Estimator::Weighted,
-        weights: Weights::Tracker,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Weighted;
+        options.weights = Weights::Tracker;
+        options
     };
     let ours = identify(&cell, &measured, &options).unwrap();
     let system = measured_system(&cell, &measured, &[], Weights::Readings).unwrap();
@@ -125,9 +126,10 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let mut spoiled = clean.clone();
     spoiled[2].displacements[1].value += Vector3::new(0.3, -0.2, 1.0);
     let with = |measured: &[MeasuredPosture], estimator| {
-        let options = IdentifyOptions {
-            estimator,
-            ..IdentifyOptions::default()
+        let options = {
+            let mut options = IdentifyOptions::default();
+            options.estimator = estimator;
+            options
         };
         identify(&cell, measured, &options).unwrap()
     };
@@ -158,9 +160,10 @@ fn the_non_negative_fit_says_nothing_about_a_joint_without_load() {
     let mut cell = reference_cell();
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
     let measured = measured(&cell, &[1.0], 1e-5, &mut Dice::new(5));
-    let options = IdentifyOptions {
-        estimator: Estimator::NonNegative,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::NonNegative;
+        options
     };
     let found = identify(&cell, &measured, &options).unwrap();
     assert_eq!(found.estimates.undetermined_joints, ["joint 6"]);
@@ -242,9 +245,10 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
             many.push(posture);
         }
     }
-    let options = IdentifyOptions {
-        estimator: Estimator::Ordinary,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Ordinary;
+        options
     };
     let found = Fit::new(&cell, &many, &options)
         .and_then(|fit| bootstrap(&fit, 800, 1, 0.95))
@@ -279,10 +283,11 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
     let mut cell = honest_cell();
     cell.setup.tool.measuring_points.truncate(1);
     let measured = measured(&cell, &[1.0], 1e-6, &mut Dice::new(4));
-    let options = IdentifyOptions {
-        estimator: Estimator::Ordinary,
-        noise: NoiseSource::Known,
-        ..IdentifyOptions::default()
+    let options = {
+        let mut options = IdentifyOptions::default();
+        options.estimator = Estimator::Ordinary;
+        options.noise = NoiseSource::Known;
+        options
     };
     // A resample with one posture only, 1 in 1296 of six … and 1 in 3 of two.
     let found = Fit::new(&cell, &measured[..2], &options)

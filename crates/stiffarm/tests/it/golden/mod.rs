@@ -43,10 +43,9 @@ fn slice(m: &DMatrix<f64>) -> &[f64] {
 
 /// Rows independent and alike, as the reference computed.
 fn ordinary() -> IdentifyOptions {
-    IdentifyOptions {
-        estimator: Estimator::Ordinary,
-        ..IdentifyOptions::default()
-    }
+    let mut options = IdentifyOptions::default();
+    options.estimator = Estimator::Ordinary;
+    options
 }
 
 #[test]
@@ -296,9 +295,10 @@ fn identification_of_noisy_displacements() {
     );
 
     // The same with the size of the noise known: the errors scale by σ/s.
-    let options = IdentifyOptions {
-        noise: NoiseSource::Known,
-        ..ordinary()
+    let options = {
+        let mut options = ordinary();
+        options.noise = NoiseSource::Known;
+        options
     };
     let known = identify(&cell, &measured, &options).unwrap();
     let ratio = cell.noise.displacement_std() / variance.sqrt();

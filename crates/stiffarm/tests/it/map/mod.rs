@@ -28,18 +28,15 @@ fn down() -> UnitQuaternion<f64> {
 }
 
 fn options() -> MapOptions {
-    MapOptions {
-        lower: [0.7, -1.6, 0.8],
-        upper: [3.0, 1.6, 0.8],
-        steps: [9, 11, 1],
-        rotation: down(),
-        free_turn: None,
-        direction: UnitVector3::new_normalize(Vector3::new(1.0, 0.3, -0.2)),
-        wrench: Wrench {
-            force: Vector3::new(200.0, -300.0, 400.0),
-            moment: Vector3::new(5.0, 0.0, -12.0),
-        },
-    }
+    let mut options = MapOptions::new([0.7, -1.6, 0.8], [3.0, 1.6, 0.8], [9, 11, 1]);
+    options.rotation = down();
+    options.free_turn = None;
+    options.direction = UnitVector3::new_normalize(Vector3::new(1.0, 0.3, -0.2));
+    options.wrench = Wrench {
+        force: Vector3::new(200.0, -300.0, 400.0),
+        moment: Vector3::new(5.0, 0.0, -12.0),
+    };
+    options
 }
 
 fn prior(cell: &Cell) -> IdentifiedCompliance {

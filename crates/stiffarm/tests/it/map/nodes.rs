@@ -22,9 +22,10 @@ fn pointwise(
             wrench,
         })
         .collect();
-    let options = PredictOptions {
-        stiffness: true,
-        ..PredictOptions::default()
+    let options = {
+        let mut options = PredictOptions::default();
+        options.stiffness = true;
+        options
     };
     predict(cell, predictor, &postures, &options, Control::default()).unwrap()
 }
@@ -34,9 +35,10 @@ fn values_are_those_of_pointwise_predictions() {
     let cell = default_cell();
     let predictor = unsure(&cell);
     for free_turn in [None, Some(5)] {
-        let options = MapOptions {
-            free_turn,
-            ..options()
+        let options = {
+            let mut options = options();
+            options.free_turn = free_turn;
+            options
         };
         let map = map(&cell, &predictor, &options);
         let points = pointwise(&cell, &predictor, &map, options.wrench).points;
@@ -79,9 +81,10 @@ fn values_are_those_of_pointwise_predictions() {
 #[test]
 fn stiffness_along_a_direction_is_force_per_shift() {
     let cell = default_cell();
-    let options = MapOptions {
-        wrench: Wrench::force(Vector3::new(1.0, 0.3, -0.2).normalize()),
-        ..options()
+    let options = {
+        let mut options = options();
+        options.wrench = Wrench::force(Vector3::new(1.0, 0.3, -0.2).normalize());
+        options
     };
     let map = map(&cell, &prior(&cell), &options);
     for values in map.nodes.iter().filter_map(|n| n.values.as_ref()) {
@@ -129,11 +132,12 @@ fn each_node_has_the_allowed_posture_that_bends_least() {
     cell.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
     let predictor = prior(&cell);
     let arm = LoadedArm::new(&cell, &predictor).unwrap();
-    let options = MapOptions {
-        lower: [0.2, -2.4, -0.4],
-        upper: [3.6, 2.4, 2.8],
-        steps: [9, 9, 4],
-        ..options()
+    let options = {
+        let mut options = options();
+        options.lower = [0.2, -2.4, -0.4];
+        options.upper = [3.6, 2.4, 2.8];
+        options.steps = [9, 9, 4];
+        options
     };
     let map = map(&cell, &predictor, &options);
     let mut seen = [0; 4];
@@ -192,14 +196,11 @@ fn a_free_turn_can_only_help() {
     let cell = default_cell();
     let predictor = prior(&cell);
     let fixed = map(&cell, &predictor, &options());
-    let free = map(
-        &cell,
-        &predictor,
-        &MapOptions {
-            free_turn: Some(12),
-            ..options()
-        },
-    );
+    let free = map(&cell, &predictor, &{
+        let mut options = options();
+        options.free_turn = Some(12);
+        options
+    });
     let mut gained = 0;
     for (fixed, free) in fixed.nodes.iter().zip(&free.nodes) {
         let Some(values) = &fixed.values else {
@@ -224,11 +225,12 @@ fn the_tip_itself_stays_within_the_limits() {
     let mut cell = default_cell();
     // 300 mm below the reflectors' plane.
     cell.work.tip = Some(Isometry3::translation(0.0, 0.0, 0.5));
-    let options = MapOptions {
-        lower: [1.4, 0.0, 0.2],
-        upper: [1.4, 0.0, 0.4],
-        steps: [1, 1, 2],
-        ..options()
+    let options = {
+        let mut options = options();
+        options.lower = [1.4, 0.0, 0.2];
+        options.upper = [1.4, 0.0, 0.4];
+        options.steps = [1, 1, 2];
+        options
     };
     let nodes = map(&cell, &prior(&cell), &options).nodes;
     assert_eq!(nodes[0].status, Status::Forbidden);
@@ -241,11 +243,12 @@ fn the_tip_itself_stays_within_the_limits() {
 #[test]
 fn nothing_reachable_is_a_serious_finding_that_says_what_comes_closest() {
     let cell = default_cell();
-    let options = MapOptions {
-        lower: [5.0, 0.0, 0.8],
-        upper: [6.0, 0.0, 0.8],
-        steps: [3, 1, 1],
-        ..options()
+    let options = {
+        let mut options = options();
+        options.lower = [5.0, 0.0, 0.8];
+        options.upper = [6.0, 0.0, 0.8];
+        options.steps = [3, 1, 1];
+        options
     };
     let map = map(&cell, &prior(&cell), &options);
     assert_eq!(map.counts.unreachable, 3);
@@ -293,14 +296,13 @@ fn random_maps_hold_the_tip_where_they_say() {
             dice.between(0.4, 2.0),
         ];
         let axis = dice.direction();
-        let options = MapOptions {
-            lower: at,
-            upper: at,
-            steps: [1; 3],
-            rotation: UnitQuaternion::from_scaled_axis(axis * dice.between(0.0, PI)),
-            free_turn: Some(4),
-            direction: UnitVector3::new_normalize(dice.direction()),
-            wrench: Wrench::force(dice.direction() * 500.0),
+        let options = {
+            let mut options = MapOptions::new(at, at, [1; 3]);
+            options.rotation = UnitQuaternion::from_scaled_axis(axis * dice.between(0.0, PI));
+            options.free_turn = Some(4);
+            options.direction = UnitVector3::new_normalize(dice.direction());
+            options.wrench = Wrench::force(dice.direction() * 500.0);
+            options
         };
         let node = &map(&cell, &predictor, &options).nodes[0];
         let Some(values) = &node.values else { continue };

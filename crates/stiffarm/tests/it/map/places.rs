@@ -32,13 +32,12 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
 }
 
 fn place_options() -> PlaceOptions {
-    PlaceOptions {
-        lower: [1.1, -0.9, 0.7],
-        upper: [2.3, 0.9, 0.7],
-        steps: [5, 7, 1],
-        yaws: vec![0.0, FRAC_PI_2],
-        ..PlaceOptions::default()
-    }
+    let mut options = PlaceOptions::default();
+    options.lower = [1.1, -0.9, 0.7];
+    options.upper = [2.3, 0.9, 0.7];
+    options.steps = [5, 7, 1];
+    options.yaws = vec![0.0, FRAC_PI_2];
+    options
 }
 
 fn search(cell: &Cell, points: &[PathPoint], options: &PlaceOptions) -> Placement {
@@ -124,11 +123,12 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
 fn places_that_fail_say_where_and_why() {
     let mut cell = default_cell();
     let points = rectangle(&mut cell, ForceAxes::Path);
-    let options = PlaceOptions {
-        lower: [0.7, 0.0, 0.7],
-        upper: [3.5, 0.0, 0.7],
-        steps: [8, 1, 1],
-        ..PlaceOptions::default()
+    let options = {
+        let mut options = PlaceOptions::default();
+        options.lower = [0.7, 0.0, 0.7];
+        options.upper = [3.5, 0.0, 0.7];
+        options.steps = [8, 1, 1];
+        options
     };
     let found = search(&cell, &points, &options);
     let status = |at: usize| found.candidates[at].status;
@@ -145,11 +145,12 @@ fn places_that_fail_say_where_and_why() {
         );
     }
     // Nowhere.
-    let far = PlaceOptions {
-        lower: [4.0, 0.0, 0.7],
-        upper: [5.0, 0.0, 0.7],
-        steps: [3, 1, 1],
-        ..PlaceOptions::default()
+    let far = {
+        let mut options = PlaceOptions::default();
+        options.lower = [4.0, 0.0, 0.7];
+        options.upper = [5.0, 0.0, 0.7];
+        options.steps = [3, 1, 1];
+        options
     };
     let found = search(&cell, &points, &far);
     assert!(found.best.is_none() && found.gain.is_none());
@@ -179,10 +180,11 @@ fn full_turns_are_chosen_for_the_whole_path() {
             }
         })
         .collect();
-    let options = PlaceOptions {
-        lower: [1.8, 0.0, 0.8],
-        upper: [1.8, 0.0, 0.8],
-        ..PlaceOptions::default()
+    let options = {
+        let mut options = PlaceOptions::default();
+        options.lower = [1.8, 0.0, 0.8];
+        options.upper = [1.8, 0.0, 0.8];
+        options
     };
     let found = search(&cell, &points, &options);
     assert_eq!(found.given.status, Status::Reachable, "{:?}", found.given);
@@ -218,9 +220,10 @@ fn a_free_tool_axis_takes_the_best_turn() {
             other => panic!("{other:?}"),
         })
         .collect();
-    let options = PlaceOptions {
-        refinements: 0,
-        ..place_options()
+    let options = {
+        let mut options = place_options();
+        options.refinements = 0;
+        options
     };
     let found = search(&cell, &free, &options);
     let fixed = search(&cell, &points, &options);
@@ -246,11 +249,12 @@ fn long_paths_are_searched_thinned_and_judged_whole() {
         moment: Vector3::zeros(),
         axes: ForceAxes::Base,
     });
-    let options = PlaceOptions {
-        steps: [3, 3, 1],
-        yaws: vec![0.0],
-        refinements: 0,
-        ..place_options()
+    let options = {
+        let mut options = place_options();
+        options.steps = [3, 3, 1];
+        options.yaws = vec![0.0];
+        options.refinements = 0;
+        options
     };
     let found = search(&cell, &points, &options);
     assert_eq!(found.point_count, 1200);

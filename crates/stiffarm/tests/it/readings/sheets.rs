@@ -5,10 +5,12 @@ use super::*;
 #[test]
 fn sheets_to_fill_in() -> Check {
     let one = &postures()[..1];
-    let options = |states: &[&str], drift, base_reflector| SheetOptions {
-        states: states.iter().map(|s| s.to_string()).collect(),
-        drift,
-        base_reflector,
+    let options = |states: &[&str], drift, base_reflector| {
+        let mut options = SheetOptions::default();
+        options.states = states.iter().map(|s| s.to_string()).collect();
+        options.drift = drift;
+        options.base_reflector = base_reflector;
+        options
     };
     let mut report = String::new();
     for (what, cell, options) in [

@@ -8,6 +8,7 @@ use crate::estimate::identify::{
     Estimator, Fit, Fold, Prepared, RowLabel, Whitened, prediction_error, rms, rounding,
 };
 use crate::numerics::information::Factor;
+use crate::numerics::jobs::in_order;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::cell::OnceCell;
 
@@ -156,7 +157,7 @@ impl Kept {
             .collect();
         let odd = own.iter().filter(|odd| **odd).count();
         let of_point = match odd as f64 >= SHARE * own.len() as f64 && odd > 1 {
-            true => rest.point_p(point)?,
+            true => point_p(&rest.fit, point, whole(&rest.fit)?)?,
             false => None,
         };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
@@ -312,36 +313,52 @@ impl Kept {
             return Ok(known);
         }
         let judged = self.has_residuals();
-        let mut out = Vec::new();
-        for point in 0..self.fit.cell().setup.tool.point_count() {
-            out.push(PointFit {
+        let points: Vec<usize> = (0..self.fit.cell().setup.tool.point_count()).collect();
+        let fit = &self.fit;
+        let all = match judged {
+            true => whole(fit)?,
+            false => (0.0, 0),
+        };
+        let found = in_order(&points, |(_, &point)| match judged {
+            true => point_p(fit, point, all),
+            false => Ok(None),
+        })?;
+        let named = points
+            .into_iter()
+            .zip(found)
+            .map(|(point, p_value)| PointFit {
                 point: self.point_name(point),
-                p_value: if judged { self.point_p(point)? } else { None },
+                p_value,
             });
-        }
+        let out = named.collect();
         Ok(self.points.get_or_init(|| out))
     }
+}
 
-    /// Probability of the residuals of `point` by the fit to the other points.
-    fn point_p(&self, point: usize) -> Result<Option<f64>> {
-        self.fit.control().check()?;
-        let whole = self.fit.system();
-        let of_point = |l: &RowLabel| self.fit.experiment().behind(l).1 == point;
-        let Some(system) = whole.filtered(|l| !of_point(l)) else {
-            return Ok(None);
-        };
-        let (estimator, gamma) = (self.fit.assumed().estimator, self.fit.solution().gamma);
-        let all = size_and_rank(self.fit.prepared(), &whole.delta, gamma)?;
-        let rest = size_and_rank(&Prepared::new(&system, estimator)?, &system.delta, gamma)?;
-        let own = whole.delta.len() - system.delta.len();
-        let free = system.delta.len() - rest.1.min(system.delta.len());
-        if own == 0 || rest.1 < all.1 || free == 0 {
-            return Ok(None);
-        }
-        let left = rest.0.max(f64::EPSILON * all.0);
-        let f = (all.0 - rest.0).max(0.0) / own as f64 / (left / free as f64);
-        Ok(f_tail(f, own, free))
+/// Weighted sum of squared residuals of a fit, and its rank.
+fn whole(fit: &Fit) -> Result<(f64, usize)> {
+    size_and_rank(fit.prepared(), &fit.system().delta, fit.solution().gamma)
+}
+
+/// Probability of the residuals of `point` by the fit to the other points; `all`
+/// is what the fit to all leaves ([`whole`]).
+fn point_p(fit: &Fit, point: usize, all: (f64, usize)) -> Result<Option<f64>> {
+    fit.control().check()?;
+    let whole = fit.system();
+    let of_point = |l: &RowLabel| fit.experiment().behind(l).1 == point;
+    let Some(system) = whole.filtered(|l| !of_point(l)) else {
+        return Ok(None);
+    };
+    let (estimator, gamma) = (fit.assumed().estimator, fit.solution().gamma);
+    let rest = size_and_rank(&Prepared::new(&system, estimator)?, &system.delta, gamma)?;
+    let own = whole.delta.len() - system.delta.len();
+    let free = system.delta.len() - rest.1.min(system.delta.len());
+    if own == 0 || rest.1 < all.1 || free == 0 {
+        return Ok(None);
     }
+    let left = rest.0.max(f64::EPSILON * all.0);
+    let f = (all.0 - rest.0).max(0.0) / own as f64 / (left / free as f64);
+    Ok(f_tail(f, own, free))
 }
 
 fn named(kind: OutlierKind, p_value: f64) -> Outlier {

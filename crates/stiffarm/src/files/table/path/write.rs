@@ -8,6 +8,7 @@ use crate::files::table::write::separated;
 use crate::model::path::{PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, TipLoad};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
+use std::borrow::Borrow;
 use std::f64::consts::PI;
 
 /// Decimals of a component of the tool axis.
@@ -28,12 +29,22 @@ const AXIS_DECIMALS: i32 = 12;
 /// A target that the columns cannot hold (angles for poses or the reverse, a tool
 /// axis for poses), a wrong number of angles, a load whose axes or moment the
 /// table has no column for.
-pub fn write_path(format: &PathFormat, points: &[PathPoint]) -> Result<String> {
+pub fn write_path<P: Borrow<PathPoint>>(
+    format: &PathFormat,
+    points: impl IntoIterator<Item = P>,
+) -> Result<String> {
     let headings: Vec<String> = format.columns.iter().map(|c| c.heading.clone()).collect();
     let line = |fields: &[String]| separated(fields, format.separator);
     let mut text = line(&headings);
     let mut fields = Vec::with_capacity(headings.len());
-    for point in points {
+    let points = points.into_iter();
+    let (heading, rows) = (text.len(), points.size_hint().0);
+    for (i, point) in points.enumerate() {
+        if i == 1 {
+            // As long as the first row and a little more: no copy as it grows.
+            text.reserve((text.len() - heading + 8) * rows);
+        }
+        let point = point.borrow();
         let target = Numbers::of(format, point)?;
         check_load(format, point)?;
         fields.clear();
