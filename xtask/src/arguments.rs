@@ -28,13 +28,24 @@ Commands:
       --threads N,…     runs all of them with each of these numbers of threads: the first fills FOLDER, each
                         other one FOLDER-N, which is compared with FOLDER
       The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
+  fuzz [--seconds N | --inputs N] [--target T]… [--seed S] [--threads N]
+      Runs mutated inputs through every reader and every command, built for release, without end unless told.
+      --seconds N       ends after this time
+      --inputs N        ends after this many inputs of each target
+      --target T        only this target; more than one may be given
+      --seed S          other inputs [default: 1]
+      --threads N       processes at a time [default: all cores]
+  fuzz --target T (--seed S --input I | --replay FILE) [--minimise] [--output FILE]
+      Runs one input and shows it: number I of a seed, or one of fuzz/regressions.
+      --minimise        leaves out what its fault can do without
+      --output FILE     writes the input to FILE
   lint
       Formatting, structure of the code, clippy with all, the default and no features, documentation, generated
       files, licences, unused dependencies.
   features
       Clippy on the library with every set of its features; takes minutes, the nightly workflow runs it.
   ci [options of test]
-      lint, then test: what the continuous integration runs.
+      lint, half a minute of fuzz, then test: what the continuous integration runs.
   help
       This text.
 
@@ -56,6 +67,8 @@ pub enum Command {
     },
     /// Keep what `stiffarm` prints and writes, and compare it.
     Outputs(OutputsOptions),
+    /// Mutated inputs for readers and commands; the words are the fuzzer's.
+    Fuzz(Vec<String>),
     /// Every check that is not a test.
     Lint,
     /// The library with every set of its features.
@@ -130,6 +143,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [_, second, ..] => Err(unexpected(name, second)),
         },
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
+        "fuzz" => Ok(Command::Fuzz(rest.to_vec())),
         "lint" | "features" => match rest {
             [] if name == "lint" => Ok(Command::Lint),
             [] => Ok(Command::Features),
@@ -137,7 +151,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, generate, outputs, lint, features, ci or help",
+            "use test, generate, outputs, fuzz, lint, features, ci or help",
         )),
     }
 }
@@ -289,6 +303,16 @@ mod tests {
         );
         assert_eq!(parsed("lint").unwrap(), Command::Lint);
         assert_eq!(parsed("features").unwrap(), Command::Features);
+    }
+
+    #[test]
+    fn fuzz_takes_the_words_of_the_fuzzer() {
+        let words = ["--target", "cell", "--seconds", "5"].map(String::from);
+        assert_eq!(
+            parsed("fuzz --target cell --seconds 5").unwrap(),
+            Command::Fuzz(words.to_vec())
+        );
+        assert_eq!(parsed("fuzz --help").unwrap(), Command::Help);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::arguments::TestOptions;
 use crate::run::{Failure, Workspace, step};
-use crate::{generate, structure, test};
+use crate::{fuzz, generate, structure, test};
 
 /// Every check that is not a test; stops at the first that fails.
 pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
@@ -13,7 +13,7 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
     check_dependencies(workspace)
 }
 
-/// What [`lint`] does, then the tests. Their closing line is the last line of all.
+/// What [`lint`] does, a little fuzzing, then the tests. Their closing line is the last line of all.
 pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     check_code(workspace)?;
     let build = test::build(workspace);
@@ -22,6 +22,8 @@ pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
         generate::run_built(workspace, true)
     })?;
     check_dependencies(workspace)?;
+    let seconds = fuzz::SMOKE_SECONDS;
+    step(format!("cargo xtask fuzz --seconds {seconds}"), fuzz::smoke)?;
     println!("\n== cargo xtask test");
     test::run(workspace, options)
 }

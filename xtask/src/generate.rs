@@ -79,7 +79,7 @@ pub fn run_built(workspace: &Workspace, check: bool) -> Result<(), Failure> {
 }
 
 /// The program `name` in the folder of this one.
-fn beside_this_program(name: &str) -> Result<PathBuf, Failure> {
+pub fn beside_this_program(name: &str) -> Result<PathBuf, Failure> {
     let path = std::env::current_exe()
         .map(|this| this.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX)));
     match path {

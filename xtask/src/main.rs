@@ -5,6 +5,7 @@
 
 mod arguments;
 mod checks;
+mod fuzz;
 mod generate;
 mod outputs;
 mod run;
@@ -40,6 +41,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Test(options) => test::run(&workspace, &options),
         Command::Generate { check } => generate::run(&workspace, check),
         Command::Outputs(options) => outputs::run(&workspace, &options),
+        Command::Fuzz(words) => fuzz::run(&workspace, &words),
         Command::Lint => checks::lint(&workspace),
         Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),

@@ -1,5 +1,6 @@
 //! Errors as people and machines read them.
 
+use crate::Captured;
 use crate::excerpt::excerpt;
 use crate::output::to_json;
 use crate::screen::rendered;
@@ -7,10 +8,10 @@ use crate::session::Session;
 use crate::table::paint;
 use anstyle::AnsiColor;
 use serde::Serialize;
+use std::cell::RefCell;
 use std::io::Write;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::process::ExitCode;
 use stiffarm::{Code, Error, Result};
 
 /// A byte order mark, which editors don't show either.
@@ -45,26 +46,35 @@ pub fn exit_code(code: Code) -> u8 {
 }
 
 /// Prints an error and gives its exit code.
-pub fn report(session: &Session, error: &Error) -> ExitCode {
+pub fn report(session: &Session, error: &Error) -> u8 {
     if session.json {
         // A reader that has gone needs no error.
         let _ = session.print_exact(&json(error));
     } else {
         session.print_error(&draw(session, error));
     }
-    ExitCode::from(exit_code(error.code()))
+    exit_code(error.code())
 }
 
 /// As [`report`], always as text on standard error: a result stands on standard output.
-pub fn report_beside(session: &Session, error: &Error) -> ExitCode {
+pub fn report_beside(session: &Session, error: &Error) -> u8 {
     session.print_error(&draw(session, error));
-    ExitCode::from(exit_code(error.code()))
+    exit_code(error.code())
 }
 
 /// Prints what clap says: help and version on standard output, usage errors on
 /// standard error, or as JSON where the line asks for it.
-pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {
+pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Captured>>) -> u8 {
     let code = u8::try_from(stop.exit_code()).unwrap_or(2);
+    if let Some(captured) = captured {
+        let mut captured = captured.borrow_mut();
+        match (stop.use_stderr(), json_wanted) {
+            (false, _) => captured.out += &stop.render().to_string(),
+            (true, false) => captured.err += &rendered(&stop.render().to_string()),
+            (true, true) => captured.out += &json(&usage_error(stop)),
+        }
+        return code;
+    }
     if !json_wanted || !stop.use_stderr() {
         let text = stop.render().to_string();
         // A reader that has gone needs no help.
@@ -73,8 +83,14 @@ pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {
             // A word of the line that is more than letters, without clap's styles.
             false => std::io::stderr().write_all(rendered(&text).as_bytes()),
         };
-        return ExitCode::from(code);
+        return code;
     }
+    let _ = std::io::stdout().write_all(json(&usage_error(stop)).as_bytes());
+    code
+}
+
+/// What clap says about a line, as an error of ours.
+fn usage_error(stop: &clap::Error) -> Error {
     let text = stop.render().to_string();
     let joined = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut paragraphs = text.trim().split("\n\n").map(joined);
@@ -82,10 +98,15 @@ pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {
     let hint: Vec<String> = paragraphs
         .filter(|p| !p.starts_with("For more information"))
         .collect();
-    let error =
-        Error::new(Code::Usage, message.trim_start_matches("error: ")).hint(hint.join("; "));
-    let _ = std::io::stdout().write_all(json(&error).as_bytes());
-    ExitCode::from(code)
+    Error::new(Code::Usage, message.trim_start_matches("error: ")).hint(hint.join("; "))
+}
+
+/// Runs `work` without the text that a panic prints: [`catch_panic`] says it better.
+pub fn without_panic_text<T>(work: impl FnOnce() -> T) -> T {
+    std::panic::set_hook(Box::new(|_| {}));
+    let done = work();
+    let _ = std::panic::take_hook();
+    done
 }
 
 /// Runs `work`; a panic becomes an error of its own kind.
@@ -93,9 +114,7 @@ pub fn usage(stop: &clap::Error, json_wanted: bool) -> ExitCode {
 /// # Errors
 /// Those of `work`, and [`Code::Internal`] where it panics.
 pub fn catch_panic<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
-    std::panic::set_hook(Box::new(|_| {}));
     let ran = catch_unwind(AssertUnwindSafe(work));
-    let _ = std::panic::take_hook();
     ran.unwrap_or_else(|payload| {
         let said = payload
             .downcast_ref::<String>()

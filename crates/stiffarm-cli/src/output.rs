@@ -2,7 +2,7 @@
 
 use crate::commands::finding_line;
 use crate::files::{Target, write_all};
-use crate::screen::rendered;
+use crate::screen::{plain, rendered};
 use crate::session::Session;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -120,7 +120,10 @@ impl Session {
     /// # Errors
     /// Standard output cannot be written.
     pub fn print(&self, text: &str) -> Result<()> {
-        self.print_exact(&rendered(text))
+        match self.captured {
+            Some(_) => self.print_exact(&plain(text)),
+            None => self.print_exact(&rendered(text)),
+        }
     }
 
     /// Prints the content of a file, or an object, as it is.
@@ -128,6 +131,10 @@ impl Session {
     /// # Errors
     /// As [`Session::print`].
     pub fn print_exact(&self, text: &str) -> Result<()> {
+        if let Some(captured) = &self.captured {
+            captured.borrow_mut().out += text;
+            return Ok(());
+        }
         let mut out = anstream::AutoStream::new(std::io::stdout(), self.color).lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::new(
@@ -140,6 +147,10 @@ impl Session {
 
     /// Prints to standard error.
     pub fn print_error(&self, text: &str) {
+        if let Some(captured) = &self.captured {
+            captured.borrow_mut().err += &plain(text);
+            return;
+        }
         // Where standard error is closed there is nobody left to tell.
         let mut out = anstream::AutoStream::new(std::io::stderr(), self.color).lock();
         let _ = out.write_all(rendered(text).as_bytes());

@@ -1,10 +1,12 @@
 //! What all commands share: the way they were asked to speak, and what they read.
 
+use crate::Captured;
 use crate::args::Global;
 use crate::identity::FileId;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::rc::Rc;
 use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
 
@@ -41,11 +43,13 @@ pub struct Session {
     outputs: RefCell<Vec<FileId>>,
     /// Why a file could not be written.
     failure: RefCell<Option<Error>>,
+    /// Takes what is printed, instead of the process's own output.
+    pub captured: Option<Rc<RefCell<Captured>>>,
 }
 
 impl Session {
     /// A session as the global options want it.
-    pub fn new(global: &Global) -> Self {
+    pub fn new(global: &Global, captured: Option<Rc<RefCell<Captured>>>) -> Self {
         Session {
             json: global.json,
             quiet: global.quiet,
@@ -57,6 +61,7 @@ impl Session {
             inputs: RefCell::new(Vec::new()),
             outputs: RefCell::new(Vec::new()),
             failure: RefCell::new(None),
+            captured,
         }
     }
 

@@ -1,5 +1,6 @@
 //! The one error type of the library: what is wrong, where, what to do.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
@@ -251,7 +252,7 @@ impl Error {
     pub fn new(code: Code, message: impl Into<String>) -> Self {
         Error(Box::new(Inner {
             code,
-            message: cut(message.into()),
+            message: readable(message.into()),
             place: Place::default(),
             hint: None,
         }))
@@ -260,14 +261,14 @@ impl Error {
     /// Adds what the user can do.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.0.hint = Some(cut(hint.into()));
+        self.0.hint = Some(readable(hint.into()));
         self
     }
 
     /// Adds the key path or column name.
     #[must_use]
     pub fn key(mut self, key: impl Into<String>) -> Self {
-        self.0.place.key = Some(cut(key.into()));
+        self.0.place.key = Some(readable(key.into()));
         self
     }
 
@@ -325,8 +326,43 @@ impl Error {
     }
 }
 
+/// True for a character that a reader does not see, or that changes how others
+/// are shown: controls, line separators, marks of direction, fillers, tags.
+pub fn is_hidden(c: char) -> bool {
+    c.is_control()
+        || matches!(c,
+            '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}'
+            | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}' | '\u{3164}' | '\u{feff}' | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}'
+            | '\u{e0000}'..='\u{e0fff}')
+}
+
+/// Text with its hidden characters in letters, `\u{202e}`, on one line.
+pub fn visible(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |c: char| match c {
+        '\n' | '\r' | '\t' => c.escape_default().to_string(),
+        c if is_hidden(c) => c.escape_unicode().to_string(),
+        c => c.to_string(),
+    };
+    Cow::Owned(text.chars().map(shown).collect())
+}
+
 /// Bytes of a sentence. A field that stands in one may be as long as its file.
 const LONGEST: usize = 4000;
+
+/// A sentence as it can be read: what it quotes from a file has its hidden characters in
+/// letters, its own line ends stay.
+fn readable(text: String) -> String {
+    let text = cut(text);
+    if !text.chars().any(|c| is_hidden(c) && c != '\n') {
+        return text;
+    }
+    let lines: Vec<Cow<'_, str>> = text.split('\n').map(visible).collect();
+    cut(lines.join("\n"))
+}
 
 /// A text whose middle is left out where it is too long to be read.
 fn cut(text: String) -> String {

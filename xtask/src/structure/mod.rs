@@ -156,6 +156,7 @@ fn public_modules(root: &str) -> Vec<String> {
 fn sources(workspace: &Workspace) -> Result<Vec<(String, PathBuf)>, Failure> {
     let crates = workspace.root().join("crates");
     let mut folders = entries(&crates)?;
+    folders.push(workspace.root().join("fuzz"));
     folders.push(workspace.root().join("xtask"));
     Ok(folders
         .into_iter()

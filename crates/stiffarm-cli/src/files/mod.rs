@@ -283,7 +283,14 @@ pub fn check_folder<'n>(
         return Ok(());
     }
     // The nearest folder that is there, in which the others will be made.
-    let nearest = folder.ancestors().skip(1).find(|above| above.is_dir());
+    let above = folder.ancestors().skip(1);
+    let nearest = above.into_iter().find(|above| above.exists());
+    if let Some(file) = nearest.filter(|nearest| !nearest.is_dir()) {
+        let message = format!("The folder cannot be made: {} is a file.", shown(file));
+        return Err(Error::new(Code::FileWrite, message)
+            .file(name)
+            .hint("give another --output-dir"));
+    }
     let nearest = nearest.unwrap_or(Path::new("."));
     let inside = folder
         .file_name()

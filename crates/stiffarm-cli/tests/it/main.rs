@@ -7,6 +7,7 @@ mod edges;
 mod errors;
 mod examples;
 mod fanuc;
+mod faults;
 mod hostile;
 mod interrupt;
 mod map;

@@ -105,6 +105,28 @@ pub fn command(folder: &Path) -> Command {
     command
 }
 
+/// `base` times the factor that `STIFFARM_TEST_RUNS` asks for, as in the library's tests.
+pub fn runs(base: u64) -> u64 {
+    let factor = match std::env::var("STIFFARM_TEST_RUNS") {
+        Ok(text) => text.parse().expect("STIFFARM_TEST_RUNS must be a number"),
+        Err(_) => 1.0,
+    };
+    ((base as f64 * factor).round() as u64).max(1)
+}
+
+/// A script of the shell in a folder, in the surroundings of [`command`].
+pub fn shell(folder: &Path, script: &str) -> Command {
+    let mut shell = Command::new("sh");
+    shell
+        .current_dir(folder)
+        .args(["-c", script])
+        .env_remove("NO_COLOR")
+        .env_remove("CLICOLOR_FORCE")
+        .env("TERM", "dumb")
+        .stdin(Stdio::null());
+    shell
+}
+
 /// What a run left behind.
 pub struct Ran {
     /// Exit code.

@@ -86,7 +86,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
         .filter(|&i| {
             let earlier =
                 (0..i).any(|j| same(i, j)) || (0..terms.len()).any(|j| asked(j) && same(i, j));
-            !asked(i) && !(earlier && column(i).norm() > 0.0)
+            !(asked(i) || earlier && column(i).norm() > 0.0)
         })
         .collect();
     let mut trials = in_order(&tried, |(_, &i)| {

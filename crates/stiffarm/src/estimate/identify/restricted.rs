@@ -201,7 +201,7 @@ impl<'a> Restricted<'a> {
         plain.all[end - 2] = size;
         let node = |j: usize| {
             let angle = PI * (j as f64 + 0.5) / NODES as f64;
-            let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if j.is_multiple_of(2) { 1.0 } else { -1.0 };
             (angle.cos(), sign * angle.sin())
         };
         Restricted {

@@ -21,8 +21,9 @@ const STIFFEST: f64 = 1e15;
 /// Largest angle of a lost motion \[rad\].
 const LARGEST_LOST_MOTION: f64 = 1.0;
 
-/// Largest scatter or displacement \[m\].
-const LARGEST_LENGTH: f64 = 10.0;
+/// Largest displacement and scatter of displacements \[m\]: what a table may hold, a fit
+/// may have seen and `identify` saved.
+const LARGEST_LENGTH: f64 = 1e3;
 
 /// Values that say the same twice may differ by this part: by hand one writes
 /// four digits.

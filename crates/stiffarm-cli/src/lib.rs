@@ -1,0 +1,110 @@
+//! The command `stiffarm` as a function: parses the command line and runs one command.
+//!
+//! The program calls [`run_process`]; the fuzzer calls [`run_captured`] many times in one
+//! process. Nothing else is promised, the library to build on is `stiffarm`.
+
+mod args;
+mod commands;
+mod error;
+mod examples;
+mod excerpt;
+mod files;
+mod identity;
+mod input;
+mod interrupt;
+mod numbers;
+mod output;
+mod path;
+mod progress;
+mod saved;
+mod screen;
+mod session;
+mod table;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, FromArgMatches};
+use output::Exit;
+use session::Session;
+use std::cell::RefCell;
+use std::ffi::OsString;
+use std::process::ExitCode;
+use std::rc::Rc;
+
+/// Runs the command line of this process.
+pub fn run_process() -> ExitCode {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let code = error::without_panic_text(|| run_words(&words, None));
+    ExitCode::from(code)
+}
+
+/// What a run in this process printed, and its exit code.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Captured {
+    /// Exit code.
+    pub code: u8,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+/// Runs a command line, the program's name first, and keeps what it prints.
+///
+/// Files are read and written as ever; what goes to standard output and standard error
+/// is in the answer. The hook for panics stays the caller's.
+pub fn run_captured(words: &[OsString]) -> Captured {
+    let printed = Rc::<RefCell<Captured>>::default();
+    let code = run_words(words, Some(Rc::clone(&printed)));
+    Captured {
+        code,
+        ..printed.take()
+    }
+}
+
+/// Runs one command line and gives its exit code.
+fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>) -> u8 {
+    // What help and usage errors need before the words are parsed.
+    let color = args::color_of(words);
+    let command = Cli::command().color(color);
+    let parsed = command.try_get_matches_from(words);
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        Err(stop) => return error::usage(&stop, args::wants_json(words), captured.as_deref()),
+    };
+    let session = Session::new(&cli.global, captured);
+    let ran = error::catch_panic(|| {
+        session.set_threads(&cli.global)?;
+        run(&session, &cli.command)
+    });
+    match ran {
+        Ok(exit) => match session.failure() {
+            // The result is on standard output already.
+            Some(error) => error::report_beside(&session, &error),
+            None => exit.code(),
+        },
+        Err(fault) => error::report(&session, &fault),
+    }
+}
+
+fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
+    match command {
+        Command::Study(args) => commands::study::run(session, args),
+        Command::Init(args) => commands::init::run(session, args),
+        Command::Check(args) => commands::check::run(session, args),
+        Command::Select(args) => commands::select::run(session, args),
+        Command::Evaluate(args) => commands::evaluate::run(session, args),
+        Command::Simulate(args) => commands::simulate::run(session, args),
+        Command::Register(args) => commands::register::run(session, args),
+        Command::Identify(args) => commands::identify::run(session, args),
+        Command::Validate(args) => commands::validate::run(session, args),
+        Command::Predict(args) => commands::predict::run(session, args),
+        Command::Compensate(args) => commands::compensate::run(session, args),
+        Command::Map(args) => commands::map::run(session, args),
+        Command::Zones(args) => commands::zones::run(session, args),
+        Command::Robots(args) => commands::robots::run(session, args),
+        Command::Schema(args) => commands::schema::run(session, args),
+        Command::Completions(args) => commands::completions::run(session, args),
+        Command::Man(args) => commands::man::run(session, args),
+        Command::Docs(args) => commands::docs::run(session, args),
+    }
+}

@@ -1,0 +1,238 @@
+//! Files that inputs start from: those the project ships, and what its commands make of them.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use stiffarm::files::builtin;
+
+/// What a file is read as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A cell.
+    Cell,
+    /// Joint angles.
+    Postures,
+    /// Measured displacements.
+    Displacements,
+    /// Raw readings.
+    Readings,
+    /// Readings with the flange fixed.
+    Clamped,
+    /// Points in two frames.
+    Pairs,
+    /// A path.
+    Path,
+    /// A saved stiffness.
+    Stiffness,
+    /// A saved registration.
+    Registration,
+}
+
+/// A file to start from.
+#[derive(Debug, Clone)]
+pub struct Seed {
+    /// What it is read as.
+    pub kind: Kind,
+    /// Its text.
+    pub text: String,
+}
+
+/// All seeds.
+pub fn all() -> &'static [Seed] {
+    static SEEDS: OnceLock<Vec<Seed>> = OnceLock::new();
+    SEEDS.get_or_init(|| {
+        let folder = Scratch::new("seeds");
+        gathered(&folder)
+    })
+}
+
+/// The seeds of a kind.
+pub fn of(kind: Kind) -> Vec<&'static str> {
+    let fit = all().iter().filter(|seed| seed.kind == kind);
+    fit.map(|seed| seed.text.as_str()).collect()
+}
+
+fn gathered(folder: &Scratch) -> Vec<Seed> {
+    let mut seeds = Vec::new();
+    let mut add = |kind, text: String| seeds.push(Seed { kind, text });
+    for name in builtin::cell_names() {
+        add(
+            Kind::Cell,
+            builtin::cell_text(name).unwrap_or_default().to_string(),
+        );
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/inputs");
+    let input = |name: &str| std::fs::read_to_string(root.join(name)).unwrap_or_default();
+    for name in ["five", "full", "measured", "seven", "weight", "dark"] {
+        add(Kind::Cell, input(&format!("{name}.toml")));
+    }
+    let group = builtin::postures_text("comau-group1").unwrap_or_default();
+    add(Kind::Postures, group.to_string());
+    add(Kind::Postures, input("given.csv"));
+    add(
+        Kind::Pairs,
+        builtin::pairs_text("example-pairs")
+            .unwrap_or_default()
+            .to_string(),
+    );
+    add(Kind::Pairs, input("pairs-wrong.csv"));
+    add(
+        Kind::Path,
+        builtin::path_text("contour")
+            .unwrap_or_default()
+            .to_string(),
+    );
+    for name in ["axes", "forces", "straight", "near-poses", "poses"] {
+        add(Kind::Path, input(&format!("{name}.csv")));
+    }
+    for name in ["without-angles", "wrong-sign"] {
+        add(Kind::Displacements, input(&format!("{name}.csv")));
+    }
+    add(Kind::Clamped, input("clamped.csv"));
+    add(Kind::Stiffness, input("bare.json"));
+    std::fs::write(folder.path("clamped.csv"), input("clamped.csv")).unwrap_or_default();
+    const MADE: [(&str, &str, Kind); 10] = [
+        (
+            "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv",
+            "m.csv",
+            Kind::Displacements,
+        ),
+        (
+            "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --readings r.csv",
+            "r.csv",
+            Kind::Readings,
+        ),
+        (
+            "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --sheet s.csv --states up,down --drift --base-reflector",
+            "s.csv",
+            Kind::Readings,
+        ),
+        (
+            "identify builtin:comau m.csv --brief --output a.json",
+            "a.json",
+            Kind::Stiffness,
+        ),
+        (
+            "identify builtin:comau m.csv --output b.json",
+            "b.json",
+            Kind::Stiffness,
+        ),
+        (
+            "identify builtin:comau r.csv --output c.json",
+            "c.json",
+            Kind::Stiffness,
+        ),
+        (
+            "identify builtin:comau clamped.csv --clamped --output d.json",
+            "d.json",
+            Kind::Stiffness,
+        ),
+        (
+            "identify builtin:comau m.csv --brief --estimator prior --output e.json",
+            "e.json",
+            Kind::Stiffness,
+        ),
+        (
+            "register builtin:example-pairs --output reg.json",
+            "reg.json",
+            Kind::Registration,
+        ),
+        (
+            "init --robot kuka-kr240-2 --output-dir .",
+            "cell.toml",
+            Kind::Cell,
+        ),
+    ];
+    for (line, file, kind) in MADE {
+        let ran = folder.run(line.split(' ').map(String::from));
+        match std::fs::read_to_string(folder.path(file)) {
+            Ok(text) => add(kind, text),
+            // A seed that cannot be made is a fault of its own, and told by the tests.
+            Err(_) => eprintln!("no seed from `{line}`: {}{}", ran.out, ran.err),
+        }
+    }
+    seeds
+}
+
+/// A folder for the files of one process; it goes with this value.
+pub struct Scratch(PathBuf);
+
+impl Scratch {
+    /// A new folder, in memory where the system has such a place.
+    pub fn new(name: &str) -> Self {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        static NUMBER: AtomicUsize = AtomicUsize::new(0);
+        let memory = Path::new("/dev/shm");
+        let base = match memory.is_dir() {
+            true => memory.to_path_buf(),
+            false => std::env::temp_dir(),
+        };
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let path = base.join(format!(
+            "stiffarm-fuzz-{}-{name}-{number}",
+            std::process::id()
+        ));
+        // What is wrong with it shows at the first file.
+        let _ = std::fs::create_dir_all(&path);
+        Scratch(path)
+    }
+
+    /// A file in it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// Runs a command line in which names of files mean those of this folder.
+    pub fn run(&self, words: impl IntoIterator<Item = String>) -> stiffarm_cli::Captured {
+        let mut line = vec![OsString::from("stiffarm")];
+        line.extend(words.into_iter().map(|word| self.placed(&word)));
+        stiffarm_cli::run_captured(&line)
+    }
+
+    /// A word; the name of a file becomes its path.
+    fn placed(&self, word: &str) -> OsString {
+        let ends = [".csv", ".json", ".toml", ".svg", ".xlsx"];
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '-';
+        let is_file = ends.iter().any(|end| word.ends_with(end)) && word.chars().all(plain);
+        match is_file || word == "." || word == "folder" {
+            true => self.path(word).into_os_string(),
+            false => OsString::from(word),
+        }
+    }
+
+    /// Takes all files away.
+    pub fn clear(&self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+        let _ = std::fs::create_dir_all(&self.0);
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_a_seed() {
+        use Kind::*;
+        for kind in [
+            Cell,
+            Postures,
+            Displacements,
+            Readings,
+            Clamped,
+            Pairs,
+            Path,
+            Stiffness,
+            Registration,
+        ] {
+            assert!(!of(kind).is_empty(), "{kind:?}");
+        }
+        assert!(all().iter().all(|seed| !seed.text.is_empty()));
+    }
+}

@@ -1,0 +1,216 @@
+//! The readers of the library, and the writers that must fit them.
+
+use super::Verdict;
+use crate::input::Input;
+use crate::mutate::{Grammar, mutate};
+use crate::oracle::{error_is_sound, is_finite, same_but_digits};
+use crate::random::Random;
+use crate::seeds::{self, Kind};
+use std::fmt::Debug;
+use std::sync::OnceLock;
+use stiffarm::estimate::clamped::ClampedPosture;
+use stiffarm::files::builtin;
+use stiffarm::files::cell::parse_cell_bytes;
+use stiffarm::files::registration::read_registration;
+use stiffarm::files::stiffness::read_stiffness;
+use stiffarm::files::table::{
+    read_clamped, read_measurements, read_pairs, read_path, read_postures, write_clamped,
+    write_displacements, write_path, write_postures, write_readings,
+};
+use stiffarm::model::measurement::Measurements;
+use stiffarm::{Cell, Posture, Result};
+
+/// A name for messages.
+const NAME: &str = "input";
+
+/// The cell whose tables are read.
+pub fn cell_of_tables() -> &'static Cell {
+    static CELL: OnceLock<Cell> = OnceLock::new();
+    CELL.get_or_init(|| match Cell::built_in("comau") {
+        Ok(cell) => cell,
+        Err(error) => unreachable!("the built-in cell: {}", error.message()),
+    })
+}
+
+fn group() -> &'static [Posture] {
+    static GROUP: OnceLock<Vec<Posture>> = OnceLock::new();
+    GROUP.get_or_init(|| {
+        builtin::postures("comau-group1", &cell_of_tables().setup.robot).unwrap_or_default()
+    })
+}
+
+fn made(kind: Kind, grammar: Grammar, random: &mut Random) -> Input {
+    static SEEDS: OnceLock<Vec<(Kind, Vec<&'static str>)>> = OnceLock::new();
+    use Kind::*;
+    let kinds = [
+        Cell,
+        Postures,
+        Displacements,
+        Readings,
+        Clamped,
+        Pairs,
+        Path,
+        Stiffness,
+        Registration,
+    ];
+    let all = SEEDS.get_or_init(|| kinds.map(|kind| (kind, seeds::of(kind))).to_vec());
+    let texts = all
+        .iter()
+        .find(|(k, _)| *k == kind)
+        .map_or(&[][..], |(_, texts)| texts);
+    let text = texts[random.below(texts.len())];
+    Input::File(mutate(text.as_bytes(), grammar, random))
+}
+
+macro_rules! makers {
+    ($($name:ident, $kind:ident, $grammar:ident;)*) => {$(
+        #[doc = concat!("An input from a seed of kind ", stringify!($kind), ".")]
+        pub fn $name(random: &mut Random) -> Input {
+            made(Kind::$kind, Grammar::$grammar, random)
+        }
+    )*};
+}
+
+makers! {
+    make_cell, Cell, Toml;
+    make_postures, Postures, Table;
+    make_displacements, Displacements, Table;
+    make_readings, Readings, Table;
+    make_clamped, Clamped, Table;
+    make_pairs, Pairs, Table;
+    make_path, Path, Table;
+    make_stiffness, Stiffness, Json;
+    make_registration, Registration, Json;
+}
+
+/// The bytes of a file.
+pub fn bytes(input: &Input) -> &[u8] {
+    match input {
+        Input::File(bytes) => bytes,
+        Input::Command { .. } => &[],
+    }
+}
+
+/// What was read is finite; an error is sound.
+fn judged<T: Debug>(read: &Result<T>) -> Verdict {
+    match read {
+        Ok(value) => is_finite(value).map(|()| true),
+        Err(error) => error_is_sound(error).map(|()| false),
+    }
+}
+
+/// What is written reads back and is written as the same text again.
+pub fn written_again<T>(
+    value: &T,
+    write: impl Fn(&T) -> Result<String>,
+    read: impl Fn(&[u8]) -> Result<T>,
+) -> Result<(), String> {
+    let text = match write(value) {
+        Ok(text) => text,
+        Err(error) => return error_is_sound(&error),
+    };
+    let back = read(text.as_bytes())
+        .map_err(|e| format!("written and not read: {} {:?}", e.message(), e.place().key))?;
+    let again = write(&back).map_err(|e| format!("not written again: {}", e.message()))?;
+    match same_but_digits(&again, &text) {
+        true => Ok(()),
+        false => {
+            let pairs = text.lines().zip(again.lines());
+            let other = pairs.into_iter().find(|(a, b)| a != b);
+            Err(format!("written otherwise the second time: {other:?}"))
+        }
+    }
+}
+
+/// Whether the reader of a kind accepts a file. A panic counts as yes: the target shows it.
+pub fn takes(kind: Kind, file: &[u8]) -> bool {
+    let cell = cell_of_tables();
+    let read = || match kind {
+        Kind::Cell => parse_cell_bytes(file, NAME).is_ok(),
+        Kind::Postures => read_postures(file, NAME, &cell.setup.robot).is_ok(),
+        Kind::Displacements | Kind::Readings => read_measurements(file, NAME, cell, None).is_ok(),
+        Kind::Clamped => read_clamped(file, NAME, cell, None).is_ok(),
+        Kind::Pairs => read_pairs(file, NAME).is_ok(),
+        Kind::Path => {
+            let axes = Some(stiffarm::model::process::ForceAxes::Base);
+            read_path(file, NAME, cell, axes).is_ok()
+        }
+        Kind::Stiffness => read_stiffness(file, NAME, cell).is_ok(),
+        Kind::Registration => read_registration(file, NAME).is_ok(),
+    };
+    std::panic::catch_unwind(read).unwrap_or(true)
+}
+
+/// The cell file.
+pub fn cell(input: &Input) -> Verdict {
+    judged(&parse_cell_bytes(bytes(input), NAME))
+}
+
+/// The table of postures.
+pub fn postures(input: &Input) -> Verdict {
+    let robot = &cell_of_tables().setup.robot;
+    let read = |bytes: &[u8]| read_postures(bytes, NAME, robot);
+    let first = read(bytes(input));
+    if let Ok(postures) = &first {
+        written_again(postures, |p: &Vec<Posture>| Ok(write_postures(p)), read)?;
+    }
+    judged(&first)
+}
+
+/// Displacements or raw readings, with and without angles of their own.
+pub fn measurements(input: &Input) -> Verdict {
+    let cell = cell_of_tables();
+    let read = |bytes: &[u8]| read_measurements(bytes, NAME, cell, None);
+    let first = read(bytes(input));
+    if let Ok(measurements) = &first {
+        let write = |m: &Measurements| {
+            Ok(match m {
+                Measurements::Displacements(measured) => write_displacements(measured, cell),
+                Measurements::Readings(table) => write_readings(table, cell),
+            })
+        };
+        written_again(measurements, write, read)?;
+    } else {
+        judged(&read_measurements(bytes(input), NAME, cell, Some(group())))?;
+    }
+    judged(&first)
+}
+
+/// The table of a clamped flange.
+pub fn clamped(input: &Input) -> Verdict {
+    let cell = cell_of_tables();
+    let read = |bytes: &[u8]| read_clamped(bytes, NAME, cell, None);
+    let first = read(bytes(input));
+    if let Ok(clamped) = &first {
+        let write = |c: &Vec<ClampedPosture>| Ok(write_clamped(c, &cell.setup.robot));
+        written_again(clamped, write, read)?;
+    }
+    judged(&first)
+}
+
+/// The table of pairs.
+pub fn pairs(input: &Input) -> Verdict {
+    judged(&read_pairs(bytes(input), NAME))
+}
+
+/// The table of a path.
+pub fn path(input: &Input) -> Verdict {
+    let cell = cell_of_tables();
+    let axes = Some(stiffarm::model::process::ForceAxes::Base);
+    let read = |bytes: &[u8]| read_path(bytes, NAME, cell, axes);
+    let first = read(bytes(input));
+    if let Ok(table) = &first {
+        written_again(table, |t| write_path(&t.format, &t.points), read)?;
+    }
+    judged(&first)
+}
+
+/// A saved stiffness.
+pub fn stiffness(input: &Input) -> Verdict {
+    judged(&read_stiffness(bytes(input), NAME, cell_of_tables()))
+}
+
+/// A saved registration.
+pub fn registration(input: &Input) -> Verdict {
+    judged(&read_registration(bytes(input), NAME))
+}
