@@ -1,7 +1,7 @@
 //! What the rows of one posture share: errors of readings that several
 //! displacements use, and shifts of what the model misses.
 
-use super::system::{RowLabel, Weights};
+use super::labels::{RowLabel, Weights};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture};

@@ -1,7 +1,8 @@
 //! What was measured with the model's terms at every posture and load: made
 //! once, read by every fit to it.
 
-use super::system::{MeasuredSystem, RowLabel, assemble, no_displacements, states_by_posture};
+use super::labels::RowLabel;
+use super::system::{MeasuredSystem, assemble, no_displacements, states_by_posture};
 use super::{Assumptions, IdentifyOptions, Weights, assumptions};
 use crate::error::Result;
 use crate::measure::Measured;

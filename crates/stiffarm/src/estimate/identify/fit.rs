@@ -3,10 +3,11 @@
 
 use super::assumptions::{Assumptions, Estimator};
 use super::experiment::Experiment;
+use super::labels::RowLabel;
 use super::leave_out::{Fold, LeaveOneOut, fold_without, folds, influence};
 use super::restricted::Restricted;
 use super::solve::{Prepared, Solution};
-use super::system::{MeasuredSystem, RowLabel};
+use super::system::MeasuredSystem;
 use super::{Estimates, Identification, IdentifyOptions, check, describe};
 use crate::error::Result;
 use crate::measure::Measured;

@@ -85,10 +85,11 @@ pub(super) fn folds(
     })
 }
 
-/// The solutions of [`folds`]; tests hold them against fits of their own.
+/// The solutions without each of `count` folds; tests hold them against fits of
+/// their own.
 ///
 /// # Errors
-/// As [`folds`].
+/// Fewer than two folds, more folds than postures, or a fit that fails.
 pub fn solutions_without(
     prepared: &Prepared,
     delta: &DVector<f64>,

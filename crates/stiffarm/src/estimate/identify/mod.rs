@@ -12,6 +12,7 @@ mod estimates;
 mod experiment;
 mod fit;
 mod huber;
+mod labels;
 mod leave_out;
 mod non_negative;
 mod others;
@@ -34,14 +35,15 @@ pub use estimate::{JointEstimate, Verdict};
 pub use estimates::Estimates;
 pub(crate) use experiment::Experiment;
 pub use fit::Fit;
+pub(crate) use labels::RowLabel;
+pub use labels::Weights;
 pub(crate) use leave_out::{Fold, prediction_error, rounding};
 pub use leave_out::{Influence, LeaveOneOut};
 pub use plausibility::implausible_scale;
 pub use profile::{JointProfile, Profile, profile};
 pub use residuals::{DisplacementWeight, PointResidual, PostureResidual};
 pub(crate) use solve::{Prepared, Solution};
-pub use system::Weights;
-pub(crate) use system::{Block, MeasuredSystem, NO_LOAD, RowLabel};
+pub(crate) use system::{Block, MeasuredSystem, NO_LOAD};
 pub(crate) use system::{by_name, columns, known_displacement, unknowns};
 pub(crate) use whitened::Whitened;
 
@@ -58,9 +60,10 @@ pub(crate) mod internals {
     pub use super::assumptions::{Assumptions, PriorKnowledge, Scale};
     pub use super::covariance::Covariance;
     pub use super::experiment::measured_system;
+    pub use super::labels::RowLabel;
     pub use super::leave_out::solutions_without;
     pub use super::solve::{Prepared, Solution};
-    pub use super::system::{Block, MeasuredSystem, RowLabel};
+    pub use super::system::{Block, MeasuredSystem};
     pub use super::whitened::Whitened;
 }
 

@@ -1,8 +1,9 @@
 //! Residuals by posture and by point, and the weights behind a robust fit.
 
+use super::labels::RowLabel;
 use super::rms;
 use super::solve::Solution;
-use super::system::{MeasuredSystem, RowLabel};
+use super::system::MeasuredSystem;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use nalgebra::{DMatrix, DVector};

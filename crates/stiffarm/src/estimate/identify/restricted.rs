@@ -426,3 +426,21 @@ fn best(points: impl Iterator<Item = f64>, zero: f64, at: impl Fn(f64) -> f64) -
         false => none,
     }
 }
+
+impl Whitened {
+    /// The ratio γ = τ²/σ² that maximises the restricted likelihood; zero where
+    /// it cannot be told.
+    pub fn variance_ratio(&self, whitened: &DVector<f64>) -> f64 {
+        let rank = self.factor().rank();
+        if !self.is_separable() || self.rows() <= rank {
+            return 0.0;
+        }
+        self.restricted(whitened).map_or(0.0, |c| c.best_ratio().0)
+    }
+
+    /// −2 ln of the profiled restricted likelihood as a function of γ; `None`
+    /// where the residuals are rounding.
+    pub fn restricted(&self, whitened: &DVector<f64>) -> Option<Restricted<'_>> {
+        Some(Restricted::new(self, whitened)).filter(|c| !c.is_rounding())
+    }
+}

@@ -5,13 +5,13 @@
 //! displacement, x, y, z.
 
 use super::covariance::{Covariance, covariance, shared};
+use super::labels::{RowLabel, Weights};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{MeasuredPosture, row_count};
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::model::robot::Robot;
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -19,30 +19,6 @@ use std::ops::Range;
 /// the largest one carries no load: what its column holds is rounding, errors of
 /// angles, and what the model leaves out.
 pub(crate) const NO_LOAD: f64 = 1e-4;
-
-/// Where the relative size of the errors of single displacements comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Weights {
-    /// All readings alike, each counted as often as it was taken.
-    #[default]
-    Readings,
-    /// From the tracker's range and angle model: `[tracker]` of the cell.
-    Tracker,
-}
-
-/// Rows of a system that belong together: the three of a displacement, or those
-/// that a clamped posture gives in one state.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RowLabel {
-    /// Index of the measured posture (posture and load state).
-    pub measured: usize,
-    /// Index of the displacement in it; 0 for a clamped posture.
-    pub displacement: usize,
-    /// The rows.
-    pub rows: Range<usize>,
-}
 
 /// Rows of one posture.
 #[derive(Debug, Clone)]

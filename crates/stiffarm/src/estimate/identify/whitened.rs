@@ -2,7 +2,6 @@
 //! directions in which a posture's rows share shifts.
 
 use super::covariance::Roots;
-use super::restricted::Restricted;
 use super::system::{Block, MeasuredSystem};
 use crate::error::{Code, Error, Result};
 use crate::numerics::information::{Factor, tall_svd};
@@ -285,22 +284,6 @@ impl Whitened {
             rows -= &block.by.directions * parts;
         }
         out
-    }
-
-    /// The ratio γ = τ²/σ² that maximises the restricted likelihood; zero where
-    /// it cannot be told.
-    pub fn variance_ratio(&self, whitened: &DVector<f64>) -> f64 {
-        let rank = self.factor.rank();
-        if !self.separable || self.rows() <= rank {
-            return 0.0;
-        }
-        self.restricted(whitened).map_or(0.0, |c| c.best_ratio().0)
-    }
-
-    /// −2 ln of the profiled restricted likelihood as a function of γ; `None`
-    /// where the residuals are rounding.
-    pub fn restricted(&self, whitened: &DVector<f64>) -> Option<Restricted<'_>> {
-        Some(Restricted::new(self, whitened)).filter(|c| !c.is_rounding())
     }
 
     /// Number of postures.
