@@ -6,7 +6,7 @@
 //! use stiffarm::files::table::read_postures;
 //!
 //! let cell = Cell::built_in("comau")?;
-//! let text = "q1_deg;q2_deg;q3_deg;q4_deg;q5_deg;q6_deg\n10,5;20;-100;0;45;0\n";
+//! let text = "posture;q1_deg;q2_deg;q3_deg;q4_deg;q5_deg;q6_deg\np1;10,5;20;-100;0;45;0\n";
 //! let postures = read_postures(text.as_bytes(), "plan.csv", &cell.setup.robot)?;
 //! assert!((postures[0].q[0] - 10.5_f64.to_radians()).abs() < 1e-15);
 //! # Ok::<(), stiffarm::Error>(())
