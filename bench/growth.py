@@ -138,6 +138,7 @@ def main():
     parser.add_argument("--out")
     args = parser.parse_args()
     binary = str(Path(args.binary).resolve())
+    out = Path(args.out).resolve() if args.out else None
     version = subprocess.run([binary, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
     parts = [
@@ -178,7 +179,7 @@ def main():
             cell_of_joints(cell, joints)
             postures("j.csv", 50, [(-140, 140)] * joints)
             simulate(str(cell), "j.csv", "--measurements", "m.csv")
-            rows.append((f"{joints} joints", measured([binary, "identify", str(cell), "m.csv", "-q"])))
+            rows.append((f"{joints} joint{'s' if joints > 1 else ''}", measured([binary, "identify", str(cell), "m.csv", "-q"])))
         parts.append(table("`identify`, 50 postures, three points", "joints", rows))
 
         rows = []
@@ -200,8 +201,8 @@ def main():
         os.chdir("/")
     page = "\n".join(parts)
     print(page)
-    if args.out:
-        Path(args.out).write_text(page)
+    if out:
+        out.write_text(page)
 
 
 if __name__ == "__main__":
