@@ -28,6 +28,21 @@ pub enum Kind {
     Registration,
 }
 
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 9] = [
+        Kind::Cell,
+        Kind::Postures,
+        Kind::Displacements,
+        Kind::Readings,
+        Kind::Clamped,
+        Kind::Pairs,
+        Kind::Path,
+        Kind::Stiffness,
+        Kind::Registration,
+    ];
+}
+
 /// A file to start from.
 #[derive(Debug, Clone)]
 pub struct Seed {
@@ -219,18 +234,7 @@ mod tests {
 
     #[test]
     fn every_kind_has_a_seed() {
-        use Kind::*;
-        for kind in [
-            Cell,
-            Postures,
-            Displacements,
-            Readings,
-            Clamped,
-            Pairs,
-            Path,
-            Stiffness,
-            Registration,
-        ] {
+        for kind in Kind::ALL {
             assert!(!of(kind).is_empty(), "{kind:?}");
         }
         assert!(all().iter().all(|seed| !seed.text.is_empty()));

@@ -41,19 +41,7 @@ fn group() -> &'static [Posture] {
 
 fn made(kind: Kind, grammar: Grammar, random: &mut Random) -> Input {
     static SEEDS: OnceLock<Vec<(Kind, Vec<&'static str>)>> = OnceLock::new();
-    use Kind::*;
-    let kinds = [
-        Cell,
-        Postures,
-        Displacements,
-        Readings,
-        Clamped,
-        Pairs,
-        Path,
-        Stiffness,
-        Registration,
-    ];
-    let all = SEEDS.get_or_init(|| kinds.map(|kind| (kind, seeds::of(kind))).to_vec());
+    let all = SEEDS.get_or_init(|| Kind::ALL.map(|kind| (kind, seeds::of(kind))).to_vec());
     let texts = all
         .iter()
         .find(|(k, _)| *k == kind)

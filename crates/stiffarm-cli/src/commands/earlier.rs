@@ -4,6 +4,7 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use stiffarm_report::study::slug;
 
 /// Figures and tables that every study has had since there are studies.
 const ALWAYS: [&str; 13] = [
@@ -88,17 +89,4 @@ fn is_ours(name: &str) -> bool {
     name.chars().all(plain)
         && !name.starts_with('.')
         && endings.iter().any(|ending| name.ends_with(ending))
-}
-
-/// As the figures of postures are named.
-fn slug(name: &str) -> String {
-    let mut out = String::new();
-    for c in name.chars() {
-        if c.is_ascii_alphanumeric() {
-            out.push(c.to_ascii_lowercase());
-        } else if !out.ends_with('-') && !out.is_empty() {
-            out.push('-');
-        }
-    }
-    out.trim_end_matches('-').to_string()
 }

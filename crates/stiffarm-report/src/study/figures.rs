@@ -334,8 +334,8 @@ fn validation(study: &Study) -> Option<Figure> {
     })
 }
 
-/// `Group 2 (classical)` → `group-2-classical`.
-pub(super) fn slug(name: &str) -> String {
+/// A group's name as its files have it: `Group 2 (classical)` → `group-2-classical`.
+pub fn slug(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
         if c.is_ascii_alphanumeric() {

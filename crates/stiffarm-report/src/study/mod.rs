@@ -7,7 +7,7 @@ mod published;
 mod table;
 mod tables;
 
-pub use figures::figures;
+pub use figures::{figures, slug};
 pub use page::page;
 pub use published::{PAPER, PublishedTables, published_for};
 pub use table::{Cell, Table};

@@ -80,9 +80,8 @@ impl<'a> Others<'a> {
             separable: self.separable_count > sum(&|b| usize::from(self.separable[b])),
         };
         let own = self.criterion.own(left_out);
-        let plain = self
-            .criterion
-            .without(left_out, &own, self.criterion.plain(), 0.0);
+        let without = |all: Sums, gamma: f64| self.criterion.without(left_out, &own, all, gamma);
+        let plain = without(self.criterion.plain().clone(), 0.0);
         if shape.rows <= rank || self.enough(&plain).is_none() {
             return Ok(None);
         }
@@ -92,14 +91,10 @@ impl<'a> Others<'a> {
         };
         let mut enough = true;
         let rows = |gamma: f64| {
-            let all;
             let sums = match (gamma > 0.0, &self.given) {
                 (false, _) => plain.clone(),
-                (true, Some(given)) => self.criterion.without(left_out, &own, given, gamma),
-                (true, None) => {
-                    all = self.criterion.between(gamma.ln());
-                    self.criterion.without(left_out, &own, &all, gamma)
-                }
+                (true, Some(given)) => without(given.clone(), gamma),
+                (true, None) => without(self.criterion.between(gamma.ln()), gamma),
             };
             let root = self.enough(&sums);
             enough = root.is_some();

@@ -244,37 +244,30 @@ impl<'a> Restricted<'a> {
     /// The sums over all postures at γ.
     pub(super) fn at(&self, gamma: f64) -> Sums {
         let all = 0..self.system.block_count();
-        self.all(all, |by, k| share(gamma, by.size(k)))
+        self.shifted(&self.plain, all, |by, k| share(gamma, by.size(k)))
     }
 
     /// The same at point `i` of the grid.
     fn on_grid(&self, i: usize) -> Sums {
-        self.all(0..self.system.block_count(), |by, k| by.on_grid(i, k))
+        let all = 0..self.system.block_count();
+        self.shifted(&self.plain, all, |by, k| by.on_grid(i, k))
     }
 
-    fn all(
+    /// The sums `plain` over `blocks` without shifts, with what their shifts change.
+    fn shifted(
         &self,
+        plain: &Sums,
         blocks: impl Iterator<Item = usize>,
         share: impl Fn(&Whitening, usize) -> [f64; 2],
     ) -> Sums {
-        let mut out = self.plain.clone();
-        self.add_shifts(&mut out, blocks, share);
-        out
-    }
-
-    /// Adds what the shifts of `blocks` change.
-    fn add_shifts(
-        &self,
-        out: &mut Sums,
-        blocks: impl Iterator<Item = usize>,
-        share: impl Fn(&Whitening, usize) -> [f64; 2],
-    ) {
+        let mut out = plain.clone();
         // Loops of known length are faster: the joints of an arm, and one term more.
         match self.rank() {
-            6 => self.add(6, out, blocks, share),
-            7 => self.add(7, out, blocks, share),
-            rank => self.add(rank, out, blocks, share),
+            6 => self.add(6, &mut out, blocks, share),
+            7 => self.add(7, &mut out, blocks, share),
+            rank => self.add(rank, &mut out, blocks, share),
         }
+        out
     }
 
     #[inline(always)]
@@ -330,22 +323,11 @@ impl<'a> Restricted<'a> {
         out
     }
 
-    /// The sums over all postures but `blocks` at ln γ = `place`, `own` being
-    /// theirs without shifts.
-    fn others(&self, blocks: &[usize], own: &Sums, place: f64) -> Sums {
-        let mut theirs = own.clone();
-        let gamma = place.exp();
+    /// The sums over all postures but `blocks` at γ; `all` are those over all,
+    /// `own` those over `blocks` without shifts.
+    pub(super) fn without(&self, blocks: &[usize], own: &Sums, all: Sums, gamma: f64) -> Sums {
         let share = |by: &Whitening, k: usize| share(gamma, by.size(k));
-        self.add_shifts(&mut theirs, blocks.iter().copied(), share);
-        self.between(place).minus(&theirs)
-    }
-
-    /// The sums over all postures but `blocks` at γ; `all` are those over all.
-    pub(super) fn without(&self, blocks: &[usize], own: &Sums, all: &Sums, gamma: f64) -> Sums {
-        let mut theirs = own.clone();
-        let share = |by: &Whitening, k: usize| share(gamma, by.size(k));
-        self.add_shifts(&mut theirs, blocks.iter().copied(), share);
-        all.clone().minus(&theirs)
+        all.minus(&self.shifted(own, blocks.iter().copied(), share))
     }
 
     /// The sums over all postures at ln γ = `place`, from the Chebyshev points of
@@ -397,13 +379,13 @@ impl<'a> Restricted<'a> {
     /// have `rows` rows; `own` are the sums over `blocks` without shifts.
     pub(super) fn best_without(&self, blocks: &[usize], own: &Sums, rows: usize) -> f64 {
         let points = self.grid().iter().enumerate().map(|(i, all)| {
-            let mut theirs = own.clone();
             let share = |by: &Whitening, k: usize| by.on_grid(i, k);
-            self.add_shifts(&mut theirs, blocks.iter().copied(), share);
+            let theirs = self.shifted(own, blocks.iter().copied(), share);
             all.clone().minus(&theirs).value(rows)
         });
-        let none = self.without(blocks, own, &self.plain, 0.0).value(rows);
-        let at = |x: f64| self.others(blocks, own, x).value(rows);
+        let without = |all: Sums, gamma: f64| self.without(blocks, own, all, gamma).value(rows);
+        let none = without(self.plain.clone(), 0.0);
+        let at = |x: f64| without(self.between(x), x.exp());
         best(points, none, at).0
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn robot(
     }
     if let Some(rows) = &raw.limits_deg {
         let key = "robot.limits_deg";
-        let limits = source.ranges(rows, key, n)?;
+        let limits = source.ranges(rows, key, n, Source::range)?;
         robot = robot
             .with_limits(&radians(&limits))
             .map_err(|e| source.place(e, key, rows.span()))?;
@@ -151,7 +151,12 @@ pub(super) fn bounds(
     let Some(rows) = table.and_then(|table| table.get().q_deg.as_ref()) else {
         return Ok(robot.joints().iter().map(|joint| joint.limits).collect());
     };
-    let bounds = source.ranges_or_places(rows, "bounds.q_deg", robot.joint_count())?;
+    let bounds = source.ranges(
+        rows,
+        "bounds.q_deg",
+        robot.joint_count(),
+        Source::range_or_place,
+    )?;
     let bounds = radians(&bounds);
     for (j, row) in rows.get().iter().enumerate() {
         for (entry, end) in row.get().iter().zip([0, 1]) {

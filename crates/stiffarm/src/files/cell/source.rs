@@ -204,7 +204,7 @@ impl<'a> Source<'a> {
 
     /// Two numbers of which the first is not above the second: equal ones hold a joint
     /// where it is.
-    fn range_or_place(&self, list: &Numbers, key: &str) -> Result<[f64; 2]> {
+    pub(super) fn range_or_place(&self, list: &Numbers, key: &str) -> Result<[f64; 2]> {
         let values = self.numbers(list, key, 2, "[low, high]")?;
         match values[0] == values[1] {
             true => Ok([values[0]; 2]),
@@ -212,26 +212,17 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// One range per joint as [`Source::ranges`], where a joint may be held: [40, 40].
-    pub(super) fn ranges_or_places(
-        &self,
-        rows: &NumberRows,
-        key: &str,
-        joints: usize,
-    ) -> Result<Vec<[f64; 2]>> {
-        self.rows(rows, key, joints, "rows", "one [low, high] per joint")?;
-        self.each(rows, key, |row, key| self.range_or_place(row, key))
-    }
-
-    /// One range per joint, with the place of each.
+    /// One range per joint, each taken by `range`: [`Source::range`] or
+    /// [`Source::range_or_place`].
     pub(super) fn ranges(
         &self,
         rows: &NumberRows,
         key: &str,
         joints: usize,
+        range: impl Fn(&Self, &Numbers, &str) -> Result<[f64; 2]>,
     ) -> Result<Vec<[f64; 2]>> {
         self.rows(rows, key, joints, "rows", "one [low, high] per joint")?;
-        self.each(rows, key, |row, key| self.range(row, key))
+        self.each(rows, key, |row, key| range(self, row, key))
     }
 
     /// A square matrix, row by row.
