@@ -32,7 +32,7 @@ fn path(tasks: &[Vec<f64>], count: usize) -> Vec<LoadedPosture> {
             let q = ends.map(|(a, b)| a + share * (b - a)).collect();
             let turn = 200.0 * along;
             LoadedPosture {
-                name: (i + 1).to_string(),
+                name: (i + 1).to_string().into(),
                 line: None,
                 q,
                 wrench: Wrench {

@@ -205,7 +205,7 @@ fn corrections(result: &Compensation) -> String {
         ..
     } in rows
     {
-        let mut row = vec![point.clone(), mm(*uncompensated_m)];
+        let mut row = vec![point.to_string(), mm(*uncompensated_m)];
         row.extend(c.iter().map(|v| mm(*v)));
         row.push(tiny(*residual_m));
         row.extend(band.map(|b| mm(b.size_m[3])));

@@ -32,6 +32,7 @@ use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use crate::work::predict::{Bands, LoadedArm, TipBand, motion};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A tip this near to its pose is there \[m, rad\].
 const ARRIVED: f64 = 1e-13;
@@ -57,7 +58,7 @@ pub struct CompensateOptions {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PointCompensation {
     /// Name of the point.
-    pub point: String,
+    pub point: Arc<str>,
     /// Nominal controller angles \[rad\].
     #[serde(rename = "nominal_deg", with = "crate::units::degrees")]
     #[cfg_attr(
@@ -266,7 +267,7 @@ pub fn compensate(
     let confidence = bands.map(|b| b.confidence);
     let mut out = summarise(points, options, confidence);
     out.findings.extend(implausible::process(cell));
-    let loads = postures.iter().map(|p| (p.name.as_str(), &p.wrench));
+    let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
     Ok(out)
 }

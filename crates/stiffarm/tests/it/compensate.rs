@@ -199,7 +199,7 @@ fn work(cell: &Cell, dice: &mut Dice, count: usize) -> Vec<LoadedPosture> {
         .map(|i| {
             let base = &cell.tasks[i % 3].q;
             LoadedPosture {
-                name: (i + 1).to_string(),
+                name: (i + 1).to_string().into(),
                 line: Some(i + 2),
                 q: base.iter().map(|a| a + dice.between(-0.3, 0.3)).collect(),
                 wrench: load(dice, 350.0, 10.0),
@@ -329,7 +329,7 @@ fn limits_are_respected_and_named() {
     narrow.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
     let at = |q: &[f64]| {
         [LoadedPosture {
-            name: "7".to_string(),
+            name: "7".into(),
             line: Some(8),
             q: q.to_vec(),
             wrench,

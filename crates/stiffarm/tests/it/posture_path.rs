@@ -23,7 +23,7 @@ fn arm(cell: &Cell) -> LoadedArm {
 
 fn point(i: usize, target: PathTarget) -> PathPoint {
     PathPoint {
-        name: (i + 1).to_string(),
+        name: (i + 1).to_string().into(),
         line: Some(i + 2),
         target,
         load: None,

@@ -32,7 +32,7 @@ fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
 
 fn at(q: &[f64], wrench: Wrench) -> LoadedPosture {
     LoadedPosture {
-        name: "1".to_string(),
+        name: "1".into(),
         line: None,
         q: q.to_vec(),
         wrench,

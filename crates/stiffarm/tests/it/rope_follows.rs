@@ -137,7 +137,7 @@ fn a_prediction_under_the_cells_load_follows_it() {
         let tip = cell.work.tip(&cell.setup.tool).translation.vector;
         for q in group1() {
             let posture = LoadedPosture {
-                name: "1".to_string(),
+                name: "1".into(),
                 line: None,
                 q: q.clone(),
                 wrench: own(&cell, &q, 1.0),

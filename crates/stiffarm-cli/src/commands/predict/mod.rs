@@ -190,7 +190,7 @@ fn tasks(cell: &Cell) -> Result<(nalgebra::Isometry3<f64>, Vec<LoadedPosture>)> 
             Axes::Tool => frames.direction(&v),
         };
         LoadedPosture {
-            name: task.name.clone(),
+            name: task.name.as_str().into(),
             line: None,
             q: task.q.clone(),
             wrench: Wrench {

@@ -31,7 +31,7 @@ pub fn table(result: &Prediction) -> String {
     table.align(0, Align::Left);
     for point in rows {
         let force = nalgebra::Vector3::from(point.force_n).norm();
-        let mut row = vec![point.point.clone(), significant(force, 3)];
+        let mut row = vec![point.point.to_string(), significant(force, 3)];
         row.extend(point.shift_m.iter().map(|v| mm(*v)));
         row.push(mm(point.deflection_m));
         if let Some(band) = &point.band {

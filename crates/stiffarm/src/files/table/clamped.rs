@@ -174,7 +174,7 @@ impl Columns {
 
 /// One state as it was read.
 struct State<'r> {
-    row: &'r Row,
+    row: &'r Row<'r>,
     posture: &'r str,
     state: &'r str,
     role: Role,
@@ -233,7 +233,7 @@ impl Reader<'_> {
     }
 
     /// Rows of states, taken against the reference of their posture.
-    fn states(&self, rows: &[&Row]) -> Result<Vec<ClampedPosture>> {
+    fn states(&self, rows: &[Row<'_>]) -> Result<Vec<ClampedPosture>> {
         let read = rows
             .iter()
             .map(|row| self.state(row))
@@ -261,7 +261,7 @@ impl Reader<'_> {
         Ok(out)
     }
 
-    fn state<'r>(&self, row: &'r Row) -> Result<State<'r>> {
+    fn state<'r>(&self, row: &'r Row<'r>) -> Result<State<'r>> {
         let (table, columns) = (self.table, self.columns);
         let state = table.name(row, columns.state)?;
         let role = Role::of(state);

@@ -54,9 +54,10 @@ pub(super) fn displacements(
     let plan: Option<Plan<'_>> =
         postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
     // First row and number of each group, by posture and state.
-    let mut first_rows: HashMap<(&str, &str), (&Row, usize)> = HashMap::new();
+    let mut first_rows: HashMap<(&str, &str), (&Row<'_>, usize)> = HashMap::new();
     let mut groups: Vec<MeasuredPosture> = Vec::new();
-    for row in table.rows()? {
+    let rows = table.rows()?;
+    for row in &rows {
         let name = table.name(row, columns.posture)?;
         let state = match columns.state {
             Some(column) => table.name(row, column)?,

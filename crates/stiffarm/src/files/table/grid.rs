@@ -6,6 +6,7 @@ use crate::files::names::fault_of;
 use crate::model::cell::Columns;
 use crate::units::{LARGEST_NUMBER, Sense};
 use smol_str::SmolStr;
+use std::ops::Range;
 
 /// Lengths of a table in another unit have an error of their own: so many times the
 /// limit of others is left to it.
@@ -23,12 +24,74 @@ pub(super) struct Field {
 }
 
 /// A row and its line, counted from 1; it has one field per heading.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Row {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Row<'t> {
     pub(super) line: usize,
-    pub(super) fields: Vec<Field>,
+    pub(super) fields: &'t [Field],
     /// A quotation mark is not closed on this line.
     pub(super) open_quote: bool,
+}
+
+/// Rows with their fields one after the other: a million small lists would leave
+/// the memory in pieces.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    fields: Vec<Field>,
+    spans: Vec<Span>,
+}
+
+/// Where a row's fields stand.
+#[derive(Debug)]
+struct Span {
+    line: usize,
+    fields: Range<usize>,
+    open_quote: bool,
+}
+
+impl Rows {
+    /// Adds a row.
+    pub(super) fn push(
+        &mut self,
+        line: usize,
+        fields: impl IntoIterator<Item = Field>,
+        open_quote: bool,
+    ) {
+        let start = self.fields.len();
+        self.fields.extend(fields);
+        self.spans.push(Span {
+            line,
+            fields: start..self.fields.len(),
+            open_quote,
+        });
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.spans.is_empty()
+    }
+
+    fn row(&self, span: &Span) -> Row<'_> {
+        Row {
+            line: span.line,
+            fields: &self.fields[span.fields.clone()],
+            open_quote: span.open_quote,
+        }
+    }
+
+    /// The rows below the heading, which is the first.
+    fn below(&self) -> impl Iterator<Item = Row<'_>> {
+        self.spans[1..].iter().map(|span| self.row(span))
+    }
+
+    /// Leaves empty fields at the ends of rows out, down to `keep` fields:
+    /// spreadsheets pad rows.
+    fn drop_empty_ends(&mut self, keep: usize) {
+        for span in &mut self.spans {
+            let range = &mut span.fields;
+            while range.len() > keep && self.fields[range.end - 1].text.is_empty() {
+                range.end -= 1;
+            }
+        }
+    }
 }
 
 /// A heading.
@@ -59,9 +122,8 @@ pub(super) enum Style {
 pub(super) struct Table<'a> {
     pub(super) headings: Vec<Heading>,
     file: &'a str,
-    heading_line: usize,
     pub(super) style: Style,
-    rows: Vec<Row>,
+    rows: Rows,
     /// What another software calls its columns, by the cell file.
     pub(super) foreign: Vec<String>,
     /// What a reader who misses a column should know, for example that only
@@ -84,18 +146,12 @@ pub(super) fn normal(name: &str) -> String {
 }
 
 impl<'a> Table<'a> {
-    /// A table from its first row that holds something, and the rest.
-    pub(super) fn new(
-        file: &'a str,
-        style: Style,
-        mut heading: Row,
-        rows: Vec<Row>,
-        foreign: &Columns,
-    ) -> Self {
-        drop_empty_end(&mut heading.fields, 0);
-        let headings: Vec<Heading> = heading
-            .fields
-            .into_iter()
+    /// A table from rows of which the first is the heading.
+    pub(super) fn new(file: &'a str, style: Style, mut rows: Rows, foreign: &Columns) -> Self {
+        let heading = rows.row(&rows.spans[0]);
+        let named = heading.fields.iter().rposition(|f| !f.text.is_empty());
+        let headings: Vec<Heading> = heading.fields[..named.map_or(0, |last| last + 1)]
+            .iter()
             .map(|field| {
                 let given = normal(&field.text);
                 let same = |other: &String| normal(other) == given;
@@ -103,20 +159,16 @@ impl<'a> Table<'a> {
                 Heading {
                     ignored: foreign.ignore.iter().any(same),
                     name: ours.map_or(given.clone(), |(ours, _)| ours.clone()),
-                    shown: field.text.into(),
+                    shown: field.text.to_string(),
                     column: field.column as usize,
                 }
             })
             .collect();
-        let rows = rows.into_iter().map(|mut row| {
-            drop_empty_end(&mut row.fields, headings.len());
-            row
-        });
+        rows.drop_empty_ends(headings.len());
         Table {
             file,
-            heading_line: heading.line,
             style,
-            rows: rows.collect(),
+            rows,
             headings,
             foreign: foreign
                 .names
@@ -131,7 +183,7 @@ impl<'a> Table<'a> {
 
     /// True where decimals are written with a comma, in columns that it does not separate.
     pub(super) fn has_decimal_commas(&self) -> bool {
-        let mut fields = self.rows.iter().flat_map(|row| &row.fields);
+        let mut fields = self.rows.below().flat_map(|row| row.fields);
         self.delimiter != ','
             && fields.any(|field| {
                 field.text.replacen(',', ".", 1).parse::<f64>().is_ok() && field.text.contains(',')
@@ -140,9 +192,9 @@ impl<'a> Table<'a> {
 
     /// The rows, each with one field per column. The heading is checked
     /// before: a column that it lacks explains rows that are too long.
-    pub(super) fn rows(&self) -> Result<Vec<&Row>> {
-        let holds_something = |row: &&Row| row.fields.iter().any(|field| !field.text.is_empty());
-        let rows: Vec<&Row> = self.rows.iter().filter(holds_something).collect();
+    pub(super) fn rows(&self) -> Result<Vec<Row<'_>>> {
+        let holds_something = |row: &Row| row.fields.iter().any(|field| !field.text.is_empty());
+        let rows: Vec<Row<'_>> = self.rows.below().filter(holds_something).collect();
         for row in &rows {
             self.check_length(row)?;
         }
@@ -170,7 +222,7 @@ impl<'a> Table<'a> {
                 .hint("give its column a heading, or empty the cell"));
         }
         let comma = (self.style == Style::Commas && found > expected)
-            .then(|| decimal_comma(&row.fields))
+            .then(|| decimal_comma(row.fields))
             .flatten();
         if let Some(at) = comma {
             let (whole, fraction) = (&row.fields[at].text, &row.fields[at + 1].text);
@@ -210,6 +262,10 @@ impl<'a> Table<'a> {
             .key(self.headings[column].shown.as_str())
     }
 
+    fn heading_line(&self) -> usize {
+        self.rows.spans[0].line
+    }
+
     /// An error at the heading.
     pub(super) fn heading_error(
         &self,
@@ -219,9 +275,9 @@ impl<'a> Table<'a> {
     ) -> Error {
         let error = Error::new(code, message).file(self.file);
         let Some(heading) = column.map(|column| &self.headings[column]) else {
-            return error.line(self.heading_line, None);
+            return error.line(self.heading_line(), None);
         };
-        let error = error.line(self.heading_line, Some(heading.column));
+        let error = error.line(self.heading_line(), Some(heading.column));
         if heading.shown.is_empty() {
             error
         } else {
@@ -244,7 +300,7 @@ impl<'a> Table<'a> {
     }
 
     /// The text of a field that must not be empty.
-    pub(super) fn name<'r>(&self, row: &'r Row, column: Column) -> Result<&'r str> {
+    pub(super) fn name<'r>(&self, row: &Row<'r>, column: Column) -> Result<&'r str> {
         let text = row.fields[column.at].text.as_str();
         if text.is_empty() {
             return Err(self.error(row, column.at, Code::TableRow, "The field is empty."));
@@ -335,13 +391,6 @@ impl<'a> Table<'a> {
         } else {
             error
         }
-    }
-}
-
-/// Removes empty fields from the end, down to `keep` fields: spreadsheets pad rows.
-fn drop_empty_end(fields: &mut Vec<Field>, keep: usize) {
-    while fields.len() > keep && fields.last().is_some_and(|field| field.text.is_empty()) {
-        fields.pop();
     }
 }
 

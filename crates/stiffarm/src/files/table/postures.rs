@@ -32,7 +32,7 @@ fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
     let rows = table.rows()?;
     let mut postures = Vec::with_capacity(rows.len());
     let mut lines: HashMap<&str, usize> = HashMap::new();
-    for row in rows {
+    for row in &rows {
         let name = table.name(row, name_column)?;
         if let Some(first) = lines.insert(name, row.line) {
             let message = format!("The posture \"{name}\" appears twice; first on line {first}.");

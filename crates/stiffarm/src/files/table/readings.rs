@@ -65,7 +65,8 @@ pub(super) fn readings(
     };
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut groups: Vec<Group<'_>> = Vec::new();
-    for row in table.rows()? {
+    let rows = table.rows()?;
+    for row in &rows {
         let name = table.name(row, reader.columns.posture)?;
         let number = *numbers.entry(name).or_insert(groups.len());
         if number == groups.len() {
@@ -86,14 +87,14 @@ pub(super) fn readings(
 
 /// The rows of one posture: the first one, and its states with theirs.
 struct Group<'t> {
-    row: &'t Row,
+    row: &'t Row<'t>,
     planned: Option<&'t Posture>,
-    states: Vec<(&'t Row, StateReadings)>,
+    states: Vec<(&'t Row<'t>, StateReadings)>,
 }
 
 impl Group<'_> {
     /// The states of some roles, with their first rows.
-    fn of(&self, roles: &'static [Role]) -> impl Iterator<Item = &(&Row, StateReadings)> {
+    fn of(&self, roles: &'static [Role]) -> impl Iterator<Item = &(&Row<'_>, StateReadings)> {
         let states = self.states.iter();
         states.filter(move |(_, state)| roles.contains(&Role::of(&state.state)))
     }
@@ -108,7 +109,7 @@ struct Reader<'t, 'a> {
 
 impl Reader<'_, '_> {
     /// Adds one row to its posture.
-    fn add<'t>(&self, group: &mut Group<'t>, row: &'t Row) -> Result<()> {
+    fn add<'t>(&self, group: &mut Group<'t>, row: &'t Row<'t>) -> Result<()> {
         let (table, columns) = (self.table, &self.columns);
         let name = self.state_name(row)?;
         let role = Role::of(name);
@@ -140,7 +141,7 @@ impl Reader<'_, '_> {
     }
 
     /// The name of the row's state; a slip in `unloaded` would make it a load.
-    fn state_name<'t>(&self, row: &'t Row) -> Result<&'t str> {
+    fn state_name<'t>(&self, row: &'t Row<'t>) -> Result<&'t str> {
         let Some(column) = self.columns.state else {
             return Ok("");
         };

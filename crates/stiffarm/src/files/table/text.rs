@@ -1,6 +1,6 @@
 //! Tables in CSV text, and the choice between text and workbook.
 
-use super::grid::{Field, Row, Style, Table};
+use super::grid::{Field, Rows, Style, Table};
 use super::workbook;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Columns;
@@ -76,16 +76,17 @@ impl<'a> Table<'a> {
             ',' => Style::Commas,
             _ => Style::Others,
         };
-        let heading = row(heading_line, heading, delimiter);
-        let rows = lines.map(|(line, text)| row(line, text, delimiter));
-        let mut table = Table::new(file, style, heading, rows.collect(), foreign);
+        let mut rows = Rows::default();
+        split(heading_line, heading, delimiter, &mut rows);
+        lines.for_each(|(line, text)| split(line, text, delimiter, &mut rows));
+        let mut table = Table::new(file, style, rows, foreign);
         table.delimiter = delimiter;
         Ok(table)
     }
 }
 
-/// Splits one line into trimmed fields.
-fn row(line: usize, text: &str, delimiter: char) -> Row {
+/// Adds one line, split into trimmed fields.
+fn split(line: usize, text: &str, delimiter: char, rows: &mut Rows) {
     // Most lines have no quotation marks; a path has a hundred thousand of them.
     if !text.contains('"') {
         let mut column = 1;
@@ -98,11 +99,7 @@ fn row(line: usize, text: &str, delimiter: char) -> Row {
                 other: false,
             }
         });
-        return Row {
-            line,
-            fields: fields.collect(),
-            open_quote: false,
-        };
+        return rows.push(line, fields, false);
     }
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter as u8)
@@ -119,11 +116,7 @@ fn row(line: usize, text: &str, delimiter: char) -> Row {
         column: starts.get(i).copied().unwrap_or(1),
         other: false,
     });
-    Row {
-        line,
-        fields: fields.collect(),
-        open_quote: text.matches('"').count() % 2 == 1,
-    }
+    rows.push(line, fields, text.matches('"').count() % 2 == 1);
 }
 
 /// Character columns, from 1, at which the fields of a line begin.

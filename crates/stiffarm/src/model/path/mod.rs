@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::model::load::Wrench;
 use crate::model::process::TipLoad;
 use nalgebra::{Isometry3, UnitVector3, Vector3};
+use std::sync::Arc;
 
 /// Where the tip should be, base frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,8 +34,9 @@ pub enum PathTarget {
 /// One point of a path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPoint {
-    /// Name used in tables: that of the file, else its number from 1.
-    pub name: String,
+    /// Name used in tables: that of the file, else its number from 1. Shared by
+    /// all that is found for the point.
+    pub name: Arc<str>,
     /// Line of the file, where there is one.
     pub line: Option<usize>,
     /// Where the tip should be.
@@ -47,7 +49,7 @@ pub struct PathPoint {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedPosture {
     /// Name used in tables.
-    pub name: String,
+    pub name: Arc<str>,
     /// Line of the file, where there is one.
     pub line: Option<usize>,
     /// Controller angles \[rad\].
@@ -59,7 +61,7 @@ pub struct LoadedPosture {
 impl LoadedPosture {
     /// A posture at controller angles `q` \[rad\] under a wrench on the robot at
     /// the tip, base axes.
-    pub fn new(name: impl Into<String>, q: Vec<f64>, wrench: Wrench) -> Self {
+    pub fn new(name: impl Into<Arc<str>>, q: Vec<f64>, wrench: Wrench) -> Self {
         LoadedPosture {
             name: name.into(),
             line: None,

@@ -194,8 +194,13 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             if recalled.is_empty() {
                 break;
             }
+            let before = active.clone();
             active.extend(recalled);
             weights = self.weigh(active)?;
+            // Their weights were too small again, and would be in every further pass.
+            if *active == before {
+                break;
+            }
         }
         Ok(weights)
     }

@@ -137,7 +137,7 @@ pub fn place(
             force: load.force,
             moment: load.moment,
         };
-        Some((point.name.as_str(), wrench))
+        Some((&*point.name, wrench))
     });
     let own: Vec<(&str, Wrench)> = own.collect();
     let loads = own.iter().map(|(name, wrench)| (*name, wrench));

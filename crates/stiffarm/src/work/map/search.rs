@@ -199,7 +199,7 @@ impl<'a> Search<'a> {
             Err(stopped) => {
                 out.status = stopped.refusal.status;
                 out.reason = Some(stopped.refusal.reason);
-                out.point = Some(self.points[self.kept[stopped.at]].name.clone());
+                out.point = Some(self.points[self.kept[stopped.at]].name.to_string());
             }
         }
         Ok(out)
@@ -210,8 +210,8 @@ impl<'a> Search<'a> {
         let workpiece = self.workpiece(place);
         let along = self.along(place, part, control)?;
         let name = |i: usize| match part {
-            Part::Searched => self.points[self.kept[i]].name.clone(),
-            Part::Whole => self.points[i].name.clone(),
+            Part::Searched => self.points[self.kept[i]].name.to_string(),
+            Part::Whole => self.points[i].name.to_string(),
         };
         let mut out = Placed {
             position_m: place.position,

@@ -365,7 +365,7 @@ fn findings(search: &Search<'_>, q: &[Vec<f64>], summary: &PosturePathSummary) -
         })
         .map(|(_, point)| match point.line {
             Some(line) => format!("{} (line {line})", point.name),
-            None => point.name.clone(),
+            None => point.name.to_string(),
         })
         .collect();
     if !singular.is_empty() {

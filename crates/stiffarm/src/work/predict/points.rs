@@ -14,6 +14,7 @@ use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The linear model suffices where it differs by less than this share of the
 /// band, or of the deflection where there is none.
@@ -63,7 +64,7 @@ impl Default for PredictOptions {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PointPrediction {
     /// Name of the point.
-    pub point: String,
+    pub point: Arc<str>,
     /// Controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
     #[cfg_attr(
@@ -165,7 +166,7 @@ pub fn predict(
     })?;
     let mut out = summarise(points, options, bands.map(|b| b.confidence));
     out.findings.extend(implausible::process(cell));
-    let loads = postures.iter().map(|p| (p.name.as_str(), &p.wrench));
+    let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
     Ok(out)
 }
@@ -238,7 +239,7 @@ fn summarise(
         confidence,
         deflection_rms_m: rms(&sizes),
         deflection_max_m: largest.map_or(0.0, |p| p.deflection_m),
-        deflection_max_point: largest.map_or_else(String::new, |p| p.point.clone()),
+        deflection_max_point: largest.map_or_else(String::new, |p| p.point.to_string()),
         linear_difference_max_m: differences.fold(0.0, f64::max),
         linear_suffices: points.iter().all(suffices),
         error_rms_m: errors.map(|e| rms(&e)),

@@ -16,7 +16,7 @@ fn pointwise(
     let reached = map.nodes.iter().filter_map(|n| n.values.as_ref());
     let postures: Vec<LoadedPosture> = reached
         .map(|values| LoadedPosture {
-            name: String::new(),
+            name: "".into(),
             line: None,
             q: values.q.clone(),
             wrench,

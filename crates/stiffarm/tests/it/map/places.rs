@@ -21,7 +21,7 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
             let at = |k: usize| pair[0][k] + t * (pair[1][k] - pair[0][k]);
             let local = Isometry3::from_parts(Translation3::new(at(0), at(1), 0.05), down());
             points.push(PathPoint {
-                name: format!("{}", points.len() + 1),
+                name: format!("{}", points.len() + 1).into(),
                 line: None,
                 target: PathTarget::Pose(cell.work.workpiece * local),
                 load: None,
@@ -169,7 +169,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
                 UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(i) * 4_f64.to_radians());
             let pose = Isometry3::from_parts(Translation3::identity(), down() * turn);
             PathPoint {
-                name: i.to_string(),
+                name: i.to_string().into(),
                 line: None,
                 target: PathTarget::Pose(cell.work.workpiece * pose),
                 load: Some(TipLoad {
@@ -243,7 +243,7 @@ fn long_paths_are_searched_thinned_and_judged_whole() {
         .flat_map(|p| (0..25).map(|_| p.clone()))
         .collect();
     let last = points.len() - 7;
-    points[last].name = "hit".to_string();
+    points[last].name = "hit".into();
     points[last].load = Some(TipLoad {
         force: Vector3::new(0.0, 3000.0, 0.0),
         moment: Vector3::zeros(),

@@ -63,7 +63,7 @@ fn angles_and_loads_of_the_rows() -> Check {
     let [first, second, third] = &path.points[..] else {
         panic!("three points");
     };
-    assert_eq!((first.name.as_str(), first.line), ("P1", Some(2)));
+    assert_eq!((first.name.as_ref(), first.line), ("P1", Some(2)));
     let q = [12.5f64, -30.0, -100.0, 0.0, 45.25, 0.0].map(f64::to_radians);
     assert_eq!(first.target, PathTarget::Angles(q.to_vec()));
     let load = TipLoad {
@@ -95,7 +95,7 @@ fn angles_and_loads_of_the_rows() -> Check {
     let names: Vec<_> = path
         .points
         .iter()
-        .map(|point| point.name.as_str())
+        .map(|point| point.name.as_ref())
         .collect();
     assert_eq!(names, ["1", "2"]);
     Ok(())

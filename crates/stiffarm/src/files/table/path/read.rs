@@ -77,9 +77,9 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
                         "give each point a name of its own, or leave the column out: points are then numbered",
                     ));
                 }
-                name.to_string()
+                name.into()
             }
-            None => (i + 1).to_string(),
+            None => (i + 1).to_string().into(),
         };
         points.push(PathPoint {
             name,

@@ -152,7 +152,7 @@ fn field(column: &FormatColumn, point: &PathPoint, target: &Numbers<'_>) -> Stri
         load.map_or_else(String::new, |load| shortest(column, value(load)[i]))
     };
     match (column.content, target) {
-        (Content::Name, _) => point.name.clone(),
+        (Content::Name, _) => point.name.to_string(),
         (Content::Angle(j), Numbers::Angles(q)) => shortest(column, q[j]),
         (Content::Position(i), Numbers::Pose(pose, _)) => {
             length(column, pose.translation.vector[i])

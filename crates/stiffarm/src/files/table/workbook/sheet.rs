@@ -3,7 +3,7 @@
 use super::HINT;
 use super::unpacked;
 use crate::error::{Code, Error, Result};
-use crate::files::table::grid::{Field, Row, Style, Table};
+use crate::files::table::grid::{Field, Rows, Style, Table};
 use crate::model::cell::Columns;
 use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
 use std::collections::BTreeMap;
@@ -46,11 +46,7 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
         let message = "The file cannot be read as an .xlsx workbook: its places make no sense.";
         Err(Error::new(Code::FileRead, message))
     });
-    let Sheet {
-        name,
-        mut rows,
-        aside,
-    } = read.map_err(|e| match e.hint_text() {
+    let Sheet { name, rows, aside } = read.map_err(|e| match e.hint_text() {
         Some(_) => e.file(file),
         None => e.file(file).hint(HINT),
     })?;
@@ -61,8 +57,7 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
             error.hint(aside.unwrap_or_else(|| "the first row names the columns".to_string()))
         );
     }
-    let heading = rows.remove(0);
-    let mut table = Table::new(file, Style::Sheet, heading, rows, foreign);
+    let mut table = Table::new(file, Style::Sheet, rows, foreign);
     table.aside = aside;
     Ok(table)
 }
@@ -70,7 +65,7 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
 /// The first sheet, and what a reader should know of the others.
 struct Sheet {
     name: String,
-    rows: Vec<Row>,
+    rows: Rows,
     aside: Option<String>,
 }
 
@@ -182,7 +177,8 @@ fn too_large() -> Error {
 }
 
 /// The rows as of a text: comments left out, gaps filled with empty fields.
-fn rows(mut cells: Cells) -> Result<Vec<Row>> {
+fn rows(mut cells: Cells) -> Result<Rows> {
+    let mut rows = Rows::default();
     cells.retain(|_, row| {
         let first = row.values().next();
         !first.is_some_and(|held| held.as_ref().is_ok_and(|text| text.starts_with('#')))
@@ -190,7 +186,7 @@ fn rows(mut cells: Cells) -> Result<Vec<Row>> {
     // The table may begin in any column; it is as wide as its heading.
     let heading = cells.iter().next();
     let Some((line, mut columns)) = heading.map(|(line, row)| (line, row.keys().copied())) else {
-        return Ok(Vec::new());
+        return Ok(rows);
     };
     let left = columns.next().unwrap_or_default();
     let right = columns.next_back().unwrap_or(left);
@@ -207,7 +203,7 @@ fn rows(mut cells: Cells) -> Result<Vec<Row>> {
     if cells.len().saturating_mul((right - left + 1) as usize) > MOST_CELLS {
         return Err(too_large());
     }
-    let rows = cells.into_iter().map(|(line, mut row)| {
+    for (line, mut row) in cells {
         let beside: Vec<u32> = row.keys().copied().filter(|c| !width.contains(c)).collect();
         let fields = width.clone().chain(beside).map(|column| {
             let held = row.remove(&column).unwrap_or(Ok(String::new()));
@@ -217,11 +213,7 @@ fn rows(mut cells: Cells) -> Result<Vec<Row>> {
                 column: column + 1,
             }
         });
-        Row {
-            line: line as usize + 1,
-            fields: fields.collect(),
-            open_quote: false,
-        }
-    });
-    Ok(rows.collect())
+        rows.push(line as usize + 1, fields, false);
+    }
+    Ok(rows)
 }
