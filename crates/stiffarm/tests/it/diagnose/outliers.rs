@@ -1,6 +1,7 @@
 //! Readings, postures and reflectors that do not fit.
 
 use super::*;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// One reading off by 1 mm is named with posture, point and axis, whichever
 /// it is, under either noise model.
@@ -67,6 +68,35 @@ fn deleted_residuals_are_those_of_fits_without() {
     let direct = taken.value - predicted;
     let deviation = Vector3::from(found.deviation_m.unwrap());
     assert!((deviation - direct).norm() < 1e-12, "{deviation} {direct}");
+}
+
+/// A point's probability is that of the F test between the fits with and without it.
+#[test]
+fn points_are_judged_by_fits_without_them() {
+    let cell = noisy_cell(0.0);
+    let measured = measure(&cell, 8);
+    let options = options(Estimator::Ordinary);
+    let fit = Fit::new(&cell, &measured, &options).unwrap();
+    let found = outliers(&fit).unwrap();
+    // Sum of squares and degrees of freedom.
+    let left = |measured: &[MeasuredPosture]| {
+        let fit = identify(&cell, measured, &options).unwrap();
+        let free = fit.estimates.degrees_of_freedom as f64;
+        (fit.residual_std_m.unwrap().powi(2) * free, free)
+    };
+    let all = left(&measured);
+    for (point, by) in found.points.iter().enumerate() {
+        let mut others = measured.clone();
+        for m in &mut others {
+            m.displacements.retain(|d| d.point != point);
+        }
+        let rest = left(&others);
+        let own = all.1 - rest.1;
+        let f = (all.0 - rest.0) / own / (rest.0 / rest.1);
+        let p = FisherSnedecor::new(own, rest.1).unwrap().sf(f);
+        let ours = by.p_value.unwrap();
+        assert!((ours / p - 1.0).abs() < 1e-9, "{ours} {p}");
+    }
 }
 
 #[test]

@@ -1,15 +1,14 @@
 //! The data at hand with their fit, and how each part of them agrees with the
 //! rest.
 
+use super::deletions::{Deletions, shifted};
 use super::{Outlier, OutlierKind, PointFit, PostureFit};
 use crate::error::Result;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
 use crate::estimate::identify::{
-    Estimator, Fit, Fold, Prepared, RowLabel, Whitened, prediction_error, rms, rounding,
+    Estimator, Fit, Fold, RowLabel, Whitened, prediction_error, rms, rounding,
 };
-use crate::numerics::information::Factor;
-use crate::numerics::jobs::in_order;
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector};
 use std::cell::OnceCell;
 
 /// Level of each of the three families: displacements, postures, points.
@@ -21,16 +20,6 @@ const SHARE: f64 = 1.0 / 3.0;
 const ODD: f64 = 0.05;
 /// Residuals below this share of the displacements are rounding.
 const ROUNDING: f64 = 1e-11;
-/// A displacement with less than this share of its information left over is
-/// fitted exactly and cannot be judged.
-const EXACT: f64 = 1e-9;
-
-/// One displacement against all others.
-struct Deleted {
-    deviation: Vector3<f64>,
-    error: Vector3<f64>,
-    p_value: f64,
-}
 
 /// The data at hand with their fit.
 pub(super) struct Kept {
@@ -38,7 +27,7 @@ pub(super) struct Kept {
     /// True where both variances were estimated.
     shifts: bool,
     postures: OnceCell<Vec<PostureFit>>,
-    points: OnceCell<Vec<PointFit>>,
+    deletions: OnceCell<Deletions>,
 }
 
 impl Kept {
@@ -48,7 +37,7 @@ impl Kept {
             shifts: two && !fit.solution().independent_rows,
             fit,
             postures: OnceCell::new(),
-            points: OnceCell::new(),
+            deletions: OnceCell::new(),
         }
     }
 
@@ -80,7 +69,7 @@ impl Kept {
             return Ok(None);
         }
         let labels = &self.fit.system().labels;
-        let deleted = self.deleted()?;
+        let deleted = &self.deletions()?.displacements;
         let count = deleted.iter().flatten().count() as f64;
         let worst = deleted
             .iter()
@@ -148,16 +137,16 @@ impl Kept {
             _ => None,
         };
         let labels = &rest.fit.system().labels;
-        let deleted = rest.deleted()?;
+        let deletions = rest.deletions()?;
         let own: Vec<bool> = labels
             .iter()
-            .zip(&deleted)
+            .zip(&deletions.displacements)
             .filter(|(l, _)| rest.fit.experiment().behind(l).1 == point)
             .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD))
             .collect();
         let odd = own.iter().filter(|odd| **odd).count();
         let of_point = match odd as f64 >= SHARE * own.len() as f64 && odd > 1 {
-            true => point_p(&rest.fit, point, whole(&rest.fit)?)?,
+            true => deletions.points[point],
             false => None,
         };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
@@ -181,50 +170,12 @@ impl Kept {
             .clone()
     }
 
-    /// Every displacement against its prediction from all other data; `None`
-    /// for one that the fit meets exactly whatever it is.
-    fn deleted(&self) -> Result<Vec<Option<Deleted>>> {
-        let (system, solution) = (self.fit.system(), self.fit.solution());
-        let free = solution.degrees_of_freedom;
-        let rows = system.delta.len();
-        if free <= 3 {
-            return Ok((0..rows / 3).map(|_| None).collect());
+    fn deletions(&self) -> Result<&Deletions> {
+        if let Some(known) = self.deletions.get() {
+            return Ok(known);
         }
-        let whitened = self.fit.prepared().whitened();
-        let gamma = solution.gamma;
-        let both = shifted(whitened, self.fit.white(), gamma);
-        let basis = solution.factor.basis(rows);
-        let residual = &both - &basis * basis.tr_mul(&both);
-        let size = residual.norm_squared();
-        let mut out = Vec::with_capacity(rows / 3);
-        for (b, block) in system.blocks.iter().enumerate() {
-            self.fit.control().check()?;
-            let (from, count) = (block.rows.start, block.rows.len());
-            // Rows of V^(−1/2) for this block: P = Wᵀ(I − BBᵀ)W, q = P Δ.
-            let w = root_inverse(whitened, b, count, gamma);
-            let seen = w.tr_mul(&basis.rows(from, count));
-            let q = w.tr_mul(&residual.rows(from, count));
-            for i in 0..count / 3 {
-                let seen = seen.fixed_rows::<3>(3 * i);
-                let whole = w.columns(3 * i, 3);
-                let full: Matrix3<f64> = whole.tr_mul(&whole).fixed_view::<3, 3>(0, 0).into_owned();
-                let own = full - seen * seen.transpose();
-                let q: Vector3<f64> = q.fixed_rows::<3>(3 * i).into_owned();
-                let judged = own.symmetric_eigenvalues().min() > EXACT * full.trace();
-                out.push(own.try_inverse().filter(|_| judged).and_then(|inverse| {
-                    let deviation = inverse * q;
-                    let explained = q.dot(&deviation);
-                    let left = (size - explained).max(f64::EPSILON * size);
-                    let variance = left / (free - 3) as f64;
-                    Some(Deleted {
-                        deviation,
-                        error: inverse.diagonal().map(|v| (v * variance).max(0.0).sqrt()),
-                        p_value: f_tail(explained / 3.0 / variance, 3, free - 3)?,
-                    })
-                }));
-            }
-        }
-        Ok(out)
+        let found = Deletions::of(&self.fit)?;
+        Ok(self.deletions.get_or_init(|| found))
     }
 
     pub(super) fn posture_fits(&self) -> Result<&[PostureFit]> {
@@ -308,57 +259,19 @@ impl Kept {
         })
     }
 
-    pub(super) fn point_fits(&self) -> Result<&[PointFit]> {
-        if let Some(known) = self.points.get() {
-            return Ok(known);
-        }
-        let judged = self.has_residuals();
-        let points: Vec<usize> = (0..self.fit.cell().setup.tool.point_count()).collect();
-        let fit = &self.fit;
-        let all = match judged {
-            true => whole(fit)?,
-            false => (0.0, 0),
+    pub(super) fn point_fits(&self) -> Result<Vec<PointFit>> {
+        let p_values = match self.has_residuals() {
+            true => &self.deletions()?.points[..],
+            false => &[],
         };
-        let found = in_order(&points, |(_, &point)| match judged {
-            true => point_p(fit, point, all),
-            false => Ok(None),
-        })?;
-        let named = points
-            .into_iter()
-            .zip(found)
-            .map(|(point, p_value)| PointFit {
+        let all = 0..self.fit.cell().setup.tool.point_count();
+        Ok(all
+            .map(|point| PointFit {
                 point: self.point_name(point),
-                p_value,
-            });
-        let out = named.collect();
-        Ok(self.points.get_or_init(|| out))
+                p_value: p_values.get(point).copied().flatten(),
+            })
+            .collect())
     }
-}
-
-/// Weighted sum of squared residuals of a fit, and its rank.
-fn whole(fit: &Fit) -> Result<(f64, usize)> {
-    size_and_rank(fit.prepared(), &fit.system().delta, fit.solution().gamma)
-}
-
-/// Probability of the residuals of `point` by the fit to the other points; `all`
-/// is what the fit to all leaves ([`whole`]).
-fn point_p(fit: &Fit, point: usize, all: (f64, usize)) -> Result<Option<f64>> {
-    fit.control().check()?;
-    let whole = fit.system();
-    let of_point = |l: &RowLabel| fit.experiment().behind(l).1 == point;
-    let Some(system) = whole.filtered(|l| !of_point(l)) else {
-        return Ok(None);
-    };
-    let (estimator, gamma) = (fit.assumed().estimator, fit.solution().gamma);
-    let rest = size_and_rank(&Prepared::new(&system, estimator)?, &system.delta, gamma)?;
-    let own = whole.delta.len() - system.delta.len();
-    let free = system.delta.len() - rest.1.min(system.delta.len());
-    if own == 0 || rest.1 < all.1 || free == 0 {
-        return Ok(None);
-    }
-    let left = rest.0.max(f64::EPSILON * all.0);
-    let f = (all.0 - rest.0).max(0.0) / own as f64 / (left / free as f64);
-    Ok(f_tail(f, own, free))
 }
 
 fn named(kind: OutlierKind, p_value: f64) -> Outlier {
@@ -377,33 +290,4 @@ fn named(kind: OutlierKind, p_value: f64) -> Outlier {
 /// Displacements made independent, shifts of ratio `gamma` included.
 fn independent(whitened: &Whitened, delta: &DVector<f64>, gamma: f64) -> DVector<f64> {
     shifted(whitened, &whitened.whiten(delta), gamma)
-}
-
-/// The same of displacements that are white already.
-fn shifted(whitened: &Whitened, white: &DVector<f64>, gamma: f64) -> DVector<f64> {
-    let white = DMatrix::from_column_slice(white.len(), 1, white.as_slice());
-    whitened.with_shifts(&white, gamma).column(0).into_owned()
-}
-
-/// What makes the rows of one block independent, as a matrix.
-fn root_inverse(whitened: &Whitened, block: usize, count: usize, gamma: f64) -> DMatrix<f64> {
-    let mut out = DMatrix::identity(count, count);
-    whitened.whiten_block(block, &mut out);
-    let (directions, sizes) = whitened.directions(block);
-    let mut shared = directions.tr_mul(&out);
-    for (k, size) in sizes.iter().enumerate() {
-        let part = 1.0 - 1.0 / (1.0 + gamma * size).sqrt();
-        shared.row_mut(k).scale_mut(part);
-    }
-    out - directions * shared
-}
-
-/// Weighted sum of squared residuals at the ratio `gamma`, and the rank.
-fn size_and_rank(prepared: &Prepared, delta: &DVector<f64>, gamma: f64) -> Result<(f64, usize)> {
-    let whitened = prepared.whitened();
-    let psi = whitened.with_shifts(whitened.psi(), gamma);
-    let delta = independent(whitened, delta, gamma);
-    let factor = Factor::new(&psi)?;
-    let residual = &delta - psi * factor.solve(&delta);
-    Ok((residual.norm_squared(), factor.rank()))
 }

@@ -11,6 +11,7 @@
 //! neither does the rest of its posture (or of its point), the posture (or the
 //! point) is named instead.
 
+mod deletions;
 mod kept;
 
 use super::noise::{NoiseTest, noise_test};
@@ -125,7 +126,7 @@ pub fn outliers(fit: &Fit) -> Result<Outliers> {
         more: false,
         noise_without: None,
         postures: kept.posture_fits()?.to_vec(),
-        points: kept.point_fits()?.to_vec(),
+        points: kept.point_fits()?,
     };
     let mut nothing_left = false;
     while let Some(outlier) = kept.worst()? {
