@@ -20,13 +20,14 @@ Commands:
   generate [--check]
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
-  outputs FOLDER [--against OTHER] [--binary PATH] [--threads N,…]
+  outputs FOLDER [--against OTHER] [--binary PATH] [--threads N,…] [--brief]
       Runs the commands of xtask/src/outputs/commands.txt and keeps everything that they print and write in
       FOLDER, which is new, empty, or filled by an earlier run.
       --against OTHER   compares FOLDER with OTHER, the outputs before a change, byte by byte
       --binary PATH     runs this executable; without it `stiffarm` is built for release
       --threads N,…     runs all of them with each of these numbers of threads: the first fills FOLDER, each
                         other one FOLDER-N, which is compared with FOLDER
+      --brief           of runs that differ in --json only the one with it; no help and no wrong usage
       The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
   fuzz [--seconds N | --inputs N] [--target T]… [--seed S] [--threads N]
       Runs mutated inputs through every reader and every command, built for release, without end unless told.
@@ -45,7 +46,8 @@ Commands:
   features
       Clippy on the library with every set of its features; takes minutes, the nightly workflow runs it.
   ci [options of test]
-      lint, half a minute of fuzz, then test: what the continuous integration runs.
+      lint, half a minute of fuzz, brief outputs on 1, 2 and 4 threads, then test: what the continuous
+      integration runs.
   help
       This text.
 
@@ -97,6 +99,8 @@ pub struct OutputsOptions {
     pub binary: Option<PathBuf>,
     /// Numbers of threads to run with; none leaves it to the machine.
     pub threads: Vec<usize>,
+    /// Whether to leave out what computes nothing new.
+    pub is_brief: bool,
 }
 
 /// A part of the test suite that a machine may or may not be able to run.
@@ -192,6 +196,10 @@ fn parse_outputs(rest: &[String]) -> Result<OutputsOptions, Failure> {
         };
         match name {
             "--against" | "--binary" | "--threads" => {}
+            _ if argument == "--brief" => {
+                options.is_brief = true;
+                continue;
+            }
             _ if argument.starts_with('-') || folder.is_some() => {
                 return Err(unexpected("outputs", argument));
             }
@@ -323,14 +331,15 @@ mod tests {
         };
         assert_eq!(parsed("outputs now").unwrap(), Command::Outputs(plain));
         for line in [
-            "outputs now --against before --binary target/release/stiffarm --threads 1,2",
-            "outputs --binary=target/release/stiffarm --against=before --threads=1,2 now",
+            "outputs now --against before --binary target/release/stiffarm --threads 1,2 --brief",
+            "outputs --brief --binary=target/release/stiffarm --against=before --threads=1,2 now",
         ] {
             let expected = OutputsOptions {
                 folder: PathBuf::from("now"),
                 against: Some(PathBuf::from("before")),
                 binary: Some(PathBuf::from("target/release/stiffarm")),
                 threads: vec![1, 2],
+                is_brief: true,
             };
             assert_eq!(parsed(line).unwrap(), Command::Outputs(expected), "{line}");
         }

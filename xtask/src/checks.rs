@@ -1,8 +1,8 @@
 //! `cargo xtask lint` and `cargo xtask ci`: what must hold before a change is taken.
 
-use crate::arguments::TestOptions;
+use crate::arguments::{OutputsOptions, TestOptions};
 use crate::run::{Failure, Workspace, step};
-use crate::{fuzz, generate, structure, test};
+use crate::{fuzz, generate, outputs, structure, test};
 
 /// Every check that is not a test; stops at the first that fails.
 pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
@@ -13,7 +13,7 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
     check_dependencies(workspace)
 }
 
-/// What [`lint`] does, a little fuzzing, then the tests. Their closing line is the last line of all.
+/// What [`lint`] does, a little fuzzing, all commands on 1, 2 and 4 threads, then the tests. Their closing line is the last line of all.
 pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     check_code(workspace)?;
     let build = test::build(workspace);
@@ -24,6 +24,14 @@ pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     check_dependencies(workspace)?;
     let seconds = fuzz::SMOKE_SECONDS;
     step(format!("cargo xtask fuzz --seconds {seconds}"), fuzz::smoke)?;
+    let threads = OutputsOptions {
+        folder: workspace.root().join("target/outputs"),
+        threads: vec![1, 2, 4],
+        is_brief: true,
+        ..OutputsOptions::default()
+    };
+    let same = "cargo xtask outputs target/outputs --threads 1,2,4 --brief";
+    step(same, || outputs::run(workspace, &threads))?;
     println!("\n== cargo xtask test");
     test::run(workspace, options)
 }

@@ -63,6 +63,26 @@ pub fn calls(list: &str) -> Result<Vec<Call>, Failure> {
     Ok(calls)
 }
 
+/// The calls that compute: of one that is made twice the one with --json, which has every digit; none
+/// that is there to be wrong, and no text that is always the same.
+pub fn brief(calls: Vec<Call>) -> Vec<Call> {
+    let twice: Vec<String> = calls
+        .iter()
+        .filter_map(|call| Some(call.file.strip_suffix(".json.txt")?.to_string()))
+        .collect();
+    let computes = |call: &Call| {
+        let name = call.file.trim_end_matches(".txt");
+        let asks = call
+            .words
+            .iter()
+            .any(|w| ["--help", "-h"].contains(&w.as_str()));
+        let always = ["--version", "schema", "docs", "man", "completions"];
+        !(call.is_wrong || asks || always.contains(&call.words[0].as_str()))
+            && !twice.iter().any(|twice| twice == name)
+    };
+    calls.into_iter().filter(computes).collect()
+}
+
 /// The calls of one line of the list: `KIND NAME WORDS… [< FILE]`.
 fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
     let mut words: Vec<&str> = line.split_whitespace().collect();
@@ -144,6 +164,17 @@ mod tests {
             (calls[0].codes(), calls[5].codes()),
             (&[0, 1][..], &[2][..])
         );
+    }
+
+    #[test]
+    fn a_brief_list_computes_everything_once() {
+        let list = "once  help  select --help\nboth  plan  select a --output b\nwrong  slip  check --output b\n\
+                    once  plan-sheet  select b --sheet c\nboth  help-me  schema cell\n";
+        let files: Vec<String> = brief(calls(list).unwrap())
+            .into_iter()
+            .map(|call| call.file)
+            .collect();
+        assert_eq!(files, ["plan.json.txt", "plan-sheet.txt"]);
     }
 
     #[test]

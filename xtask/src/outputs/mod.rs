@@ -13,7 +13,7 @@ use std::time::Instant;
 use crate::arguments::OutputsOptions;
 use crate::run::{Failure, Workspace};
 use crate::test::{REFERENCE_VARIABLE, reference_folder};
-use list::{COMMANDS, Call, FANUC, calls};
+use list::{COMMANDS, Call, FANUC, brief, calls};
 
 /// The folder of what the commands print.
 const PRINTED: &str = "printed";
@@ -37,24 +37,26 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
         .map(|other| folder::other(other, &folder))
         .transpose()?;
     let robot = fanuc::folder(reference_folder(std::env::var_os(REFERENCE_VARIABLE)));
-    let calls = match &robot {
+    let mut calls = match &robot {
         Ok(_) => calls(&format!("{COMMANDS}{FANUC}"))?,
         Err(why) => {
             println!("without the measured robot: {why}");
             calls(COMMANDS)?
         }
     };
+    if options.is_brief {
+        calls = brief(calls);
+    }
     let binary = match &options.binary {
         Some(binary) => binary::given(binary)?,
         None => binary::built(workspace)?,
     };
-    let mut against = against;
-    let mut ended = Ok(());
     // Without a wish once, with the machine's own number of threads.
     let wishes = match options.threads.as_slice() {
         [] => vec![None],
         threads => threads.iter().copied().map(Some).collect(),
     };
+    let mut passes = Vec::new();
     for (i, threads) in wishes.into_iter().enumerate() {
         let filled = match threads.filter(|_| i > 0) {
             Some(threads) => beside(&folder, threads),
@@ -65,17 +67,29 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
         if let Ok(robot) = &robot {
             fanuc::write(robot, &filled.join("fanuc.csv"))?;
         }
-        let start = Instant::now();
-        let unexpected = run_all(&binary, &filled, &calls, threads)?;
-        let seconds = start.elapsed().as_secs_f64();
+        passes.push((filled, threads));
+    }
+    // Each has a folder of its own, so they need not wait for each other.
+    let start = Instant::now();
+    let ran: Vec<_> = std::thread::scope(|scope| {
+        let run = |(filled, threads): &(PathBuf, Option<usize>)| {
+            let (binary, calls, filled, threads) = (&binary, &calls, filled.clone(), *threads);
+            scope.spawn(move || run_all(binary, &filled, calls, threads))
+        };
+        let running: Vec<_> = passes.iter().map(run).collect();
+        running.into_iter().map(|pass| pass.join()).collect()
+    });
+    println!("{:.1} s", start.elapsed().as_secs_f64());
+    let mut against = against;
+    let mut ended = Ok(());
+    for ((filled, threads), unexpected) in passes.iter().zip(ran) {
+        let unexpected = unexpected.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let on = threads.map_or(String::new(), |threads| format!(" on {threads} threads"));
-        println!("{} runs of stiffarm{on}, {seconds:.1} s", calls.len());
-        let reported = report(&filled, against.as_deref(), &unexpected);
+        println!("{} runs of stiffarm{on}", calls.len());
+        let reported = report(filled, against.as_deref(), &unexpected);
         ended = ended.and(reported);
-        if i == 0 {
-            // Every other number of threads gives the same bytes.
-            against = Some(folder.clone());
-        }
+        // Every other number of threads gives the same bytes as the first.
+        against = Some(folder.clone());
     }
     ended
 }
@@ -131,7 +145,8 @@ fn run_all(
         let path = folder.join(PRINTED).join(&call.file);
         std::fs::write(&path, transcript(call, &output)).map_err(|e| unwritable(&path, &e))?;
         if done % TOLD_EVERY == 0 {
-            println!("{done} of {} runs", calls.len());
+            let on = threads.map_or(String::new(), |threads| format!(" on {threads} threads"));
+            println!("{done} of {} runs{on}", calls.len());
         }
     }
     Ok(unexpected)
