@@ -4,6 +4,7 @@ use super::values::number;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use stiffarm::estimate::identify::{CONFIDENCE, Estimator, IdentifyOptions, NoiseSource, Weights};
+use stiffarm::estimate::mixed::ElasticChoice;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::model::robot::Robot;
 use stiffarm::{Code, Error, Result};
@@ -18,6 +19,10 @@ pub struct FitArgs {
     /// Further terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub terms: Vec<String>,
+    /// What gives way: the joint axes, everything as far as the data show, or what the data call
+    /// for [default: axes]
+    #[arg(long, value_name = "MODEL")]
+    pub elastic: Option<ElasticArg>,
     /// Relative weight of single displacements [default: readings]
     #[arg(long, value_name = "FROM")]
     pub weights: Option<WeightsChoice>,
@@ -38,6 +43,7 @@ impl FitArgs {
         [
             ("--estimator", self.estimator.is_some()),
             ("--terms", !self.terms.is_empty()),
+            ("--elastic", self.elastic.is_some()),
             ("--weights", self.weights.is_some()),
             ("--prior-std-percent", self.prior_std_percent.is_some()),
             ("--noise", self.noise.is_some()),
@@ -45,6 +51,11 @@ impl FitArgs {
         ]
         .into_iter()
         .find_map(|(name, given)| given.then_some(name))
+    }
+
+    /// What gives way.
+    pub fn elastic(&self) -> ElasticChoice {
+        self.elastic.map_or(ElasticChoice::Axes, Into::into)
     }
 
     /// The options for this robot.
@@ -108,6 +119,27 @@ fn estimator() -> impl TypedValueParser<Value = Estimator> {
             .find(|e| e.as_str() == name)
             .unwrap_or_default()
     })
+}
+
+/// What gives way.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ElasticArg {
+    /// The joint axes alone
+    Axes,
+    /// Joints and base in all directions, as far as the data show
+    Mixed,
+    /// What leaving postures out and the likelihood call for
+    Auto,
+}
+
+impl From<ElasticArg> for ElasticChoice {
+    fn from(choice: ElasticArg) -> Self {
+        match choice {
+            ElasticArg::Axes => ElasticChoice::Axes,
+            ElasticArg::Mixed => ElasticChoice::Mixed,
+            ElasticArg::Auto => ElasticChoice::Auto,
+        }
+    }
 }
 
 /// Where the size of the noise comes from.

@@ -13,7 +13,10 @@ use crate::table::{Align, Table, green, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource};
-use stiffarm::estimate::validate::{Model, PointBand, Validation, cross_validate, validate_with};
+use stiffarm::estimate::mixed::{ElasticChoice, MixedFit, elastic};
+use stiffarm::estimate::validate::{
+    Model, PointBand, Validation, cross_validate, cross_validate_mixed, validate_with,
+};
 use stiffarm::findings::{Severity, list};
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
@@ -43,6 +46,9 @@ pub struct FitOptions {
     pub estimator: Estimator,
     /// The further terms.
     pub extra: Vec<ExtraTerm>,
+    /// What gives way, where that is not the joint axes alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<ElasticChoice>,
     /// Where the size of the noise comes from.
     pub noise: NoiseSource,
     /// Confidence of the bands.
@@ -130,8 +136,9 @@ fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
     };
     let tolerance = args.tolerance_mm.map(mm_to_m);
     let progress = Progress::new(session, "predicting each posture");
-    let result = Fit::watched(cell, measured, &fit, progress.shared())
-        .and_then(|fit| cross_validate(&fit, count, tolerance))
+    let asked = args.fit.elastic();
+    let (result, model) = Fit::watched(cell, measured, &fit, progress.shared())
+        .and_then(|fit| crossed(&fit, asked, count, tolerance))
         .map_err(|e| match e.code() {
             Code::InvalidValue => e.key("--folds"),
             _ => e,
@@ -152,11 +159,18 @@ fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
         true => String::new(),
         false => format!(", with {}", list(&terms)),
     };
-    let said = format!("{said}; estimator {}{terms}\n", fit.estimator.as_str());
+    let mut said = format!("{said}; estimator {}{terms}\n", fit.estimator.as_str());
+    if asked != ElasticChoice::Axes {
+        said += match model {
+            ElasticChoice::Mixed => "elastic model: mixed, its sizes found anew in each fold\n",
+            _ => "elastic model: the joint axes alone\n",
+        };
+    }
     let fit = FitOptions {
         folds: count,
         estimator: fit.estimator,
         extra: fit.extra,
+        elastic: args.fit.elastic.map(|_| model),
         noise: fit.noise,
         confidence: fit.confidence,
     };
@@ -165,6 +179,30 @@ fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
     Ok(Exit::finding(
         result.passed == Some(false) || !result.unpredicted.is_empty(),
     ))
+}
+
+/// Predicts fold by fold with the elastic model asked for; which one it was.
+fn crossed(
+    fit: &Fit,
+    asked: ElasticChoice,
+    count: usize,
+    tolerance: Option<f64>,
+) -> Result<(Validation, ElasticChoice)> {
+    let mixed = match asked {
+        ElasticChoice::Axes => None,
+        ElasticChoice::Mixed => Some(MixedFit::new(fit).map_err(|e| e.key("--elastic"))?),
+        ElasticChoice::Auto => {
+            let (found, mixed) = elastic(fit, asked).map_err(|e| e.key("--elastic"))?;
+            mixed.filter(|_| found.model == ElasticChoice::Mixed)
+        }
+    };
+    Ok(match &mixed {
+        Some(mixed) => (
+            cross_validate_mixed(mixed, count, tolerance)?,
+            ElasticChoice::Mixed,
+        ),
+        None => (cross_validate(fit, count, tolerance)?, ElasticChoice::Axes),
+    })
 }
 
 fn options(args: &ValidateArgs, fit: Option<FitOptions>) -> Options {

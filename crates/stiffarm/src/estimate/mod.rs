@@ -6,6 +6,7 @@ pub mod compliance;
 pub mod coverage;
 pub mod diagnose;
 pub mod identify;
+pub mod mixed;
 pub mod next_posture;
 pub mod simulate;
 pub mod systematic;

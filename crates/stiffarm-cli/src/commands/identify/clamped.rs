@@ -12,6 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::clamped::{ClampedIdentification, ClampedPosture, identify_clamped};
 use stiffarm::estimate::identify::{Estimator, NoiseSource, Verdict};
+use stiffarm::estimate::mixed::ElasticChoice;
 use stiffarm::files::table::read_clamped;
 use stiffarm::findings::{Severity, list};
 use stiffarm::model::observation::ExtraTerm;
@@ -44,6 +45,13 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
     let options = args.fit.options(&named.cell.setup.robot)?;
+    if args.fit.elastic() != ElasticChoice::Axes {
+        let message =
+            "With the flange fixed only the joint axes can be told: angles show nothing else.";
+        return Err(Error::new(Code::Unsupported, message)
+            .key("--elastic")
+            .hint("leave it out, or measure displacements with the flange free"));
+    }
     let noise = args.angle_noise_deg.map(deg_to_rad);
     if options.noise == NoiseSource::Known && noise.is_none() {
         let message = "Known noise with --clamped needs the standard deviation of the angles.";

@@ -23,6 +23,7 @@ use stiffarm::estimate::identify::{
     Bootstrap, Estimator, Fit, Identification, NoiseSource, Profile, Weights, bootstrap,
     implausible_scale, profile,
 };
+use stiffarm::estimate::mixed::{Elastic, ElasticChoice, elastic};
 use stiffarm::estimate::next_posture::{NextPosture, next_posture};
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::Severity;
@@ -48,6 +49,9 @@ pub struct Options {
     pub confidence: f64,
     /// Further terms asked for.
     pub extra: Vec<ExtraTerm>,
+    /// What gives way, where that is not the joint axes alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<ElasticChoice>,
     /// Relative standard deviation of the prior stiffness (fraction).
     pub prior_std: f64,
     /// Postures left out.
@@ -72,6 +76,9 @@ pub struct Identified {
     pub bootstrap: Option<Bootstrap>,
     /// Errors common to the whole experiment; `null` with --brief.
     pub budget: Option<SystematicErrors>,
+    /// The elastic model that predicts, where --elastic asks for one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<Elastic>,
     /// What the residuals say; `null` with --brief.
     pub diagnosis: Option<Diagnosis>,
     /// The next posture; `null` with --brief, or where none can be given.
@@ -79,7 +86,7 @@ pub struct Identified {
     /// Why there is no next posture; `null` where there is one.
     pub next_posture_missing: Option<String>,
     /// Names of the parts above that were left out because the user stopped the
-    /// command: `bootstrap`, `profile`, `budget`, `diagnosis`, `next_posture`.
+    /// command: `bootstrap`, `elastic`, `profile`, `budget`, `diagnosis`, `next_posture`.
     pub not_computed: Vec<&'static str>,
     /// How often this estimator's intervals held the truth in simulation, where
     /// they are not exact; `null` for exact ones, and below the tabulated
@@ -123,6 +130,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         noise: options.noise,
         confidence: options.confidence,
         extra: options.extra.clone(),
+        elastic: args.fit.elastic.map(Into::into),
         prior_std: options.prior_std,
         exclude: args.exclude.clone(),
         bootstrap: args.bootstrap,
@@ -142,6 +150,7 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
         profile: None,
         bootstrap: None,
         budget: None,
+        elastic: None,
         diagnosis: None,
         next_posture: None,
         next_posture_missing: None,
@@ -159,6 +168,12 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
         let found = bootstrap(fit, resamples, args.seed, fit.options().confidence);
         let found = found.map_err(|e| e.key("--bootstrap"));
         out.bootstrap = unless_stopped("bootstrap", &mut left_out, found)?;
+    }
+    let asked = args.fit.elastic();
+    if asked != ElasticChoice::Axes {
+        let found = elastic(fit, asked).map_err(|e| e.key("--elastic"));
+        let found = unless_stopped("elastic", &mut left_out, found)?;
+        out.elastic = found.map(|(elastic, _)| elastic);
     }
     if args.brief {
         out.not_computed = left_out;
@@ -242,6 +257,9 @@ fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String])
     out.push('\n');
     if let Some(finding) = implausible_scale(cell, found) {
         out += &format!("{}\n", red(&finding.sentence));
+    }
+    if let Some(elastic) = &result.elastic {
+        out += &tables::elastic(elastic, fit.options().confidence);
     }
     out += &messages::stopped(&result.not_computed);
     for sentence in messages::verdicts(result) {

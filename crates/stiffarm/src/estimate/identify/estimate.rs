@@ -180,7 +180,7 @@ pub(crate) fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Re
 
 /// Estimate of k = 1/H with its interval, asymmetric because k is not linear
 /// in H (docs/method.md).
-pub(super) fn estimate(
+pub(crate) fn estimate(
     name: &str,
     compliance: Option<f64>,
     error: Option<f64>,

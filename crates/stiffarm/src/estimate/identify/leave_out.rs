@@ -136,11 +136,15 @@ pub(crate) fn prediction_error(
     let rows = &system.blocks[block].rows;
     let psi = system.psi.rows(rows.start, rows.len());
     let blind = |j: &usize| psi.column(*j).norm() <= rounding;
-    solution
-        .undetermined
-        .iter()
-        .all(blind)
-        .then(|| system.delta.rows(rows.start, rows.len()) - psi * &solution.values)
+    let seen = solution.undetermined.iter().all(blind);
+    seen.then(|| missed(system, block, &solution.values))
+}
+
+/// Measured minus calculated displacements of one posture.
+pub(crate) fn missed(system: &MeasuredSystem, block: usize, values: &DVector<f64>) -> DVector<f64> {
+    let rows = &system.blocks[block].rows;
+    let psi = system.psi.rows(rows.start, rows.len());
+    system.delta.rows(rows.start, rows.len()) - psi * values
 }
 
 /// Each posture by the fold that leaves it out, against the fit `all`.

@@ -287,12 +287,12 @@ impl Whitened {
     }
 
     /// Number of postures.
-    pub(super) fn block_count(&self) -> usize {
+    pub(crate) fn block_count(&self) -> usize {
         self.blocks.len()
     }
 
     /// Rows of posture `block`.
-    pub(super) fn block_rows(&self, block: usize) -> Range<usize> {
+    pub(crate) fn block_rows(&self, block: usize) -> Range<usize> {
         self.blocks[block].rows.clone()
     }
 

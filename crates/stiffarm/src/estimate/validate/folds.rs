@@ -3,7 +3,8 @@
 use super::{Model, Point, Validation, band, check_tolerance, summarise};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{Fit, prediction_error, rounding};
+use crate::estimate::identify::{Fit, MeasuredSystem, missed, prediction_error, rounding};
+use crate::estimate::mixed::MixedFit;
 use nalgebra::Vector3;
 
 /// Validates without postures kept out: the postures are left out fold by fold,
@@ -18,9 +19,8 @@ use nalgebra::Vector3;
 /// Fewer than two folds or more than postures; no
 /// posture that the others predict.
 pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Result<Validation> {
-    check_tolerance(tolerance_m)?;
-    let (system, measured) = (fit.system(), fit.postures());
     let confidence = fit.options().confidence;
+    let system = fit.system();
     let own;
     let folds = match count == system.blocks.len() {
         true => fit.folds()?,
@@ -29,23 +29,79 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
             &own
         }
     };
+    let rounding = rounding(system);
+    let folds = folds.iter().map(|fold| Left {
+        out: &fold.left_out,
+        predictor: Some(IdentifiedCompliance::from_solution(
+            system,
+            &fold.solution,
+            confidence,
+        )),
+        sees: Box::new(move |b| prediction_error(system, b, &fold.solution, rounding).is_some()),
+    });
+    gathered(fit, system, count, folds, tolerance_m)
+}
+
+/// [`cross_validate`] with the mixed model, whose sizes are found anew in each fold.
+///
+/// # Errors
+/// As [`cross_validate`].
+pub fn cross_validate_mixed(
+    mixed: &MixedFit,
+    count: usize,
+    tolerance_m: Option<f64>,
+) -> Result<Validation> {
+    let system = mixed.system();
+    let own;
+    let folds = match count == system.blocks.len() {
+        true => mixed.folds()?,
+        false => {
+            own = mixed.folds_of(count)?;
+            &own
+        }
+    };
+    let folds = folds.iter().map(|fold| Left {
+        out: &fold.left_out,
+        predictor: fold.compliance.clone(),
+        sees: Box::new(|_| true),
+    });
+    gathered(mixed.fit(), system, count, folds, tolerance_m)
+}
+
+/// A fold with what predicts it.
+struct Left<'a> {
+    /// The postures left out (indices of blocks).
+    out: &'a [usize],
+    predictor: Option<IdentifiedCompliance>,
+    /// Whether the others determine all that a posture shows.
+    sees: Box<dyn Fn(usize) -> bool + 'a>,
+}
+
+fn gathered<'a>(
+    fit: &Fit,
+    system: &MeasuredSystem,
+    count: usize,
+    folds: impl Iterator<Item = Left<'a>>,
+    tolerance_m: Option<f64>,
+) -> Result<Validation> {
+    check_tolerance(tolerance_m)?;
+    let measured = fit.postures();
     let mut found: Vec<Option<Point>> = vec![None; system.labels.len()];
     let mut unpredicted = Vec::new();
-    let rounding = rounding(system);
     for fold in folds {
-        let predictor = IdentifiedCompliance::from_solution(system, &fold.solution, confidence);
-        for &b in &fold.left_out {
+        for &b in fold.out {
             let block = &system.blocks[b];
-            let Some(errors) = prediction_error(system, b, &fold.solution, rounding) else {
+            let Some(predictor) = fold.predictor.as_ref().filter(|_| (fold.sees)(b)) else {
                 unpredicted.push(b);
                 continue;
             };
+            let errors = missed(system, b, &predictor.values);
             for label in system.labels_of(block) {
                 let displacement = &measured[label.measured].displacements[label.displacement];
                 let at = label.rows.start - block.rows.start;
                 let calculated: Vector3<f64> = displacement.value - errors.fixed_rows::<3>(at);
                 let value = &displacement.value;
-                let band = band::point_band(&predictor, system, block, label, value, &calculated)?;
+                let band = band::point_band(predictor, system, block, label, value, &calculated)?;
                 let place = system
                     .labels
                     .partition_point(|l| l.rows.start < label.rows.start);
@@ -76,7 +132,7 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
     result.folds = Some(count);
     result.passed = result.passed.map(|passed| passed && unpredicted.is_empty());
     result.unpredicted = unpredicted;
-    result.band = band::share(&result.points, confidence);
+    result.band = band::share(&result.points, fit.options().confidence);
     result.findings = band::findings(&result);
     Ok(result)
 }

@@ -6,7 +6,7 @@ mod folds;
 
 pub use crate::model::stiffness::Model;
 pub use band::{BandShare, PointBand};
-pub use folds::cross_validate;
+pub use folds::{cross_validate, cross_validate_mixed};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;

@@ -23,14 +23,14 @@ const LARGEST_LOST_MOTION: f64 = 1.0;
 
 /// Largest displacement and scatter of displacements \[m\]: what a table may hold, a fit
 /// may have seen and `identify` saved.
-const LARGEST_LENGTH: f64 = 1e3;
+pub(super) const LARGEST_LENGTH: f64 = 1e3;
 
 /// Values that say the same twice may differ by this part: by hand one writes
 /// four digits.
 const AGREEMENT: f64 = 1e-3;
 
 /// No experiment has more rows, nor degrees of freedom.
-const MOST_ROWS: usize = 1_000_000_000;
+pub(super) const MOST_ROWS: usize = 1_000_000_000;
 
 /// Eigenvalues of a correlation matrix may be below zero by this, from rounding.
 const ROUNDING: f64 = 1e-6;
@@ -97,7 +97,11 @@ pub(super) fn optional_number(value: &Value, name: &str, key: &str) -> Result<Op
 }
 
 /// A number from 0 to `largest`.
-fn non_negative(value: Option<f64>, largest: f64, key: impl Fn() -> String) -> Result<()> {
+pub(super) fn non_negative(
+    value: Option<f64>,
+    largest: f64,
+    key: impl Fn() -> String,
+) -> Result<()> {
     match value {
         Some(value) if !(0.0..=largest).contains(&value) => {
             let message = format!("This is {value:e}; it must lie between 0 and {largest:e}.");
@@ -249,7 +253,7 @@ fn has_stiffness(joint: &JointEstimate, key: &str) -> Result<()> {
 }
 
 /// One spring against itself.
-fn spring(spring: &JointEstimate, key: &str) -> Result<()> {
+pub(super) fn spring(spring: &JointEstimate, key: &str) -> Result<()> {
     let at = |name: &str| below(key, name);
     if let Some(h) = spring.compliance
         && h.abs() > SOFTEST
@@ -342,22 +346,34 @@ fn covariance(found: &Estimates, errors: &[Option<f64>], key: &str) -> Result<()
     if rows.iter().flatten().all(Option::is_none) {
         return Ok(());
     }
-    let mut scale = Vec::with_capacity(count);
     for (j, error) in errors.iter().enumerate() {
         let key = format!("{key}[{j}][{j}]");
         let variance = rows[j][j];
         non_negative(variance, SOFTEST, || key.clone())?;
-        let deviation = variance.map(f64::sqrt);
-        if let (Some(deviation), Some(error)) = (deviation, error) {
-            same(deviation, *error, &key)?;
+        if let (Some(variance), Some(error)) = (variance, error) {
+            same(variance.sqrt(), *error, &key)?;
         }
-        scale.push(deviation);
+    }
+    not_negative(count, |i, j| rows[i][j], key)
+}
+
+/// A covariance that is symmetric and gives no combination a variance below zero.
+pub(super) fn not_negative(
+    count: usize,
+    entry: impl Fn(usize, usize) -> Option<f64>,
+    key: &str,
+) -> Result<()> {
+    let mut scale = Vec::with_capacity(count);
+    for j in 0..count {
+        let variance = entry(j, j);
+        non_negative(variance, SOFTEST, || format!("{key}[{j}][{j}]"))?;
+        scale.push(variance.map(f64::sqrt));
     }
     let mut correlation = DMatrix::zeros(count, count);
     for i in 0..count {
         for j in 0..count {
             let key = || format!("{key}[{i}][{j}]");
-            let (Some(value), Some(mirrored)) = (rows[i][j], rows[j][i]) else {
+            let (Some(value), Some(mirrored)) = (entry(i, j), entry(j, i)) else {
                 let message = "A covariance with values must have all of them.";
                 return Err(fault(message.to_string()).key(key()));
             };
@@ -383,7 +399,7 @@ fn covariance(found: &Estimates, errors: &[Option<f64>], key: &str) -> Result<()
 }
 
 /// Two values that say the same.
-fn same(a: f64, b: f64, key: &str) -> Result<()> {
+pub(super) fn same(a: f64, b: f64, key: &str) -> Result<()> {
     if (a - b).abs() <= AGREEMENT * a.abs().max(b.abs()) {
         return Ok(());
     }

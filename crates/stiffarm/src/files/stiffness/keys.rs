@@ -24,7 +24,7 @@ pub(super) const RESULT: &[&str] = &[
     "residual_rms_m", "displacement_rms_m", "residual_std_m", "posture_common_std_m",
     "total_std_m", "expected_std_m", "postures", "points", "weights",
     // what the command adds
-    "readings", "profile", "bootstrap", "budget", "diagnosis", "next_posture",
+    "readings", "profile", "bootstrap", "budget", "elastic", "diagnosis", "next_posture",
     "not_computed",
     "next_posture_missing", "measured_coverage", "interrupted",
     // ClampedIdentification
@@ -46,6 +46,28 @@ pub(super) const JOINT: &[&str] = &[
 
 /// One lost motion.
 pub(super) const ANGLE: &[&str] = &["name", "angle", "standard_error", "interval"];
+
+/// The elastic model.
+pub(super) const ELASTIC: &[&str] = &[
+    "asked",
+    "model",
+    "reasons",
+    "likelihood_ratio",
+    "axes_rms_m",
+    "mixed_rms_m",
+    "mixed",
+];
+
+/// Values of the mixed model.
+pub(super) const MIXED: &[&str] = &[
+    "joints",
+    "sizes",
+    "residual_std_m",
+    "posture_common_std_m",
+    "interval_degrees_of_freedom",
+    "springs",
+    "covariance",
+];
 
 /// The errors common to the experiment.
 pub(super) const BUDGET: &[&str] = &["joints", "sources", "combined", "statistical", "findings"];

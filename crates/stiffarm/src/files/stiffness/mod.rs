@@ -6,6 +6,7 @@
 //! covariance. What contradicts itself is refused, as is a key nobody reads.
 
 mod checks;
+mod elastic;
 mod errors;
 mod keys;
 
@@ -198,6 +199,11 @@ fn identified(result: &Value, key: &str, cell: &Cell) -> Result<IdentifiedCompli
     };
     let compliance = IdentifiedCompliance::from_estimates(cell, &estimates, noise)?;
     checks::quantile(&compliance, key)?;
+    if let Some(mixed) =
+        elastic::mixed(&result["elastic"], &below(key, "elastic"), cell, &estimates)?
+    {
+        return Ok(mixed);
+    }
     // `null` after --brief, missing for a clamped arm.
     match &result["budget"] {
         Value::Null => Ok(compliance),

@@ -65,6 +65,7 @@ impl Rows {
         });
     }
 
+    #[cfg(feature = "xlsx")]
     pub(super) fn is_empty(&self) -> bool {
         self.spans.is_empty()
     }

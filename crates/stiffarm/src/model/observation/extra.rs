@@ -1,16 +1,28 @@
 //! Further elastic elements beside the joint axes, as more columns of Ψ: tilt
-//! of a joint about its two other axes, tilt of the base, and lost motion.
+//! of a joint about its two other axes, tilt of the base, lost motion, and the
+//! entries of a general spring at a joint or the base.
 //!
 //! A virtual spring that is equally soft about all axes perpendicular to `a`
 //! and sits at the point o turns by h·m⊥ under the moment m about o, where m⊥
 //! is the part of m perpendicular to a. So its column at the point p is
 //! m⊥ × (p − o), whatever pair of perpendicular axes one has in mind.
+//!
+//! A general spring has a symmetric 6 × 6 compliance between the wrench at its
+//! origin and the small motion there (virtual joint method: Pashkevich, Chablat
+//! and Wenger, Stiffness analysis of overconstrained parallel manipulators,
+//! Mechanism and Machine Theory 44, 2009, 966–982,
+//! doi:10.1016/j.mechmachtheory.2008.05.017). Its axes move with the link behind
+//! the joint: z is the joint's axis, x points towards what is next on that link.
 
 use super::PostureTerms;
 use crate::error::{Code, Error, Result, did_you_mean};
+use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
-use nalgebra::{DVector, Vector3, Vector6};
+use nalgebra::{DVector, Matrix3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
+
+/// A direction across an axis is clear from this length on (of a unit vector; m).
+const CLEARLY: f64 = 1e-2;
 
 /// One further unknown of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,6 +39,19 @@ pub enum ExtraTerm {
     /// Lost motion of joint `j` (counted from 0): it gives way by a constant
     /// angle in the direction of its torque; unknown: that angle \[rad\].
     LostMotion(usize),
+    /// Entries (row, column) and (column, row) of the symmetric compliance of a
+    /// general spring; rows and columns 0 to 2 are shifts along and forces on x, y, z
+    /// \[m, N\], 3 to 5 turns and moments \[rad, N·m\]. Unknown: the entry
+    /// \[m/N; rad/N or m/(N·m); rad/(N·m)\].
+    Spring {
+        /// The joint, counted from 0; `None` for the base: axes of the base frame, at
+        /// the point of axis 1 nearest its origin.
+        joint: Option<usize>,
+        /// Row, not above the column.
+        row: usize,
+        /// Column.
+        column: usize,
+    },
 }
 
 impl ExtraTerm {
@@ -34,6 +59,16 @@ impl ExtraTerm {
     pub fn name(self, robot: &Robot) -> String {
         let joint = |j: usize| robot.joints().get(j).map_or("?", |joint| &joint.name);
         match self {
+            ExtraTerm::Spring {
+                joint: place,
+                row,
+                column,
+            } => {
+                let place = place.map_or("the base", joint);
+                let axes = ["x", "y", "z", "turn x", "turn y", "turn z"];
+                let [row, column] = [row, column].map(|i| axes.get(i).unwrap_or(&"?"));
+                format!("spring ({row}, {column}) of {place}")
+            }
             ExtraTerm::JointTilt(j) => format!("tilt of {}", joint(j)),
             ExtraTerm::BaseTilt => "tilt of the base".to_string(),
             ExtraTerm::LostMotion(j) => format!("lost motion of {}", joint(j)),
@@ -49,6 +84,7 @@ impl ExtraTerm {
     pub fn joint(self) -> Option<usize> {
         match self {
             ExtraTerm::JointTilt(j) | ExtraTerm::LostMotion(j) => Some(j),
+            ExtraTerm::Spring { joint, .. } => joint,
             ExtraTerm::BaseTilt => None,
         }
     }
@@ -106,10 +142,8 @@ impl ExtraTerm {
     /// If the term names a joint that the robot does not have.
     pub fn column(self, terms: &PostureTerms) -> DVector<f64> {
         let points = terms.measuring_points();
-        let (turn, origin) = self.turn(terms);
-        let rows = points
-            .iter()
-            .flat_map(|p| turn.cross(&(p - origin)).data.0[0]);
+        let motion = self.motion(terms);
+        let rows = points.iter().flat_map(|p| motion.at(p).data.0[0]);
         DVector::from_iterator(3 * points.len(), rows)
     }
 
@@ -119,30 +153,95 @@ impl ExtraTerm {
     /// # Panics
     /// If the term names a joint that the robot does not have.
     pub fn twist(self, terms: &PostureTerms, at: &Vector3<f64>) -> Vector6<f64> {
-        let (turn, origin) = self.turn(terms);
-        let shift = turn.cross(&(at - origin));
+        let motion = self.motion(terms);
+        let (shift, turn) = (motion.at(at), motion.turn);
         Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
     }
 
-    /// Turn per unit of this term, and a point on its axis.
-    fn turn(self, terms: &PostureTerms) -> (Vector3<f64>, Vector3<f64>) {
+    /// Motion per unit of this term.
+    fn motion(self, terms: &PostureTerms) -> Motion {
         let frames = terms.frames();
         let tilt = |axis: Vector3<f64>, origin: Vector3<f64>| {
             let moment = terms.wrench().moved(terms.loading_point(), &origin).moment;
-            (moment - axis * axis.dot(&moment), origin)
+            Motion::turn(moment - axis * axis.dot(&moment), origin)
         };
         match self {
-            ExtraTerm::JointTilt(j) => tilt(frames.axes()[j], frames.origins()[j]),
-            ExtraTerm::BaseTilt => {
-                let (axis, origin) = (frames.axes()[0], frames.origins()[0]);
-                tilt(axis, origin - axis * axis.dot(&origin))
+            ExtraTerm::Spring { joint, row, column } => {
+                let (axes, origin) = match joint {
+                    Some(j) => (link_axes(frames, j), frames.origins()[j]),
+                    None => (Matrix3::identity(), on_first_axis(frames)),
+                };
+                let wrench = terms.wrench().moved(terms.loading_point(), &origin);
+                let load = |i: usize| match i < 3 {
+                    true => axes.column(i).dot(&wrench.force),
+                    false => axes.column(i - 3).dot(&wrench.moment),
+                };
+                let mut motion = Motion::turn(Vector3::zeros(), origin);
+                let mut add = |i: usize, size: f64| match i < 3 {
+                    true => motion.shift += axes.column(i) * size,
+                    false => motion.turn += axes.column(i - 3) * size,
+                };
+                add(row, load(column));
+                if row != column {
+                    add(column, load(row));
+                }
+                motion
             }
+            ExtraTerm::JointTilt(j) => tilt(frames.axes()[j], frames.origins()[j]),
+            ExtraTerm::BaseTilt => tilt(frames.axes()[0], on_first_axis(frames)),
             ExtraTerm::LostMotion(j) => {
                 // Without torque the joint may rest anywhere in its gap.
                 let torque = terms.torque()[j];
                 let sign = if torque == 0.0 { 0.0 } else { torque.signum() };
-                (frames.axes()[j] * sign, frames.origins()[j])
+                Motion::turn(frames.axes()[j] * sign, frames.origins()[j])
             }
         }
     }
+}
+
+/// A small motion: shift of the body's point at the origin, and turn.
+struct Motion {
+    shift: Vector3<f64>,
+    turn: Vector3<f64>,
+    origin: Vector3<f64>,
+}
+
+impl Motion {
+    fn turn(turn: Vector3<f64>, origin: Vector3<f64>) -> Self {
+        Motion {
+            shift: Vector3::zeros(),
+            turn,
+            origin,
+        }
+    }
+
+    /// Shift of the body's point at `p`.
+    fn at(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.shift + self.turn.cross(&(p - self.origin))
+    }
+}
+
+/// The point of axis 1 nearest the base frame's origin.
+fn on_first_axis(frames: &Frames) -> Vector3<f64> {
+    let (axis, origin) = (frames.axes()[0], frames.origins()[0]);
+    origin - axis * axis.dot(&origin)
+}
+
+/// Axes fixed to the link behind joint `j`: z its axis, x across it towards the next
+/// joint's axis, or its origin, or along the flange's x. Which of them depends on the
+/// robot alone, not on its posture.
+fn link_axes(frames: &Frames, j: usize) -> Matrix3<f64> {
+    let z = frames.axes()[j];
+    let across = |v: Vector3<f64>| v - z * z.dot(&v);
+    let next = frames.axes().get(j + 1).map(|axis| {
+        let origin = frames.origins()[j + 1] - frames.origins()[j];
+        [across(*axis), across(origin)]
+    });
+    // The last resort where a joint with the same axis follows; one of both is clear.
+    let flange = frames.flange().rotation;
+    let last = [flange * Vector3::x(), flange * Vector3::y()].map(across);
+    let mut all = next.into_iter().flatten().chain(last);
+    let x = all.find_map(|v| v.try_normalize(CLEARLY));
+    let x = x.unwrap_or_else(Vector3::x);
+    Matrix3::from_columns(&[x, z.cross(&x), z])
 }

@@ -1,0 +1,282 @@
+//! The mixed elastic model: the joint axes give way as ever, and every joint and the
+//! base give way a little in all other directions, too.
+//!
+//! y = Ψ h + Σ_c B_c u_c + ε, with the axis compliances h as fixed effects and the other
+//! entries of a symmetric 6 × 6 compliance at each joint and at the base as random
+//! effects u_c ~ N(0, ω_c²), c being shifts, turns and their coupling. The sizes ω_c come
+//! from the data by restricted likelihood together with σ and τ, h and u from the
+//! mixed-model equations.
+//!
+//! That real arms give way beyond their axes is known (Pashkevich, Klimchik and Chablat,
+//! Enhanced stiffness modeling of manipulators with passive joints, Mechanism and Machine
+//! Theory 46, 2011, 662–679, doi:10.1016/j.mechmachtheory.2010.12.008); that the deviations
+//! count as draws from a few distributions, the same for all joints, is a choice of ours.
+//! So is their symmetry: no direction across an axis is preferred, and with the coupling
+//! the place of the origin hardly matters.
+
+mod comparison;
+mod effects;
+mod likelihood;
+mod sums;
+
+pub use comparison::{Elastic, ElasticChoice, ElasticSize, GeneralSpring, MixedResult, elastic};
+pub use effects::ElasticClass;
+
+use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::{IdentifiedCompliance, Spread};
+use crate::estimate::identify::{Estimator, Fit, MeasuredSystem, NoiseSource};
+use crate::model::observation::ExtraTerm;
+use crate::numerics::jobs::in_order_watched;
+use effects::{Effect, effects};
+use likelihood::{Likelihood, Sizes, Solved};
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+use std::sync::OnceLock;
+use sums::Rows;
+
+/// The mixed model fitted to the displacements of a [`Fit`].
+pub struct MixedFit {
+    fit: Fit,
+    effects: Vec<Effect>,
+    rows: Rows,
+    /// Ψ of all unknowns, fixed effects first, in the effects' own units.
+    system: MeasuredSystem,
+    sizes: Sizes,
+    /// −2 ln L_R with the sizes found, and without random effects.
+    values: [f64; 2],
+    compliance: IdentifiedCompliance,
+    folds: OnceLock<Vec<MixedFold>>,
+}
+
+/// The mixed model without some postures.
+pub(crate) struct MixedFold {
+    /// The postures left out (indices of blocks).
+    pub(crate) left_out: Vec<usize>,
+    /// The model from the others, its sizes found anew; `None` where they do not
+    /// determine every joint.
+    pub(crate) compliance: Option<IdentifiedCompliance>,
+}
+
+impl MixedFit {
+    /// Fits the mixed model to the displacements of `fit`, which must take the noise
+    /// from the residuals.
+    ///
+    /// # Errors
+    /// Another estimator than that of two variances, noise that is given, further terms;
+    /// a joint that the data do not determine; no degree of freedom.
+    pub fn new(fit: &Fit) -> Result<Self> {
+        let options = fit.options();
+        if options.estimator != Estimator::TwoVariance || options.noise != NoiseSource::Estimated {
+            return Err(Error::new(
+                Code::Conflict,
+                "The mixed model estimates the size of the noise and of what a posture's points share itself.",
+            )
+            .hint("use it with the estimator two-variance and noise from the residuals"));
+        }
+        if !options.extra.is_empty() {
+            return Err(Error::new(
+                Code::Conflict,
+                "The mixed model holds every tilt already, and lost motion cannot be one of its terms.",
+            )
+            .hint("leave the further terms out"));
+        }
+        let solution = fit.solution();
+        if let Some(j) = solution.undetermined.first() {
+            return Err(Error::new(
+                Code::NotIdentifiable,
+                format!(
+                    "The data do not determine {}, so nothing tells it from what gives way beyond the axes.",
+                    fit.system().unknowns[*j]
+                ),
+            ));
+        }
+        let joints = fit.cell().setup.robot.joint_count();
+        let (effects, terms) = (effects(joints), effects::terms(joints));
+        let mut random = fit.columns(&terms);
+        let system = extended(fit.system(), &terms, &random);
+        for (j, effect) in effects.iter().enumerate() {
+            random.column_mut(j).scale_mut(effect.scale);
+        }
+        let whitened = fit.prepared().whitened();
+        let rest = whitened.residual(fit.white());
+        let shifts = whitened.is_separable() && !solution.independent_rows;
+        let rows = Rows::new(whitened, random, classes(&effects), &rest, shifts);
+        if whitened.residual(fit.white()).norm() <= ROUNDING * fit.white().norm() {
+            return Err(too_few("the joint axes leave nothing of the displacements"));
+        }
+        let likelihood = Likelihood::new(&rows, &[]);
+        let none = Sizes {
+            gamma: solution.gamma,
+            classes: vec![0.0; rows.classes.len()],
+        };
+        let (Some((sizes, value)), Some(without)) = (
+            likelihood.best(None, fit.control()),
+            likelihood.solve(&none),
+        ) else {
+            return Err(too_few("there are hardly more displacements than joints"));
+        };
+        fit.control().check()?;
+        // The search may end a hair above what no effects at all give.
+        let (sizes, value) = match without.value <= value {
+            true => (none, without.value),
+            false => (sizes, value),
+        };
+        let solved = likelihood
+            .solve(&sizes)
+            .ok_or_else(|| too_few("the equations are singular"))?;
+        let values = [value, without.value];
+        let compliance = compliance(fit, &effects, &sizes, &solved);
+        Ok(MixedFit {
+            fit: fit.clone(),
+            effects,
+            rows,
+            system,
+            sizes,
+            values,
+            compliance,
+            folds: OnceLock::new(),
+        })
+    }
+
+    /// The fit of the joint axes alone that this one goes on from.
+    pub fn fit(&self) -> &Fit {
+        &self.fit
+    }
+
+    /// All unknowns with their covariance: the joint axes, then the entries of the
+    /// general springs.
+    pub fn compliance(&self) -> &IdentifiedCompliance {
+        &self.compliance
+    }
+
+    /// Standard deviation ω of the entries of a class \[its unit\].
+    pub fn size(&self, class: ElasticClass) -> f64 {
+        let sigma = self.compliance.spread.as_ref().map_or(0.0, |s| s.sigma);
+        self.sizes.classes[class as usize].sqrt() * sigma
+    }
+
+    /// How much likelier the data are with the random effects: twice the difference of
+    /// the logarithms of the restricted likelihoods.
+    pub fn likelihood_ratio(&self) -> f64 {
+        (self.values[1] - self.values[0]).max(0.0)
+    }
+
+    /// Ψ of all unknowns.
+    pub(crate) fn system(&self) -> &MeasuredSystem {
+        &self.system
+    }
+
+    /// The model without each posture in turn, its sizes found anew each time.
+    ///
+    /// # Errors
+    /// Fewer than two postures; interrupted.
+    pub(crate) fn folds(&self) -> Result<&[MixedFold]> {
+        if let Some(known) = self.folds.get() {
+            return Ok(known);
+        }
+        let found = self.folds_of(self.rows.posture_count())?;
+        Ok(self.folds.get_or_init(|| found))
+    }
+
+    /// The same without each of `count` folds of postures.
+    pub(crate) fn folds_of(&self, count: usize) -> Result<Vec<MixedFold>> {
+        let plain = self.fit.folds_of(count)?;
+        in_order_watched(
+            &plain,
+            "leaving postures out",
+            self.fit.control(),
+            |(_, fold)| {
+                let likelihood = Likelihood::new(&self.rows, &fold.left_out);
+                let control = self.fit.control();
+                let determined = fold.solution.undetermined.is_empty();
+                let found = determined
+                    .then(|| likelihood.best(Some(&self.sizes), control))
+                    .flatten()
+                    .and_then(|(sizes, _)| {
+                        let solved = likelihood.solve(&sizes)?;
+                        Some(compliance(&self.fit, &self.effects, &sizes, &solved))
+                    });
+                Ok(MixedFold {
+                    left_out: fold.left_out.clone(),
+                    compliance: found,
+                })
+            },
+        )
+    }
+}
+
+/// Residuals below this share of the displacements are rounding.
+const ROUNDING: f64 = 1e-11;
+
+fn too_few(why: &str) -> Error {
+    Error::new(
+        Code::TooFewData,
+        format!("Nothing can be said of what gives way beyond the joint axes: {why}."),
+    )
+}
+
+/// Columns of each class.
+fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
+    let of = |class| {
+        let start = effects.iter().position(|e| e.class == class).unwrap_or(0);
+        start..start + effects.iter().filter(|e| e.class == class).count()
+    };
+    ElasticClass::ALL.map(of).to_vec()
+}
+
+/// The system with the columns of further terms.
+fn extended(
+    system: &MeasuredSystem,
+    terms: &[ExtraTerm],
+    columns: &DMatrix<f64>,
+) -> MeasuredSystem {
+    let fixed = system.psi.ncols();
+    let mut psi = system
+        .psi
+        .clone()
+        .resize_horizontally(fixed + terms.len(), 0.0);
+    psi.columns_mut(fixed, terms.len()).copy_from(columns);
+    MeasuredSystem {
+        psi,
+        extra: terms.to_vec(),
+        ..system.clone()
+    }
+}
+
+/// The solution of the mixed-model equations in the effects' own units.
+fn compliance(
+    fit: &Fit,
+    effects: &[Effect],
+    sizes: &Sizes,
+    solved: &Solved,
+) -> IdentifiedCompliance {
+    let plain = fit.solution();
+    let fixed = plain.values.len();
+    let scale = |i: usize| match i < fixed {
+        true => 1.0,
+        false => effects[i - fixed].scale,
+    };
+    let start = fit.prepared().whitened().factor().solve(fit.white());
+    let values = DVector::from_fn(solved.values.len(), |i, _| {
+        solved.values[i] * scale(i) + if i < fixed { start[i] } else { 0.0 }
+    });
+    let mut covariance = solved.inverse() * solved.variance;
+    for j in 0..covariance.ncols() {
+        for i in 0..covariance.nrows() {
+            covariance[(i, j)] *= scale(i) * scale(j);
+        }
+    }
+    let sigma = solved.variance.sqrt();
+    IdentifiedCompliance {
+        values,
+        extra: effects.iter().map(|effect| effect.term).collect(),
+        spread: Some(Spread {
+            covariance,
+            sigma,
+            shift: sigma * sizes.gamma.sqrt(),
+            degrees_of_freedom: plain.t_degrees_of_freedom.map(|dof| dof.min(solved.free)),
+            confidence: fit.options().confidence,
+        }),
+        common: Vec::new(),
+    }
+}

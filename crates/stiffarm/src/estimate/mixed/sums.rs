@@ -1,0 +1,169 @@
+//! Sums over the postures of an experiment from which the mixed model follows,
+//! with and without single postures.
+
+use crate::estimate::identify::Whitened;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Whitened rows of \[Ψ B e\] with their sums over all postures: fixed effects,
+/// scaled random effects, and what least squares on Ψ leaves of the displacements.
+pub(super) struct Rows {
+    /// Rows × (fixed + random + 1).
+    all: DMatrix<f64>,
+    /// Number of fixed effects.
+    pub(super) fixed: usize,
+    /// Columns of each class among the random effects.
+    pub(super) classes: Vec<Range<usize>>,
+    /// Rows of each posture.
+    postures: Vec<Range<usize>>,
+    /// UᵀX of each posture and the squared sizes of its shifts; empty where the data
+    /// cannot tell shifts from noise.
+    shifts: Vec<(DMatrix<f64>, DVector<f64>)>,
+    /// XᵀX of all postures without shifts.
+    whole: DMatrix<f64>,
+}
+
+/// Sums of some postures at one ratio of the two variances.
+pub(super) struct Sums {
+    /// XᵀV⁻¹X.
+    pub(super) gram: DMatrix<f64>,
+    /// ln|V|.
+    pub(super) logarithms: f64,
+    /// Number of rows.
+    pub(super) rows: usize,
+}
+
+impl Rows {
+    /// `random` has one column per random effect (m per unit of its class), not yet
+    /// white; `rest` are the whitened displacements less what least squares explains.
+    pub(super) fn new(
+        whitened: &Whitened,
+        random: DMatrix<f64>,
+        classes: Vec<Range<usize>>,
+        rest: &DVector<f64>,
+        shifts: bool,
+    ) -> Self {
+        let fixed = whitened.psi().ncols();
+        let count = fixed + random.ncols() + 1;
+        let mut all = DMatrix::zeros(whitened.rows(), count);
+        all.columns_mut(0, fixed).copy_from(whitened.psi());
+        all.column_mut(count - 1).copy_from(rest);
+        let mut seen = Vec::new();
+        let postures: Vec<Range<usize>> = (0..whitened.block_count())
+            .map(|b| whitened.block_rows(b))
+            .collect();
+        for (b, rows) in postures.iter().enumerate() {
+            let mut own = random.rows(rows.start, rows.len()).into_owned();
+            whitened.whiten_block(b, &mut own);
+            all.view_mut((rows.start, fixed), own.shape())
+                .copy_from(&own);
+            if shifts {
+                let (directions, sizes) = whitened.directions(b);
+                let x = all.rows(rows.start, rows.len());
+                seen.push((directions.tr_mul(&x), sizes.clone()));
+            }
+        }
+        let whole = all.tr_mul(&all);
+        Rows {
+            all,
+            fixed,
+            classes,
+            postures,
+            shifts: seen,
+            whole,
+        }
+    }
+
+    /// Number of postures.
+    pub(super) fn posture_count(&self) -> usize {
+        self.postures.len()
+    }
+
+    /// True where shifts are told from noise.
+    pub(super) fn has_shifts(&self) -> bool {
+        !self.shifts.is_empty()
+    }
+
+    /// Number of random effects.
+    pub(super) fn random(&self) -> usize {
+        self.all.ncols() - 1 - self.fixed
+    }
+
+    /// Mean square of a row that effects of variance 1 in class `class` give.
+    pub(super) fn mean_square(&self, class: usize) -> f64 {
+        let columns = self.classes[class].clone();
+        let squares = columns.map(|c| self.whole[(self.fixed + c, self.fixed + c)]);
+        squares.sum::<f64>() / self.all.nrows() as f64
+    }
+
+    /// The postures that take part when `left_out` (ascending) do not.
+    fn others<'a>(&'a self, left_out: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+        (0..self.postures.len()).filter(move |b| left_out.binary_search(b).is_err())
+    }
+
+    /// XᵀX of all postures but `left_out`, without shifts.
+    pub(super) fn plain(&self, left_out: &[usize]) -> DMatrix<f64> {
+        let mut gram = self.whole.clone();
+        for &b in left_out {
+            let rows = &self.postures[b];
+            let own = self.all.rows(rows.start, rows.len());
+            gram.gemm_tr(-1.0, &own, &own, 1.0);
+        }
+        gram
+    }
+
+    /// The sums of all postures but `left_out`, of which `plain` are those without
+    /// shifts, at the ratio `gamma` of the two variances.
+    pub(super) fn at(&self, gamma: f64, left_out: &[usize], plain: &DMatrix<f64>) -> Sums {
+        let mut out = Sums {
+            gram: plain.clone(),
+            logarithms: 0.0,
+            rows: self.others(left_out).map(|b| self.postures[b].len()).sum(),
+        };
+        if gamma <= 0.0 {
+            return out;
+        }
+        for b in self.others(left_out) {
+            let Some((seen, sizes)) = self.shifts.get(b) else {
+                continue;
+            };
+            let mut scaled = seen.clone();
+            for (k, size) in sizes.iter().enumerate() {
+                let part = gamma * size / (1.0 + gamma * size);
+                scaled.row_mut(k).scale_mut(part);
+                out.logarithms += (gamma * size).ln_1p();
+            }
+            out.gram.gemm_tr(-1.0, seen, &scaled, 1.0);
+        }
+        out
+    }
+
+    /// Derivatives by ln γ of ln|V|, of the squares that `solution` (of X's columns,
+    /// −1 for the last) leaves, and of ln|XᵀV⁻¹X| whose inverse is `inverse`.
+    pub(super) fn by_ratio(
+        &self,
+        gamma: f64,
+        left_out: &[usize],
+        solution: &DVector<f64>,
+        inverse: &DMatrix<f64>,
+    ) -> [f64; 3] {
+        let mut out = [0.0; 3];
+        let unknowns = inverse.ncols();
+        for b in self.others(left_out) {
+            let Some((seen, sizes)) = self.shifts.get(b) else {
+                continue;
+            };
+            let left = seen * solution;
+            let x = seen.columns(0, unknowns);
+            let moved = &x * inverse;
+            for (k, size) in sizes.iter().enumerate() {
+                let whole = 1.0 + gamma * size;
+                let change = gamma * size / (whole * whole);
+                out[0] += gamma * size / whole;
+                out[1] -= change * left[k] * left[k];
+                out[2] -= change * moved.row(k).dot(&x.row(k));
+            }
+        }
+        out
+    }
+}
