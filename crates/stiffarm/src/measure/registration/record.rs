@@ -74,6 +74,9 @@ impl From<&Registration> for RegistrationRecord {
     }
 }
 
+/// No base frame is farther from its tracker, no residual larger \[m\].
+const FARTHEST: f64 = 1e4;
+
 impl TryFrom<RegistrationRecord> for Registration {
     type Error = Error;
 
@@ -82,19 +85,26 @@ impl TryFrom<RegistrationRecord> for Registration {
     /// covariance that is none.
     fn try_from(record: RegistrationRecord) -> Result<Self> {
         let fault = |message: &str, key: &str| Error::new(Code::ResultFile, message).key(key);
-        let scalars = [record.rms_m, record.residual_std_m];
-        let finite = record.translation_m.iter().all(|v| v.is_finite())
-            && record.centroid_m.iter().all(|v| v.is_finite())
-            && record.residuals_m.iter().flatten().all(|v| v.is_finite())
-            && scalars
-                .iter()
-                .chain(&record.known_std_m)
-                .all(|v| v.is_finite() && *v >= 0.0);
-        if !finite {
-            return Err(fault(
-                "A number of the registration is not finite or below zero.",
-                "translation_m",
-            ));
+        let residuals = || record.residuals_m.iter().flatten().copied();
+        let stds = [record.residual_std_m]
+            .into_iter()
+            .chain(record.known_std_m);
+        let lengths: [(&str, Vec<f64>); 5] = [
+            ("translation_m", record.translation_m.to_vec()),
+            ("centroid_m", record.centroid_m.to_vec()),
+            ("residuals_m", residuals().collect()),
+            ("rms_m", vec![record.rms_m]),
+            ("residual_std_m", stds.collect()),
+        ];
+        for (key, values) in lengths {
+            let signed = ["translation_m", "centroid_m", "residuals_m"].contains(&key);
+            let least = if signed { -FARTHEST } else { 0.0 };
+            if let Some(value) = values.iter().find(|v| !(least..=FARTHEST).contains(*v)) {
+                let message = format!(
+                    "A length of {value:e} m cannot be meant: it must lie between {least} and {FARTHEST} m."
+                );
+                return Err(fault(&message, key));
+            }
         }
         let matrix = Matrix3::from_fn(|i, j| record.rotation[i][j]);
         let square = (matrix.transpose() * matrix - Matrix3::identity()).amax();
@@ -107,10 +117,18 @@ impl TryFrom<RegistrationRecord> for Registration {
         }
         let covariance = Matrix6::from_fn(|i, j| record.covariance[i][j]);
         let symmetric = (covariance - covariance.transpose()).amax() <= 1e-9 * covariance.amax();
-        let positive = covariance.diagonal().iter().all(|v| *v >= 0.0);
-        if !(symmetric && positive && covariance.iter().all(|v| v.is_finite())) {
+        let variances = covariance.diagonal();
+        let positive = variances
+            .iter()
+            .all(|v| (0.0..=FARTHEST * FARTHEST).contains(v));
+        let within = |(i, j): (usize, usize)| {
+            covariance[(i, j)].powi(2) <= variances[i] * variances[j] * (1.0 + 1e-9)
+        };
+        let mut pairs = (0..6).flat_map(|i| (0..6).map(move |j| (i, j)));
+        // NaN is none of it.
+        if !(symmetric && positive && pairs.all(within)) {
             return Err(fault(
-                "The covariance is not symmetric, or has a negative variance.",
+                "The covariance is not symmetric, has a variance that none can be, or a correlation beyond ±1.",
                 "covariance",
             ));
         }
