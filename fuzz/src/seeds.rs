@@ -106,7 +106,7 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     add(Kind::Clamped, input("clamped.csv"));
     add(Kind::Stiffness, input("bare.json"));
     std::fs::write(folder.path("clamped.csv"), input("clamped.csv")).unwrap_or_default();
-    const MADE: [(&str, &str, Kind); 10] = [
+    const MADE: [(&str, &str, Kind); 11] = [
         (
             "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv",
             "m.csv",
@@ -145,6 +145,11 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
         (
             "identify builtin:comau m.csv --brief --estimator prior --output e.json",
             "e.json",
+            Kind::Stiffness,
+        ),
+        (
+            "identify builtin:comau m.csv --brief --elastic mixed --output f.json",
+            "f.json",
             Kind::Stiffness,
         ),
         (

@@ -50,7 +50,10 @@ pub const IDENTIFY: &str = "Examples:
   For validate, without one posture; with a tilting elbow; robust:
   $ stiffarm identify builtin:comau simulated.csv --exclude 6 --output k.json
   $ stiffarm identify builtin:comau tracked.csv --terms tilt3 --bootstrap 300
-  $ stiffarm identify builtin:comau tracked.csv --estimator huber --brief";
+  $ stiffarm identify builtin:comau tracked.csv --estimator huber --brief
+
+  What gives way beyond the joint axes, as far as the data show:
+  $ stiffarm identify builtin:comau simulated.csv --elastic auto --output mixed.json";
 pub const VALIDATE: &str = "Examples:
   $ stiffarm validate builtin:comau k.json simulated.csv --only 6
   $ stiffarm validate builtin:comau k.json simulated.csv --tolerance-mm 0.1

@@ -6,6 +6,7 @@ use stiffarm::Result;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::model::cell::Cell;
+use stiffarm::model::observation::ExtraTerm;
 
 /// Stands for the cell's prior stiffness where a file name could stand.
 const PRIOR: &str = "prior";
@@ -39,7 +40,11 @@ impl Saved {
     /// Where the stiffness comes from, as a line below the cell's.
     pub fn line(&self) -> String {
         let errors = &self.predictor.common;
+        let is_mixed = |term: &ExtraTerm| matches!(term, ExtraTerm::Spring { .. });
         let with = match (&self.predictor.spread, errors.is_empty()) {
+            _ if self.predictor.extra.iter().any(is_mixed) => {
+                "the mixed elastic model and its covariance, no common-mode errors"
+            }
             (Some(_), false) => "covariance and common-mode errors",
             (Some(_), true) => "covariance",
             (None, _) => "no covariance",

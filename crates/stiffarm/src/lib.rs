@@ -85,6 +85,7 @@ pub mod internals {
         Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale,
         Solution, Whitened, measured_system, solutions_without,
     };
+    pub use crate::estimate::mixed::internals::MixedModel;
     pub use crate::numerics::{information, jobs, optimise, sample, streams};
     pub use crate::plan::index::minimax::Minimax;
 

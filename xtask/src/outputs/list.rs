@@ -77,8 +77,8 @@ pub fn brief(calls: Vec<Call>) -> Vec<Call> {
             .iter()
             .any(|w| ["--help", "-h"].contains(&w.as_str()));
         let always = ["--version", "schema", "docs", "man", "completions"];
-        !(call.is_wrong || asks || always.contains(&call.words[0].as_str()))
-            && !twice.iter().any(|twice| twice == name)
+        let is_text = asks || always.contains(&call.words[0].as_str());
+        !(call.is_wrong || is_text || twice.iter().any(|twice| twice == name))
     };
     calls.into_iter().filter(computes).collect()
 }

@@ -3,8 +3,8 @@
 use super::values::number;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::{CONFIDENCE, Estimator, IdentifyOptions, NoiseSource, Weights};
-use stiffarm::estimate::mixed::ElasticChoice;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::model::robot::Robot;
 use stiffarm::{Code, Error, Result};

@@ -12,8 +12,9 @@ use crate::session::Session;
 use crate::table::{Align, Table, green, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::estimate::elastic::{ElasticChoice, elastic};
 use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource};
-use stiffarm::estimate::mixed::{ElasticChoice, MixedFit, elastic};
+use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::validate::{
     Model, PointBand, Validation, cross_validate, cross_validate_mixed, validate_with,
 };

@@ -5,6 +5,7 @@ pub mod clamped;
 pub mod compliance;
 pub mod coverage;
 pub mod diagnose;
+pub mod elastic;
 pub mod identify;
 pub mod mixed;
 pub mod next_posture;

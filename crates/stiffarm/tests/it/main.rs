@@ -21,6 +21,7 @@ mod identify;
 mod inverse;
 mod map;
 mod milling;
+mod mixed;
 mod montecarlo;
 mod next_posture;
 mod once;

@@ -98,6 +98,7 @@ pub fn stopped(not_computed: &[&str]) -> String {
     }
     let words = |name: &&str| match *name {
         "bootstrap" => "the bootstrap intervals",
+        "elastic" => "what gives way beyond the joint axes",
         "profile" => "the profile of the likelihood",
         "budget" => "the errors common to the whole experiment",
         "diagnosis" => "the diagnosis (readings that do not fit, leave-one-out, further terms)",

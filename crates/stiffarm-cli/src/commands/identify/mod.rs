@@ -19,11 +19,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use stiffarm::estimate::diagnose::{Diagnosis, diagnose};
+use stiffarm::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use stiffarm::estimate::identify::{
     Bootstrap, Estimator, Fit, Identification, NoiseSource, Profile, Weights, bootstrap,
     implausible_scale, profile,
 };
-use stiffarm::estimate::mixed::{Elastic, ElasticChoice, elastic};
 use stiffarm::estimate::next_posture::{NextPosture, next_posture};
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::Severity;

@@ -4,8 +4,9 @@ use super::{Identified, messages};
 use crate::numbers::{NONE, mm, optional, optional_percent, percent, significant, stiffness};
 use crate::table::{Align, Table, title};
 use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
+use stiffarm::estimate::elastic::Elastic;
 use stiffarm::estimate::identify::{Bootstrap, Estimates, Identification, JointEstimate, Verdict};
-use stiffarm::estimate::mixed::{Elastic, ElasticClass};
+use stiffarm::estimate::mixed::ElasticClass;
 use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource};
 use stiffarm::units::{m_to_mm, rad_to_deg};
 

@@ -214,9 +214,9 @@ pub(super) fn assemble<'a>(
 pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>> {
     let mut unknowns = robot.spring_names();
     for (i, term) in extra.iter().enumerate() {
-        if term.joint().is_some_and(|j| j >= robot.joint_count()) {
+        if !term.fits(robot.joint_count()) {
             let message = format!(
-                "A further term names a joint that {} does not have.",
+                "A further term names a joint or an entry that {} does not have.",
                 robot.name()
             );
             return Err(Error::new(Code::UnknownName, message));

@@ -54,8 +54,11 @@ impl Solved {
     pub(super) fn inverse(&self) -> DMatrix<f64> {
         let mut out = self.factor.inverse();
         for j in 0..out.ncols() {
-            for i in 0..out.nrows() {
-                out[(i, j)] *= self.scale[i] * self.scale[j];
+            for i in j..out.nrows() {
+                // Rounding makes the two sides differ in the last digit.
+                let value = out[(i, j)] * self.scale[i] * self.scale[j];
+                out[(i, j)] = value;
+                out[(j, i)] = value;
             }
         }
         out
@@ -177,9 +180,11 @@ impl<'a> Likelihood<'a> {
                 })
                 .collect(),
         };
-        let mut options = Options::default();
-        options.tolerance = TOLERANCE;
-        options.max_iterations = 200;
+        let options = Options {
+            tolerance: TOLERANCE,
+            max_iterations: 200,
+            ..Options::default()
+        };
         let mut best: Option<(Sizes, f64)> = None;
         for start in starts {
             let found = minimise(&mut problem, &start, options, control);

@@ -14,13 +14,19 @@
 //! So is their symmetry: no direction across an axis is preferred, and with the coupling
 //! the place of the origin hardly matters.
 
-mod comparison;
 mod effects;
 mod likelihood;
+mod model;
+mod result;
 mod sums;
 
-pub use comparison::{Elastic, ElasticChoice, ElasticSize, GeneralSpring, MixedResult, elastic};
+/// What tests hold against dense matrices.
+pub(crate) mod internals {
+    pub use super::model::MixedModel;
+}
+
 pub use effects::ElasticClass;
+pub use result::{ElasticSize, GeneralSpring, MixedResult};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};

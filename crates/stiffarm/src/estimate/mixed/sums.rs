@@ -155,7 +155,7 @@ impl Rows {
             };
             let left = seen * solution;
             let x = seen.columns(0, unknowns);
-            let moved = &x * inverse;
+            let moved = x * inverse;
             for (k, size) in sizes.iter().enumerate() {
                 let whole = 1.0 + gamma * size;
                 let change = gamma * size / (whole * whole);

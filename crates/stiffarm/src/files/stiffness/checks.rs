@@ -289,10 +289,13 @@ fn further(found: &Estimates, cell: &Cell, key: &str) -> Result<()> {
     let robot = &cell.setup.robot;
     let at = |name: &str| below(key, name);
     for (i, term) in found.extra.iter().enumerate() {
-        let unknown = term.joint().is_some_and(|j| j >= robot.joint_count());
+        let unknown = !term.fits(robot.joint_count());
         if unknown || found.extra[..i].contains(term) {
             let message = match unknown {
-                true => format!("The robot has {} joints.", robot.joint_count()),
+                true => format!(
+                    "The robot has {} joints, and springs have entries 0 to 5.",
+                    robot.joint_count()
+                ),
                 false => "The term appears twice.".to_string(),
             };
             return Err(fault(message).key(format!("{}[{i}]", at("extra"))));

@@ -5,8 +5,9 @@ use super::fault;
 use super::keys::{self, below};
 use crate::error::{Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::elastic::{Elastic, ElasticChoice};
 use crate::estimate::identify::Estimates;
-use crate::estimate::mixed::{Elastic, ElasticChoice, MixedResult};
+use crate::estimate::mixed::MixedResult;
 use crate::model::cell::Cell;
 use serde_json::Value;
 

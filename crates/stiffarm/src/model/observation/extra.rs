@@ -89,6 +89,15 @@ impl ExtraTerm {
         }
     }
 
+    /// True where an arm of so many joints can have it.
+    pub fn fits(self, joints: usize) -> bool {
+        let entry = match self {
+            ExtraTerm::Spring { row, column, .. } => row <= column && column < 6,
+            _ => true,
+        };
+        entry && self.joint().is_none_or(|j| j < joints)
+    }
+
     /// The terms that `word` names: `tilt` (all joints), `tilt3`, `base`,
     /// `lost` (all joints), `lost2`; joints count from 1.
     ///

@@ -5,9 +5,8 @@ use super::*;
 use stiffarm::files::builtin;
 use stiffarm::files::table::read_displacements;
 
-#[test]
-#[ignore = "needs STIFFARM_REFERENCE_DATA"]
-fn what_a_careful_engineer_would_say() {
+/// Its cell and its 43 displacements.
+pub fn measured_robot() -> (Cell, Vec<MeasuredPosture>) {
     let folder = std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder");
     let mut folder = std::path::PathBuf::from(folder);
     if folder.is_relative() {
@@ -19,6 +18,13 @@ fn what_a_careful_engineer_would_say() {
     let text = convert_fanuc::convert(&folder.join("fanuc_r2000ic")).unwrap();
     let measured = read_displacements(text.as_bytes(), "fanuc.csv", &cell, None).unwrap();
     assert_eq!(measured.len(), 43);
+    (cell, measured)
+}
+
+#[test]
+#[ignore = "needs STIFFARM_REFERENCE_DATA"]
+fn what_a_careful_engineer_would_say() {
+    let (cell, measured) = measured_robot();
     let found = Fit::new(&cell, &measured, &IdentifyOptions::default())
         .and_then(|fit| diagnose(&fit))
         .unwrap();

@@ -2,7 +2,7 @@
 //! otherwise.
 
 mod alarms;
-mod fanuc;
+pub mod fanuc;
 mod outliers;
 
 use crate::common;

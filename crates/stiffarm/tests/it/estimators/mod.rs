@@ -64,7 +64,7 @@ fn honest_cell() -> Cell {
 /// A random system of `postures` blocks with up to four displacements each,
 /// `states` of which share shifts in proportion to a load, and covariances
 /// where asked.
-fn random_system(
+pub fn random_system(
     dice: &mut Dice,
     postures: usize,
     unknowns: usize,
@@ -119,7 +119,7 @@ fn random_system(
 }
 
 /// C + γ Z Zᵀ of the whole system, in units of σ².
-fn dense_covariance(system: &MeasuredSystem, gamma: f64) -> DMatrix<f64> {
+pub fn dense_covariance(system: &MeasuredSystem, gamma: f64) -> DMatrix<f64> {
     let rows = system.psi.nrows();
     let mut out = DMatrix::identity(rows, rows);
     for block in &system.blocks {

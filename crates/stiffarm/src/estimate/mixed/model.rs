@@ -1,0 +1,70 @@
+//! The mixed model of any system, for this project's own tests.
+
+use super::likelihood::{Likelihood, Sizes};
+use super::sums::Rows;
+use crate::error::Result;
+use crate::estimate::identify::{MeasuredSystem, Whitened};
+use crate::numerics::control::Control;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Ψ h + Σ B_c u_c + shifts + noise for a system with random effects of its own.
+pub struct MixedModel {
+    rows: Rows,
+    /// Least squares without random effects and shifts.
+    start: DVector<f64>,
+}
+
+impl MixedModel {
+    /// `random` has one column per effect, `classes` says which belong together.
+    ///
+    /// # Errors
+    /// As [`Whitened::new`].
+    pub fn new(
+        system: &MeasuredSystem,
+        random: &DMatrix<f64>,
+        classes: Vec<Range<usize>>,
+    ) -> Result<Self> {
+        let whitened = Whitened::new(system)?;
+        let white = whitened.whiten(&system.delta);
+        let rest = whitened.residual(&white);
+        let shifts = whitened.is_separable();
+        Ok(MixedModel {
+            start: whitened.factor().solve(&white),
+            rows: Rows::new(&whitened, random.clone(), classes, &rest, shifts),
+        })
+    }
+
+    /// −2 ln of the restricted likelihood, up to a constant, and its derivatives by ln γ
+    /// and by the logarithm of each class's variance ratio.
+    pub fn value(&self, gamma: f64, classes: &[f64]) -> Option<(f64, Vec<f64>)> {
+        Likelihood::new(&self.rows, &[]).value_and_gradient(&sizes(gamma, classes))
+    }
+
+    /// h and u, their covariance and σ² at given ratios, all postures but `left_out`.
+    pub fn solve(
+        &self,
+        gamma: f64,
+        classes: &[f64],
+        left_out: &[usize],
+    ) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
+        let solved = Likelihood::new(&self.rows, left_out).solve(&sizes(gamma, classes))?;
+        let mut values = solved.values.clone();
+        let mut fixed = values.rows_mut(0, self.start.len());
+        fixed += &self.start;
+        Some((values, solved.inverse() * solved.variance, solved.variance))
+    }
+
+    /// γ and the variance ratios of largest likelihood, with −2 ln L.
+    pub fn best(&self) -> Option<(f64, Vec<f64>, f64)> {
+        let found = Likelihood::new(&self.rows, &[]).best(None, Control::default());
+        found.map(|(sizes, value)| (sizes.gamma, sizes.classes, value))
+    }
+}
+
+fn sizes(gamma: f64, classes: &[f64]) -> Sizes {
+    Sizes {
+        gamma,
+        classes: classes.to_vec(),
+    }
+}

@@ -1,0 +1,318 @@
+//! The mixed elastic model against dense matrices, a published example, other
+//! formulations of its springs, and the measured robot.
+
+use crate::common;
+use crate::estimators::{dense_covariance, random_system};
+
+use common::random::Dice;
+use common::{cases, default_cell, random_group};
+use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+use proptest::prelude::*;
+use stiffarm::estimate::elastic::{ElasticChoice, elastic};
+use stiffarm::estimate::identify::{Fit, IdentifyOptions};
+use stiffarm::estimate::mixed::MixedFit;
+use stiffarm::estimate::validate::{
+    Model, cross_validate_mixed, simulate_measurements, validate_with,
+};
+use stiffarm::internals::{Block, Covariance, MeasuredSystem, MixedModel, RowLabel};
+use stiffarm::model::observation::{ExtraTerm, PostureTerms};
+use stiffarm::model::posture::PostureGroup;
+
+/// V of all rows in units of σ²: readings, shifts and random effects.
+fn dense(
+    system: &MeasuredSystem,
+    gamma: f64,
+    random: &DMatrix<f64>,
+    classes: &[std::ops::Range<usize>],
+    ratios: &[f64],
+) -> DMatrix<f64> {
+    let mut v = dense_covariance(system, gamma);
+    for (class, ratio) in classes.iter().zip(ratios) {
+        let columns = random.columns(class.start, class.len());
+        v += columns * columns.transpose() * *ratio;
+    }
+    v
+}
+
+fn random_effects(dice: &mut Dice, rows: usize) -> (DMatrix<f64>, Vec<std::ops::Range<usize>>) {
+    let random = DMatrix::from_fn(rows, 9, |_, j| {
+        dice.between(-1.0, 1.0) * 3f64.powi(j as i32 / 4)
+    });
+    (random, vec![0..4, 4..9])
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    #[test]
+    fn likelihood_effects_and_predictions_are_those_of_dense_matrices(
+        seed in any::<u64>(), postures in 4..8_usize, unknowns in 1..4_usize, correlated in any::<bool>(),
+    ) {
+        let mut dice = Dice::new(seed);
+        let system = random_system(&mut dice, postures, unknowns, correlated);
+        let rows = system.psi.nrows();
+        let (random, classes) = random_effects(&mut dice, rows);
+        let model = MixedModel::new(&system, &random, classes.clone()).unwrap();
+        let mut constant = None;
+        for (gamma, ratios) in [(0.3, [0.5, 0.01]), (1e-3, [2.0, 30.0]), (20.0, [1e-4, 0.2])] {
+            let v = dense(&system, gamma, &random, &classes, &ratios);
+            let inverse = v.clone().try_inverse().unwrap();
+            let information = system.psi.transpose() * &inverse * &system.psi;
+            let covariance = information.clone().try_inverse().unwrap();
+            let h = &covariance * system.psi.transpose() * &inverse * &system.delta;
+            let left = &system.delta - &system.psi * &h;
+            let squares = (left.transpose() * &inverse * &left)[(0, 0)];
+            let free = (rows - unknowns) as f64;
+            let determinant = |m: &DMatrix<f64>| {
+                let l = m.clone().cholesky().unwrap().l();
+                2.0 * l.diagonal().iter().map(|v| v.ln()).sum::<f64>()
+            };
+            let direct = free * (squares / free).ln() + determinant(&v) + determinant(&information);
+            let (value, gradient) = model.value(gamma, &ratios).unwrap();
+            let constant = *constant.get_or_insert(value - direct);
+            prop_assert!((value - direct - constant).abs() < 1e-8, "{}", value - direct - constant);
+
+            // h and u = Λ BᵀV⁻¹(Δ − Ψh), and how far an effect may be from its prediction.
+            let (ours, ours_covariance, variance) = model.solve(gamma, &ratios, &[]).unwrap();
+            prop_assert!((variance / (squares / free) - 1.0).abs() < 1e-9);
+            let lambda = DVector::from_fn(9, |j, _| ratios[usize::from(j >= 4)]);
+            let u = (random.transpose() * &inverse * &left).component_mul(&lambda);
+            let projected = &inverse - &inverse * &system.psi * &covariance * system.psi.transpose() * &inverse;
+            for j in 0..unknowns {
+                let error = (covariance[(j, j)] * variance).sqrt();
+                prop_assert!((ours[j] - h[j]).abs() < 1e-8 * error);
+                prop_assert!((ours_covariance[(j, j)].sqrt() / error - 1.0).abs() < 1e-8);
+            }
+            for j in 0..9 {
+                let column = random.column(j);
+                let known = lambda[j].powi(2) * (column.transpose() * &projected * column)[(0, 0)];
+                let direct = (lambda[j] - known) * variance;
+                let at = unknowns + j;
+                prop_assert!((ours[at] - u[j]).abs() < 1e-8 * (lambda[j] * variance).sqrt());
+                prop_assert!((ours_covariance[(at, at)] - direct).abs() < 1e-8 * lambda[j] * variance);
+            }
+
+            // Derivatives by differences.
+            let at = |k: usize, h: f64| {
+                let mut ratios = ratios;
+                let gamma = if k == 0 { gamma * h.exp() } else { gamma };
+                if k > 0 {
+                    ratios[k - 1] *= h.exp();
+                }
+                model.value(gamma, &ratios).unwrap().0
+            };
+            for k in 0..3 {
+                let h = 1e-5;
+                let numeric = (at(k, h) - at(k, -h)) / (2.0 * h);
+                prop_assert!((gradient[k] - numeric).abs() < 1e-5 * (1.0 + numeric.abs()), "{k}: {} {numeric}", gradient[k]);
+            }
+        }
+    }
+}
+
+/// Travel times in six rails, three readings each: Pinheiro & Bates, Mixed-Effects Models
+/// in S and S-PLUS, 2000, section 1.1, print 24.80547 and 4.020779 by REML.
+#[test]
+fn the_rails_of_pinheiro_and_bates() {
+    let times = [
+        55.0, 53.0, 54.0, 26.0, 37.0, 32.0, 78.0, 91.0, 85.0, 92.0, 100.0, 96.0, 49.0, 51.0, 50.0,
+        80.0, 85.0, 83.0,
+    ];
+    let blocks = (0..6).map(|b| Block {
+        posture: b.to_string(),
+        rows: 3 * b..3 * b + 3,
+        covariance: Covariance::default(),
+        shared: DMatrix::zeros(3, 0),
+    });
+    let labels = (0..6).map(|b| RowLabel {
+        measured: b,
+        displacement: 0,
+        rows: 3 * b..3 * b + 3,
+    });
+    let system = MeasuredSystem {
+        psi: DMatrix::from_element(18, 1, 1.0),
+        delta: DVector::from_column_slice(&times),
+        unknowns: vec!["mean".to_string()],
+        springs: 1,
+        extra: Vec::new(),
+        blocks: blocks.collect(),
+        labels: labels.collect(),
+    };
+    let rails = DMatrix::from_fn(18, 6, |i, j| f64::from(u8::from(i / 3 == j)));
+    let model = MixedModel::new(&system, &rails, std::iter::once(0..6).collect()).unwrap();
+    let (gamma, ratios, _) = model.best().unwrap();
+    let (values, _, variance) = model.solve(gamma, &ratios, &[]).unwrap();
+    assert!((values[0] - 66.5).abs() < 1e-9, "{}", values[0]);
+    assert!(
+        (variance.sqrt() - 4.020779).abs() < 1e-5,
+        "{}",
+        variance.sqrt()
+    );
+    let rail = (ratios[0] * variance).sqrt();
+    assert!((rail - 24.80547).abs() < 1e-4, "{rail}");
+}
+
+/// Entries of a general spring are those of C in C w, seen from the base; tilts and what
+/// is the same in all directions need no axes.
+#[test]
+fn springs_are_symmetric_compliances() {
+    let cell = default_cell();
+    let mut dice = Dice::new(5);
+    for q in random_group() {
+        let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+        let p = terms.measuring_points()[1];
+        let spring =
+            |joint, row, column| ExtraTerm::Spring { joint, row, column }.twist(&terms, &p);
+        for j in 0..6 {
+            let tilt = ExtraTerm::JointTilt(j).twist(&terms, &p);
+            let same = spring(Some(j), 3, 3) + spring(Some(j), 4, 4);
+            assert!((tilt - same).norm() < 1e-9 * tilt.norm(), "{tilt} {same}");
+            let shift = (0..3).fold(Vector6::zeros(), |sum, i| sum + spring(Some(j), i, i));
+            let force = terms.wrench().force;
+            assert!((shift.fixed_rows::<3>(0) - force).norm() < 1e-9 * force.norm());
+            // The axis itself: J Γ of Eq. (11).
+            let axis = spring(Some(j), 5, 5);
+            let column = terms.frames().column(j, &p) * terms.torque()[j];
+            assert!((axis.fixed_rows::<3>(0) - column).norm() < 1e-9 * column.norm().max(1.0));
+        }
+        // The base has the axes of the base frame.
+        let c = DMatrix::from_fn(6, 6, |_, _| dice.between(-1.0, 1.0));
+        let c = &c + c.transpose();
+        let frames = terms.frames();
+        let (axis, origin) = (frames.axes()[0], frames.origins()[0]);
+        let origin: Vector3<f64> = origin - axis * axis.dot(&origin);
+        let wrench = terms.wrench().moved(terms.loading_point(), &origin);
+        let w = DVector::from_iterator(6, wrench.force.iter().chain(wrench.moment.iter()).copied());
+        let motion = &c * w;
+        let turn = Vector3::new(motion[3], motion[4], motion[5]);
+        let shift = Vector3::new(motion[0], motion[1], motion[2]) + turn.cross(&(p - origin));
+        let mut ours = Vector6::zeros();
+        for row in 0..6 {
+            for column in row..6 {
+                ours += spring(None, row, column) * c[(row, column)];
+            }
+        }
+        assert!((ours.fixed_rows::<3>(0) - shift).norm() < 1e-9 * shift.norm());
+        assert!((ours.fixed_rows::<3>(3) - turn).norm() < 1e-9 * turn.norm());
+    }
+}
+
+fn simulated(
+    seed: u64,
+) -> (
+    stiffarm::Cell,
+    Vec<stiffarm::model::measurement::MeasuredPosture>,
+) {
+    let mut cell = default_cell();
+    cell.noise.readings_per_displacement = 2;
+    let angles = common::group1().into_iter().chain(random_group());
+    let postures = PostureGroup::from_angles("", angles).postures;
+    let truth = cell.prior.clone().unwrap();
+    let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, seed, 0).unwrap();
+    (cell, measured)
+}
+
+/// Adds what springs beyond the axes do: sizes of shift, turn and coupling.
+fn bend(
+    cell: &stiffarm::Cell,
+    measured: &mut [stiffarm::model::measurement::MeasuredPosture],
+    seed: u64,
+    sizes: [f64; 3],
+) {
+    let mut dice = Dice::new(seed);
+    let mut normal = || (0..12).map(|_| dice.between(0.0, 1.0)).sum::<f64>() - 6.0;
+    let mut springs = Vec::new();
+    for joint in std::iter::once(None).chain((0..6).map(Some)) {
+        for row in 0..6 {
+            for column in row..6 {
+                let size = match (row < 3, column < 3) {
+                    (true, true) => sizes[0],
+                    (false, false) => sizes[1],
+                    _ => sizes[2],
+                };
+                let size = if row == column {
+                    size
+                } else {
+                    size * 0.5f64.sqrt()
+                };
+                if joint.is_none() || (row, column) != (5, 5) {
+                    springs.push((ExtraTerm::Spring { joint, row, column }, size * normal()));
+                }
+            }
+        }
+    }
+    for m in measured {
+        let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
+        for (term, value) in &springs {
+            let column = term.column(&terms) * *value;
+            for d in &mut m.displacements {
+                d.value += column.fixed_rows::<3>(3 * d.point);
+            }
+        }
+    }
+}
+
+/// Where only noise is beyond the axes, the mixed model keeps to them; where more gives
+/// way, it says how much and predicts better.
+#[test]
+fn the_data_decide_what_gives_way() {
+    let (cell, measured) = simulated(3);
+    let options = IdentifyOptions::default();
+    let fit = Fit::new(&cell, &measured, &options).unwrap();
+    let (found, _) = elastic(&fit, ElasticChoice::Auto).unwrap();
+    assert_eq!(found.model, ElasticChoice::Axes, "{found:?}");
+    assert!(found.mixed.is_none() && found.reasons.len() == 2);
+
+    let (cell, mut measured) = simulated(4);
+    bend(&cell, &mut measured, 9, [1e-7, 1.5e-7, 1e-7]);
+    let fit = Fit::new(&cell, &measured, &options).unwrap();
+    let (found, mixed) = elastic(&fit, ElasticChoice::Auto).unwrap();
+    assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
+    assert!(found.mixed_rms_m.unwrap() < found.axes_rms_m.unwrap());
+    // What is saved predicts as what was found.
+    let saved = found.mixed.unwrap().compliance(options.confidence).unwrap();
+    let direct = mixed.unwrap();
+    // Not printed where it fails: twenty thousand numbers.
+    assert!(&saved == direct.compliance());
+    let by = validate_with(&cell, &saved, measured, Model::Linear, None).unwrap();
+    assert!(by.component_rms_m < found.mixed_rms_m.unwrap());
+}
+
+#[test]
+fn few_postures_and_other_estimators_are_refused_with_reasons() {
+    let (cell, measured) = simulated(5);
+    let few = measured[..3].to_vec();
+    let fit = Fit::new(&cell, &few, &IdentifyOptions::default()).unwrap();
+    let (found, mixed) = elastic(&fit, ElasticChoice::Mixed).unwrap();
+    assert_eq!(found.model, ElasticChoice::Axes);
+    assert!(
+        mixed.is_none() && found.reasons[0].contains("3 postures"),
+        "{found:?}"
+    );
+    let mut options = IdentifyOptions::default();
+    options.extra = vec![ExtraTerm::JointTilt(2)];
+    let fit = Fit::new(&cell, &measured, &options).unwrap();
+    let error = MixedFit::new(&fit).err().unwrap();
+    assert_eq!(error.code(), stiffarm::Code::Conflict);
+}
+
+/// The measured robot: what the documentation says of it.
+#[cfg(feature = "files")]
+#[test]
+#[ignore = "needs STIFFARM_REFERENCE_DATA"]
+fn the_measured_robot_needs_the_mixed_model() {
+    let (cell, measured) = crate::diagnose::fanuc::measured_robot();
+    let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let (found, mixed) = elastic(&fit, ElasticChoice::Auto).unwrap();
+    assert_eq!(found.model, ElasticChoice::Mixed);
+    let mm = |m: f64| (1e7 * m).round() / 1e4;
+    assert_eq!(mm(found.axes_rms_m.unwrap()), 0.2339);
+    let nested = mm(found.mixed_rms_m.unwrap());
+    assert!(nested <= 0.150, "{nested}");
+    let by = cross_validate_mixed(&mixed.unwrap(), 43, None).unwrap();
+    let factor = by.compensation_factor.unwrap();
+    assert!(factor >= 6.3, "{factor}");
+    let share = by.band.unwrap();
+    let inside = share.inside as f64 / share.components as f64;
+    assert!((0.93..=0.97).contains(&inside), "{inside}");
+}
