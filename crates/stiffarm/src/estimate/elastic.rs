@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 const LIKELIHOOD_RATIO: f64 = 6.0;
 /// Fewest postures from which leaving one out says anything.
 const FEWEST_POSTURES: usize = 4;
+/// Most folds: beyond as many postures several are left out together.
+const MOST_FOLDS: usize = 60;
 
 /// Which elastic model to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -104,8 +106,9 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
         Err(error) => Err(error),
     };
     out.likelihood_ratio = Some(mixed.likelihood_ratio());
-    out.axes_rms_m = rms(cross_validate(fit, postures, None))?;
-    out.mixed_rms_m = rms(cross_validate_mixed(&mixed, postures, None))?;
+    let folds = postures.min(MOST_FOLDS);
+    out.axes_rms_m = rms(cross_validate(fit, folds, None))?;
+    out.mixed_rms_m = rms(cross_validate_mixed(&mixed, folds, None))?;
     let rejected = mixed.likelihood_ratio() > LIKELIHOOD_RATIO;
     let better = match (out.axes_rms_m, out.mixed_rms_m) {
         (Some(axes), Some(mixed)) => mixed < axes,
