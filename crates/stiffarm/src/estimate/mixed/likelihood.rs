@@ -52,7 +52,10 @@ pub(super) struct Solved {
 impl Solved {
     /// Inverse of the mixed-model equations: times s² the covariance of h and u − û.
     pub(super) fn inverse(&self) -> DMatrix<f64> {
-        let mut out = self.factor.inverse();
+        self.scaled(self.factor.inverse())
+    }
+
+    fn scaled(&self, mut out: DMatrix<f64>) -> DMatrix<f64> {
         for j in 0..out.ncols() {
             for i in j..out.nrows() {
                 // Rounding makes the two sides differ in the last digit.
@@ -134,7 +137,7 @@ impl<'a> Likelihood<'a> {
             let unknowns = solved.values.len();
             let mut solution = solved.values.clone().resize_vertically(unknowns + 1, -1.0);
             solution[unknowns] = -1.0;
-            let covariance = solved.inverse();
+            let covariance = solved.scaled(inverse.clone());
             let [logarithms, squares, determinant] =
                 self.rows
                     .by_ratio(sizes.gamma, self.left_out, &solution, &covariance);

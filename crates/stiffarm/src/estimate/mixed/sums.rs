@@ -16,9 +16,11 @@ pub(super) struct Rows {
     pub(super) classes: Vec<Range<usize>>,
     /// Rows of each posture.
     postures: Vec<Range<usize>>,
-    /// UᵀX of each posture and the squared sizes of its shifts; empty where the data
-    /// cannot tell shifts from noise.
-    shifts: Vec<(DMatrix<f64>, DVector<f64>)>,
+    /// XᵀU of all postures side by side, one column for each direction of a shift; none
+    /// where the data cannot tell shifts from noise.
+    seen: DMatrix<f64>,
+    /// The posture of each direction, and the squared size of a unit shift along it.
+    directions: Vec<(usize, f64)>,
     /// XᵀX of all postures without shifts.
     whole: DMatrix<f64>,
 }
@@ -48,7 +50,7 @@ impl Rows {
         let mut all = DMatrix::zeros(whitened.rows(), count);
         all.columns_mut(0, fixed).copy_from(whitened.psi());
         all.column_mut(count - 1).copy_from(rest);
-        let mut seen = Vec::new();
+        let (mut seen, mut along) = (Vec::new(), Vec::new());
         let postures: Vec<Range<usize>> = (0..whitened.block_count())
             .map(|b| whitened.block_rows(b))
             .collect();
@@ -60,7 +62,9 @@ impl Rows {
             if shifts {
                 let (directions, sizes) = whitened.directions(b);
                 let x = all.rows(rows.start, rows.len());
-                seen.push((directions.tr_mul(&x), sizes.clone()));
+                let own = x.tr_mul(directions);
+                seen.extend(own.column_iter().map(|column| column.into_owned()));
+                along.extend(sizes.iter().map(|size| (b, *size)));
             }
         }
         let whole = all.tr_mul(&all);
@@ -69,7 +73,11 @@ impl Rows {
             fixed,
             classes,
             postures,
-            shifts: seen,
+            seen: match seen.is_empty() {
+                true => DMatrix::zeros(count, 0),
+                false => DMatrix::from_columns(&seen),
+            },
+            directions: along,
             whole,
         }
     }
@@ -81,7 +89,7 @@ impl Rows {
 
     /// True where shifts are told from noise.
     pub(super) fn has_shifts(&self) -> bool {
-        !self.shifts.is_empty()
+        !self.directions.is_empty()
     }
 
     /// Number of random effects.
@@ -99,6 +107,13 @@ impl Rows {
     /// The postures that take part when `left_out` (ascending) do not.
     fn others<'a>(&'a self, left_out: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
         (0..self.postures.len()).filter(move |b| left_out.binary_search(b).is_err())
+    }
+
+    /// Number and size of each direction of the postures that take part.
+    fn kept<'a>(&'a self, left_out: &'a [usize]) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let all = self.directions.iter().enumerate();
+        all.filter(move |(_, (posture, _))| left_out.binary_search(posture).is_err())
+            .map(|(k, (_, size))| (k, *size))
     }
 
     /// XᵀX of all postures but `left_out`, without shifts.
@@ -123,18 +138,16 @@ impl Rows {
         if gamma <= 0.0 {
             return out;
         }
-        for b in self.others(left_out) {
-            let Some((seen, sizes)) = self.shifts.get(b) else {
-                continue;
-            };
-            let mut scaled = seen.clone();
-            for (k, size) in sizes.iter().enumerate() {
-                let part = gamma * size / (1.0 + gamma * size);
-                scaled.row_mut(k).scale_mut(part);
-                out.logarithms += (gamma * size).ln_1p();
-            }
-            out.gram.gemm_tr(-1.0, seen, &scaled, 1.0);
+        let mut scaled = self.seen.transpose();
+        let mut parts = vec![0.0; self.directions.len()];
+        for (k, size) in self.kept(left_out) {
+            parts[k] = gamma * size / (1.0 + gamma * size);
+            out.logarithms += (gamma * size).ln_1p();
         }
+        for (mut row, part) in scaled.row_iter_mut().zip(&parts) {
+            row *= *part;
+        }
+        out.gram.gemm(-1.0, &self.seen, &scaled, 1.0);
         out
     }
 
@@ -148,21 +161,15 @@ impl Rows {
         inverse: &DMatrix<f64>,
     ) -> [f64; 3] {
         let mut out = [0.0; 3];
-        let unknowns = inverse.ncols();
-        for b in self.others(left_out) {
-            let Some((seen, sizes)) = self.shifts.get(b) else {
-                continue;
-            };
-            let left = seen * solution;
-            let x = seen.columns(0, unknowns);
-            let moved = x * inverse;
-            for (k, size) in sizes.iter().enumerate() {
-                let whole = 1.0 + gamma * size;
-                let change = gamma * size / (whole * whole);
-                out[0] += gamma * size / whole;
-                out[1] -= change * left[k] * left[k];
-                out[2] -= change * moved.row(k).dot(&x.row(k));
-            }
+        let left = self.seen.tr_mul(solution);
+        let x = self.seen.rows(0, inverse.ncols());
+        let moved = inverse * x;
+        for (k, size) in self.kept(left_out) {
+            let whole = 1.0 + gamma * size;
+            let change = gamma * size / (whole * whole);
+            out[0] += gamma * size / whole;
+            out[1] -= change * left[k] * left[k];
+            out[2] -= change * moved.column(k).dot(&x.column(k));
         }
         out
     }
