@@ -1,6 +1,6 @@
 //! Counts what the mixed elastic model is worth on simulated arms: intervals of joint
 //! stiffness, bands at postures that took no part, how often `auto` chooses it, and what
-//! it costs or gains. Prints the table of docs/coverage.md.
+//! it costs or gains. Prints the table of docs/identifying.md.
 //!
 //! ```text
 //! cargo run --release -p stiffarm --example mixed_model -- 500

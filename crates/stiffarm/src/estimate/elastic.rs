@@ -9,12 +9,19 @@ use serde::{Deserialize, Serialize};
 
 /// Twice the difference of the restricted log-likelihoods beyond which the axes alone
 /// are rejected. Three variances at the edge of what they can be: chance goes beyond this
-/// in fewer than 5 of 100 experiments (counted, docs/coverage.md).
+/// in fewer than 5 of 100 experiments (counted in docs/identifying.md).
 const LIKELIHOOD_RATIO: f64 = 6.0;
 /// Fewest postures from which leaving one out says anything.
 const FEWEST_POSTURES: usize = 4;
 /// Most folds: beyond as many postures several are left out together.
 const MOST_FOLDS: usize = 60;
+
+/// Differences of leave-one-outs below this share are not worth a number.
+const WORTH_SAYING: f64 = 1e-3;
+
+const NOTHING: &str =
+    "The data show nothing that gives way beyond the joint axes: the mixed model is theirs.";
+const QUOTE: &str = "The joint axes alone predict, and their stiffness can be quoted.";
 
 /// Which elastic model to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -116,7 +123,11 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
         _ => false,
     };
     let is_mixed = asked == ElasticChoice::Mixed || (rejected && better);
-    out.reasons = reasons(&out, rejected, is_mixed);
+    let nothing = mixed.likelihood_ratio() == 0.0;
+    out.reasons = match nothing {
+        true => vec![NOTHING.to_string(), QUOTE.to_string()],
+        false => reasons(&out, rejected, is_mixed),
+    };
     if is_mixed {
         out.model = ElasticChoice::Mixed;
         out.mixed = Some(mixed.result()?);
@@ -127,9 +138,9 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
 fn reasons(found: &Elastic, rejected: bool, is_mixed: bool) -> Vec<String> {
     let mut out = Vec::new();
     if let (Some(axes), Some(mixed)) = (found.axes_rms_m, found.mixed_rms_m) {
-        let by = match mixed < axes {
-            true => format!("{} less than", percent(1.0 - mixed / axes)),
-            false => "no less than".to_string(),
+        let by = match 1.0 - mixed / axes {
+            less if less >= WORTH_SAYING => format!("{} less than", percent(less)),
+            _ => "no less than".to_string(),
         };
         out.push(format!(
             "With joints and base that give way in all directions, a posture that took no part is missed by {} (RMS), \
@@ -146,7 +157,7 @@ fn reasons(found: &Elastic, rejected: bool, is_mixed: bool) -> Vec<String> {
         true => "Predict and compensate with the mixed model; quote the joint stiffness of the axes alone, which depends on \
                  the model (the mixed one's is beside it)."
             .to_string(),
-        false => "The joint axes alone predict, and their stiffness can be quoted.".to_string(),
+        false => QUOTE.to_string(),
     });
     out
 }
