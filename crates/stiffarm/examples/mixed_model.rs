@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use std::error::Error;
 use stiffarm::estimate::elastic::{ElasticChoice, elastic};
 use stiffarm::estimate::identify::{Fit, IdentifyOptions, JointEstimate};
+use stiffarm::estimate::mixed::ElasticClass;
 use stiffarm::estimate::validate::{Model, Validation, simulate_measurements, validate_with};
 use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::{ExtraTerm, PostureTerms};
@@ -135,11 +136,7 @@ fn bend(
     for joint in std::iter::once(None).chain((0..cell.setup.robot.joint_count()).map(Some)) {
         for row in 0..6 {
             for column in row..6 {
-                let class = match (row < 3, column < 3) {
-                    (true, true) => 0,
-                    (false, false) => 1,
-                    _ => 2,
-                };
+                let class = ElasticClass::of(row, column) as usize;
                 let beside = if row == column { 1.0 } else { 0.5f64.sqrt() };
                 let normal: f64 = StandardNormal.sample(rng);
                 if joint.is_none() || (row, column) != (5, 5) {

@@ -248,14 +248,8 @@ fn a_target_of_another_kind_is_refused_before_the_work() {
             "no folder",
         ),
     ] {
-        let ran = folder.run(line);
-        assert_eq!(
-            (ran.code, ran.out.as_str()),
-            (Some(2), ""),
-            "{line}\n{}",
-            ran.err
-        );
-        assert!(ran.err.contains(message), "{line}\n{}", ran.err);
+        let why = folder.refused(line);
+        assert!(why.contains(message), "{line}\n{why}");
     }
     assert_eq!(folder.read("file"), OLD);
     assert_eq!(folder.names(), ["file", "in.csv", "taken"]);

@@ -60,17 +60,22 @@ fn an_edited_result_is_refused_with_the_key() {
         ),
         ("/result/covariance/0/0", -1e-20, "result.covariance[0][0]"),
     ] {
-        let mut edited = saved.clone();
-        *edited.pointer_mut(pointer).unwrap() = value.into();
-        folder.write("edited.json", edited.to_string());
-        for line in [
+        let lines = [
             "predict builtin:comau edited.json",
             "validate builtin:comau edited.json m.csv",
-        ] {
-            let ran = folder.run(line);
-            assert_eq!(ran.code, Some(2), "{line}\n{}", ran.out);
-            assert!(ran.err.contains(key), "{}", ran.err);
-        }
+        ];
+        refused(&folder, &saved, pointer, value.into(), &lines, key);
+    }
+}
+
+/// With one value changed no line takes `edited.json`, and each names the key.
+fn refused(folder: &Folder, saved: &Value, pointer: &str, value: Value, lines: &[&str], key: &str) {
+    let mut edited = saved.clone();
+    *edited.pointer_mut(pointer).unwrap() = value;
+    folder.write("edited.json", edited.to_string());
+    for line in lines {
+        let why = folder.refused(line);
+        assert!(why.contains(key), "{line} with {pointer}\n{why}");
     }
 }
 
@@ -81,7 +86,7 @@ fn an_edited_mixed_model_is_refused_with_the_key() {
         .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
     folder.ok("identify builtin:comau m.csv --brief --elastic mixed --output k.json");
     let saved: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
-    let mixed = "/result/elastic/mixed";
+    let lines = ["predict builtin:comau edited.json builtin:contour"];
     for (pointer, value, key) in [
         ("/joints/1/compliance", 2.0, "joints[1].compliance"),
         ("/joints/1/stiffness", 1e3, "joints[1].compliance"),
@@ -109,16 +114,12 @@ fn an_edited_mixed_model_is_refused_with_the_key() {
             "interval_degrees_of_freedom",
         ),
     ] {
-        let mut edited = saved.clone();
-        let place = edited.pointer_mut(&format!("{mixed}{pointer}")).unwrap();
-        *place = match key.ends_with("joint") || key.contains("degrees") {
+        let value = match key.ends_with("joint") || key.contains("degrees") {
             true => (value as u64).into(),
             false => value.into(),
         };
-        folder.write("edited.json", edited.to_string());
-        let ran = folder.run("predict builtin:comau edited.json builtin:contour");
-        assert_eq!(ran.code, Some(2), "{pointer}: {}", ran.out);
-        assert!(ran.err.contains(key), "{pointer}: {}", ran.err);
+        let pointer = format!("/result/elastic/mixed{pointer}");
+        refused(&folder, &saved, &pointer, value, &lines, key);
     }
     // One number of the covariance less, another model, a key of somebody else.
     for (pointer, value, key) in [
@@ -131,12 +132,8 @@ fn an_edited_mixed_model_is_refused_with_the_key() {
         ("/result/elastic/mixed", "null", "result.elastic.model"),
         ("/result/elastic/mixed/sizes", "3", "result.elastic"),
     ] {
-        let mut edited = saved.clone();
-        *edited.pointer_mut(pointer).unwrap() = serde_json::from_str(value).unwrap();
-        folder.write("edited.json", edited.to_string());
-        let ran = folder.run("predict builtin:comau edited.json builtin:contour");
-        assert_eq!(ran.code, Some(2), "{pointer}: {}", ran.out);
-        assert!(ran.err.contains(key), "{pointer}: {}", ran.err);
+        let value = serde_json::from_str(value).unwrap();
+        refused(&folder, &saved, pointer, value, &lines, key);
     }
 }
 

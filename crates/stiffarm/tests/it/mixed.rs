@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use proptest::prelude::*;
 use stiffarm::estimate::elastic::{ElasticChoice, elastic};
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
-use stiffarm::estimate::mixed::MixedFit;
+use stiffarm::estimate::mixed::{ElasticClass, MixedFit};
 use stiffarm::estimate::validate::{
     Model, cross_validate_mixed, simulate_measurements, validate_with,
 };
@@ -225,11 +225,7 @@ fn bend(
     for joint in std::iter::once(None).chain((0..6).map(Some)) {
         for row in 0..6 {
             for column in row..6 {
-                let size = match (row < 3, column < 3) {
-                    (true, true) => sizes[0],
-                    (false, false) => sizes[1],
-                    _ => sizes[2],
-                };
+                let size = sizes[ElasticClass::of(row, column) as usize];
                 let size = if row == column {
                     size
                 } else {

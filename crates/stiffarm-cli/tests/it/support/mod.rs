@@ -80,6 +80,18 @@ impl Folder {
         ran.out
     }
 
+    /// Runs a line that must be refused before any work, and gives the reason.
+    pub fn refused(&self, line: &str) -> String {
+        let ran = self.run(line);
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (Some(2), ""),
+            "{line}\n{}",
+            ran.err
+        );
+        ran.err
+    }
+
     /// Runs a line with `--json` and gives the object it printed.
     pub fn json(&self, line: &str) -> Value {
         let ran = self.run(&format!("{line} --json"));

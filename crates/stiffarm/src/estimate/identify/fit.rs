@@ -17,6 +17,7 @@ use crate::model::observation::ExtraTerm;
 use crate::numerics::control::{Control, Watch};
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -284,7 +285,7 @@ impl Fit {
         if let Some(known) = self.inner.folds.get() {
             return Ok(known);
         }
-        let made = self.folds_of(self.system().blocks.len())?;
+        let made = self.new_folds(self.system().blocks.len())?;
         Ok(self.inner.folds.get_or_init(|| made))
     }
 
@@ -330,7 +331,14 @@ impl Fit {
     }
 
     /// The fits without each of `count` folds of postures.
-    pub(crate) fn folds_of(&self, count: usize) -> Result<Vec<Fold>> {
+    pub(crate) fn folds_of(&self, count: usize) -> Result<Cow<'_, [Fold]>> {
+        match count == self.system().blocks.len() {
+            true => self.folds().map(Cow::Borrowed),
+            false => self.new_folds(count).map(Cow::Owned),
+        }
+    }
+
+    fn new_folds(&self, count: usize) -> Result<Vec<Fold>> {
         let inner = &*self.inner;
         inner.experiment.note(|| {
             let (options, left_out) = (&inner.options, &inner.left_out);
@@ -413,7 +421,9 @@ impl Fit {
                 .whitened()
                 .with_shifts(prepared.whitened().psi(), solution.gamma)
         };
-        let mut white = prepared.shifted_delta(&white, solution.gamma);
+        let mut white = prepared
+            .whitened()
+            .delta_with_shifts(&white, solution.gamma);
         if let Some(weights) = &solution.weights {
             let mut psi = psi();
             for (d, weight) in weights.iter().enumerate() {

@@ -165,14 +165,7 @@ impl Prepared {
     /// Rows of Ψ and displacements with shifts of ratio γ made independent.
     pub(super) fn shifted(&self, white: &DVector<f64>, gamma: f64) -> (DMatrix<f64>, DVector<f64>) {
         let psi = self.whitened.with_shifts(self.whitened.psi(), gamma);
-        (psi, self.shifted_delta(white, gamma))
-    }
-
-    /// The same of the displacements alone.
-    pub(super) fn shifted_delta(&self, white: &DVector<f64>, gamma: f64) -> DVector<f64> {
-        let column = DMatrix::from_columns(std::slice::from_ref(white));
-        let delta = self.whitened.with_shifts(&column, gamma);
-        delta.column(0).into_owned()
+        (psi, self.whitened.delta_with_shifts(white, gamma))
     }
 
     fn huber(&self, white: &DVector<f64>, assumed: &Assumptions) -> Result<Solution> {

@@ -286,6 +286,12 @@ impl Whitened {
         out
     }
 
+    /// White displacements with shifts of variance `gamma`·σ² made independent as well.
+    pub(crate) fn delta_with_shifts(&self, white: &DVector<f64>, gamma: f64) -> DVector<f64> {
+        let column = DMatrix::from_columns(std::slice::from_ref(white));
+        self.with_shifts(&column, gamma).column(0).into_owned()
+    }
+
     /// Number of postures.
     pub(crate) fn block_count(&self) -> usize {
         self.blocks.len()

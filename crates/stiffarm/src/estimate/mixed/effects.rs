@@ -25,6 +25,16 @@ impl ElasticClass {
         ElasticClass::Coupling,
     ];
 
+    /// The class of an entry: rows and columns 0 to 2 are shifts and forces, 3 to 5 turns
+    /// and moments.
+    pub fn of(row: usize, column: usize) -> Self {
+        match (row < 3, column < 3) {
+            (true, true) => ElasticClass::Shift,
+            (false, false) => ElasticClass::Turn,
+            _ => ElasticClass::Coupling,
+        }
+    }
+
     /// Unit of the entries.
     pub fn unit(self) -> &'static str {
         match self {
@@ -45,9 +55,9 @@ pub(super) struct Effect {
     pub(super) scale: f64,
 }
 
-/// The terms of all random effects of an arm, class by class.
-pub(super) fn terms(joints: usize) -> Vec<ExtraTerm> {
-    effects(joints).iter().map(|effect| effect.term).collect()
+/// The terms of random effects.
+pub(super) fn terms(effects: &[Effect]) -> Vec<ExtraTerm> {
+    effects.iter().map(|effect| effect.term).collect()
 }
 
 /// All random effects of an arm, class by class.
@@ -58,14 +68,9 @@ pub(super) fn effects(joints: usize) -> Vec<Effect> {
         for joint in places() {
             for row in 0..6 {
                 for column in row..6 {
-                    let of = match (row < 3, column < 3) {
-                        (true, true) => ElasticClass::Shift,
-                        (false, false) => ElasticClass::Turn,
-                        _ => ElasticClass::Coupling,
-                    };
                     // The joint's own axis is the fixed effect.
                     let is_axis = joint.is_some() && (row, column) == (5, 5);
-                    if of == class && !is_axis {
+                    if ElasticClass::of(row, column) == class && !is_axis {
                         all.push(Effect {
                             term: ExtraTerm::Spring { joint, row, column },
                             class,

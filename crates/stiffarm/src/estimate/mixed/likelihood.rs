@@ -38,7 +38,7 @@ pub(super) struct Solved {
     /// −2 ln L_R up to a constant.
     pub(super) value: f64,
     /// h less its estimate by least squares, then u, in the columns' own units.
-    pub(super) values: DVector<f64>,
+    change: DVector<f64>,
     /// s².
     pub(super) variance: f64,
     /// ν.
@@ -50,6 +50,14 @@ pub(super) struct Solved {
 }
 
 impl Solved {
+    /// h, then u, in the columns' own units, of the system behind `rows`.
+    pub(super) fn values(&self, rows: &Rows) -> DVector<f64> {
+        let mut out = self.change.clone();
+        let mut axes = out.rows_mut(0, rows.fixed);
+        axes += &rows.start;
+        out
+    }
+
     /// Inverse of the mixed-model equations: times s² the covariance of h and u − û.
     pub(super) fn inverse(&self) -> DMatrix<f64> {
         self.scaled(self.factor.inverse())
@@ -117,7 +125,7 @@ impl<'a> Likelihood<'a> {
         let variance = left / free as f64;
         Some(Solved {
             value: free as f64 * variance.ln() + sums.logarithms + determinant,
-            values: solution.component_mul(&scale),
+            change: solution.component_mul(&scale),
             variance,
             free,
             factor,
@@ -131,12 +139,10 @@ impl<'a> Likelihood<'a> {
         let solved = self.solve(sizes)?;
         let fixed = self.rows.fixed;
         let inverse = solved.factor.inverse();
-        let free = solved.free as f64;
         let mut gradient = Vec::with_capacity(4);
         if self.rows.has_shifts() {
-            let unknowns = solved.values.len();
-            let mut solution = solved.values.clone().resize_vertically(unknowns + 1, -1.0);
-            solution[unknowns] = -1.0;
+            let unknowns = solved.change.len();
+            let solution = solved.change.clone().resize_vertically(unknowns + 1, -1.0);
             let covariance = solved.scaled(inverse.clone());
             let [logarithms, squares, determinant] =
                 self.rows
@@ -146,11 +152,10 @@ impl<'a> Likelihood<'a> {
         for (class, size) in self.rows.classes.iter().zip(&sizes.classes) {
             let own = class.clone().map(|c| fixed + c);
             let trace: f64 = own.clone().map(|c| inverse[(c, c)]).sum();
-            let squares: f64 = own.map(|c| solved.values[c].powi(2)).sum();
+            let squares: f64 = own.map(|c| solved.change[c].powi(2)).sum();
             let squares = if *size > 0.0 { squares / size } else { 0.0 };
             gradient.push(class.len() as f64 - trace - squares / solved.variance);
         }
-        debug_assert!(free > 0.0);
         Some((solved.value, gradient))
     }
 

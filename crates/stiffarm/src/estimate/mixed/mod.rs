@@ -33,9 +33,10 @@ use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::identify::{Estimator, Fit, MeasuredSystem, NoiseSource};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::jobs::in_order_watched;
-use effects::{Effect, effects};
+use effects::{Effect, effects, terms};
 use likelihood::{Likelihood, Sizes, Solved};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::OnceLock;
 use sums::Rows;
@@ -51,10 +52,12 @@ pub struct MixedFit {
     /// −2 ln L_R with the sizes found, and without random effects.
     values: [f64; 2],
     compliance: IdentifiedCompliance,
+    /// Without each posture in turn.
     folds: OnceLock<Vec<MixedFold>>,
 }
 
 /// The mixed model without some postures.
+#[derive(Clone)]
 pub(crate) struct MixedFold {
     /// The postures left out (indices of blocks).
     pub(crate) left_out: Vec<usize>,
@@ -97,17 +100,17 @@ impl MixedFit {
             ));
         }
         let joints = fit.cell().setup.robot.joint_count();
-        let (effects, terms) = (effects(joints), effects::terms(joints));
+        let effects = effects(joints);
+        let terms = terms(&effects);
         let mut random = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &random);
         for (j, effect) in effects.iter().enumerate() {
             random.column_mut(j).scale_mut(effect.scale);
         }
         let whitened = fit.prepared().whitened();
-        let rest = whitened.residual(fit.white());
         let shifts = whitened.is_separable() && !solution.independent_rows;
-        let rows = Rows::new(whitened, random, classes(&effects), &rest, shifts);
-        if whitened.residual(fit.white()).norm() <= ROUNDING * fit.white().norm() {
+        let rows = Rows::new(whitened, random, classes(&effects), fit.white(), shifts);
+        if rows.rest() <= ROUNDING * fit.white().norm() {
             return Err(too_few("the joint axes leave nothing of the displacements"));
         }
         let likelihood = Likelihood::new(&rows, &[]);
@@ -131,7 +134,7 @@ impl MixedFit {
             .solve(&sizes)
             .ok_or_else(|| too_few("the equations are singular"))?;
         let values = [value, without.value];
-        let compliance = compliance(fit, &effects, &sizes, &solved);
+        let compliance = compliance(fit, &rows, &effects, &sizes, &solved);
         Ok(MixedFit {
             fit: fit.clone(),
             effects,
@@ -172,20 +175,22 @@ impl MixedFit {
         &self.system
     }
 
-    /// The model without each posture in turn, its sizes found anew each time.
+    /// The model without each of `count` folds of postures, its sizes found anew each time.
     ///
     /// # Errors
-    /// Fewer than two postures; interrupted.
-    pub(crate) fn folds(&self) -> Result<&[MixedFold]> {
-        if let Some(known) = self.folds.get() {
-            return Ok(known);
+    /// Fewer than two folds, or more than postures; interrupted.
+    pub(crate) fn folds_of(&self, count: usize) -> Result<Cow<'_, [MixedFold]>> {
+        if count != self.rows.posture_count() {
+            return self.new_folds(count).map(Cow::Owned);
         }
-        let found = self.folds_of(self.rows.posture_count())?;
-        Ok(self.folds.get_or_init(|| found))
+        if let Some(known) = self.folds.get() {
+            return Ok(Cow::Borrowed(known));
+        }
+        let found = self.new_folds(count)?;
+        Ok(Cow::Borrowed(self.folds.get_or_init(|| found)))
     }
 
-    /// The same without each of `count` folds of postures.
-    pub(crate) fn folds_of(&self, count: usize) -> Result<Vec<MixedFold>> {
+    fn new_folds(&self, count: usize) -> Result<Vec<MixedFold>> {
         let plain = self.fit.folds_of(count)?;
         in_order_watched(
             &plain,
@@ -200,7 +205,13 @@ impl MixedFit {
                     .flatten()
                     .and_then(|(sizes, _)| {
                         let solved = likelihood.solve(&sizes)?;
-                        Some(compliance(&self.fit, &self.effects, &sizes, &solved))
+                        Some(compliance(
+                            &self.fit,
+                            &self.rows,
+                            &self.effects,
+                            &sizes,
+                            &solved,
+                        ))
                     });
                 Ok(MixedFold {
                     left_out: fold.left_out.clone(),
@@ -252,20 +263,21 @@ fn extended(
 /// The solution of the mixed-model equations in the effects' own units.
 fn compliance(
     fit: &Fit,
+    rows: &Rows,
     effects: &[Effect],
     sizes: &Sizes,
     solved: &Solved,
 ) -> IdentifiedCompliance {
     let plain = fit.solution();
-    let fixed = plain.values.len();
+    let fixed = rows.fixed;
     let scale = |i: usize| match i < fixed {
         true => 1.0,
         false => effects[i - fixed].scale,
     };
-    let start = fit.prepared().whitened().factor().solve(fit.white());
-    let values = DVector::from_fn(solved.values.len(), |i, _| {
-        solved.values[i] * scale(i) + if i < fixed { start[i] } else { 0.0 }
-    });
+    let mut values = solved.values(rows);
+    for (i, value) in values.iter_mut().enumerate() {
+        *value *= scale(i);
+    }
     let mut covariance = solved.inverse() * solved.variance;
     for j in 0..covariance.ncols() {
         for i in 0..covariance.nrows() {
@@ -275,7 +287,7 @@ fn compliance(
     let sigma = solved.variance.sqrt();
     IdentifiedCompliance {
         values,
-        extra: effects.iter().map(|effect| effect.term).collect(),
+        extra: terms(effects),
         spread: Some(Spread {
             covariance,
             sigma,

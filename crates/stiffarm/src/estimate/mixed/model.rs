@@ -11,8 +11,6 @@ use std::ops::Range;
 /// Ψ h + Σ B_c u_c + shifts + noise for a system with random effects of its own.
 pub struct MixedModel {
     rows: Rows,
-    /// Least squares without random effects and shifts.
-    start: DVector<f64>,
 }
 
 impl MixedModel {
@@ -27,11 +25,9 @@ impl MixedModel {
     ) -> Result<Self> {
         let whitened = Whitened::new(system)?;
         let white = whitened.whiten(&system.delta);
-        let rest = whitened.residual(&white);
         let shifts = whitened.is_separable();
         Ok(MixedModel {
-            start: whitened.factor().solve(&white),
-            rows: Rows::new(&whitened, random.clone(), classes, &rest, shifts),
+            rows: Rows::new(&whitened, random.clone(), classes, &white, shifts),
         })
     }
 
@@ -49,10 +45,8 @@ impl MixedModel {
         left_out: &[usize],
     ) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
         let solved = Likelihood::new(&self.rows, left_out).solve(&sizes(gamma, classes))?;
-        let mut values = solved.values.clone();
-        let mut fixed = values.rows_mut(0, self.start.len());
-        fixed += &self.start;
-        Some((values, solved.inverse() * solved.variance, solved.variance))
+        let covariance = solved.inverse() * solved.variance;
+        Some((solved.values(&self.rows), covariance, solved.variance))
     }
 
     /// γ and the variance ratios of largest likelihood, with −2 ln L.

@@ -1,6 +1,7 @@
 //! The mixed model in numbers that can be saved.
 
-use super::{ElasticClass, MixedFit, effects};
+use super::effects::{effects, terms};
+use super::{ElasticClass, MixedFit};
 use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::identify::{JointEstimate, estimate};
@@ -112,7 +113,7 @@ impl MixedResult {
     /// # Errors
     /// Numbers that do not fit each other.
     pub fn compliance(&self, confidence: f64) -> Result<IdentifiedCompliance> {
-        let terms = effects::terms(self.springs.len().saturating_sub(1));
+        let terms = terms(&effects(self.springs.len().saturating_sub(1)));
         let fixed = self.joints.len();
         let count = fixed + terms.len();
         let mut values = DVector::zeros(count);

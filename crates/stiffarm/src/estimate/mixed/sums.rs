@@ -23,6 +23,8 @@ pub(super) struct Rows {
     directions: Vec<(usize, f64)>,
     /// XᵀX of all postures without shifts.
     whole: DMatrix<f64>,
+    /// Least squares on Ψ alone.
+    pub(super) start: DVector<f64>,
 }
 
 /// Sums of some postures at one ratio of the two variances.
@@ -37,19 +39,20 @@ pub(super) struct Sums {
 
 impl Rows {
     /// `random` has one column per random effect (m per unit of its class), not yet
-    /// white; `rest` are the whitened displacements less what least squares explains.
+    /// white; `white` are the whitened displacements.
     pub(super) fn new(
         whitened: &Whitened,
         random: DMatrix<f64>,
         classes: Vec<Range<usize>>,
-        rest: &DVector<f64>,
+        white: &DVector<f64>,
         shifts: bool,
     ) -> Self {
         let fixed = whitened.psi().ncols();
         let count = fixed + random.ncols() + 1;
         let mut all = DMatrix::zeros(whitened.rows(), count);
         all.columns_mut(0, fixed).copy_from(whitened.psi());
-        all.column_mut(count - 1).copy_from(rest);
+        all.column_mut(count - 1)
+            .copy_from(&whitened.residual(white));
         let (mut seen, mut along) = (Vec::new(), Vec::new());
         let postures: Vec<Range<usize>> = (0..whitened.block_count())
             .map(|b| whitened.block_rows(b))
@@ -79,6 +82,7 @@ impl Rows {
             },
             directions: along,
             whole,
+            start: whitened.factor().solve(white),
         }
     }
 
@@ -90,6 +94,11 @@ impl Rows {
     /// True where shifts are told from noise.
     pub(super) fn has_shifts(&self) -> bool {
         !self.directions.is_empty()
+    }
+
+    /// Norm of what least squares on Ψ leaves.
+    pub(super) fn rest(&self) -> f64 {
+        self.all.column(self.all.ncols() - 1).norm()
     }
 
     /// Number of random effects.

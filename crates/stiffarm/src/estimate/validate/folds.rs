@@ -21,14 +21,7 @@ use nalgebra::Vector3;
 pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Result<Validation> {
     let confidence = fit.options().confidence;
     let system = fit.system();
-    let own;
-    let folds = match count == system.blocks.len() {
-        true => fit.folds()?,
-        false => {
-            own = fit.folds_of(count)?;
-            &own
-        }
-    };
+    let folds = fit.folds_of(count)?;
     let rounding = rounding(system);
     let folds = folds.iter().map(|fold| Left {
         out: &fold.left_out,
@@ -52,14 +45,7 @@ pub fn cross_validate_mixed(
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     let system = mixed.system();
-    let own;
-    let folds = match count == system.blocks.len() {
-        true => mixed.folds()?,
-        false => {
-            own = mixed.folds_of(count)?;
-            &own
-        }
-    };
+    let folds = mixed.folds_of(count)?;
     let folds = folds.iter().map(|fold| Left {
         out: &fold.left_out,
         predictor: fold.compliance.clone(),

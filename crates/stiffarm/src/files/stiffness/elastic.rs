@@ -3,7 +3,7 @@
 use super::checks::{self, LARGEST_LENGTH, MOST_ROWS, SOFTEST, non_negative, same_name};
 use super::fault;
 use super::keys::{self, below};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::elastic::{Elastic, ElasticChoice};
 use crate::estimate::identify::Estimates;
@@ -129,7 +129,7 @@ fn scatter(mixed: &MixedResult, key: &str, estimates: &Estimates) -> Result<()> 
     match mixed.interval_degrees_of_freedom {
         Some(dof) if dof == 0 || dof > most => {
             let message = format!("{dof} degrees of freedom cannot come from {most} rows.");
-            Err::<(), Error>(fault(message).key(at("interval_degrees_of_freedom")))
+            Err(fault(message).key(at("interval_degrees_of_freedom")))
         }
         _ => Ok(()),
     }

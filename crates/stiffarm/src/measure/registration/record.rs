@@ -85,20 +85,18 @@ impl TryFrom<RegistrationRecord> for Registration {
     /// covariance that is none.
     fn try_from(record: RegistrationRecord) -> Result<Self> {
         let fault = |message: &str, key: &str| Error::new(Code::ResultFile, message).key(key);
-        let residuals = || record.residuals_m.iter().flatten().copied();
+        let residuals = record.residuals_m.iter().flatten().copied();
         let stds = [record.residual_std_m]
             .into_iter()
             .chain(record.known_std_m);
-        let lengths: [(&str, Vec<f64>); 5] = [
-            ("translation_m", record.translation_m.to_vec()),
-            ("centroid_m", record.centroid_m.to_vec()),
-            ("residuals_m", residuals().collect()),
-            ("rms_m", vec![record.rms_m]),
-            ("residual_std_m", stds.collect()),
+        let lengths: [(&str, f64, Vec<f64>); 5] = [
+            ("translation_m", -FARTHEST, record.translation_m.to_vec()),
+            ("centroid_m", -FARTHEST, record.centroid_m.to_vec()),
+            ("residuals_m", -FARTHEST, residuals.collect()),
+            ("rms_m", 0.0, vec![record.rms_m]),
+            ("residual_std_m", 0.0, stds.collect()),
         ];
-        for (key, values) in lengths {
-            let signed = ["translation_m", "centroid_m", "residuals_m"].contains(&key);
-            let least = if signed { -FARTHEST } else { 0.0 };
+        for (key, least, values) in lengths {
             if let Some(value) = values.iter().find(|v| !(least..=FARTHEST).contains(*v)) {
                 let message = format!(
                     "A length of {value:e} m cannot be meant: it must lie between {least} and {FARTHEST} m."

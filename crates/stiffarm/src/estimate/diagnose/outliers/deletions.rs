@@ -39,7 +39,7 @@ impl Deletions {
         let rows = system.delta.len();
         let whitened = fit.prepared().whitened();
         let gamma = solution.gamma;
-        let both = shifted(whitened, fit.white(), gamma);
+        let both = whitened.delta_with_shifts(fit.white(), gamma);
         let basis = solution.factor.basis(rows);
         let residual = &both - &basis * basis.tr_mul(&both);
         let size = residual.norm_squared();
@@ -130,11 +130,9 @@ impl OfPoint {
             self.singular = true;
             return;
         };
-        let (k, q) = (
-            d.l().solve_lower_triangular(k),
-            d.l().solve_lower_triangular(q),
-        );
-        let (Some(k), Some(q)) = (k, q) else {
+        let l = d.l();
+        let solved = (l.solve_lower_triangular(k), l.solve_lower_triangular(q));
+        let (Some(k), Some(q)) = solved else {
             self.singular = true;
             return;
         };
@@ -178,10 +176,4 @@ fn root_inverse(whitened: &Whitened, block: usize, count: usize, gamma: f64) -> 
         shared.row_mut(k).scale_mut(part);
     }
     out - directions * shared
-}
-
-/// White displacements made independent, shifts of ratio `gamma` included.
-pub(super) fn shifted(whitened: &Whitened, white: &DVector<f64>, gamma: f64) -> DVector<f64> {
-    let white = DMatrix::from_column_slice(white.len(), 1, white.as_slice());
-    whitened.with_shifts(&white, gamma).column(0).into_owned()
 }

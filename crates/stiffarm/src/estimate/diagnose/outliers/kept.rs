@@ -1,7 +1,7 @@
 //! The data at hand with their fit, and how each part of them agrees with the
 //! rest.
 
-use super::deletions::{Deletions, shifted};
+use super::deletions::Deletions;
 use super::{Outlier, OutlierKind, PointFit, PostureFit};
 use crate::error::Result;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
@@ -289,5 +289,5 @@ fn named(kind: OutlierKind, p_value: f64) -> Outlier {
 
 /// Displacements made independent, shifts of ratio `gamma` included.
 fn independent(whitened: &Whitened, delta: &DVector<f64>, gamma: f64) -> DVector<f64> {
-    shifted(whitened, &whitened.whiten(delta), gamma)
+    whitened.delta_with_shifts(&whitened.whiten(delta), gamma)
 }
