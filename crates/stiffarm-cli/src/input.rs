@@ -7,11 +7,12 @@ use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell_bytes;
 use stiffarm::files::registration::read_registration;
-use stiffarm::files::table::{read_measurements, read_postures, sha256_hex};
+use stiffarm::files::table::{holds_measurements, read_measurements, read_postures, sha256_hex};
 use stiffarm::findings::visible;
+use stiffarm::measure::prepare;
 use stiffarm::measure::reduction::ReduceOptions;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::Measurements;
+use stiffarm::model::measurement::{Candidate, Measurements};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::robot::Robot;
 use stiffarm::{Code, Error, Result};
@@ -103,6 +104,29 @@ impl Session {
             .transpose()?;
         let (name, bytes) = self.read("measurements", from)?;
         read_measurements(&bytes, &name, cell, postures.as_deref())
+    }
+
+    /// Reads candidates to choose from: a table of postures, or one of measurements, whose
+    /// postures count under their measured wrenches, of several states of a posture under
+    /// the largest force.
+    ///
+    /// # Errors
+    /// A file that cannot be read, anything wrong with its table, readings that cannot be
+    /// reduced.
+    pub fn read_candidates(&self, from: &str, cell: &Cell) -> Result<Vec<Candidate>> {
+        let (name, bytes) = self.read("candidates", from)?;
+        if !holds_measurements(&bytes, &name, cell)? {
+            let postures = read_postures(&bytes, &name, &cell.setup.robot)?;
+            let plain = postures.into_iter().map(|posture| Candidate {
+                name: posture.name,
+                q: posture.q,
+                wrench: None,
+            });
+            return Ok(plain.collect());
+        }
+        let measurements = read_measurements(&bytes, &name, cell, None)?;
+        let measured = prepare(cell, measurements, &ReduceOptions::default())?;
+        Ok(Candidate::of_measured(&measured.postures))
     }
 
     /// Options of a reduction of raw readings: with the registration that

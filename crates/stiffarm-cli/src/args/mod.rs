@@ -311,6 +311,8 @@ pub enum SchemaChoice {
     ResultSelectCurve,
     /// Output of `select --space-filling --json`
     ResultSelectSpaceFilling,
+    /// Output of `select --candidates --json`
+    ResultSelectCandidates,
     /// Output of `simulate --json`
     ResultSimulate,
     /// Output of `register --json`

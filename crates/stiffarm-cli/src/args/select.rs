@@ -31,6 +31,11 @@ pub struct SelectArgs {
     #[arg(long, conflicts_with_all = ["index", "curve", "sensitivity", "no_certificate", "from", "given", "rounds",
           "time_limit", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
     pub space_filling: bool,
+    /// Choose the best postures out of this list: a table of postures, or one of measurements,
+    /// whose postures count under their measured wrenches
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["space_filling", "curve", "sensitivity", "from", "given",
+          "rounds", "time_limit", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
+    pub candidates: Option<String>,
     /// Postures that are there already.
     #[command(flatten)]
     pub existing: ExistingArgs,

@@ -201,6 +201,7 @@ fn meaning(index: Index) -> &'static str {
         Index::DropOne => "expected_error with the worst posture lost [%]",
         Index::D => "size of the error ellipsoid, per axis [%]",
         Index::Task => "RMS error of the tasks' predicted deflection [mm]",
+        Index::Prediction => "RMS error of predicted deflection, mixed model [mm]",
         Index::O1 => "geometric mean of σ_i / √postures; larger is better",
         Index::O2 => "σ_min/σ_max; larger is better",
         Index::O3 => "σ_min; larger is better",

@@ -61,20 +61,12 @@ pub fn finding_line(finding: &Finding) -> String {
     format!("{severity}: {}: {}\n", finding.subject, finding.sentence)
 }
 
-/// True for the indices that are relative errors, shown in percent.
-fn is_relative_error(index: Index) -> bool {
-    matches!(
-        index,
-        Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
-    )
-}
-
-/// Value of an index as tables show it: relative errors in percent, the task
-/// index in millimetres.
+/// Value of an index as tables show it: relative errors in percent, lengths in
+/// millimetres.
 fn index_value(index: Index, value: Option<f64>) -> String {
-    if is_relative_error(index) {
+    if index.is_relative_error() {
         numbers::optional_percent(value)
-    } else if index == Index::Task {
+    } else if index.is_length() {
         numbers::optional(value.map(m_to_mm), 4)
     } else {
         numbers::optional(value, 4)

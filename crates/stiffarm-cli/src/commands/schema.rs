@@ -39,6 +39,9 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
             select::space_filling::Options,
             select::space_filling::SpaceFilling,
         >("select --space-filling"),
+        SchemaChoice::ResultSelectCandidates => {
+            of::<select::candidates::Options, select::candidates::Chosen>("select --candidates")
+        }
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
         SchemaChoice::ResultRegister => of::<register::Options, RegistrationRecord>("register"),
         SchemaChoice::ResultIdentify => of::<identify::Options, identify::Identified>("identify"),

@@ -54,17 +54,14 @@ fn with_groups(first: &str, study: &Study) -> Vec<String> {
 fn indices(study: &Study) -> Table {
     let mut table = Table::new(
         "indices",
-        "Every index of each group; expected_error, worst_joint, drop_one and d in %, task in mm.",
+        "Every index of each group; expected_error, worst_joint, drop_one and d in %, task and prediction in mm.",
         with_groups("index", study),
     );
     for index in Index::ALL {
-        let fraction = matches!(
-            index,
-            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
-        );
-        let unit = match index {
-            Index::Task => " [mm]",
-            _ if fraction => " [%]",
+        let (fraction, length) = (index.is_relative_error(), index.is_length());
+        let unit = match (length, fraction) {
+            (true, _) => " [mm]",
+            (_, true) => " [%]",
             _ => "",
         };
         let name = format!("{}{unit}", index.as_str());
@@ -72,7 +69,7 @@ fn indices(study: &Study) -> Table {
             let value = g.evaluation.indices.get(index);
             if fraction {
                 Cell::percent(value)
-            } else if index == Index::Task {
+            } else if length {
                 value.map(|v| 1e3 * v).into()
             } else {
                 value.into()

@@ -3,6 +3,7 @@
 
 pub mod cell;
 pub mod dexterity;
+pub mod elastic;
 pub mod implausible;
 pub mod instruments;
 pub mod inverse;

@@ -12,6 +12,8 @@ const GROUPS: u64 = 1 << 63;
 /// Marks those of the chains of a global selection, and of its candidates.
 const CHAINS: u64 = 3 << 61;
 const CANDIDATES: u64 = 7 << 61;
+/// Marks those of the starts in a list of candidates, and of the splits of measured ones.
+const LISTS: u64 = 9 << 60;
 /// Marks those of simulated experiments.
 const EXPERIMENTS: u64 = 1 << 62;
 /// Marks those of the experiments whose intervals are counted, and of the
@@ -41,6 +43,11 @@ pub(crate) fn chain_rng(seed: u64, round: u64, chain: usize) -> ChaCha8Rng {
 /// The random numbers of the candidate postures of a global selection.
 pub(crate) fn candidate_rng(seed: u64) -> ChaCha8Rng {
     stream(seed, CANDIDATES)
+}
+
+/// The random numbers of one start in a list of candidates.
+pub(crate) fn list_rng(seed: u64, start: u64) -> ChaCha8Rng {
+    stream(seed, LISTS | start)
 }
 
 /// The random numbers of one simulated experiment.

@@ -2,6 +2,7 @@
 //! possible, and what is suspicious about a cell.
 
 mod active_limits;
+mod random;
 
 pub mod certificate;
 pub mod characteristic_length;

@@ -28,6 +28,7 @@ mod once;
 mod paths;
 mod posture_path;
 mod predict;
+mod prediction_index;
 mod properties;
 mod readings;
 mod reduction;

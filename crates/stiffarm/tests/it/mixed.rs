@@ -10,11 +10,12 @@ use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use proptest::prelude::*;
 use stiffarm::estimate::elastic::{ElasticChoice, elastic};
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
-use stiffarm::estimate::mixed::{ElasticClass, MixedFit};
+use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::validate::{
     Model, cross_validate_mixed, simulate_measurements, validate_with,
 };
 use stiffarm::internals::{Block, Covariance, MeasuredSystem, MixedModel, RowLabel};
+use stiffarm::model::elastic::ElasticClass;
 use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::PostureGroup;
 

@@ -6,8 +6,8 @@ use crate::table::{Align, Table, title};
 use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
 use stiffarm::estimate::elastic::Elastic;
 use stiffarm::estimate::identify::{Bootstrap, Estimates, Identification, JointEstimate, Verdict};
-use stiffarm::estimate::mixed::ElasticClass;
 use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource};
+use stiffarm::model::elastic::ElasticClass;
 use stiffarm::units::{m_to_mm, rad_to_deg};
 
 /// Postures whose residuals the table shows.

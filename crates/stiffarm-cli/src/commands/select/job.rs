@@ -1,7 +1,6 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
-use crate::commands::is_relative_error;
 use crate::files::{Target, check_targets, write_all};
 use crate::input::NamedCell;
 use crate::numbers::optional;
@@ -40,6 +39,8 @@ pub enum Mode {
     Curve,
     /// Postures that cover the joint space evenly.
     SpaceFilling,
+    /// The best postures of a list.
+    Candidates,
 }
 
 /// What every way to work needs.
@@ -187,9 +188,9 @@ impl Outputs {
 
 /// Unit of an index in tables.
 fn unit(index: Index) -> &'static str {
-    if is_relative_error(index) {
+    if index.is_relative_error() {
         "%"
-    } else if index == Index::Task {
+    } else if index.is_length() {
         "mm"
     } else {
         ""

@@ -1,6 +1,7 @@
 //! `stiffarm select`: choose the postures to measure, the next ones, or those
 //! to leave out. A file for each of these ways to work.
 
+pub mod candidates;
 mod certificate;
 pub mod curve;
 pub mod drop;
@@ -36,7 +37,9 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
         length_line,
         outputs,
     };
-    if args.space_filling {
+    if let Some(list) = &args.candidates {
+        candidates::run(&job, list)?;
+    } else if args.space_filling {
         space_filling::run(&job)?;
     } else if args.curve {
         curve::run(&job)?;

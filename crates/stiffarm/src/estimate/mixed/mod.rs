@@ -14,7 +14,6 @@
 //! So is their symmetry: no direction across an axis is preferred, and with the coupling
 //! the place of the origin hardly matters.
 
-mod effects;
 mod likelihood;
 mod model;
 mod result;
@@ -25,15 +24,14 @@ pub(crate) mod internals {
     pub use super::model::MixedModel;
 }
 
-pub use effects::ElasticClass;
 pub use result::{ElasticSize, GeneralSpring, MixedResult};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::identify::{Estimator, Fit, MeasuredSystem, NoiseSource};
+use crate::model::elastic::{Effect, ElasticClass, effects, terms};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::jobs::in_order_watched;
-use effects::{Effect, effects, terms};
 use likelihood::{Likelihood, Sizes, Solved};
 use nalgebra::DMatrix;
 use std::borrow::Cow;

@@ -1,10 +1,10 @@
 //! The mixed model in numbers that can be saved.
 
-use super::effects::{effects, terms};
-use super::{ElasticClass, MixedFit};
+use super::MixedFit;
 use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::identify::{JointEstimate, estimate};
+use crate::model::elastic::{ElasticClass, effects, terms};
 use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};

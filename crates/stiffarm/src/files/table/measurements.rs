@@ -31,6 +31,15 @@ pub fn read_measurements(
     read().map_err(|error| table.with_aside(error))
 }
 
+/// True where the heading is that of measurements: of displacements or of positions.
+///
+/// # Errors
+/// Not a table.
+pub fn holds_measurements(bytes: &[u8], file_name: &str, cell: &Cell) -> Result<bool> {
+    let table = Table::read(bytes, file_name, &cell.columns)?;
+    Ok(Values::of(&table, cell.setup.robot.joint_count()).is_ok())
+}
+
 impl Table<'_> {
     /// Refuses a table of other values.
     pub(super) fn expect(&self, wanted: Values, cell: &Cell) -> Result<()> {

@@ -46,7 +46,7 @@ pub(crate) use columns::own_heading;
 #[cfg(feature = "schema")]
 pub(crate) use columns::own_headings;
 pub use displacements::read_displacements;
-pub use measurements::read_measurements;
+pub use measurements::{holds_measurements, read_measurements};
 pub use pairs::read_pairs;
 pub use path::{PathFormat, PathKind, PathTable, read_path, write_path};
 pub use postures::read_postures;

@@ -1,8 +1,10 @@
 //! What was measured: displacements, grouped by posture and load state, and
 //! the raw readings behind them.
 
+mod candidate;
 mod readings;
 
+pub use candidate::Candidate;
 pub use readings::{
     PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };

@@ -231,7 +231,7 @@ impl Motion {
 }
 
 /// The point of axis 1 nearest the base frame's origin.
-fn on_first_axis(frames: &Frames) -> Vector3<f64> {
+pub(crate) fn on_first_axis(frames: &Frames) -> Vector3<f64> {
     let (axis, origin) = (frames.axes()[0], frames.origins()[0]);
     origin - axis * axis.dot(&origin)
 }
@@ -239,7 +239,7 @@ fn on_first_axis(frames: &Frames) -> Vector3<f64> {
 /// Axes fixed to the link behind joint `j`: z its axis, x across it towards the next
 /// joint's axis, or its origin, or along the flange's x. Which of them depends on the
 /// robot alone, not on its posture.
-fn link_axes(frames: &Frames, j: usize) -> Matrix3<f64> {
+pub(crate) fn link_axes(frames: &Frames, j: usize) -> Matrix3<f64> {
     let z = frames.axes()[j];
     let across = |v: Vector3<f64>| v - z * z.dot(&v);
     let next = frames.axes().get(j + 1).map(|axis| {

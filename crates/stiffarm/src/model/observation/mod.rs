@@ -7,6 +7,7 @@
 mod extra;
 
 pub use extra::ExtraTerm;
+pub(crate) use extra::{link_axes, on_first_axis};
 
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;

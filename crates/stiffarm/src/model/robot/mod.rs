@@ -267,6 +267,15 @@ impl Robot {
         &self.flange
     }
 
+    /// Length of the arm: its links from base to flange, one after the other \[m\].
+    pub fn length(&self) -> f64 {
+        let links = self
+            .joints
+            .iter()
+            .map(|j| j.placement.translation.vector.norm());
+        links.sum::<f64>() + self.flange.translation.vector.norm()
+    }
+
     /// C of θ = offset + C q (n × n).
     pub fn coupling(&self) -> &DMatrix<f64> {
         &self.coupling

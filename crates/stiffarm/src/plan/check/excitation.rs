@@ -98,12 +98,7 @@ fn largest_displacements(psi: &DMatrix<f64>, prior: &[f64]) -> Vec<f64> {
 
 /// Length of the arm, against which rounding is measured \[m\].
 fn reach(cell: &Cell) -> f64 {
-    let robot = &cell.setup.robot;
-    let links = robot
-        .joints()
-        .iter()
-        .map(|j| j.placement.translation.vector.norm());
-    links.sum::<f64>() + robot.flange().translation.vector.norm() + cell.setup.tool.tcp().norm()
+    cell.setup.robot.length() + cell.setup.tool.tcp().norm()
 }
 
 /// The finding about a joint that no posture can determine.

@@ -65,6 +65,11 @@ impl Criterion {
         }
     }
 
+    /// n.
+    pub fn unknowns(&self) -> usize {
+        self.n
+    }
+
     /// Number of entries of a packed M.
     pub fn triangle(&self) -> usize {
         self.lower.len()

@@ -1,9 +1,11 @@
 //! All indices and the expected errors of one group of postures.
 
 use super::kinds::Index;
+use super::prediction::PredictionModel;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_rows};
 use crate::model::dexterity;
+use crate::model::elastic::ElasticSizes;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use nalgebra::DMatrix;
@@ -36,6 +38,11 @@ pub struct Indices {
     /// RMS over the cell's tasks of the error of the predicted tip deflection,
     /// σ·sqrt(tr(T (ΨᵀΨ)⁻¹)) with T of [`task_matrix`](crate::model::cell::task_matrix) \[m\].
     pub task: Option<f64>,
+    /// RMS over the cell's tasks, or over random postures inside its limits under its
+    /// load, of the error of the predicted deflection under the mixed elastic model with
+    /// typical sizes \[m\].
+    #[serde(default)]
+    pub prediction: Option<f64>,
     /// (Π σ_i)^(1/n)/√m with m postures.
     pub o1: Option<f64>,
     /// σ_min/σ_max.
@@ -63,6 +70,7 @@ impl Indices {
             I::DropOne => self.drop_one,
             I::D => self.d,
             I::Task => self.task,
+            I::Prediction => self.prediction,
             I::O1 => self.o1,
             I::O2 => self.o2,
             I::O3 => self.o3,
@@ -151,6 +159,31 @@ pub fn evaluate<Q: AsRef<[f64]>>(
     name: &str,
     postures: &[Q],
 ) -> Result<GroupEvaluation> {
+    let terms = postures
+        .iter()
+        .map(|q| PostureTerms::new(&cell.setup, q.as_ref(), None))
+        .collect::<Result<Vec<_>>>()?;
+    let model = prediction_model(cell);
+    evaluate_terms(cell, name, &terms, model.as_ref())
+}
+
+/// The model behind the index `prediction`, where the cell has what it needs.
+fn prediction_model(cell: &Cell) -> Option<PredictionModel> {
+    let sizes = ElasticSizes::typical(&cell.setup, cell.prior.as_ref()?).ok()?;
+    PredictionModel::new(cell, &sizes).ok()
+}
+
+/// [`evaluate`] of postures whose terms are known, which may be under wrenches of their
+/// own; without `prediction` that index is left out.
+///
+/// # Errors
+/// As [`evaluate`].
+pub(crate) fn evaluate_terms(
+    cell: &Cell,
+    name: &str,
+    postures: &[PostureTerms],
+    prediction: Option<&PredictionModel>,
+) -> Result<GroupEvaluation> {
     if postures.is_empty() {
         return Err(Error::new(
             Code::TooFewData,
@@ -166,8 +199,7 @@ pub fn evaluate<Q: AsRef<[f64]>>(
     let mut psi = DMatrix::zeros(rows * postures.len(), n);
     let mut whitened = psi.clone();
     let mut k_jn = Vec::with_capacity(postures.len());
-    for (p, q) in postures.iter().enumerate() {
-        let terms = PostureTerms::new(setup, q.as_ref(), None)?;
+    for (p, terms) in postures.iter().enumerate() {
         let mut block = terms.block(robot);
         psi.rows_mut(rows * p, rows).copy_from(&block);
         whiten_posture(&mut block, rho);
@@ -231,6 +263,10 @@ pub fn evaluate<Q: AsRef<[f64]>>(
             drop_one,
             d,
             task,
+            prediction: match full {
+                true => prediction.and_then(|model| model.value(postures)),
+                false => None,
+            },
             o1: observability(&|| (log_sum() / n as f64).exp() / (postures.len() as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),
             o3: observability(&|| sigma[n - 1]),

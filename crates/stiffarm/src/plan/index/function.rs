@@ -16,6 +16,7 @@ use super::inputs::{Given, Inputs, criterion};
 use super::kernel::Kernel;
 use super::kinds::Index;
 use super::minimax::{Minimax, Smoothed};
+use super::prediction::PredictionFunction;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
@@ -29,6 +30,8 @@ pub struct IndexFunction {
     kernel: Kernel,
     criterion: Criterion,
     given: Given,
+    /// Instead of the information, where the index is that of the mixed model.
+    prediction: Option<Box<PredictionFunction>>,
     /// ln of what the value is multiplied by: σ, √m.
     log_factor: f64,
     total: Vec<f64>,
@@ -91,6 +94,10 @@ impl IndexFunction {
         for q in given {
             check_angles(&setup.robot, q.as_ref())?;
         }
+        let prediction = match index {
+            Index::Prediction => Some(Box::new(PredictionFunction::new(cell, count, given)?)),
+            _ => None,
+        };
         let given = Given::new(cell, wanted, given)?;
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + given.count;
@@ -109,6 +116,7 @@ impl IndexFunction {
             kernel,
             criterion: criterion(cell, index)?,
             given,
+            prediction,
             log_factor,
             total: vec![0.0; packed(n, 0)],
             rest: vec![0.0; packed(n, 0)],
@@ -240,6 +248,11 @@ impl IndexFunction {
                     self.kernel.reverse(row);
                 }
             }
+            Index::Prediction => {
+                if let Some(prediction) = &self.prediction {
+                    prediction.add_gradient(&mut out.smooth_gradient);
+                }
+            }
             _ => {
                 self.kernel.set_adjoint(None, &self.criterion.adjoint);
                 self.kernel.reverse(&mut out.smooth_gradient);
@@ -253,6 +266,10 @@ impl IndexFunction {
     /// # Panics
     /// If `q` does not have postures × joints entries.
     pub fn value(&mut self, q: &[f64]) -> f64 {
+        if let Some(prediction) = &mut self.prediction {
+            self.kernel.forward(q);
+            return prediction.value(q);
+        }
         let sharpness = self.criterion.sharpness.take();
         let value = self.forward(q).exact + self.largest_component();
         self.criterion.sharpness = sharpness;
@@ -299,6 +316,9 @@ impl IndexFunction {
         }
         self.set_smoothed_adjoints();
         self.kernel.reverse(gradient);
+        if let Some(prediction) = &self.prediction {
+            prediction.add_gradient(gradient);
+        }
         Smoothed {
             objective: smooth + self.kernel.penalty(),
             exact,
@@ -313,7 +333,7 @@ impl IndexFunction {
             }
         }
         match self.index {
-            Index::Classical => {}
+            Index::Classical | Index::Prediction => {}
             Index::WorstJoint => {
                 self.adjoint.fill(0.0);
                 for (j, weight) in self.weights.iter().enumerate() {
@@ -350,6 +370,13 @@ impl IndexFunction {
         let count = self.kernel.posture_count();
         assert_eq!(q.len(), n * count, "postures × joints angles");
         self.kernel.forward(q);
+        if let Some(prediction) = &mut self.prediction {
+            let value = prediction.evaluate(q);
+            return Value {
+                smooth: value,
+                exact: value,
+            };
+        }
         if self.index.uses_dexterity() {
             for p in 0..count {
                 self.components[p] = self.kernel.log_dexterity(p);

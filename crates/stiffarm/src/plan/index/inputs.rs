@@ -46,8 +46,7 @@ impl Inputs {
         };
         Ok(Inputs {
             dexterity,
-            information: index
-                .uses_observation()
+            information: (index.uses_observation() && index != Index::Prediction)
                 .then_some((compliance, common_weight)),
         })
     }

@@ -28,6 +28,10 @@ pub enum Index {
     D,
     /// RMS error of the predicted tip deflection over the cell's tasks \[m\] (I-optimality).
     Task,
+    /// RMS error of the predicted tip deflection over the cell's tasks, or over random
+    /// postures inside its limits, under the mixed elastic model \[m\] (Bayesian
+    /// I-optimality).
+    Prediction,
     /// (Π σ_i)^(1/n)/√m with m postures; larger is better (Borm & Menq).
     O1,
     /// σ_min/σ_max; larger is better (Driels & Pathre).
@@ -42,7 +46,7 @@ pub enum Index {
 
 impl Index {
     /// Every index.
-    pub const ALL: [Index; 15] = [
+    pub const ALL: [Index; 16] = [
         Index::Classical,
         Index::Condition,
         Index::Novel,
@@ -53,6 +57,7 @@ impl Index {
         Index::DropOne,
         Index::D,
         Index::Task,
+        Index::Prediction,
         Index::O1,
         Index::O2,
         Index::O3,
@@ -73,6 +78,7 @@ impl Index {
             Index::DropOne => "drop_one",
             Index::D => "d",
             Index::Task => "task",
+            Index::Prediction => "prediction",
             Index::O1 => "o1",
             Index::O2 => "o2",
             Index::O3 => "o3",
@@ -125,15 +131,26 @@ impl Index {
                 | Index::WorstJoint
                 | Index::DropOne
                 | Index::D
+                | Index::Prediction
         )
     }
 
     /// True when it is a multiple of the noise, whose posture-common part it
     /// weighs.
     pub(crate) fn is_error(self) -> bool {
+        self.is_relative_error() || self == Index::Task
+    }
+
+    /// True when it is a length \[m\]: the RMS error of a predicted deflection.
+    pub fn is_length(self) -> bool {
+        matches!(self, Index::Task | Index::Prediction)
+    }
+
+    /// True when it is a relative error (fraction).
+    pub fn is_relative_error(self) -> bool {
         matches!(
             self,
-            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D | Index::Task
+            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
         )
     }
 
@@ -151,7 +168,12 @@ impl Index {
     pub fn has_many_local_minima(self) -> bool {
         !matches!(
             self,
-            Index::ExpectedError | Index::D | Index::O1 | Index::Task | Index::O5
+            Index::ExpectedError
+                | Index::D
+                | Index::O1
+                | Index::Task
+                | Index::Prediction
+                | Index::O5
         )
     }
 

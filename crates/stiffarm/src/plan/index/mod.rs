@@ -9,8 +9,10 @@ pub(crate) mod inputs;
 pub(crate) mod kernel;
 mod kinds;
 pub(crate) mod minimax;
+pub(crate) mod prediction;
 
 pub use error_bound::{ErrorBound, error_bound};
+pub(crate) use evaluate::evaluate_terms;
 pub use evaluate::{FIRST_ORDER_LIMIT, GroupEvaluation, Indices, evaluate, expected_deviation};
 pub use function::IndexFunction;
 pub use kinds::Index;

@@ -1,24 +1,25 @@
 //! Choosing postures: the paper's procedure, from an initial group (Section
 //! III.B), global search, and what goes with them.
 
+mod candidates;
 mod error_by_count;
 mod from_group;
 mod global;
 mod load_design;
 mod posture_value;
-mod random;
 mod search;
 mod selection;
 mod sensitivity;
 mod space_filling;
 
+pub use super::random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use crate::numerics::optimise::Options as LocalOptions;
+pub use candidates::{CandidateOptions, CandidateSelection, select_candidates};
 pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use from_group::select_from;
 pub use global::{GlobalOptions, RoundReport, select, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
 pub use posture_value::{Dropped, PostureValue, drop_postures, evaluations as drop_evaluations};
-pub use random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use selection::{Selection, smallest_margin};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,

@@ -281,6 +281,86 @@ impl Model {
         })
     }
 
+    /// Columns of a posture's random effects, standard deviation one each, 3m × effects:
+    /// all entries of symmetric compliances at base and joints but the joints' own axes;
+    /// `sizes` of shifts, turns and their coupling.
+    pub fn spring_columns<T: Scalar>(&self, q: &[T], sizes: [f64; 3]) -> DMatrix<T> {
+        let chain = self.chain(q);
+        let (force, moment) = self.wrench(&chain);
+        let loading = chain.point(self.loading_point);
+        let unit = |i: usize| std::array::from_fn(|k| T::from(if i == k { 1.0 } else { 0.0 }));
+        let scaled = |v: V3<T>, s: T| v.map(|c| c * s);
+        let plus = |a: V3<T>, b: V3<T>| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let across = |v: V3<T>, z: V3<T>| minus(v, scaled(z, dot(v, z)));
+        let on_axis = scaled(chain.axes[0], dot(chain.axes[0], chain.origins[0]));
+        let base = minus(chain.origins[0], on_axis);
+        let mut places = vec![([unit(0), unit(1), unit(2)], base, None)];
+        for j in 0..self.rows.len() {
+            // Any axes will do that turn with the link behind the joint.
+            let z = chain.axes[j];
+            let next = chain.axes.get(j + 1).map(|axis| {
+                let origin = minus(chain.origins[j + 1], chain.origins[j]);
+                [across(*axis, z), across(origin, z)]
+            });
+            let last = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| across(chain.direction(v), z));
+            let x = next
+                .into_iter()
+                .flatten()
+                .chain(last)
+                .find(|v| dot(*v, *v).re() > 1e-2)
+                .unwrap();
+            let x = scaled(x, dot(x, x).sqrt().recip());
+            // The library's frame of a modified (Craig) row stands before its shift d.
+            let d = if self.modified { self.rows[j][2] } else { 0.0 };
+            let origin = minus(chain.origins[j], scaled(z, T::from(d)));
+            places.push(([x, cross(z, x), z], origin, Some(j)));
+        }
+        let points: Vec<V3<T>> = self
+            .measuring_points
+            .iter()
+            .map(|p| chain.point(*p))
+            .collect();
+        let mut columns = Vec::new();
+        for (axes, origin, joint) in places {
+            let about = plus(moment, cross(minus(loading, origin), force));
+            let felt = |i: usize| match i < 3 {
+                true => dot(axes[i], force),
+                false => dot(axes[i - 3], about),
+            };
+            let moved = |i: usize, p: V3<T>| match i < 3 {
+                true => axes[i],
+                false => cross(axes[i - 3], minus(p, origin)),
+            };
+            for row in 0..6 {
+                for column in row..6 {
+                    if joint.is_some() && (row, column) == (5, 5) {
+                        continue;
+                    }
+                    let size = match (row < 3, column < 3) {
+                        (true, true) => sizes[0],
+                        (false, false) => sizes[1],
+                        _ => sizes[2],
+                    };
+                    let size = if row == column {
+                        size
+                    } else {
+                        size * 0.5f64.sqrt()
+                    };
+                    let mut own = Vec::new();
+                    for p in &points {
+                        let mut shift = scaled(moved(row, *p), felt(column));
+                        if row != column {
+                            shift = plus(shift, scaled(moved(column, *p), felt(row)));
+                        }
+                        own.extend(shift.map(|c| c * size));
+                    }
+                    columns.push(own);
+                }
+            }
+        }
+        DMatrix::from_fn(3 * points.len(), columns.len(), |i, j| columns[j][i])
+    }
+
     /// Ψ of several postures.
     pub fn stacked<T: Scalar>(&self, postures: &[Vec<T>]) -> DMatrix<T> {
         let blocks: Vec<DMatrix<T>> = postures.iter().map(|q| self.psi(q)).collect();

@@ -23,7 +23,6 @@ mod plan;
 mod polish;
 mod pool;
 
-use super::random::{StartKind, random_group};
 use super::selection::{Selection, check_bounds, no_result, smallest_margin};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
@@ -32,6 +31,7 @@ use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::chain_rng;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::{Index, evaluate};
+use crate::plan::random::{StartKind, random_group};
 use chain::Chain;
 use local::{Effort, Local};
 use options::Schedule;

@@ -1,0 +1,150 @@
+//! `--candidates`: the best postures out of a list.
+
+use super::certificate::efficient;
+use super::job::{Job, Mode, POSTURES, postures_text, shown, to_usize};
+use crate::commands::{evaluate, posture_remarks, posture_table};
+use crate::progress::Progress;
+use crate::table::{title, yellow};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::model::measurement::Candidate;
+use stiffarm::model::posture::Posture;
+use stiffarm::plan::select::{CandidateOptions, CandidateSelection, select_candidates};
+use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::{Result, Termination};
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// `candidates`.
+    pub mode: Mode,
+    /// Number of postures chosen.
+    pub postures: usize,
+    /// Random groups from which the exchange started.
+    pub starts: usize,
+    /// Whether a bound was wanted.
+    pub certificate: bool,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// The chosen postures and what is known about them.
+#[derive(Serialize, JsonSchema)]
+pub struct Chosen {
+    /// The choice.
+    #[serde(flatten)]
+    pub selection: CandidateSelection,
+    /// Names of all candidates: positions elsewhere count them from 0.
+    pub candidate_names: Vec<String>,
+    /// True where some candidates count under measured wrenches.
+    pub measured_wrenches: bool,
+    /// Chosen postures, controller angles \[deg\].
+    pub postures_deg: Vec<Vec<f64>>,
+    /// Their names.
+    pub posture_names: Vec<String>,
+}
+
+/// Chooses, and writes plan and sheet.
+pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
+    let cell = job.cell();
+    let candidates = job.session.read_candidates(list, cell)?;
+    let count = to_usize(job.args.postures.unwrap_or(POSTURES));
+    let mut options = CandidateOptions::default();
+    options.seed = job.seed();
+    if job.args.no_certificate {
+        options.bound = false;
+    }
+    let progress = Progress::new(job.session, "choosing postures");
+    let found = progress.watch(|control| {
+        select_candidates(cell, job.index, count, &candidates, &options, control)
+    })?;
+    drop(progress);
+    let chosen: Vec<Posture> = found
+        .chosen
+        .iter()
+        .map(|p| Posture {
+            name: candidates[*p].name.clone(),
+            q: candidates[*p].q.clone(),
+        })
+        .collect();
+    job.outputs.write_postures(job.session, cell, &chosen)?;
+    let result = Chosen {
+        candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
+        measured_wrenches: candidates.iter().any(|c| c.wrench.is_some()),
+        postures_deg: chosen
+            .iter()
+            .map(|p| p.q.iter().map(|q| rad_to_shortest_deg(*q)).collect())
+            .collect(),
+        posture_names: chosen.iter().map(|p| p.name.clone()).collect(),
+        selection: found,
+    };
+    let described = Options {
+        mode: Mode::Candidates,
+        postures: count,
+        starts: options.starts,
+        certificate: !job.args.no_certificate,
+        characteristic_length_m: cell.characteristic_length,
+    };
+    let envelope = job
+        .session
+        .envelope("select", Some(job.seed()), described, &result);
+    job.show(&envelope, || table(job, &candidates, &chosen, &result))
+}
+
+fn table(job: &Job<'_>, candidates: &[Candidate], chosen: &[Posture], result: &Chosen) -> String {
+    let (cell, found) = (job.cell(), &result.selection);
+    let mut out = job.heading();
+    out += &evaluate::undetermined(std::slice::from_ref(&found.evaluation));
+    out += &format!(
+        "{} of {}{}: {}\n",
+        postures_text(chosen.len()),
+        match candidates.len() {
+            1 => "1 candidate".to_string(),
+            count => format!("{count} candidates"),
+        },
+        match result.measured_wrenches {
+            true => " under their measured wrenches",
+            false => "",
+        },
+        result.posture_names.join(", ")
+    );
+    out += &format!(
+        "index: {} = {}\n",
+        found.index.as_str(),
+        shown(found.index, found.value)
+    );
+    out += &certificate(found);
+    if found.termination == Termination::Interrupted {
+        out += "interrupted: the best so far\n";
+    }
+    // The limits of a measured posture are the machine's, which held it.
+    if !result.measured_wrenches {
+        for remark in posture_remarks(cell, chosen) {
+            out += &format!("{}: {remark}\n", yellow("note"));
+        }
+    }
+    out += &title("Postures");
+    out += &posture_table(cell, chosen).to_string();
+    let names = vec![result.posture_names.iter().map(String::as_str).collect()];
+    out + &evaluate::tables(cell, std::slice::from_ref(&found.evaluation), &names)
+}
+
+/// How good any other group of the list could be.
+fn certificate(found: &CandidateSelection) -> String {
+    let (Some(bound), Some(efficiency)) = (found.bound, found.efficiency) else {
+        return String::new();
+    };
+    if found.exact {
+        return "certificate: no other group of this list is better\n".to_string();
+    }
+    let side = match found.index.larger_is_better() {
+        true => "above",
+        false => "below",
+    };
+    format!(
+        "certificate: no group of this list can have {} {side} {}; this one is {} efficient\n",
+        found.index.as_str(),
+        shown(found.index, bound),
+        efficient(efficiency)
+    )
+}

@@ -1,0 +1,261 @@
+//! The index `prediction`: how far predicted deflections will be off under the mixed
+//! elastic model, when all that is known of what gives way beyond the joint axes is how
+//! much it scatters.
+//!
+//! I-optimality (Studden, Annals of Statistics 5, 1977, 411) of a Bayesian linear model
+//! (Chaloner & Verdinelli, Statistical Science 10, 1995, 273–304,
+//! doi:10.1214/ss/1177009939): joint compliances h of which nothing is known, entries u
+//! of general springs at joints and base that scatter as [`ElasticSizes`] says.
+
+mod function;
+mod motion;
+mod posterior;
+
+pub(crate) use function::PredictionFunction;
+pub(crate) use posterior::{Posterior, Rows};
+
+use crate::error::{Code, Error, Result};
+use crate::model::cell::Cell;
+use crate::model::elastic::{Effect, ElasticSizes, effects};
+use crate::model::load::Load;
+use crate::model::measurement::Candidate;
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::robot::Robot;
+use crate::model::tool::Tool;
+use crate::numerics::information::{symmetric_eigen, whiten_posture};
+use crate::plan::random::{StartKind, random_group};
+use motion::ArmMotion;
+use nalgebra::{DMatrix, Vector3};
+
+/// Postures that stand for the work of a cell without tasks.
+const STATED: usize = 20;
+/// Seed and stream of their draw.
+const STATED_DRAW: (u64, u64) = (1, 0x5747);
+/// Directions of the flange in which the points move less than this share of the one in
+/// which they move most (squared) are not seen.
+const UNSEEN: f64 = 1e-13;
+
+/// What the index `prediction` needs of a cell.
+#[derive(Debug, Clone)]
+pub(crate) struct PredictionModel {
+    robot: Robot,
+    loading_point: Vector3<f64>,
+    load: Load,
+    /// The random effects, with their standard deviations as scale.
+    effects: Vec<Effect>,
+    /// Prior compliance of the springs, the unit of the fixed effects.
+    units: Vec<f64>,
+    /// From a motion of the flange to what the readings of a posture tell of it, over σ.
+    readings: DMatrix<f64>,
+    /// What is to be predicted \[m\].
+    targets: Rows,
+}
+
+impl PredictionModel {
+    /// The model for deflections at the cell's tasks, or where it has none for those of
+    /// the measuring points at random postures inside its limits under its load.
+    ///
+    /// # Errors
+    /// No prior stiffness; no noise; no tasks where the load comes with measurements; no
+    /// posture inside the limits.
+    pub(crate) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
+        let mut model = PredictionModel::without_targets(cell, sizes)?;
+        let mut targets = Vec::new();
+        if cell.tasks.is_empty() {
+            if cell.setup.load == Load::Measured {
+                return Err(Error::new(
+                    Code::MissingKey,
+                    "The load comes with the measurements, and the cell has no tasks: there is no deflection to predict.",
+                )
+                .key("task")
+                .hint("add [[task]] with q_deg and force_n, once per posture of your work, or choose from --candidates"));
+            }
+            let (seed, stream) = STATED_DRAW;
+            for q in random_group(cell, StartKind::Uniform, STATED, seed, stream)? {
+                let terms = PostureTerms::new(&cell.setup, &q, None)?;
+                targets.push(model.at_point(&cell.setup, &terms, &cell.setup.tool.tcp()));
+            }
+        }
+        for task in &cell.tasks {
+            let setup = task.setup(&cell.setup.robot);
+            let terms = PostureTerms::new(&setup, &task.q, None)?;
+            targets.push(model.at_point(&setup, &terms, &task.tip));
+        }
+        model.set_targets(&targets);
+        Ok(model)
+    }
+
+    /// The model for the deflections of the measuring points at `candidates`.
+    ///
+    /// # Errors
+    /// No prior stiffness; no noise; as [`PostureTerms::new`].
+    pub(crate) fn at_candidates(
+        cell: &Cell,
+        sizes: &ElasticSizes,
+        candidates: &[Candidate],
+    ) -> Result<Self> {
+        let mut model = PredictionModel::without_targets(cell, sizes)?;
+        let setup = &cell.setup;
+        let mut targets = Vec::new();
+        for candidate in candidates {
+            let terms = candidate.terms(setup)?;
+            for point in &setup.tool.measuring_points {
+                targets.push(model.at_point(setup, &terms, &point.position));
+            }
+        }
+        model.set_targets(&targets);
+        Ok(model)
+    }
+
+    fn without_targets(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
+        let std = cell.noise.displacement_std();
+        if std <= 0.0 {
+            return Err(Error::new(
+                Code::InvalidValue,
+                "Without noise every posture predicts alike: the index prediction needs [noise].",
+            )
+            .key("noise.variance_mm2"));
+        }
+        let prior = cell.require_prior()?;
+        let (robot, tool) = (&cell.setup.robot, &cell.setup.tool);
+        let mut all = effects(robot.joint_count());
+        for effect in &mut all {
+            effect.scale *= sizes.of(effect.class);
+        }
+        let units: Vec<f64> = prior.iter().map(|k| 1.0 / k).collect();
+        let unknowns = units.len() + all.len();
+        Ok(PredictionModel {
+            readings: seen(tool, cell.noise.common_weight(tool.point_count()))? / std,
+            robot: robot.clone(),
+            loading_point: tool.loading_point,
+            load: cell.setup.load.clone(),
+            effects: all,
+            targets: Rows {
+                all: DMatrix::zeros(0, unknowns),
+                fixed: units.len(),
+            },
+            units,
+        })
+    }
+
+    fn set_targets(&mut self, targets: &[DMatrix<f64>]) {
+        let share = 1.0 / (targets.len() as f64).sqrt();
+        self.targets = stacked(targets, self.units.len(), self.unknowns());
+        self.targets.all *= share;
+    }
+
+    /// The motion of the flange by every unknown in its unit, 6 × unknowns.
+    fn motions(&self, arm: &ArmMotion) -> DMatrix<f64> {
+        let mut out = arm.columns(&self.robot, &self.effects);
+        for (j, unit) in self.units.iter().enumerate() {
+            out.column_mut(j).scale_mut(*unit);
+        }
+        out
+    }
+
+    /// The shift of a point of the flange \[m\] in flange axes, 3 × unknowns.
+    fn at_point(&self, setup: &Setup, terms: &PostureTerms, point: &Vector3<f64>) -> DMatrix<f64> {
+        let arm = ArmMotion::new(terms, &setup.tool.loading_point, &setup.load);
+        point_rows(&[*point]) * self.motions(&arm)
+    }
+
+    /// What the readings at a posture tell: rows over σ.
+    pub(crate) fn readings(&self, terms: &PostureTerms) -> DMatrix<f64> {
+        self.readings_of(&self.arm(terms))
+    }
+
+    fn arm(&self, terms: &PostureTerms) -> ArmMotion {
+        ArmMotion::new(terms, &self.loading_point, &self.load)
+    }
+
+    fn readings_of(&self, arm: &ArmMotion) -> DMatrix<f64> {
+        &self.readings * self.motions(arm)
+    }
+
+    /// Adds the derivatives by the serial joint angles of a function whose derivative by
+    /// the readings' rows at a posture is `adjoint`.
+    fn add_gradient(&self, arm: &ArmMotion, adjoint: &DMatrix<f64>, gradient: &mut [f64]) {
+        let mut by_motions = self.readings.tr_mul(adjoint);
+        for (j, unit) in self.units.iter().enumerate() {
+            by_motions.column_mut(j).scale_mut(*unit);
+        }
+        arm.add_gradient(
+            &self.robot,
+            &self.load,
+            &self.effects,
+            &by_motions,
+            gradient,
+        );
+    }
+
+    /// Number of unknowns, fixed and random.
+    fn unknowns(&self) -> usize {
+        self.targets.all.ncols()
+    }
+
+    /// Rows that the readings of one posture give.
+    pub(crate) fn rows_per_posture(&self) -> usize {
+        self.readings.nrows()
+    }
+
+    /// Rows of several postures, one below the other.
+    pub(crate) fn stacked(&self, postures: &[DMatrix<f64>]) -> Rows {
+        stacked(postures, self.units.len(), self.unknowns())
+    }
+
+    /// What is to be predicted.
+    pub(crate) fn targets(&self) -> &Rows {
+        &self.targets
+    }
+
+    /// RMS error of the predicted deflections after `postures` were measured \[m\];
+    /// `None` where they do not determine every joint.
+    pub(crate) fn value(&self, postures: &[PostureTerms]) -> Option<f64> {
+        let rows: Vec<DMatrix<f64>> = postures.iter().map(|terms| self.readings(terms)).collect();
+        let rows = self.stacked(&rows);
+        let error = Posterior::new(&rows)?.error(&self.targets)?;
+        Some(error.sqrt()).filter(|e| e.is_finite())
+    }
+}
+
+fn stacked(blocks: &[DMatrix<f64>], fixed: usize, unknowns: usize) -> Rows {
+    let count = blocks.iter().map(DMatrix::nrows).sum();
+    let mut all = DMatrix::zeros(count, unknowns);
+    let mut at = 0;
+    for block in blocks {
+        all.rows_mut(at, block.nrows()).copy_from(block);
+        at += block.nrows();
+    }
+    Rows { all, fixed }
+}
+
+/// From a motion \[shift; turn\] of the flange to the shifts of these points of it, 3m × 6.
+fn point_rows(points: &[Vector3<f64>]) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(3 * points.len(), 6);
+    for (i, point) in points.iter().enumerate() {
+        let mut rows = out.rows_mut(3 * i, 3);
+        rows.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
+        rows.fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&-point.cross_matrix());
+    }
+    out
+}
+
+/// From a motion of the flange to rows with noise of one: as many as directions in which
+/// the measuring points, whitened against their common shift, move at all.
+fn seen(tool: &Tool, common_weight: f64) -> Result<DMatrix<f64>> {
+    let points: Vec<_> = tool.measuring_points.iter().map(|p| p.position).collect();
+    let mut rows = point_rows(&points);
+    whiten_posture(&mut rows, common_weight);
+    let (values, vectors) = symmetric_eigen(rows.tr_mul(&rows)).ok_or_else(|| {
+        Error::new(
+            Code::Numerical,
+            "The eigenvalues of the measuring points did not converge.",
+        )
+    })?;
+    let most = values.max();
+    let kept: Vec<usize> = (0..6).filter(|i| values[*i] > UNSEEN * most).collect();
+    Ok(DMatrix::from_fn(kept.len(), 6, |i, j| {
+        vectors[(j, kept[i])] * values[kept[i]].sqrt()
+    }))
+}

@@ -1,0 +1,120 @@
+//! Branch and bound over the groups of a list.
+
+use super::judge::Judge;
+use super::tangent::Tangent;
+use crate::numerics::control::Control;
+
+/// Groups must be better by this in ln(index) to count as better.
+const SAME: f64 = 1e-9;
+
+/// The best group, and what is known of all others.
+pub(super) struct Found {
+    /// ln of the index.
+    pub(super) value: f64,
+    /// Ascending.
+    pub(super) chosen: Vec<usize>,
+    /// True when no other group is better.
+    pub(super) exact: bool,
+    /// Lower bound on ln of the index of all groups.
+    pub(super) bound: Option<f64>,
+    /// Groups compared.
+    pub(super) compared: u64,
+}
+
+struct Tree<'a, J> {
+    judge: &'a mut J,
+    tangent: Option<&'a Tangent>,
+    /// Candidates in the order of branching: largest scores first.
+    order: Vec<usize>,
+    count: usize,
+    control: Control<'a>,
+    left: u64,
+    complete: bool,
+}
+
+/// Compares the groups that the tangent does not rule out, as far as that is affordable.
+pub(super) fn branch_and_bound<J: Judge>(
+    judge: &mut J,
+    tangent: Option<Tangent>,
+    count: usize,
+    of: usize,
+    affordable: u64,
+    control: Control<'_>,
+    found: &mut Found,
+) {
+    let tangent = tangent.as_ref();
+    found.bound = tangent.map(|tangent| tangent.bound_of(count));
+    if tangent.is_none() && groups(of, count) > u128::from(affordable) {
+        return;
+    }
+    let mut order: Vec<usize> = (0..of).collect();
+    if let Some(tangent) = tangent {
+        order.sort_by(|a, b| tangent.scores[*b].total_cmp(&tangent.scores[*a]));
+    }
+    let mut tree = Tree {
+        judge,
+        tangent,
+        order,
+        count,
+        control,
+        left: affordable,
+        complete: true,
+    };
+    tree.branch(&mut Vec::with_capacity(count), 0, 0.0, found);
+    found.exact = tree.complete && found.value.is_finite();
+    found.compared = affordable - tree.left;
+}
+
+impl<J: Judge> Tree<'_, J> {
+    /// All groups that go on from `chosen` with candidates from position `from` on;
+    /// `sum` are the scores of those chosen.
+    fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, found: &mut Found) {
+        let missing = self.count - chosen.len();
+        if missing == 1 {
+            self.judge.hold(chosen);
+        }
+        for at in from..=self.order.len() - missing {
+            // Scores fall along the order: what follows cannot sum to more.
+            if let Some(tangent) = self.tangent {
+                let next = self.order[at..at + missing].iter();
+                let most = sum + next.map(|c| tangent.scores[*c]).sum::<f64>();
+                if tangent.bound(most) >= found.value - SAME {
+                    return;
+                }
+            }
+            if self.left == 0 || (missing == 1 && self.control.stopped()) {
+                self.complete = false;
+                return;
+            }
+            let candidate = self.order[at];
+            if missing == 1 {
+                self.left -= 1;
+                let value = self.judge.with(candidate);
+                if value < found.value - SAME {
+                    found.value = value;
+                    found.chosen = chosen.iter().copied().chain([candidate]).collect();
+                    found.chosen.sort_unstable();
+                }
+                continue;
+            }
+            let score = self
+                .tangent
+                .map_or(0.0, |tangent| tangent.scores[candidate]);
+            chosen.push(candidate);
+            self.branch(chosen, at + 1, sum + score, found);
+            chosen.pop();
+            if !self.complete {
+                return;
+            }
+        }
+    }
+}
+
+/// Number of groups, or as many as a number holds.
+fn groups(of: usize, count: usize) -> u128 {
+    let mut product: u128 = 1;
+    for i in 0..count.min(of - count) {
+        product = product.saturating_mul((of - i) as u128) / (i + 1) as u128;
+    }
+    product
+}

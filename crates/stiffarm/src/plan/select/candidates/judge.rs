@@ -1,0 +1,304 @@
+//! Groups from a list of candidates, judged by an index.
+
+use super::tangent::Tangent;
+use crate::error::Result;
+use crate::model::cell::Cell;
+use crate::model::dexterity;
+use crate::model::observation::PostureTerms;
+use crate::numerics::information::{posture_information, small::packed};
+use crate::plan::index::Index;
+use crate::plan::index::criterion::Criterion;
+use crate::plan::index::inputs::{Inputs, criterion};
+use crate::plan::index::prediction::{Posterior, PredictionModel, Rows};
+use nalgebra::linalg::Cholesky;
+use nalgebra::{DMatrix, Dyn};
+
+/// Judges groups that differ in one posture.
+pub(super) trait Judge: Clone + Send + Sync {
+    /// Fixes all postures of a group but one.
+    fn hold(&mut self, rest: &[usize]);
+    /// ln of the index (of its reciprocal for O1 to O5) of those held and `candidate`,
+    /// infinite where it does not exist.
+    fn with(&mut self, candidate: usize) -> f64;
+    /// A bound on all groups from the weights of all candidates; `None` where the index
+    /// is not convex or the weighted candidates do not determine every joint.
+    fn tangent(&mut self, weights: &[f64]) -> Option<Tangent>;
+    /// Groups that are compared in a few seconds.
+    fn affordable(&self) -> u64;
+}
+
+/// An index of the information and of k(J_N).
+#[derive(Clone)]
+pub(super) struct InformationJudge {
+    index: Index,
+    criterion: Criterion,
+    /// Information of each candidate, packed; empty where the index has none.
+    each: Vec<Vec<f64>>,
+    log_dexterity: Vec<f64>,
+    held: Vec<usize>,
+    rest: Vec<f64>,
+    total: Vec<f64>,
+    less: Vec<f64>,
+    largest: f64,
+    /// ln of what the value is multiplied by.
+    log_factor: f64,
+}
+
+impl InformationJudge {
+    /// # Errors
+    /// The cell lacks what the index needs.
+    pub(super) fn new(cell: &Cell, index: Index, terms: &[PostureTerms]) -> Result<Self> {
+        let inputs = Inputs::new(cell, index)?;
+        let wanted = inputs.wanted(false);
+        let robot = &cell.setup.robot;
+        let n = robot.spring_count();
+        let mut each = Vec::new();
+        if let Some((compliance, weight)) = wanted.information {
+            for own in terms {
+                let mut block = own.block(robot);
+                for (mut column, h) in block.column_iter_mut().zip(compliance) {
+                    column *= *h;
+                }
+                let full = posture_information(&block, weight);
+                each.push(
+                    (0..n)
+                        .flat_map(|i| (0..=i).map(move |j| (i, j)))
+                        .map(|at| full[at])
+                        .collect(),
+                );
+            }
+        }
+        let log_dexterity = match wanted.dexterity {
+            None => Vec::new(),
+            Some(length) => terms
+                .iter()
+                .map(|own| {
+                    let point = &own.measuring_points()[0];
+                    let k = dexterity::condition_number(own.frames(), point, length);
+                    k.map_or(f64::INFINITY, f64::ln)
+                })
+                .collect(),
+        };
+        let size = if each.is_empty() { 0 } else { packed(n, 0) };
+        let sigma = cell.noise.displacement_std().max(f64::MIN_POSITIVE);
+        Ok(InformationJudge {
+            index,
+            criterion: criterion(cell, index)?,
+            each,
+            log_dexterity,
+            held: Vec::new(),
+            rest: vec![0.0; size],
+            total: vec![0.0; size],
+            less: vec![0.0; size],
+            largest: f64::NEG_INFINITY,
+            log_factor: if index.is_error() { sigma.ln() } else { 0.0 },
+        })
+    }
+
+    /// ln of the drop-one index of the group whose information is `total`.
+    fn drop_one(&mut self, candidate: usize) -> f64 {
+        let mut worst = f64::NEG_INFINITY;
+        for p in self.held.iter().chain([&candidate]) {
+            for ((less, total), own) in self.less.iter_mut().zip(&self.total).zip(&self.each[*p]) {
+                *less = total - own;
+            }
+            worst = worst.max(self.criterion.value(&self.less));
+        }
+        worst
+    }
+}
+
+impl Judge for InformationJudge {
+    fn hold(&mut self, rest: &[usize]) {
+        self.held.clear();
+        self.held.extend_from_slice(rest);
+        self.rest.fill(0.0);
+        self.largest = f64::NEG_INFINITY;
+        for p in rest {
+            if let Some(own) = self.each.get(*p) {
+                for (sum, v) in self.rest.iter_mut().zip(own) {
+                    *sum += v;
+                }
+            }
+            if let Some(k) = self.log_dexterity.get(*p) {
+                self.largest = self.largest.max(*k);
+            }
+        }
+    }
+
+    fn with(&mut self, candidate: usize) -> f64 {
+        let mut value = self.log_factor;
+        if let Some(own) = self.each.get(candidate) {
+            for ((total, rest), own) in self.total.iter_mut().zip(&self.rest).zip(own) {
+                *total = rest + own;
+            }
+            value += match self.index {
+                Index::DropOne => self.drop_one(candidate),
+                // 1/√m with m postures.
+                Index::O1 => {
+                    let count = (self.held.len() + 1) as f64;
+                    self.criterion.value(&self.total) + 0.5 * count.ln()
+                }
+                _ => self.criterion.value(&self.total),
+            };
+        }
+        if let Some(k) = self.log_dexterity.get(candidate) {
+            value += self.largest.max(*k);
+        }
+        value
+    }
+
+    fn tangent(&mut self, weights: &[f64]) -> Option<Tangent> {
+        let n = self.criterion.unknowns();
+        let logarithmic = match self.index {
+            Index::ExpectedError | Index::Task => false,
+            Index::D | Index::O1 => true,
+            _ => return None,
+        };
+        self.total.fill(0.0);
+        for (weight, own) in weights.iter().zip(&self.each) {
+            for (sum, v) in self.total.iter_mut().zip(own) {
+                *sum += weight * v;
+            }
+        }
+        let log = self.criterion.evaluate(&self.total).exact;
+        if !log.is_finite() {
+            return None;
+        }
+        // f = index², or 2n ln(index): both convex in the information.
+        let (value, factor) = match logarithmic {
+            true => (2.0 * n as f64 * log, 2.0 * n as f64),
+            false => ((2.0 * log).exp(), 2.0 * (2.0 * log).exp()),
+        };
+        let adjoint = &self.criterion.adjoint;
+        let score = |own: &Vec<f64>| {
+            let mut sum = 0.0;
+            for i in 0..n {
+                for j in 0..=i {
+                    let twice = if i == j { 1.0 } else { 2.0 };
+                    sum -= twice * adjoint[i * n + j] * own[packed(i, j)];
+                }
+            }
+            sum * factor
+        };
+        let scores: Vec<f64> = self.each.iter().map(score).collect();
+        let count: f64 = weights.iter().sum();
+        let log_of = self.log_factor
+            + match self.index {
+                Index::O1 => 0.5 * count.ln(),
+                _ => 0.0,
+            };
+        Some(Tangent::new(
+            value,
+            weights,
+            scores,
+            logarithmic.then_some(n),
+            log_of,
+        ))
+    }
+
+    fn affordable(&self) -> u64 {
+        2_000_000
+    }
+}
+
+/// The index `prediction`.
+#[derive(Clone)]
+pub(super) struct PredictionJudge {
+    model: PredictionModel,
+    each: Vec<DMatrix<f64>>,
+    all: Rows,
+    held: Vec<usize>,
+    /// Where those held determine every joint: what each candidate would take from the
+    /// error, and the error without any.
+    gains: Option<(Vec<f64>, f64)>,
+}
+
+impl PredictionJudge {
+    pub(super) fn new(model: PredictionModel, terms: &[PostureTerms]) -> Self {
+        let each: Vec<DMatrix<f64>> = terms.iter().map(|own| model.readings(own)).collect();
+        PredictionJudge {
+            all: model.stacked(&each),
+            model,
+            each,
+            held: Vec::new(),
+            gains: None,
+        }
+    }
+
+    fn rows_of(&self, group: &[usize]) -> Rows {
+        let blocks: Vec<DMatrix<f64>> = group.iter().map(|p| self.each[*p].clone()).collect();
+        self.model.stacked(&blocks)
+    }
+
+    /// What each candidate takes from the mean square error: with P the covariance of
+    /// what its readings and the targets leave open, ‖(P_cc + I)^(−1/2) P_ct‖².
+    fn gains(&self, rest: &[usize]) -> Option<(Vec<f64>, f64)> {
+        let rows = self.rows_of(rest);
+        let posterior = Posterior::new(&rows)?;
+        let targets = self.model.targets();
+        let error = posterior.error(targets)?;
+        let open = posterior.open(&self.all)?;
+        let cross = open.covariance(&posterior.open(targets)?);
+        let per = self.model.rows_per_posture();
+        let gains = (0..self.each.len()).map(|c| {
+            let own = open.own(per * c, per);
+            let factor = Cholesky::<f64, Dyn>::new(own + DMatrix::identity(per, per))?;
+            let mut seen = cross.rows(per * c, per).into_owned();
+            factor
+                .l_dirty()
+                .solve_lower_triangular_mut(&mut seen)
+                .then(|| seen.norm_squared())
+        });
+        Some((gains.collect::<Option<Vec<f64>>>()?, error))
+    }
+}
+
+impl Judge for PredictionJudge {
+    fn hold(&mut self, rest: &[usize]) {
+        self.held = rest.to_vec();
+        self.gains = self.gains(rest);
+    }
+
+    fn with(&mut self, candidate: usize) -> f64 {
+        let error = match &self.gains {
+            Some((gains, error)) => Some((error - gains[candidate]).max(0.0)),
+            None => {
+                let mut group = self.held.clone();
+                group.push(candidate);
+                let rows = self.rows_of(&group);
+                Posterior::new(&rows).and_then(|found| found.error(self.model.targets()))
+            }
+        };
+        error.map_or(f64::INFINITY, |error| 0.5 * error.ln())
+    }
+
+    fn tangent(&mut self, weights: &[f64]) -> Option<Tangent> {
+        // A = Σ w XᵀX + diag(0, I), the matrix of the mixed-model equations.
+        let unknowns = self.all.all.ncols();
+        let per = self.model.rows_per_posture();
+        let mut rows = self.all.all.clone();
+        for (c, weight) in weights.iter().enumerate() {
+            rows.rows_mut(per * c, per).scale_mut(weight.sqrt());
+        }
+        let mut a = rows.tr_mul(&rows);
+        for i in self.all.fixed..unknowns {
+            a[(i, i)] += 1.0;
+        }
+        let targets = self.model.targets();
+        let y = Cholesky::new(a)?.solve(&targets.all.transpose());
+        let value = (0..targets.all.nrows())
+            .map(|t| targets.all.row(t).transpose().dot(&y.column(t)))
+            .sum();
+        let scores = self
+            .each
+            .iter()
+            .map(|own| (own * &y).norm_squared())
+            .collect();
+        Some(Tangent::new(value, weights, scores, None, 0.0))
+    }
+
+    fn affordable(&self) -> u64 {
+        100_000
+    }
+}

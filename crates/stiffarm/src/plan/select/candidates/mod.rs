@@ -1,0 +1,308 @@
+//! The best group out of a list of candidates, under any index and also under measured
+//! wrenches: exchange from several starts, then branch and bound as far as that is
+//! affordable.
+//!
+//! Each candidate is taken once at most. Where the index is convex in the information
+//! (expected_error, d, task, prediction, o1), a weighted mixture of all candidates bounds
+//! every group from below; the others are compared one by one where they are few.
+
+mod exact;
+mod judge;
+mod tangent;
+
+use crate::error::{Code, Error, Result};
+use crate::model::cell::Cell;
+use crate::model::elastic::ElasticSizes;
+use crate::model::measurement::Candidate;
+use crate::model::observation::PostureTerms;
+use crate::numerics::control::{Control, Termination};
+use crate::numerics::jobs::in_order;
+use crate::numerics::streams::list_rng;
+use crate::plan::index::evaluate_terms;
+use crate::plan::index::prediction::PredictionModel;
+use crate::plan::index::{GroupEvaluation, Index};
+use exact::{Found, branch_and_bound};
+use judge::{InformationJudge, Judge, PredictionJudge};
+use rand::seq::index::sample;
+use serde::Serialize;
+use tangent::{Tangent, moved};
+
+/// Passes of an exchange; it ends when nothing improves.
+const PASSES: usize = 30;
+/// Relative improvement below which a swap is not worth it.
+const LEAST: f64 = 1e-9;
+/// Steps towards the best mixture.
+const STEPS: usize = 200;
+
+/// How to search a list.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CandidateOptions {
+    /// Random groups from which the exchange starts.
+    pub starts: usize,
+    /// Seed of their draw.
+    pub seed: u64,
+    /// Most groups compared after the exchange, to prove the best one: `None` takes as
+    /// many as a few seconds allow. With 0 there is the bound alone.
+    pub groups: Option<u64>,
+    /// False to stop after the exchange, without a bound.
+    pub bound: bool,
+    /// Sizes for the index `prediction`; `None` takes
+    /// [`ElasticSizes::typical`](crate::model::elastic::ElasticSizes::typical).
+    pub sizes: Option<ElasticSizes>,
+}
+
+impl Default for CandidateOptions {
+    fn default() -> Self {
+        CandidateOptions {
+            starts: 16,
+            seed: 1,
+            groups: None,
+            bound: true,
+            sizes: None,
+        }
+    }
+}
+
+/// The best group found in a list.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CandidateSelection {
+    /// The index that was minimised (maximised for O1 to O5).
+    pub index: Index,
+    /// Its value for the chosen group.
+    pub value: f64,
+    /// Positions of the chosen postures in the list, from 0, ascending.
+    pub chosen: Vec<usize>,
+    /// Every index of the chosen postures.
+    pub evaluation: GroupEvaluation,
+    /// True when no other group of as many candidates is better (by more than a part in
+    /// a billion).
+    pub exact: bool,
+    /// No group of as many candidates has a better value than this; `None` where the
+    /// index has no such bound and not all groups were compared.
+    pub bound: Option<f64>,
+    /// Bound over value, or value over bound for O1 to O5: 1 for the best possible group.
+    pub efficiency: Option<f64>,
+    /// Groups that were compared after the exchange.
+    pub groups_compared: u64,
+    /// Why the search ended.
+    pub termination: Termination,
+}
+
+/// Chooses the `count` of `candidates` that make `index` best.
+///
+/// The index `prediction` predicts at the cell's tasks, or where it has none at all
+/// candidates under their own wrenches.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::Control;
+/// use stiffarm::files::builtin;
+/// use stiffarm::model::measurement::Candidate;
+/// use stiffarm::plan::index::Index;
+/// use stiffarm::plan::select::{CandidateOptions, StartKind, random_group, select_candidates};
+///
+/// let cell = builtin::cell("comau")?;
+/// let list: Vec<Candidate> = random_group(&cell, StartKind::Uniform, 20, 1, 0)?
+///     .into_iter()
+///     .enumerate()
+///     .map(|(i, q)| Candidate { name: i.to_string(), q, wrench: None })
+///     .collect();
+/// let options = CandidateOptions::default();
+/// let best = select_candidates(&cell, Index::ExpectedError, 4, &list, &options, Control::default())?;
+/// assert!(best.exact && best.chosen.len() == 4);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// Not more candidates than postures, a cell without what the index needs, a list of
+/// which no group determines every joint, a posture of the wrong length, a load that only
+/// a measurement gives.
+pub fn select_candidates(
+    cell: &Cell,
+    index: Index,
+    count: usize,
+    candidates: &[Candidate],
+    options: &CandidateOptions,
+    control: Control<'_>,
+) -> Result<CandidateSelection> {
+    if count == 0 || count > candidates.len() {
+        return Err(Error::new(
+            Code::TooFewData,
+            format!(
+                "{count} postures cannot be chosen from {} candidates.",
+                candidates.len()
+            ),
+        ));
+    }
+    let terms = candidates
+        .iter()
+        .map(|candidate| candidate.terms(&cell.setup))
+        .collect::<Result<Vec<_>>>()?;
+    let model = match index {
+        Index::Prediction => Some(prediction_model(cell, candidates, options)?),
+        _ => None,
+    };
+    let search = Search {
+        count,
+        of: candidates.len(),
+        options,
+        control,
+    };
+    let found = match &model {
+        Some(model) => search.run(PredictionJudge::new(model.clone(), &terms))?,
+        None => search.run(InformationJudge::new(cell, index, &terms)?)?,
+    };
+    let group: Vec<PostureTerms> = found.chosen.iter().map(|p| terms[*p].clone()).collect();
+    let evaluation = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
+    let value = evaluation
+        .indices
+        .get(index)
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| {
+            Error::new(
+                Code::NotIdentifiable,
+                format!(
+                    "No group of {count} of these {} candidates was found for which {} exists.",
+                    candidates.len(),
+                    index.as_str()
+                ),
+            )
+            .hint("choose more postures, or give candidates that differ more")
+        })?;
+    let bound = match found.exact {
+        true => Some(value),
+        false => found.bound.map(|log| index.of_log(log)),
+    };
+    let efficiency = bound.map(|bound| match index.larger_is_better() {
+        true => value / bound,
+        false => bound / value,
+    });
+    Ok(CandidateSelection {
+        index,
+        value,
+        chosen: found.chosen,
+        evaluation,
+        exact: found.exact,
+        bound,
+        efficiency,
+        groups_compared: found.compared,
+        termination: match control.stopped() {
+            true => Termination::Interrupted,
+            false => Termination::Converged,
+        },
+    })
+}
+
+fn prediction_model(
+    cell: &Cell,
+    candidates: &[Candidate],
+    options: &CandidateOptions,
+) -> Result<PredictionModel> {
+    let sizes = match options.sizes {
+        Some(sizes) => sizes,
+        None => ElasticSizes::typical(&cell.setup, cell.require_prior()?)?,
+    };
+    match cell.tasks.is_empty() {
+        true => PredictionModel::at_candidates(cell, &sizes, candidates),
+        false => PredictionModel::new(cell, &sizes),
+    }
+}
+
+struct Search<'a> {
+    count: usize,
+    of: usize,
+    options: &'a CandidateOptions,
+    control: Control<'a>,
+}
+
+impl Search<'_> {
+    fn run<J: Judge>(&self, judge: J) -> Result<Found> {
+        let starts: Vec<u64> = (0..self.options.starts.max(1) as u64).collect();
+        let ends = in_order(&starts, |(_, start)| {
+            let mut judge = judge.clone();
+            let mut rng = list_rng(self.options.seed, *start);
+            let mut group = sample(&mut rng, self.of, self.count).into_vec();
+            let value = self.exchange(&mut judge, &mut group);
+            group.sort_unstable();
+            Ok((value, group))
+        })?;
+        let (value, chosen) = ends
+            .into_iter()
+            .reduce(|best, next| if next.0 < best.0 { next } else { best })
+            .unwrap_or((f64::INFINITY, (0..self.count).collect()));
+        let mut found = Found {
+            value,
+            chosen,
+            exact: false,
+            bound: None,
+            compared: 0,
+        };
+        if self.options.bound && !self.control.stopped() {
+            let mut judge = judge;
+            let tangent = self.best_tangent(&mut judge);
+            let most = self.options.groups.unwrap_or(judge.affordable());
+            branch_and_bound(
+                &mut judge,
+                tangent,
+                self.count,
+                self.of,
+                most,
+                self.control,
+                &mut found,
+            );
+        }
+        Ok(found)
+    }
+
+    /// Swaps one posture at a time for the best candidate (Fedorov 1972, after Mitchell's
+    /// variants), until no swap helps.
+    fn exchange<J: Judge>(&self, judge: &mut J, group: &mut [usize]) -> f64 {
+        let mut value = f64::INFINITY;
+        for _ in 0..PASSES {
+            let mut swapped = false;
+            for p in 0..group.len() {
+                if self.control.stopped() {
+                    return value;
+                }
+                let rest: Vec<usize> = group.iter().copied().filter(|c| *c != group[p]).collect();
+                judge.hold(&rest);
+                let mut best = (judge.with(group[p]), group[p]);
+                for candidate in (0..self.of).filter(|c| !rest.contains(c)) {
+                    let other = judge.with(candidate);
+                    if other < best.0 - LEAST {
+                        best = (other, candidate);
+                    }
+                }
+                swapped |= best.1 != group[p];
+                (value, group[p]) = best;
+            }
+            if !swapped {
+                break;
+            }
+        }
+        value
+    }
+
+    /// The tangent with the highest bound on the way to the best mixture.
+    fn best_tangent<J: Judge>(&self, judge: &mut J) -> Option<Tangent> {
+        let mut weights = vec![self.count as f64 / self.of as f64; self.of];
+        let mut best: Option<(f64, Tangent)> = None;
+        for _ in 0..STEPS {
+            if self.control.stopped() {
+                break;
+            }
+            let tangent = judge.tangent(&weights)?;
+            let bound = tangent.bound_of(self.count);
+            weights = moved(&weights, &tangent.scores, self.count);
+            if best.as_ref().is_none_or(|(known, _)| bound > *known) {
+                best = Some((bound, tangent));
+            }
+        }
+        best.map(|(_, tangent)| tangent)
+    }
+}
