@@ -19,6 +19,7 @@ mod zones;
 pub use figure::svg::{render_svg, series_colour};
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};
+
 pub use path::{PathCurvePoint, path_figure};
 pub use placement::{placement_figure, placement_table};
 pub use zones::{zones_figure, zones_table};

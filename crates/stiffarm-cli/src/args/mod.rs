@@ -129,6 +129,13 @@ pub struct StudyArgs {
     /// Initial group (Group 1) [default: builtin:comau-group1 where it fits, else drawn]
     #[arg(long, value_name = "POSTURES.csv")]
     pub initial: Option<String>,
+    /// Choose from the postures of these measurements instead, and predict the others: which
+    /// postures and which model predict a measured robot
+    #[arg(long, value_name = "MEASUREMENTS.csv", conflicts_with_all = ["initial", "runs", "starts"])]
+    pub measured: Option<String>,
+    /// How to split measurements.
+    #[command(flatten)]
+    pub splits: SplitArgs,
     /// Folder for report, figures and tables
     #[arg(long, value_name = "DIR", default_value = "study")]
     pub output_dir: PathBuf,
@@ -144,6 +151,36 @@ pub struct StudyArgs {
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
+}
+
+/// How a study on measurements splits and chooses.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "With --measured")]
+pub struct SplitArgs {
+    /// Random splits into a pool and postures to be predicted [default: 100]
+    #[arg(long, value_name = "N", requires = "measured", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub splits: Option<u64>,
+    /// Postures of the pool [default: seven of ten]
+    #[arg(long, value_name = "N", requires = "measured", value_parser = clap::value_parser!(u64).range(1..))]
+    pub pool: Option<u64>,
+    /// Numbers of postures to choose [default: 6,10,15]
+    #[arg(long, value_name = "N,…", requires = "measured", value_delimiter = ',',
+          value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub choose: Vec<u64>,
+    /// Indices that choose [default: novel,expected-error,prediction]
+    #[arg(
+        long,
+        value_name = "NAME,…",
+        requires = "measured",
+        value_delimiter = ','
+    )]
+    pub indices: Vec<String>,
+    /// Multiplies the sizes of what the index prediction takes to give way beyond the axes
+    #[arg(long, value_name = "X", requires = "measured", value_parser = values::above_zero("1"), allow_negative_numbers = true)]
+    pub size_factor: Option<f64>,
+    /// Result of `register`: places raw readings in the base frame
+    #[arg(long, value_name = "registration.json", requires = "measured")]
+    pub registration: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -335,6 +372,8 @@ pub enum SchemaChoice {
     ResultZones,
     /// Output of `study --json`, and study.json
     ResultStudy,
+    /// Output of `study --measured --json`
+    ResultStudyMeasured,
 }
 
 /// Generated pages.

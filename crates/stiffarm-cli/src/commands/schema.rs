@@ -56,6 +56,9 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMap => of::<map::Options, StiffnessMap>("map"),
         SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
+        SchemaChoice::ResultStudyMeasured => {
+            of::<study::measured::Options, study::measured::Written>("study --measured")
+        }
         SchemaChoice::ResultStudy => of::<study::Options, study::Written>("study"),
     };
     session.print_exact(&to_json(&schema)?)?;

@@ -2,12 +2,14 @@
 
 mod figures;
 mod markdown;
+mod measured;
 mod page;
 mod published;
 mod table;
 mod tables;
 
 pub use figures::{figures, slug};
+pub use measured::{measured_figure, measured_page, measured_table};
 pub use page::page;
 pub use published::{PAPER, PublishedTables, published_for};
 pub use table::{Cell, Table};

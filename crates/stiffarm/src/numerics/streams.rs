@@ -50,6 +50,11 @@ pub(crate) fn list_rng(seed: u64, start: u64) -> ChaCha8Rng {
     stream(seed, LISTS | start)
 }
 
+/// The random numbers of one split of an experiment.
+pub(crate) fn split_rng(seed: u64, split: u64) -> ChaCha8Rng {
+    stream(seed, LISTS | (1 << 59) | split)
+}
+
 /// The random numbers of one simulated experiment.
 pub(crate) fn experiment_rng(seed: u64, experiment: u64) -> ChaCha8Rng {
     stream(seed, EXPERIMENTS | (experiment & (EXPERIMENTS / 2 - 1)))

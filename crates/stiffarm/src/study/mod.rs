@@ -2,9 +2,11 @@
 //! several indices, simulation, identification, validation, and how far the
 //! outcome depends on the initial group.
 
+mod measured;
 mod starts;
 mod verdict;
 
+pub use measured::{Choice, MeasuredChoice, MeasuredStudy, MeasuredStudyOptions, measured_study};
 pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 
 use crate::error::Result;

@@ -289,18 +289,6 @@ impl Fit {
         Ok(self.inner.folds.get_or_init(|| made))
     }
 
-    /// The fit without posture `block` alone.
-    pub(crate) fn fold_without(&self, block: usize) -> Result<Fold> {
-        let count = self.system().blocks.len();
-        fold_without(
-            vec![block],
-            count,
-            self.prepared(),
-            self.white(),
-            self.assumed(),
-        )
-    }
-
     /// Columns of Ψ of further terms, rows as in the system.
     pub(crate) fn columns(&self, terms: &[ExtraTerm]) -> DMatrix<f64> {
         let (system, experiment) = (self.system(), self.experiment());
@@ -336,6 +324,19 @@ impl Fit {
             true => self.folds().map(Cow::Borrowed),
             false => self.new_folds(count).map(Cow::Owned),
         }
+    }
+
+    /// The fit without the postures of `left_out` (indices of blocks, ascending).
+    pub(crate) fn fold_without(&self, left_out: Vec<usize>) -> Result<Fold> {
+        let inner = &*self.inner;
+        let count = inner.system.blocks.len();
+        fold_without(
+            left_out,
+            count,
+            &inner.prepared,
+            &inner.white,
+            &inner.assumed,
+        )
     }
 
     fn new_folds(&self, count: usize) -> Result<Vec<Fold>> {

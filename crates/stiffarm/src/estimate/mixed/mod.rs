@@ -33,7 +33,7 @@ use crate::model::elastic::{Effect, ElasticClass, effects, terms};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::jobs::in_order_watched;
 use likelihood::{Likelihood, Sizes, Solved};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -62,6 +62,14 @@ pub(crate) struct MixedFold {
     /// The model from the others, its sizes found anew; `None` where they do not
     /// determine every joint.
     pub(crate) compliance: Option<IdentifiedCompliance>,
+}
+
+/// What some postures alone give.
+pub(crate) struct Alone {
+    /// Compliance of the joint axes; `None` where the postures do not determine all.
+    pub(crate) axes: Option<DVector<f64>>,
+    /// The mixed model; `None` where the postures do not carry it.
+    pub(crate) mixed: Option<IdentifiedCompliance>,
 }
 
 impl MixedFit {
@@ -188,6 +196,38 @@ impl MixedFit {
         Ok(Cow::Borrowed(self.folds.get_or_init(|| found)))
     }
 
+    /// Both models from the postures `kept` (indices of blocks, ascending) alone.
+    ///
+    /// # Errors
+    /// A fit that fails.
+    pub(crate) fn alone(&self, kept: &[usize]) -> Result<Alone> {
+        let all = self.rows.posture_count();
+        let left_out: Vec<usize> = (0..all)
+            .filter(|b| kept.binary_search(b).is_err())
+            .collect();
+        let plain = self.fit.fold_without(left_out)?;
+        let mut out = Alone {
+            axes: None,
+            mixed: None,
+        };
+        if !plain.solution.undetermined.is_empty() {
+            return Ok(out);
+        }
+        // The sizes are searched for afresh: those of all postures know the others.
+        let likelihood = Likelihood::new(&self.rows, &plain.left_out);
+        let found = likelihood.best(None, self.fit.control());
+        out.mixed = found.and_then(|(sizes, _)| {
+            let solved = likelihood.solve(&sizes)?;
+            Some(self.compliance_of(&sizes, &solved))
+        });
+        out.axes = Some(plain.solution.values);
+        Ok(out)
+    }
+
+    fn compliance_of(&self, sizes: &Sizes, solved: &Solved) -> IdentifiedCompliance {
+        compliance(&self.fit, &self.rows, &self.effects, sizes, solved)
+    }
+
     fn new_folds(&self, count: usize) -> Result<Vec<MixedFold>> {
         let plain = self.fit.folds_of(count)?;
         in_order_watched(
@@ -203,13 +243,7 @@ impl MixedFit {
                     .flatten()
                     .and_then(|(sizes, _)| {
                         let solved = likelihood.solve(&sizes)?;
-                        Some(compliance(
-                            &self.fit,
-                            &self.rows,
-                            &self.effects,
-                            &sizes,
-                            &solved,
-                        ))
+                        Some(self.compliance_of(&sizes, &solved))
                     });
                 Ok(MixedFold {
                     left_out: fold.left_out.clone(),

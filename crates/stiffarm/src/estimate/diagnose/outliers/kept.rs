@@ -131,7 +131,7 @@ impl Kept {
         let blocks = &rest.fit.system().blocks;
         let of_posture = match blocks.iter().position(|b| b.posture == posture) {
             Some(block) if blocks.len() > 1 => {
-                let fold = rest.fit.fold_without(block)?;
+                let fold = rest.fit.fold_without(vec![block])?;
                 rest.posture_p(block, &fold, rounding(rest.fit.system()))?
             }
             _ => None,

@@ -299,6 +299,6 @@ impl Judge for PredictionJudge {
     }
 
     fn affordable(&self) -> u64 {
-        100_000
+        20_000
     }
 }

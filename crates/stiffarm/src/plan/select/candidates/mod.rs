@@ -143,9 +143,10 @@ pub fn select_candidates(
         .iter()
         .map(|candidate| candidate.terms(&cell.setup))
         .collect::<Result<Vec<_>>>()?;
-    let model = match index {
-        Index::Prediction => Some(prediction_model(cell, candidates, options)?),
-        _ => None,
+    let model = match (index, prediction_model(cell, candidates, options)) {
+        (Index::Prediction, model) => Some(model?),
+        // Shown beside the others where the cell has what it needs.
+        (_, model) => model.ok(),
     };
     let search = Search {
         count,
@@ -154,8 +155,10 @@ pub fn select_candidates(
         control,
     };
     let found = match &model {
-        Some(model) => search.run(PredictionJudge::new(model.clone(), &terms))?,
-        None => search.run(InformationJudge::new(cell, index, &terms)?)?,
+        Some(model) if index == Index::Prediction => {
+            search.run(PredictionJudge::new(model.clone(), &terms))?
+        }
+        _ => search.run(InformationJudge::new(cell, index, &terms)?)?,
     };
     let group: Vec<PostureTerms> = found.chosen.iter().map(|p| terms[*p].clone()).collect();
     let evaluation = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;

@@ -1,5 +1,7 @@
 //! `stiffarm study`: the paper's Section IV on a cell, into a folder.
 
+pub mod measured;
+
 use super::earlier::Earlier;
 use crate::args::StudyArgs;
 use crate::files::{check_folder, write_folder};
@@ -47,6 +49,9 @@ pub struct Written {
 
 /// Runs the study and writes its folder.
 pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
+    if let Some(from) = &args.measured {
+        return measured::run(session, args, from);
+    }
     let named = session.read_cell(&args.cell)?;
     let (initial, origin) = initial_group(session, args, &named.cell)?;
     let options = {
@@ -205,6 +210,13 @@ fn repeat_command(args: &StudyArgs, interrupted: bool) -> String {
             words.push(format!("{flag} {value}"));
         }
     }
+    words.extend(folder_words(args, interrupted));
+    words.join(" ")
+}
+
+/// The end of a command line that repeats a study.
+fn folder_words(args: &StudyArgs, interrupted: bool) -> Vec<String> {
+    let mut words = Vec::new();
     let folder = args.output_dir.to_string_lossy();
     if folder != "study" {
         words.push(format!("--output-dir {}", quoted(&folder)));
@@ -213,7 +225,7 @@ fn repeat_command(args: &StudyArgs, interrupted: bool) -> String {
         // The whole study takes the place of this one.
         words.push("--force".to_string());
     }
-    words.join(" ")
+    words
 }
 
 /// A word as a shell takes it.

@@ -1,0 +1,204 @@
+//! `stiffarm study --measured`: which postures and which model predict a measured robot.
+
+use super::{folder_words, quoted};
+use crate::args::StudyArgs;
+use crate::commands::earlier::Earlier;
+use crate::files::{check_folder, write_folder};
+use crate::numbers::{mm, optional_percent};
+use crate::output::{Exit, to_json};
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::table::{Align, Table, title};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::Result;
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::measure::prepare;
+use stiffarm::plan::index::Index;
+use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
+use stiffarm_report::render_svg;
+use stiffarm_report::study::{measured_figure, measured_page, measured_table};
+
+/// Files of the study.
+const FILES: [&str; 4] = [
+    "study.json",
+    "study.md",
+    "measured-choices.svg",
+    "measured-choices.csv",
+];
+
+/// Options of the result: those of the study stand in it.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// True: the study is one on measurements.
+    pub measured: bool,
+}
+
+/// The study with the files that stand beside it.
+#[derive(Serialize, JsonSchema)]
+pub struct Written {
+    /// The study.
+    #[serde(flatten)]
+    pub study: MeasuredStudy,
+    /// Names of all files of this study, this one included.
+    pub files: Vec<String>,
+}
+
+/// Runs the study and writes its folder.
+pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exit> {
+    let named = session.read_cell(&args.cell)?;
+    let options = options(args)?;
+    let measurements = session.read_measurements(from, None, &named.cell)?;
+    let reduce = session.read_registration(args.splits.registration.as_deref())?;
+    check_folder(session, &args.output_dir, FILES, args.force)?;
+    let measured = prepare(&named.cell, measurements, &reduce)?;
+    let progress = Progress::new(session, "splitting the experiment");
+    let study =
+        progress.watch(|control| measured_study(&named.cell, measured, &options, control))?;
+    drop(progress);
+    let interrupted = study.split_count < options.splits;
+    let written = Written {
+        files: FILES.map(String::from).to_vec(),
+        study,
+    };
+    let study = &written.study;
+    let envelope = session.envelope(
+        "study",
+        Some(args.seed),
+        Options { measured: true },
+        &written,
+    );
+    let command = repeat_command(args, from, interrupted);
+    let texts = [
+        to_json(&envelope)?,
+        measured_page(study, env!("CARGO_PKG_VERSION"), &command),
+        render_svg(&measured_figure(study)),
+        measured_table(study).csv(),
+    ];
+    let files = FILES.map(String::from).into_iter().zip(texts).collect();
+    let earlier = Earlier::of(&args.output_dir);
+    write_folder(session, &args.output_dir, files, args.force)?;
+    let removed = match session.has_failed() {
+        true => String::new(),
+        false => earlier.remove_all_but(&args.output_dir, &written.files),
+    };
+    session.show(&envelope, || {
+        let place = args.output_dir.join("study.md");
+        format!(
+            "{}{}{removed}{}",
+            named.line(),
+            summary(study, interrupted),
+            match session.has_failed() {
+                true => String::new(),
+                false => format!(
+                    "\nwrote {} files to {}: start with {}\n",
+                    FILES.len(),
+                    args.output_dir.display(),
+                    place.display()
+                ),
+            }
+        )
+    })?;
+    Ok(match interrupted {
+        true => Exit::Interrupted,
+        false => Exit::Done,
+    })
+}
+
+fn options(args: &StudyArgs) -> Result<MeasuredStudyOptions> {
+    let given = &args.splits;
+    let count = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
+    let mut options = MeasuredStudyOptions::default();
+    options.seed = args.seed;
+    options.splits = given.splits.map_or(options.splits, count);
+    options.pool = given.pool.map(count);
+    options.size_factor = given.size_factor.unwrap_or(options.size_factor);
+    if !given.choose.is_empty() {
+        options.counts = given.choose.iter().copied().map(count).collect();
+        options.counts.sort_unstable();
+        options.counts.dedup();
+    }
+    if !given.indices.is_empty() {
+        let indices = given.indices.iter().map(|name| Index::from_name(name));
+        options.indices = indices.collect::<Result<_>>()?;
+        let mut seen = Vec::new();
+        options.indices.retain(|index| {
+            let new = !seen.contains(index);
+            seen.push(*index);
+            new
+        });
+    }
+    Ok(options)
+}
+
+/// The command line that repeats this study, without what is so by itself.
+fn repeat_command(args: &StudyArgs, from: &str, interrupted: bool) -> String {
+    let mut words = vec![
+        "stiffarm study".to_string(),
+        quoted(&args.cell),
+        format!("--measured {}", quoted(from)),
+    ];
+    let given = &args.splits;
+    let joined = |all: &[String]| all.join(",");
+    let choose: Vec<String> = given.choose.iter().map(u64::to_string).collect();
+    let pairs = [
+        ("--splits", given.splits.map(|n| n.to_string())),
+        ("--pool", given.pool.map(|n| n.to_string())),
+        ("--choose", (!choose.is_empty()).then(|| joined(&choose))),
+        (
+            "--indices",
+            (!given.indices.is_empty()).then(|| quoted(&joined(&given.indices))),
+        ),
+        ("--size-factor", given.size_factor.map(|x| x.to_string())),
+        ("--registration", given.registration.as_deref().map(quoted)),
+        ("--seed", (args.seed != 1).then(|| args.seed.to_string())),
+    ];
+    for (flag, value) in pairs {
+        words.extend(value.map(|value| format!("{flag} {value}")));
+    }
+    words.extend(folder_words(args, interrupted));
+    words.join(" ")
+}
+
+fn summary(study: &MeasuredStudy, interrupted: bool) -> String {
+    let mut out = format!(
+        "{} measured postures; {} random splits into a pool of {} and {} to be predicted{}\n\n",
+        study.posture_count,
+        study.split_count,
+        study.pool_count,
+        study.posture_count - study.pool_count,
+        match interrupted {
+            true => format!(", of {} asked for: stopped", study.options.splits),
+            false => String::new(),
+        }
+    );
+    for finding in &study.findings {
+        out += &format!("{}\n", finding.sentence);
+    }
+    out += &title("RMS error of a displacement component at the other postures [mm]");
+    let mut table = Table::new([
+        "postures",
+        "chosen by",
+        "joint axes",
+        "mixed model",
+        "better than random [%]",
+        "(mixed)",
+    ]);
+    table.align(1, Align::Left);
+    let axes = |c: &&stiffarm::study::MeasuredChoice| c.model == ElasticChoice::Axes;
+    for own in study.choices.iter().filter(axes) {
+        let mixed = study.get(own.postures, own.choice, ElasticChoice::Mixed);
+        let shown = |c: &stiffarm::study::MeasuredChoice| {
+            format!("{} ± {}", mm(c.mean_m), mm(c.standard_error_m))
+        };
+        table.row([
+            own.postures.to_string(),
+            own.choice.as_str().to_string(),
+            shown(own),
+            mixed.map_or_else(String::new, shown),
+            optional_percent(own.better_than_random),
+            optional_percent(mixed.and_then(|c| c.better_than_random)),
+        ]);
+    }
+    out + &table.to_string()
+}
