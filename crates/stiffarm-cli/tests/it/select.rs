@@ -444,3 +444,86 @@ fn evenly_spread_postures_as_a_baseline() {
     );
     assert!(number(&even["smallest_distance"]) > 0.3);
 }
+
+#[test]
+fn the_best_of_a_list_is_written_and_proved() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau --space-filling -n 14 --output even.csv");
+    let line = "select builtin:comau --candidates even.csv -n 4 --output chosen.csv --sheet sheet.csv";
+    assert_snapshot!(words(&folder, line));
+    let chosen = folder.read("chosen.csv");
+    let listed = folder.read("even.csv");
+    assert_eq!(chosen.lines().count(), 5);
+    assert!(chosen.lines().all(|line| listed.contains(line)), "{chosen}");
+    let result = folder.json("select builtin:comau --candidates even.csv -n 4")["result"].clone();
+    assert_eq!(result["exact"], true);
+    let evaluated = folder.json("evaluate builtin:comau chosen.csv");
+    let value = &evaluated["result"]["groups"][0]["indices"]["expected_error"];
+    close(number(value), number(&result["value"]), 1e-12);
+    // Dropping the others one after the other cannot be better.
+    let dropped = folder.json("select builtin:comau --given even.csv --drop 10");
+    assert!(number(&result["value"]) <= number(&dropped["result"]["value"]) * (1.0 + 1e-12));
+}
+
+#[test]
+fn measured_postures_are_chosen_under_their_wrenches() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau --space-filling -n 9 --output even.csv");
+    folder.ok("simulate builtin:comau even.csv --runs 1 --levels 1 --readings tracked.csv");
+    for index in ["expected-error", "prediction"] {
+        let from = |table: &str| {
+            let line = format!("select builtin:comau --candidates {table} -n 4 --index {index}");
+            folder.json(&line)["result"].clone()
+        };
+        let (measured, planned) = (from("tracked.csv"), from("even.csv"));
+        // The rope pulls as the cell says, but for the noise of nothing: the same choice.
+        assert_eq!(measured["posture_names"], planned["posture_names"], "{index}");
+        assert_eq!(measured["exact"], true);
+    }
+    let line = "select builtin:comau --candidates tracked.csv -n 4 --index prediction";
+    let out = folder.ok(line);
+    assert!(out.contains("index: prediction = "), "{out}");
+    folder.refused("select builtin:comau --candidates tracked.csv -n 10");
+    folder.refused("select builtin:comau --candidates missing.csv -n 2");
+    folder.refused("select builtin:comau --candidates even.csv --given even.csv");
+}
+
+#[test]
+fn a_study_on_measurements_writes_its_folder() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau --space-filling -n 10 --output even.csv");
+    folder.ok("simulate builtin:comau even.csv --runs 1 --levels 1 --readings tracked.csv");
+    let line = "study builtin:comau --measured tracked.csv --splits 3 --pool 7 --choose 4,5 --indices d,prediction";
+    let out = folder.ok(line);
+    assert!(out.contains("10 measured postures; 3 random splits"), "{out}");
+    let json: serde_json::Value = serde_json::from_str(&folder.read("study/study.json")).unwrap();
+    let choices = json["result"]["choices"].as_array().unwrap();
+    // Chance and two indices for two numbers of postures, and the pool; two models.
+    assert_eq!(choices.len(), 2 * (2 * 3 + 1));
+    let table = folder.read("study/measured-choices.csv");
+    assert_eq!(table.lines().count(), 1 + choices.len());
+    assert!(folder.read("study/measured-choices.svg").starts_with("<svg"));
+    let page = folder.read("study/study.md");
+    let again = page
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("stiffarm "))
+        .unwrap();
+    let before = folder.read("study/study.json");
+    folder.ok(&format!("{again} --force"));
+    assert_eq!(folder.read("study/study.json"), before);
+    for wrong in [
+        "--pool 10 --choose 4",
+        "--pool 5 --choose 6",
+        "--splits 0",
+        "--choose 0",
+        "--indices best",
+        "--size-factor 0",
+        "--runs 10",
+    ] {
+        folder.refused(&format!(
+            "study builtin:comau --measured tracked.csv {wrong} --output-dir never"
+        ));
+    }
+    folder.refused("study builtin:comau --splits 3");
+    assert!(!folder.path("never").exists());
+}

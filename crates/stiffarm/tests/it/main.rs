@@ -20,6 +20,7 @@ mod gradients;
 mod identify;
 mod inverse;
 mod map;
+mod measured_study;
 mod milling;
 mod mixed;
 mod montecarlo;

@@ -8,9 +8,13 @@ use common::model::{Model, inverse_r};
 use common::random::Dice;
 use nalgebra::DMatrix;
 use num_dual::{Dual64, DualNum};
+use stiffarm::model::cell::Task;
 use stiffarm::model::elastic::ElasticSizes;
-use stiffarm::model::load::Load;
+use stiffarm::model::load::{Axes, Load, Wrench};
+use stiffarm::model::measurement::Candidate;
 use stiffarm::plan::index::{Index, IndexFunction, evaluate};
+use stiffarm::plan::select::{CandidateOptions, StartKind, random_group, select_candidates};
+use stiffarm::{Cell, Code, Control};
 
 const POSTURES: usize = 4;
 
@@ -148,4 +152,151 @@ fn values_and_gradients_are_those_of_the_mixed_model_equations() {
         }
     }
     println!("worst gradient {worst:.1e}, worst value {worst_value:.1e}");
+}
+
+/// Every group of `count` of `of` positions.
+fn groups(of: usize, count: usize) -> Vec<Vec<usize>> {
+    if count == 0 {
+        return vec![Vec::new()];
+    }
+    let mut out = Vec::new();
+    for last in count - 1..of {
+        for mut rest in groups(last, count - 1) {
+            rest.push(last);
+            out.push(rest);
+        }
+    }
+    out
+}
+
+/// A list of candidates in the default cell, some under forces of their own.
+fn list(cell: &Cell, count: usize, seed: u64, measured: bool) -> Vec<Candidate> {
+    let mut dice = Dice::new(seed);
+    random_group(cell, StartKind::Uniform, count, seed, 0)
+        .unwrap()
+        .into_iter()
+        .enumerate()
+        .map(|(i, q)| Candidate {
+            name: i.to_string(),
+            q,
+            wrench: (measured && i % 3 > 0).then(|| Wrench::force(dice.vector(300.0))),
+        })
+        .collect()
+}
+
+/// The index of a group by the library's own evaluation, under the cell's load.
+fn value(cell: &Cell, index: Index, list: &[Candidate], group: &[usize]) -> Option<f64> {
+    let postures: Vec<&Vec<f64>> = group.iter().map(|p| &list[*p].q).collect();
+    evaluate(cell, "", &postures).unwrap().indices.get(index)
+}
+
+#[test]
+fn the_best_group_of_a_list_is_the_best_of_all_groups() {
+    let mut cell = stiffarm::files::builtin::cell("comau").unwrap();
+    let task = |q: &[f64], force: [f64; 3]| Task {
+        name: "task".into(),
+        q: q.to_vec(),
+        wrench: Wrench::force(force),
+        axes: Axes::Base,
+        tip: cell.setup.tool.tcp(),
+    };
+    let work = random_group(&cell, StartKind::Uniform, 3, 9, 1).unwrap();
+    cell.tasks = vec![
+        task(&work[0], [100.0, 0.0, -300.0]),
+        task(&work[1], [0.0, 200.0, 50.0]),
+        task(&work[2], [-150.0, 80.0, 0.0]),
+    ];
+    let list = list(&cell, 11, 4, false);
+    let all = groups(list.len(), 3);
+    assert_eq!(all.len(), 165);
+    for index in Index::ALL {
+        let sign = if index.larger_is_better() { -1.0 } else { 1.0 };
+        let best = all
+            .iter()
+            .filter_map(|group| Some((sign * value(&cell, index, &list, group)?, group)))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap();
+        let options = CandidateOptions::default();
+        let found =
+            select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
+        let error = (sign * found.value / best.0 - 1.0).abs();
+        assert!(
+            error < 1e-8,
+            "{index:?}: {} against {}",
+            found.value,
+            sign * best.0
+        );
+        assert_eq!(&found.chosen, best.1, "{index:?}");
+        assert!(found.exact && found.efficiency == Some(1.0), "{index:?}");
+
+        // The bound alone must hold for every group.
+        let mut options = CandidateOptions::default();
+        options.groups = Some(0);
+        let bounded =
+            select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
+        let convex = [
+            Index::ExpectedError,
+            Index::D,
+            Index::Task,
+            Index::Prediction,
+            Index::O1,
+        ];
+        assert_eq!(
+            bounded.bound.is_some(),
+            convex.contains(&index),
+            "{index:?}"
+        );
+        if let Some(bound) = bounded.bound {
+            assert!(sign * bound <= best.0 * (1.0 + sign * 1e-9), "{index:?}");
+            let efficiency = bounded.efficiency.unwrap();
+            println!(
+                "{}: {efficiency:.3} certified without comparing",
+                index.as_str()
+            );
+            assert!(efficiency > 0.2 && efficiency <= 1.0 + 1e-9, "{index:?}");
+        }
+    }
+}
+
+#[test]
+fn wrenches_of_their_own_count() {
+    let mut cell = stiffarm::files::builtin::cell("comau").unwrap();
+    let list = list(&cell, 9, 12, true);
+    // A load that only measurements give: nothing but the candidates' wrenches is known.
+    let measured: Vec<Candidate> = list
+        .iter()
+        .filter(|c| c.wrench.is_some())
+        .cloned()
+        .collect();
+    cell.setup.load = Load::Measured;
+    for index in [Index::ExpectedError, Index::Prediction] {
+        let options = CandidateOptions::default();
+        let select = |list: &[Candidate]| {
+            select_candidates(&cell, index, 3, list, &options, Control::default())
+        };
+        let found = select(&measured).unwrap();
+        assert!(found.exact);
+        // Twice the force at all postures: the errors of k halve, the choice stays.
+        let mut doubled = measured.clone();
+        for candidate in &mut doubled {
+            let wrench = candidate.wrench.as_mut().unwrap();
+            wrench.force *= 2.0;
+        }
+        if index == Index::ExpectedError {
+            let twice = select(&doubled).unwrap();
+            assert_eq!(twice.chosen, found.chosen);
+            assert!((twice.value * 2.0 / found.value - 1.0).abs() < 1e-9);
+        }
+        let error = select(&list).unwrap_err();
+        assert_eq!(error.code(), Code::MissingKey);
+    }
+    let none = select_candidates(
+        &cell,
+        Index::ExpectedError,
+        10,
+        &measured,
+        &CandidateOptions::default(),
+        Control::default(),
+    );
+    assert_eq!(none.unwrap_err().code(), Code::TooFewData);
 }

@@ -59,8 +59,8 @@ impl Schedule {
         if index == Index::Prediction {
             return Schedule {
                 tries: 1,
-                rounds: 12,
-                patience: 3,
+                rounds: 20,
+                patience: 8,
             };
         }
         // Many local minima take more rounds, and large groups longer rounds.
