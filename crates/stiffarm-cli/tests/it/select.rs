@@ -449,7 +449,8 @@ fn evenly_spread_postures_as_a_baseline() {
 fn the_best_of_a_list_is_written_and_proved() {
     let folder = Folder::new();
     folder.ok("select builtin:comau --space-filling -n 14 --output even.csv");
-    let line = "select builtin:comau --candidates even.csv -n 4 --output chosen.csv --sheet sheet.csv";
+    let line =
+        "select builtin:comau --candidates even.csv -n 4 --output chosen.csv --sheet sheet.csv";
     assert_snapshot!(words(&folder, line));
     let chosen = folder.read("chosen.csv");
     let listed = folder.read("even.csv");
@@ -477,7 +478,10 @@ fn measured_postures_are_chosen_under_their_wrenches() {
         };
         let (measured, planned) = (from("tracked.csv"), from("even.csv"));
         // The rope pulls as the cell says, but for the noise of nothing: the same choice.
-        assert_eq!(measured["posture_names"], planned["posture_names"], "{index}");
+        assert_eq!(
+            measured["posture_names"], planned["posture_names"],
+            "{index}"
+        );
         assert_eq!(measured["exact"], true);
     }
     let line = "select builtin:comau --candidates tracked.csv -n 4 --index prediction";
@@ -495,14 +499,21 @@ fn a_study_on_measurements_writes_its_folder() {
     folder.ok("simulate builtin:comau even.csv --runs 1 --levels 1 --readings tracked.csv");
     let line = "study builtin:comau --measured tracked.csv --splits 3 --pool 7 --choose 4,5 --indices d,prediction";
     let out = folder.ok(line);
-    assert!(out.contains("10 measured postures; 3 random splits"), "{out}");
+    assert!(
+        out.contains("10 measured postures; 3 random splits"),
+        "{out}"
+    );
     let json: serde_json::Value = serde_json::from_str(&folder.read("study/study.json")).unwrap();
     let choices = json["result"]["choices"].as_array().unwrap();
     // Chance and two indices for two numbers of postures, and the pool; two models.
     assert_eq!(choices.len(), 2 * (2 * 3 + 1));
     let table = folder.read("study/measured-choices.csv");
     assert_eq!(table.lines().count(), 1 + choices.len());
-    assert!(folder.read("study/measured-choices.svg").starts_with("<svg"));
+    assert!(
+        folder
+            .read("study/measured-choices.svg")
+            .starts_with("<svg")
+    );
     let page = folder.read("study/study.md");
     let again = page
         .lines()

@@ -7,48 +7,51 @@ use std::fmt::Write;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::study::{Choice, MeasuredChoice, MeasuredStudy};
 
-/// Error at the postures outside the pool, a panel per number of postures, a series per
-/// model.
+/// Error at the postures outside the pool against the number of postures, a panel per
+/// model, bars by choice; dashed, the whole pool.
 pub fn measured_figure(study: &MeasuredStudy) -> Figure {
-    let mut ways = vec![Choice::Random];
-    ways.extend(
-        study
-            .options
-            .indices
+    let indices = study.options.indices.iter().copied().map(Choice::Index);
+    let ways: Vec<Choice> = std::iter::once(Choice::Random).chain(indices).collect();
+    let counts = &study.options.counts;
+    let millimetres = |c: &MeasuredChoice| [1e3 * c.mean_m, 1e3 * c.standard_error_m];
+    let all = study.choices.iter().map(|c| millimetres(c).iter().sum());
+    let highest = all.filter(|v: &f64| v.is_finite()).fold(0.0, f64::max);
+    let panels = [ElasticChoice::Axes, ElasticChoice::Mixed].map(|model| {
+        let mut series: Vec<Series> = ways
             .iter()
-            .map(|index| Choice::Index(*index)),
-    );
-    let names: Vec<String> = ways
-        .iter()
-        .map(|way| way.as_str().replace('_', " "))
-        .chain([format!("all {}", study.pool_count)])
-        .collect();
-    let panels = study.options.counts.iter().map(|count| {
-        let series = [ElasticChoice::Axes, ElasticChoice::Mixed].map(|model| {
-            let of = |way: &Choice| study.get(*count, *way, model);
-            let whole = study.get(study.pool_count, Choice::Pool, model);
-            let all: Vec<Option<&MeasuredChoice>> = ways.iter().map(of).chain([whole]).collect();
-            let number = |value: &dyn Fn(&MeasuredChoice) -> f64| -> Vec<f64> {
-                all.iter().map(|c| c.map_or(f64::NAN, value)).collect()
-            };
-            let x = (0..all.len()).map(|i| i as f64).collect();
-            Series::new(
-                model_name(model),
-                Style::Bars,
-                x,
-                number(&|c| 1e3 * c.mean_m),
-            )
-            .with_error(number(&|c| 1e3 * c.standard_error_m))
-        });
+            .map(|way| {
+                let of = |count: &usize| study.get(*count, *way, model).map(millimetres);
+                let shown: Vec<[f64; 2]> = counts
+                    .iter()
+                    .map(|c| of(c).unwrap_or([f64::NAN; 2]))
+                    .collect();
+                let x = (0..counts.len()).map(|i| i as f64).collect();
+                let label = way.as_str().replace('_', " ");
+                Series::new(label, Style::Bars, x, shown.iter().map(|v| v[0]).collect())
+                    .with_error(shown.iter().map(|v| v[1]).collect())
+            })
+            .collect();
+        if let Some(whole) = study.get(study.pool_count, Choice::Pool, model) {
+            let ends = vec![-0.5, counts.len() as f64 - 0.5];
+            let label = format!("all {} of the pool", study.pool_count);
+            series.push(Series::new(
+                label,
+                Style::Dashed,
+                ends,
+                vec![1e3 * whole.mean_m; 2],
+            ));
+        }
+        let names: Vec<String> = counts.iter().map(usize::to_string).collect();
         Panel {
-            title: format!("{count} postures"),
-            x: Axis::categorical("chosen by", names.clone()),
+            title: model_name(model).into(),
+            x: Axis::categorical("postures chosen", names),
             y: {
                 let mut axis = Axis::linear("error at the other postures", "mm");
-                axis.from_zero = true;
+                // Both models on one scale.
+                axis.range = (highest > 0.0).then_some([0.0, 1.05 * highest]);
                 axis
             },
-            series: series.to_vec(),
+            series,
             equal_aspect: false,
         }
     });
@@ -57,14 +60,14 @@ pub fn measured_figure(study: &MeasuredStudy) -> Figure {
         title: "What chosen postures predict on a measured robot".into(),
         caption: format!(
             "{}: RMS error of a displacement component at the {} postures outside a pool of {}, mean over {} random splits \
-             with its standard error; the postures to identify from are chosen from the pool.",
+             with its standard error, against the number of postures chosen from the pool and the way of choosing.",
             study.robot,
             study.posture_count - study.pool_count,
             study.pool_count,
             study.split_count
         ),
-        columns: 1,
-        panels: panels.collect(),
+        columns: 2,
+        panels: panels.to_vec(),
     }
 }
 
@@ -106,7 +109,7 @@ pub fn measured_table(study: &MeasuredStudy) -> Table {
 fn model_name(model: ElasticChoice) -> &'static str {
     match model {
         ElasticChoice::Mixed => "mixed model",
-        _ => "joint axes",
+        _ => "joint axes alone",
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod candidates;
 mod error_by_count;
+mod exchange;
 mod from_group;
 mod global;
 mod load_design;

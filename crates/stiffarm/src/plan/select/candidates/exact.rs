@@ -1,6 +1,6 @@
 //! Branch and bound over the groups of a list.
 
-use super::judge::Judge;
+use super::judge::Bounded;
 use super::tangent::Tangent;
 use crate::numerics::control::Control;
 
@@ -33,7 +33,7 @@ struct Tree<'a, J> {
 }
 
 /// Compares the groups that the tangent does not rule out, as far as that is affordable.
-pub(super) fn branch_and_bound<J: Judge>(
+pub(super) fn branch_and_bound<J: Bounded>(
     judge: &mut J,
     tangent: Option<Tangent>,
     count: usize,
@@ -65,7 +65,7 @@ pub(super) fn branch_and_bound<J: Judge>(
     found.compared = affordable - tree.left;
 }
 
-impl<J: Judge> Tree<'_, J> {
+impl<J: Bounded> Tree<'_, J> {
     /// All groups that go on from `chosen` with candidates from position `from` on;
     /// `sum` are the scores of those chosen.
     fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, found: &mut Found) {

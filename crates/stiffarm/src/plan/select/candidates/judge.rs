@@ -10,16 +10,12 @@ use crate::plan::index::Index;
 use crate::plan::index::criterion::Criterion;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::prediction::{Posterior, PredictionModel, Rows};
+use crate::plan::select::exchange::Judge;
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, Dyn};
 
-/// Judges groups that differ in one posture.
-pub(super) trait Judge: Clone + Send + Sync {
-    /// Fixes all postures of a group but one.
-    fn hold(&mut self, rest: &[usize]);
-    /// ln of the index (of its reciprocal for O1 to O5) of those held and `candidate`,
-    /// infinite where it does not exist.
-    fn with(&mut self, candidate: usize) -> f64;
+/// What branch and bound needs beside the judgement.
+pub(super) trait Bounded: Judge + Clone + Send + Sync {
     /// A bound on all groups from the weights of all candidates; `None` where the index
     /// is not convex or the weighted candidates do not determine every joint.
     fn tangent(&mut self, weights: &[f64]) -> Option<Tangent>;
@@ -147,7 +143,9 @@ impl Judge for InformationJudge {
         }
         value
     }
+}
 
+impl Bounded for InformationJudge {
     fn tangent(&mut self, weights: &[f64]) -> Option<Tangent> {
         let n = self.criterion.unknowns();
         let logarithmic = match self.index {
@@ -272,7 +270,9 @@ impl Judge for PredictionJudge {
         };
         error.map_or(f64::INFINITY, |error| 0.5 * error.ln())
     }
+}
 
+impl Bounded for PredictionJudge {
     fn tangent(&mut self, weights: &[f64]) -> Option<Tangent> {
         // A = Σ w XᵀX + diag(0, I), the matrix of the mixed-model equations.
         let unknowns = self.all.all.ncols();

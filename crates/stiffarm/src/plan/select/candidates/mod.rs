@@ -21,8 +21,9 @@ use crate::numerics::streams::list_rng;
 use crate::plan::index::evaluate_terms;
 use crate::plan::index::prediction::PredictionModel;
 use crate::plan::index::{GroupEvaluation, Index};
+use crate::plan::select::exchange::Exchange;
 use exact::{Found, branch_and_bound};
-use judge::{InformationJudge, Judge, PredictionJudge};
+use judge::{Bounded, InformationJudge, PredictionJudge};
 use rand::seq::index::sample;
 use serde::Serialize;
 use tangent::{Tangent, moved};
@@ -224,13 +225,21 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn run<J: Judge>(&self, judge: J) -> Result<Found> {
+    fn run<J: Bounded>(&self, judge: J) -> Result<Found> {
+        let all: Vec<usize> = (0..self.of).collect();
+        let stop = || self.control.stopped();
+        let exchange = Exchange {
+            passes: PASSES,
+            least: LEAST,
+            repeats: false,
+            stop: &stop,
+        };
         let starts: Vec<u64> = (0..self.options.starts.max(1) as u64).collect();
         let ends = in_order(&starts, |(_, start)| {
             let mut judge = judge.clone();
             let mut rng = list_rng(self.options.seed, *start);
             let mut group = sample(&mut rng, self.of, self.count).into_vec();
-            let value = self.exchange(&mut judge, &mut group);
+            let value = exchange.run(&mut judge, &mut group, &all);
             group.sort_unstable();
             Ok((value, group))
         })?;
@@ -262,37 +271,8 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Swaps one posture at a time for the best candidate (Fedorov 1972, after Mitchell's
-    /// variants), until no swap helps.
-    fn exchange<J: Judge>(&self, judge: &mut J, group: &mut [usize]) -> f64 {
-        let mut value = f64::INFINITY;
-        for _ in 0..PASSES {
-            let mut swapped = false;
-            for p in 0..group.len() {
-                if self.control.stopped() {
-                    return value;
-                }
-                let rest: Vec<usize> = group.iter().copied().filter(|c| *c != group[p]).collect();
-                judge.hold(&rest);
-                let mut best = (judge.with(group[p]), group[p]);
-                for candidate in (0..self.of).filter(|c| !rest.contains(c)) {
-                    let other = judge.with(candidate);
-                    if other < best.0 - LEAST {
-                        best = (other, candidate);
-                    }
-                }
-                swapped |= best.1 != group[p];
-                (value, group[p]) = best;
-            }
-            if !swapped {
-                break;
-            }
-        }
-        value
-    }
-
     /// The tangent with the highest bound on the way to the best mixture.
-    fn best_tangent<J: Judge>(&self, judge: &mut J) -> Option<Tangent> {
+    fn best_tangent<J: Bounded>(&self, judge: &mut J) -> Option<Tangent> {
         let mut weights = vec![self.count as f64 / self.of as f64; self.of];
         let mut best: Option<(f64, Tangent)> = None;
         for _ in 0..STEPS {

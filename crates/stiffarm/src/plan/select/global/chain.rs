@@ -1,13 +1,14 @@
 //! One of several independent searches: local minima of a chain of changed
 //! groups (iterated local search), with its own random numbers.
 
-use super::exchange::{Base, exchange};
+use super::exchange::{Base, PoolJudge};
 use super::local::{Effort, Local};
 use super::plan::Plan;
 use super::pool::Pool;
 use crate::numerics::control::Control;
 use crate::plan::index::Index;
 use crate::plan::index::criterion::Criterion;
+use crate::plan::select::exchange::Exchange;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -19,6 +20,14 @@ const PATIENCE: usize = 60;
 const NEAR: f64 = 0.01;
 /// Largest shift of an angle when postures are shaken \[rad\].
 const SHAKE: f64 = 0.5;
+
+/// A few passes are enough for a start.
+const ROUGH: Exchange<'_> = Exchange {
+    passes: 4,
+    least: 1e-6,
+    repeats: true,
+    stop: &|| false,
+};
 
 /// A chain with its incumbent.
 #[derive(Debug, Clone)]
@@ -123,13 +132,8 @@ impl Chain {
             .collect();
         if by_exchange && self.is_known(pool) {
             let candidates = self.candidates(rng, pool);
-            exchange(
-                &mut self.criterion,
-                &self.base,
-                pool,
-                &mut chosen,
-                &candidates,
-            );
+            let mut judge = PoolJudge::new(&mut self.criterion, &self.base, pool);
+            ROUGH.run(&mut judge, &mut chosen, &candidates);
         }
         let mut x: Vec<f64> = chosen
             .iter()

@@ -1,16 +1,10 @@
-//! Exchange over candidates: groups from a pool of postures, improved by
-//! swapping one posture at a time for the best candidate (Fedorov 1972, after
-//! Mitchell's variants), by information matrices alone.
+//! Candidates of the pool judged by information matrices alone.
 
 use super::pool::Pool;
 use crate::plan::index::Index;
 use crate::plan::index::criterion::Criterion;
 use crate::plan::index::inputs::Given;
-
-/// Passes over all postures of a group.
-const PASSES: usize = 4;
-/// Relative improvement below which a swap is not worth it.
-const LEAST: f64 = 1e-6;
+use crate::plan::select::exchange::Judge;
 
 /// What the postures of a group are chosen beside.
 #[derive(Debug, Clone)]
@@ -41,63 +35,53 @@ impl Base {
     }
 }
 
-/// Swaps postures of `chosen` (positions in the pool) for `candidates` as long
-/// as that lowers the index.
-pub(super) fn exchange(
-    criterion: &mut Criterion,
-    base: &Base,
-    pool: &Pool,
-    chosen: &mut [usize],
-    candidates: &[usize],
-) {
-    let mut rest = base.information.clone();
-    let mut total = rest.clone();
-    for _ in 0..PASSES {
-        let mut swapped = false;
-        for p in 0..chosen.len() {
-            let dexterity = sum_without(base, pool, chosen, p, &mut rest);
-            let mut judge = |candidate: usize| {
-                let mut value = 0.0;
-                if !total.is_empty() {
-                    let own = pool.information(candidate);
-                    for ((total, rest), own) in total.iter_mut().zip(&rest).zip(own) {
-                        *total = rest + own;
-                    }
-                    value = criterion.value(&total);
-                }
-                if base.uses_dexterity {
-                    value += dexterity.max(pool.log_dexterity(candidate));
-                }
-                value
-            };
-            let mut best = (judge(chosen[p]), chosen[p]);
-            for candidate in candidates {
-                let value = judge(*candidate);
-                if value < best.0 - LEAST {
-                    best = (value, *candidate);
-                }
-            }
-            swapped |= best.1 != chosen[p];
-            chosen[p] = best.1;
-        }
-        if !swapped {
-            break;
+/// Candidates of a pool beside what is given.
+pub(super) struct PoolJudge<'a> {
+    pub criterion: &'a mut Criterion,
+    pub base: &'a Base,
+    pub pool: &'a Pool,
+    rest: Vec<f64>,
+    total: Vec<f64>,
+    dexterity: f64,
+}
+
+impl<'a> PoolJudge<'a> {
+    pub fn new(criterion: &'a mut Criterion, base: &'a Base, pool: &'a Pool) -> Self {
+        PoolJudge {
+            criterion,
+            rest: base.information.clone(),
+            total: base.information.clone(),
+            dexterity: base.log_dexterity,
+            base,
+            pool,
         }
     }
 }
 
-/// Sums the information of all postures but `without`; returns their largest ln k(J_N).
-fn sum_without(base: &Base, pool: &Pool, chosen: &[usize], without: usize, sum: &mut [f64]) -> f64 {
-    sum.copy_from_slice(&base.information);
-    let mut dexterity = base.log_dexterity;
-    for (p, at) in chosen.iter().enumerate() {
-        if p == without {
-            continue;
+impl Judge for PoolJudge<'_> {
+    fn hold(&mut self, rest: &[usize]) {
+        self.rest.copy_from_slice(&self.base.information);
+        self.dexterity = self.base.log_dexterity;
+        for at in rest {
+            for (sum, v) in self.rest.iter_mut().zip(self.pool.information(*at)) {
+                *sum += v;
+            }
+            self.dexterity = self.dexterity.max(self.pool.log_dexterity(*at));
         }
-        for (sum, v) in sum.iter_mut().zip(pool.information(*at)) {
-            *sum += v;
-        }
-        dexterity = dexterity.max(pool.log_dexterity(*at));
     }
-    dexterity
+
+    fn with(&mut self, candidate: usize) -> f64 {
+        let mut value = 0.0;
+        if !self.total.is_empty() {
+            let own = self.pool.information(candidate);
+            for ((total, rest), own) in self.total.iter_mut().zip(&self.rest).zip(own) {
+                *total = rest + own;
+            }
+            value = self.criterion.value(&self.total);
+        }
+        if self.base.uses_dexterity {
+            value += self.dexterity.max(self.pool.log_dexterity(candidate));
+        }
+        value
+    }
 }
