@@ -10,6 +10,7 @@ use crate::model::cell::Cell;
 use crate::model::measurement::{MeasuredPosture, row_count};
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::control::{Control, Watch};
+use nalgebra::{DMatrix, DVector};
 use std::sync::Mutex;
 
 /// One experiment: nothing of it depends on how the unknowns are estimated.
@@ -44,6 +45,29 @@ pub fn measured_system(
 }
 
 impl Experiment {
+    /// Columns of Ψ of further terms, rows as in `system`.
+    pub(super) fn columns(&self, system: &MeasuredSystem, terms: &[ExtraTerm]) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(system.delta.len(), terms.len());
+        let mut of_posture: Option<(usize, Vec<DVector<f64>>)> = None;
+        for label in &system.labels {
+            if of_posture
+                .as_ref()
+                .is_none_or(|(m, _)| *m != label.measured)
+            {
+                let own = self.terms(label.measured).into_iter();
+                let columns = own.flat_map(|own| terms.iter().map(|term| term.column(own)));
+                of_posture = Some((label.measured, columns.collect()));
+            }
+            let (_, point) = self.behind(label);
+            let columns = of_posture.iter().flat_map(|(_, columns)| columns);
+            for (i, column) in columns.enumerate() {
+                out.fixed_view_mut::<3, 1>(label.rows.start, i)
+                    .copy_from(&column.fixed_rows::<3>(3 * point));
+            }
+        }
+        out
+    }
+
     /// Computes the terms of every posture and load.
     ///
     /// # Errors

@@ -291,26 +291,7 @@ impl Fit {
 
     /// Columns of Ψ of further terms, rows as in the system.
     pub(crate) fn columns(&self, terms: &[ExtraTerm]) -> DMatrix<f64> {
-        let (system, experiment) = (self.system(), self.experiment());
-        let mut out = DMatrix::zeros(system.delta.len(), terms.len());
-        let mut of_posture: Option<(usize, Vec<DVector<f64>>)> = None;
-        for label in &system.labels {
-            if of_posture
-                .as_ref()
-                .is_none_or(|(m, _)| *m != label.measured)
-            {
-                let own = experiment.terms(label.measured).into_iter();
-                let columns = own.flat_map(|own| terms.iter().map(|term| term.column(own)));
-                of_posture = Some((label.measured, columns.collect()));
-            }
-            let (_, point) = experiment.behind(label);
-            let columns = of_posture.iter().flat_map(|(_, columns)| columns);
-            for (i, column) in columns.enumerate() {
-                out.fixed_view_mut::<3, 1>(label.rows.start, i)
-                    .copy_from(&column.fixed_rows::<3>(3 * point));
-            }
-        }
-        out
+        self.experiment().columns(self.system(), terms)
     }
 
     /// Values of the unknowns with what is known about them, without residuals.

@@ -15,7 +15,7 @@ use super::criterion::{Criterion, Value};
 use super::inputs::{Given, Inputs, criterion};
 use super::kernel::Kernel;
 use super::kinds::Index;
-use super::minimax::{Minimax, Smoothed};
+use super::minimax::{Minimax, Smoothed, log_sum};
 use super::prediction::PredictionFunction;
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -143,16 +143,7 @@ impl IndexFunction {
 
     /// True when the index rests on the largest or smallest singular value.
     pub fn has_extreme_singular_values(&self) -> bool {
-        matches!(
-            self.index,
-            Index::Condition
-                | Index::Novel
-                | Index::ScaledCondition
-                | Index::Scaled
-                | Index::O2
-                | Index::O3
-                | Index::O4
-        )
+        self.index.has_extreme_singular_values()
     }
 
     /// The index.
@@ -298,21 +289,8 @@ impl IndexFunction {
         }
         let mut smooth = value.smooth;
         if !self.components.is_empty() {
-            let mut sum = 0.0;
-            for (weight, component) in self.weights.iter_mut().zip(&self.components) {
-                // Weights that count for nothing are zero, not slow tiny numbers.
-                let exponent = sharpness * (component - largest);
-                *weight = if exponent < -40.0 {
-                    0.0
-                } else {
-                    exponent.exp()
-                };
-                sum += *weight;
-            }
-            for weight in &mut self.weights {
-                *weight /= sum;
-            }
-            smooth += largest + sum.ln() / sharpness;
+            let above = log_sum(&self.components, largest, sharpness, &mut self.weights);
+            smooth += largest + above;
         }
         self.set_smoothed_adjoints();
         self.kernel.reverse(gradient);

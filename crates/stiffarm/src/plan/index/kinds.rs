@@ -116,6 +116,20 @@ impl Index {
         )
     }
 
+    /// True when it rests on the largest or smallest singular value.
+    pub(crate) fn has_extreme_singular_values(self) -> bool {
+        matches!(
+            self,
+            Index::Condition
+                | Index::Novel
+                | Index::ScaledCondition
+                | Index::Scaled
+                | Index::O2
+                | Index::O3
+                | Index::O4
+        )
+    }
+
     /// True when it uses k(J_N) and with it the characteristic length.
     pub fn uses_dexterity(self) -> bool {
         matches!(self, Index::Classical | Index::Novel | Index::Scaled)

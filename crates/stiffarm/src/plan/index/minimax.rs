@@ -37,3 +37,29 @@ pub struct Smoothed {
     /// The index itself: no smoothing, no penalty.
     pub exact: f64,
 }
+
+/// ln(Σ exp(p·(component − largest)))/p with p = `sharpness`: what the smoothed maximum
+/// lies above the `largest` component; `weights` become the components' shares in its
+/// derivative.
+pub(super) fn log_sum(
+    components: &[f64],
+    largest: f64,
+    sharpness: f64,
+    weights: &mut [f64],
+) -> f64 {
+    let mut sum = 0.0;
+    for (weight, component) in weights.iter_mut().zip(components) {
+        // Weights that count for nothing are zero, not slow tiny numbers.
+        let exponent = sharpness * (component - largest);
+        *weight = if exponent < -40.0 {
+            0.0
+        } else {
+            exponent.exp()
+        };
+        sum += *weight;
+    }
+    for weight in weights.iter_mut() {
+        *weight /= sum;
+    }
+    sum.ln() / sharpness
+}
