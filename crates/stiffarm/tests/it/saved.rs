@@ -322,6 +322,11 @@ fn a_value_that_contradicts_the_rest_or_cannot_be_is_refused_with_its_key() {
             "result.budget.combined[2]",
         ),
         (
+            "/result/budget/combined",
+            json!([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1]),
+            "result.budget.combined",
+        ),
+        (
             "/result/budget/posterior/parts/0/source",
             json!("anchor"),
             "result.budget.posterior.parts[0].part",

@@ -3,7 +3,9 @@
 //! Part i shifts the displacements by S_i for each standard uncertainty, so with
 //! c ~ N(0, I) and noise as the fit found it
 //!
-//!     Δ = Ψ h + S c + ε,   Cov ε = σ²V.
+//! ```text
+//! Δ = Ψ h + S c + ε,   Cov ε = σ²V.
+//! ```
 //!
 //! With the residual projector Q = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, A = SᵀQS/σ² and
 //! b = SᵀQΔ/σ² the readings leave c with covariance (I + A)⁻¹ and mean (I + A)⁻¹b.

@@ -1,6 +1,6 @@
 //! The errors common to the experiment behind a saved stiffness.
 
-use super::checks::{SOFTEST, same_name};
+use super::checks::{AGREEMENT, SOFTEST, same_name};
 use super::fault;
 use super::keys::{self, below};
 use super::posterior;
@@ -9,9 +9,6 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::systematic::SystematicErrors;
 use crate::model::cell::Cell;
 use serde_json::Value;
-
-/// A sum may differ from its parts by this part of it, or by this fraction of k.
-pub(super) const AGREEMENT: f64 = 1e-3;
 
 /// The compliance with the errors of `budget`, which stands at `key`.
 ///

@@ -1,7 +1,6 @@
 //! What the readings left of the common errors of a saved stiffness.
 
-use super::checks::{self, LARGEST_LENGTH, SOFTEST, non_negative};
-use super::errors::AGREEMENT;
+use super::checks::{self, AGREEMENT, LARGEST_LENGTH, SOFTEST, non_negative};
 use super::fault;
 use super::keys::below;
 use crate::error::Result;
@@ -13,7 +12,7 @@ use crate::model::cell::Cell;
 use nalgebra::DVector;
 
 /// Readings that show more than so many times a stated size are no readings.
-const MOST_TIMES: f64 = 1e9;
+const MOST_TIMES: f64 = 1e12;
 
 /// Holds the moments of `budget`, which stands at `budget_key`, against the sources, the stiffness and
 /// each other.
@@ -123,6 +122,8 @@ fn combined(
     compliance: &IdentifiedCompliance,
     key: &str,
 ) -> Result<()> {
+    let sums = below(key, "combined");
+    checks::count(budget.combined.len(), budget.joints.len(), &sums)?;
     let errors = found.common_errors();
     for (j, combined) in budget.combined.iter().enumerate() {
         let Some(combined) = combined else { continue };
@@ -131,8 +132,7 @@ fn combined(
         let sum = square.max(0.0).sqrt() / compliance.values[j];
         if (sum - combined).abs() > AGREEMENT * sum.max(1e-6) {
             let message = "This is not what the parts and their covariance make of it.";
-            let key = format!("{}[{j}]", below(key, "combined"));
-            return Err(fault(message.to_string()).key(key));
+            return Err(fault(message.to_string()).key(format!("{sums}[{j}]")));
         }
     }
     Ok(())
