@@ -43,23 +43,32 @@ impl Level {
     /// Half width about zero that holds a normal quantity of this mean and
     /// standard deviation with the confidence: P(|mean + std·Z| ≤ w).
     ///
-    /// The probability grows with w ever more slowly beyond |mean|, and both
-    /// starting values lie below the answer, so Newton's method comes from below.
+    /// Newton's method between two widths that hold it: one sided and about zero from
+    /// below, about the mean from above.
     pub(crate) fn half_width(&self, mean: f64, std: f64) -> f64 {
         let mean = mean.abs();
-        let mut w = (self.two_sided * std).max(mean + self.one_sided * std);
+        let mut low = (self.two_sided * std).max(mean + self.one_sided * std);
         if mean == 0.0 || std == 0.0 || !(mean.is_finite() && std.is_finite()) {
-            return w.max(mean);
+            return low.max(0.0);
         }
-        w = w.max(mean);
+        let mut high = mean + self.two_sided * std;
+        let mut w = low;
         for _ in 0..STEPS {
             let [near, far] = [(w - mean) / std, (w + mean) / std];
             let missing = self.confidence - (self.normal.cdf(near) - self.normal.cdf(-far));
             let slope = (self.normal.pdf(near) + self.normal.pdf(far)) / std;
-            if missing <= TOLERANCE || slope <= 0.0 {
+            if missing.abs() <= TOLERANCE {
                 break;
             }
-            w += missing / slope;
+            match missing > 0.0 {
+                true => low = w,
+                false => high = w,
+            }
+            let next = w + missing / slope;
+            w = match low < next && next < high {
+                true => next,
+                false => 0.5 * (low + high),
+            };
         }
         w
     }

@@ -181,7 +181,8 @@ mod tests {
         seen[(0, 0)] = 1e4;
         let (_, covariance) = moments(&seen, &DVector::zeros(3), &[true, true, false]).unwrap();
         assert!(covariance[(0, 0)] < 2e-4);
-        assert!(covariance[(1, 1)] < 0.2 && covariance[(2, 2)] == 1.0);
+        assert!(covariance[(1, 1)] < 0.4, "{covariance}");
+        assert!((covariance[(2, 2)] - 1.0).abs() < 1e-12);
         let said = DVector::from_vec(vec![2e4, 0.0, 0.0]);
         let (mean, covariance) = moments(&seen, &said, &[true, true, false]).unwrap();
         assert!((mean[0] - 2.0).abs() < 1e-3 && covariance[(1, 1)] > 1.2);
