@@ -258,7 +258,7 @@ fn coverage(result: &Identified) -> Option<String> {
 }
 
 /// The bootstrap, with what it covers and what it skipped.
-fn resampled(result: &Identified) -> Option<String> {
+pub(super) fn resampled(result: &Identified) -> Option<String> {
     let bootstrap = result.bootstrap.as_ref()?;
     let mut text = format!(
         "Bootstrap: {} resamples of {} postures",

@@ -43,11 +43,17 @@ pub(super) fn summary(
     if let Some(finding) = implausible_scale(fit.cell(), found) {
         say(&red(&finding.sentence));
     }
+    let is_serious = |f: &&Finding| f.severity == Severity::Serious;
+    let serious = measured.findings().filter(is_serious);
+    serious.for_each(|f| say(marked(f).trim_end()));
     say(&verdict(result));
     out += &format!("\n{}", table(result));
     if !details {
         // With details they stand below the intervals.
         out += &tables::further(&found.estimates);
+        if let Some(bootstrap) = &result.bootstrap {
+            out += &format!("\n{}", tables::bootstrap(bootstrap));
+        }
     }
     out.push('\n');
     if let Some(elastic) = &result.elastic {
@@ -65,19 +71,22 @@ pub(super) fn summary(
     let diagnosed = result.diagnosis.iter().flat_map(|d| &d.findings);
     let budget = result.budget.iter().flat_map(|b| &b.findings);
     let profiled = result.profile.iter().map(|p| &p.finding);
-    let findings: Vec<&Finding> = measured
-        .findings()
-        .chain(diagnosed)
-        .chain(budget)
-        .chain(profiled)
-        .collect();
-    let of = |weight: Severity| findings.iter().filter(move |f| f.severity == weight);
-    of(Severity::Serious).for_each(|f| say(marked(f).trim_end()));
+    let computed = diagnosed.chain(budget).chain(profiled);
+    let serious = computed.clone().filter(is_serious);
+    serious.for_each(|f| say(marked(f).trim_end()));
     if !details {
-        of(Severity::Caution)
-            .take(MOST_CAUTIONS)
-            .for_each(|f| say(marked(f).trim_end()));
-        let more = of(Severity::Caution).count().saturating_sub(MOST_CAUTIONS);
+        messages::resampled(result)
+            .iter()
+            .for_each(|text| say(text));
+        let is_caution = |f: &&Finding| f.severity == Severity::Caution;
+        let cautions: Vec<&Finding> = measured
+            .findings()
+            .chain(computed)
+            .filter(is_caution)
+            .collect();
+        let shown = cautions.iter().take(MOST_CAUTIONS);
+        shown.for_each(|f| say(marked(f).trim_end()));
+        let more = cautions.len().saturating_sub(MOST_CAUTIONS);
         if more > 0 {
             say(&format!(
                 "{}: {more} more, with --details",

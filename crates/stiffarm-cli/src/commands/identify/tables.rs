@@ -2,6 +2,7 @@
 
 use super::{Identified, messages};
 use crate::numbers::{NONE, mm, optional, optional_percent, percent, significant, stiffness};
+use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title};
 use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
 use stiffarm::estimate::elastic::Elastic;
@@ -56,11 +57,20 @@ pub(super) fn estimates(
     table
 }
 
+/// Intervals by resampled postures.
+pub(super) fn bootstrap(found: &Bootstrap) -> Table {
+    let mut table = Table::new(["joint", "bootstrap interval [N·m/rad]"]);
+    for joint in &found.joints {
+        table.row([joint.name.clone(), ends(joint.interval)]);
+    }
+    table
+}
+
 /// The elastic model that predicts: why, and what it gives.
 pub(super) fn elastic(found: &Elastic, level: f64) -> String {
     let mut out = title("What gives way");
     for reason in &found.reasons {
-        out += &format!("{reason}\n");
+        out += &format!("{}\n", wrapped(reason, columns()));
     }
     let Some(mixed) = &found.mixed else {
         return out + "\n";
@@ -95,10 +105,11 @@ pub(super) fn elastic(found: &Elastic, level: f64) -> String {
             )
         })
         .collect();
-    out + &format!(
-        "Beyond the axes each joint and the base give way by: {}.\n\n",
+    let sizes = format!(
+        "Beyond the axes each joint and the base give way by: {}.",
         sizes.join(", ")
-    )
+    );
+    out + &wrapped(&sizes, columns()) + "\n\n"
 }
 
 fn estimate(joint: &JointEstimate) -> Vec<String> {
