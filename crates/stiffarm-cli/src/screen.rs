@@ -12,6 +12,12 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::LazyLock;
 use stiffarm::findings::{is_hidden, visible};
 
+/// Columns where nothing says how many there are.
+const USUAL: usize = 80;
+/// Columns that sentences take at least and at most.
+const NARROWEST: usize = 40;
+const WIDEST: usize = 100;
+
 /// Two characters of private use, others in each run.
 static MARK: LazyLock<String> = LazyLock::new(|| {
     let random = RandomState::new().build_hasher().finish();
@@ -47,6 +53,35 @@ pub fn plain(text: &str) -> String {
     parts.map(shown).collect()
 }
 
+/// Columns that sentences may take: `COLUMNS`, else the terminal's, else 80; no
+/// more than can be read well.
+pub fn columns() -> usize {
+    let stated = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok());
+    let terminal = || terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
+    let columns = stated.or_else(terminal).unwrap_or(USUAL);
+    columns.clamp(NARROWEST, WIDEST)
+}
+
+/// The sentence in lines of at most `columns`, those after the first indented. A word
+/// that is longer stays whole.
+pub fn wrapped(sentence: &str, columns: usize) -> String {
+    let mut out = String::new();
+    let mut at = 0;
+    for word in sentence.split(' ') {
+        let own = width(word);
+        if at > 0 && at + 1 + own > columns {
+            out += "\n  ";
+            at = 2;
+        } else if !out.is_empty() {
+            out.push(' ');
+            at += 1;
+        }
+        out += word;
+        at += own;
+    }
+    out
+}
+
 /// Columns that a text of one line takes, styles left out.
 pub fn width(text: &str) -> usize {
     plain(text).chars().count()
@@ -72,6 +107,15 @@ fn shown(text: &str) -> Cow<'_, str> {
 mod tests {
     use super::*;
     use anstyle::AnsiColor;
+
+    #[test]
+    fn sentences_wrap_at_words_and_styles_take_no_columns() {
+        let red = AnsiColor::Red.on_default();
+        let text = format!("{} and more words", paint(red, "one two"));
+        assert_eq!(plain(&wrapped(&text, 11)), "one two and\n  more\n  words");
+        assert_eq!(wrapped("short", 80), "short");
+        assert_eq!(wrapped("averylongword b", 5), "averylongword\n  b");
+    }
 
     #[test]
     fn styles_pass_and_escapes_of_others_are_shown() {

@@ -60,6 +60,10 @@ pub struct IdentifyArgs {
     /// further terms tried or next posture
     #[arg(long)]
     pub brief: bool,
+    /// Also show intervals, the budget of systematic errors, what each joint carries, further terms,
+    /// the largest residuals and the next posture
+    #[arg(long)]
+    pub details: bool,
     /// Write the result as JSON to this file, for `validate`
     #[arg(long, value_name = "stiffness.json")]
     pub output: Option<String>,

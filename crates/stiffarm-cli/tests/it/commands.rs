@@ -129,6 +129,30 @@ fn identify() {
     ));
 }
 
+/// What the summary leaves out.
+#[test]
+fn identify_details() {
+    assert_snapshot!(transcript(
+        &measured(),
+        "identify builtin:comau simulated.csv --details"
+    ));
+}
+
+/// The first lines are a verdict, then the table; all of it fits a screen.
+#[test]
+fn identify_fits_a_screen() {
+    let folder = measured();
+    for options in ["", " --brief", " --estimator huber", " --exclude 5,6"] {
+        let out = folder.ok(&format!("identify builtin:comau simulated.csv{options}"));
+        assert!(out.starts_with("Joint stiffness known to ± "), "{out}");
+        assert!(out.lines().count() <= 32, "{out}");
+        for line in out.lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+        }
+        assert!(out.lines().last().is_some_and(|l| !l.is_empty()));
+    }
+}
+
 #[test]
 fn identify_json() {
     assert_snapshot!(json(

@@ -2,6 +2,7 @@
 //! and the noise that a fit saw.
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::common::{CommonErrors, CommonPart};
 use crate::estimate::identify::{
     Estimates, Estimator, Fit, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
 };
@@ -40,18 +41,8 @@ pub struct IdentifiedCompliance {
     pub extra: Vec<ExtraTerm>,
     /// How sure the values are, where that is known.
     pub spread: Option<Spread>,
-    /// What errors common to the whole experiment do to the values.
-    pub common: Vec<SystematicError>,
-}
-
-/// An error common to the experiment behind the values, of one standard
-/// uncertainty.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SystematicError {
-    /// Name of the source, as in [`SystematicErrors`].
-    pub name: String,
-    /// Change of the values by each independent part of it.
-    pub parts: Vec<DVector<f64>>,
+    /// What errors common to the whole experiment do to the values, and at work.
+    pub common: CommonErrors,
 }
 
 /// The noise that a fit saw in its displacements.
@@ -74,7 +65,7 @@ impl IdentifiedCompliance {
             values: DVector::from_iterator(stiffness.len(), stiffness.iter().map(|k| 1.0 / k)),
             extra: Vec::new(),
             spread: None,
-            common: Vec::new(),
+            common: CommonErrors::default(),
         })
     }
 
@@ -155,38 +146,40 @@ impl IdentifiedCompliance {
                     degrees_of_freedom: estimates.interval_degrees_of_freedom,
                     confidence: estimates.confidence,
                 }),
-            common: Vec::new(),
+            common: CommonErrors::default(),
         })
     }
 
-    /// The same with the errors that its budget holds: a change c of k is one of
-    /// H by the factor 1/(1 + c); where a source can explain all of a joint's
-    /// give, all of it is in doubt. Further terms have none.
+    /// The same with the errors that its budget holds, as far as the readings left
+    /// them. A result of an earlier version says nothing of that: there a change c of
+    /// k is one of H by the factor 1/(1 + c), all of H where a source can explain all
+    /// of a joint's give, none of further terms, and every part has its whole size.
     #[must_use]
     pub fn with_systematic_errors(mut self, budget: &SystematicErrors) -> Self {
+        if let Some(posterior) = &budget.posterior {
+            self.common = posterior.common_errors();
+            return self;
+        }
         let values = &self.values;
-        let change = |changes: &[Option<f64>]| {
-            let mut out = DVector::zeros(values.len());
-            for (j, change) in changes.iter().enumerate().take(values.len()) {
-                out[j] = values[j] * change.map_or(-1.0, |c| 1.0 / (1.0 + c) - 1.0);
+        let part = |source: &str, changes: &[Option<f64>]| {
+            let mut change = DVector::zeros(values.len());
+            for (j, own) in changes.iter().enumerate().take(values.len()) {
+                change[j] = values[j] * own.map_or(-1.0, |c| 1.0 / (1.0 + c) - 1.0);
             }
-            out
+            CommonPart {
+                source: source.to_string(),
+                change,
+                at_work: None,
+            }
         };
-        self.common = budget
-            .sources
-            .iter()
-            .map(|source| SystematicError {
-                name: source.name.clone(),
-                parts: match source.parts.is_empty() {
-                    true => vec![change(&source.change)],
-                    false => source
-                        .parts
-                        .iter()
-                        .map(|part| change(&part.change))
-                        .collect(),
-                },
-            })
-            .collect();
+        let mut parts = Vec::new();
+        for source in &budget.sources {
+            match source.parts.is_empty() {
+                true => parts.push(part(&source.name, &source.change)),
+                false => parts.extend(source.parts.iter().map(|p| part(&source.name, &p.change))),
+            }
+        }
+        self.common = CommonErrors::independent(parts);
         self
     }
 
@@ -212,7 +205,7 @@ impl IdentifiedCompliance {
             values: solution.values.clone(),
             extra: system.extra.clone(),
             spread,
-            common: Vec::new(),
+            common: CommonErrors::default(),
         }
     }
 

@@ -2,6 +2,7 @@
 //! intervals, diagnosis, systematic errors, validation, coverage.
 
 pub mod clamped;
+pub mod common;
 pub mod compliance;
 pub mod coverage;
 pub mod diagnose;

@@ -1,4 +1,4 @@
-//! Force sensor and tracker, and the uncertainty of what no residual shows.
+//! Force sensor and tracker, and the uncertainty of errors of the whole experiment.
 
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
@@ -88,8 +88,8 @@ pub struct Tracker {
     pub accuracy: Option<TrackerAccuracy>,
 }
 
-/// Standard uncertainty of what is common to the whole experiment and shows in
-/// no residual; `None` where the cell says nothing.
+/// Standard uncertainty of errors common to the whole experiment, before the readings
+/// say what they can; `None` where the cell says nothing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Uncertainty {
     /// Scale of the force (fraction).

@@ -3,6 +3,7 @@
 //! cores, statistics of a sample.
 
 pub mod control;
+pub(crate) mod half_width;
 pub mod information;
 pub mod jobs;
 pub mod optimise;

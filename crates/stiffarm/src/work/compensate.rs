@@ -297,7 +297,10 @@ fn point(
     let bent = arm.deflect(&posture.q, wrench)?;
     let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
     let band = match bands {
-        Some(bands) => Some(bands.of(&shift, &arm.sensitivity(&arm.terms(&posture.q, wrench)?))),
+        Some(bands) => {
+            let terms = arm.terms(&posture.q, wrench)?;
+            Some(bands.of(&shift, &arm.sensitivity(&terms), &terms))
+        }
         None => None,
     };
     let correction = motion(&found.nominal, &found.unloaded);

@@ -47,6 +47,7 @@ mod study;
 mod systematic;
 mod tables;
 mod task;
+mod total_uncertainty;
 mod validation;
 mod whole_experiment;
 mod work;

@@ -10,6 +10,7 @@ use common::{
 };
 use nalgebra::{DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 use stiffarm::Control;
+use stiffarm::estimate::common::CommonErrors;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource, identify};
 use stiffarm::estimate::systematic::systematic_errors;
@@ -362,6 +363,7 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
         .unwrap();
     let with = plain.clone().with_systematic_errors(&budget);
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
+    let arm = LoadedArm::new(&cell, &plain).unwrap();
     let run = |predictor: &IdentifiedCompliance, load: f64| -> Prediction {
         // The bands are those of the linear model.
         let options = {
@@ -379,40 +381,48 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     assert!(band.size_m[1] > 0.0 && band.load_m == [0.0; 3]);
     // The force scale alone: 1 % of the deflection, at 1.96.
     let mut force = with.clone();
-    force.common.retain(|c| c.name == "force-scale");
+    force.common = with.common.only("force-scale");
     let scale = run(&force, 0.0).points[0].band.unwrap().size_m[1];
     let expected = 1.959_964 * 0.01 / 1.01 * point.deflection_m;
     assert!(
         (scale / expected - 1.0).abs() < 1e-3,
         "{scale} against {expected}"
     );
-    // The change of the prediction is the one that the changed stiffness makes.
-    for error in &with.common {
-        for part in &error.parts {
-            let mut moved = plain.clone();
-            moved.values += part;
-            let shifted = run(&moved, 0.0).points[0].clone();
-            let change = Vector3::from(shifted.shift_m) - Vector3::from(point.shift_m);
-            let one = IdentifiedCompliance {
-                spread: None,
-                common: vec![stiffarm::estimate::compliance::SystematicError {
-                    name: error.name.clone(),
-                    parts: vec![part.clone()],
-                }],
-                ..plain.clone()
-            };
-            let half = run(&one, 0.0).points[0].band.unwrap().common_m;
-            for i in 0..3 {
-                let expected = 1.959_964 * change[i].abs();
-                let error_m = (half[i] - expected).abs();
-                assert!(
-                    error_m <= 1e-6 * expected + 1e-14,
-                    "{}: {error_m}",
-                    error.name
-                );
-            }
+    // What an error of the experiment does to the prediction is what the changed
+    // stiffness does; what acts again at work moves the tip the other way.
+    for part in &with.common.parts {
+        let mut moved = plain.clone();
+        moved.values += &part.change;
+        let shifted = run(&moved, 0.0).points[0].clone();
+        let mut change = Vector3::from(point.shift_m) - Vector3::from(shifted.shift_m);
+        if let Some((term, size)) = part.at_work {
+            let terms = arm.terms(&work[0].q, &work[0].wrench).unwrap();
+            change += term.column(&terms) * size;
+        }
+        let one = IdentifiedCompliance {
+            spread: None,
+            common: CommonErrors::independent(vec![part.clone()]),
+            ..plain.clone()
+        };
+        let half = run(&one, 0.0).points[0].band.unwrap().common_m;
+        for i in 0..3 {
+            let expected = 1.959_964 * change[i].abs();
+            let error_m = (half[i] - expected).abs();
+            assert!(
+                error_m <= 1e-6 * expected + 1e-14,
+                "{}: {error_m}",
+                part.source
+            );
         }
     }
+    assert_eq!(
+        with.common
+            .parts
+            .iter()
+            .filter(|p| p.at_work.is_some())
+            .count(),
+        7
+    );
     let load = run(&plain, 0.1).points[0].band.unwrap();
     let expected = 0.195_996_4 * point.deflection_m;
     assert!((load.size_m[2] / expected - 1.0).abs() < 1e-6);

@@ -5,6 +5,7 @@ use crate::common;
 
 use serde_json::{Value, json};
 use std::sync::LazyLock;
+use stiffarm::estimate::common::CommonErrors;
 use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use stiffarm::estimate::systematic::systematic_errors;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
@@ -68,6 +69,50 @@ fn what_was_saved_is_read_back_with_all_it_says() {
     // Bare, and with what the library alone writes.
     let bare = read(&SAVED["result"]).unwrap();
     assert_eq!(bare.compliance, saved.compliance);
+}
+
+/// Results of earlier versions know nothing of what the readings left: every part
+/// counts with its whole size, and none again at work.
+#[test]
+fn common_errors_of_earlier_versions_are_read_with_their_whole_size() {
+    let mut earlier = SAVED.clone();
+    let budget = earlier["result"]["budget"].as_object_mut().unwrap();
+    for name in ["total", "confidence", "uncertainty", "posterior"] {
+        budget.remove(name).unwrap();
+    }
+    let squares = |j: usize, sources: &Value| -> f64 {
+        let of = |source: &Value| source["change"][j].as_f64().unwrap().powi(2);
+        sources.as_array().unwrap().iter().map(of).sum()
+    };
+    let sums: Vec<f64> = (0..6)
+        .map(|j| squares(j, &budget["sources"]).sqrt())
+        .collect();
+    budget["combined"] = json!(sums);
+    for source in budget["sources"].as_array_mut().unwrap() {
+        let source = source.as_object_mut().unwrap();
+        source.remove("remaining").unwrap();
+        source.remove("bounded").unwrap();
+    }
+    let (old, new) = (
+        read(&earlier).unwrap().compliance,
+        read(&SAVED).unwrap().compliance,
+    );
+    let (old, new) = (old.common, new.common);
+    assert_eq!(old.parts.len(), new.parts.len());
+    assert_eq!(old, CommonErrors::independent(old.parts.clone()));
+    for (old, new) in old.parts.iter().zip(&new.parts) {
+        assert_eq!((&old.source, old.at_work), (&new.source, None));
+        for j in 0..6 {
+            let size = new.change[j].abs();
+            assert!((old.change[j] - new.change[j]).abs() <= 1e-9 * size + 1e-18);
+        }
+    }
+    earlier["result"]["budget"]["combined"][2] = json!(0.5);
+    let error = read(&earlier).unwrap_err();
+    assert_eq!(
+        error.place().key.as_deref(),
+        Some("result.budget.combined[2]")
+    );
 }
 
 #[test]
@@ -269,7 +314,62 @@ fn a_value_that_contradicts_the_rest_or_cannot_be_is_refused_with_its_key() {
         (
             "/result/budget/sources/0/change/2",
             json!(0.5),
+            "result.budget.posterior.parts[0].response[2]",
+        ),
+        (
+            "/result/budget/combined/2",
+            json!(0.5),
             "result.budget.combined[2]",
+        ),
+        (
+            "/result/budget/combined",
+            json!([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1]),
+            "result.budget.combined",
+        ),
+        (
+            "/result/budget/posterior/parts/0/source",
+            json!("anchor"),
+            "result.budget.posterior.parts[0].part",
+        ),
+        (
+            "/result/budget/posterior/parts/0/size",
+            json!(0.5),
+            "result.budget.posterior.parts[0].size",
+        ),
+        (
+            "/result/budget/posterior/parts/0/response",
+            json!([1.0]),
+            "result.budget.posterior.parts[0].response",
+        ),
+        (
+            "/result/budget/posterior/parts/11/at_work",
+            json!({"lost_motion": 9}),
+            "result.budget.posterior.parts[11].at_work",
+        ),
+        (
+            "/result/budget/posterior/mean/1",
+            json!(1e300),
+            "result.budget.posterior.mean[1]",
+        ),
+        (
+            "/result/budget/posterior/covariance/0/0",
+            json!(-1),
+            "result.budget.posterior.covariance[0][0]",
+        ),
+        (
+            "/result/budget/posterior/covariance/1/0",
+            json!(50),
+            "result.budget.posterior.covariance[0][1]",
+        ),
+        (
+            "/result/budget/posterior/covariance/2",
+            json!([1.0]),
+            "result.budget.posterior.covariance",
+        ),
+        (
+            "/result/budget/posterior/sizes",
+            json!(1),
+            "result.budget.posterior.sizes",
         ),
         (
             "/result/budget/sources/0/size",

@@ -217,14 +217,21 @@ fn the_budget_of_the_default_cell() {
         .unwrap();
     let k4 = source(&all, "anchor").change[3].unwrap();
     assert!((k4 - 0.039).abs() < 0.002, "{k4}");
-    // Parts combine as root sum of squares, sources as well.
+    // Parts combine as root sum of squares; sources as well, as far as the readings
+    // leave them. These are without noise, but no residual shows the force.
     for j in 0..6 {
         let sum = |parts: &mut dyn Iterator<Item = f64>| parts.map(|c| c * c).sum::<f64>().sqrt();
         let anchor = source(&all, "anchor");
         let parts = sum(&mut anchor.parts.iter().map(|p| p.change[j].unwrap()));
         assert!((parts - anchor.change[j].unwrap()).abs() < 1e-15);
-        let sources = sum(&mut all.sources.iter().map(|s| s.change[j].unwrap()));
-        assert!((sources - all.combined[j].unwrap()).abs() < 1e-12);
+        let combined = all.combined[j].unwrap();
+        let force = all.sources[0].bounded[j].unwrap();
+        assert!(
+            combined > 0.5 * force && (force - 0.01 / 1.01).abs() < 1e-4,
+            "{force}"
+        );
+        assert!((all.sources[0].remaining.unwrap() - 1.0).abs() < 1e-6);
+        assert_eq!(all.total[j], all.statistical[j].map(|s| s.hypot(combined)));
         assert!(anchor.worst.as_ref().unwrap()[j].unwrap() >= parts);
     }
 }

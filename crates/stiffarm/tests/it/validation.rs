@@ -323,7 +323,7 @@ fn further_terms_and_servo_give_are_predicted() {
         measured[label.measured].displacements[label.displacement].value = value;
     }
     let predictor = IdentifiedCompliance {
-        common: Vec::new(),
+        common: Default::default(),
         values: DVector::from_vec(values),
         extra: extra.clone(),
         spread: None,

@@ -124,8 +124,7 @@ fn are(names: &[&str]) -> String {
 /// What the numbers say.
 pub fn verdicts(result: &Identified) -> Vec<String> {
     let found = &result.identification;
-    let mut out = vec![residual(found)];
-    out.extend(variances(found));
+    let mut out = Vec::from_iter(variances(found));
     out.extend(estimates(&found.estimates));
     out.extend(coverage(result));
     out.extend(resampled(result));
@@ -150,7 +149,7 @@ pub fn estimates(result: &Estimates) -> Vec<String> {
 }
 
 /// Residuals beside displacements.
-fn residual(result: &Identification) -> String {
+pub(super) fn residual(result: &Identification) -> String {
     let share = match result.displacement_rms_m {
         rms if rms > 0.0 => format!(" ({} %)", percent(result.residual_rms_m / rms)),
         _ => String::new(),
@@ -190,7 +189,7 @@ fn variances(result: &Identification) -> Option<String> {
 }
 
 /// A joint whose estimate is not simply a number.
-fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
+pub(super) fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
     match (joint.verdict, joint.interval[0]) {
         (Verdict::LowerBoundOnly, Some(low)) => Some(format!(
             "{}: the data give only a lower bound, k above {} N·m/rad ({} %).",
@@ -259,7 +258,7 @@ fn coverage(result: &Identified) -> Option<String> {
 }
 
 /// The bootstrap, with what it covers and what it skipped.
-fn resampled(result: &Identified) -> Option<String> {
+pub(super) fn resampled(result: &Identified) -> Option<String> {
     let bootstrap = result.bootstrap.as_ref()?;
     let mut text = format!(
         "Bootstrap: {} resamples of {} postures",

@@ -3,17 +3,18 @@
 pub mod clamped;
 mod messages;
 pub mod readings;
+mod summary;
 mod tables;
 
 pub use messages::confidence;
 
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
-use crate::input::NamedCell;
 use crate::output::Exit;
 use crate::progress::Progress;
+use crate::screen::{columns, wrapped};
 use crate::session::Session;
-use crate::table::{red, title, yellow};
+use crate::table::title;
 use readings::Reduced;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -137,7 +138,13 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         brief: args.brief,
     };
     let envelope = session.envelope("identify", Some(args.seed), described, &result);
-    let table = || table(&named, &fit, &result, &args.exclude);
+    let table = || {
+        let out = summary::summary(&named, &fit, &result, &args.exclude, args.details);
+        match args.details {
+            true => out + &details(&fit, &result),
+            false => out,
+        }
+    };
     session.deliver(target, &envelope, table)?;
     Ok(exit)
 }
@@ -237,39 +244,28 @@ fn check_among(option: &str, names: &[String], mut known: Vec<&str>) -> Result<(
     .hint(format!("measured postures: {}", known.join(", "))))
 }
 
-fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String]) -> String {
-    let (cell, measured) = (fit.cell(), &fit.measured().postures);
+/// Everything beside the summary.
+fn details(fit: &Fit, result: &Identified) -> String {
     let found = &result.identification;
-    let mut out = named.line();
-    let combined = !found.estimates.combinations.is_empty();
-    out += &messages::undetermined(&found.estimates.undetermined_joints, combined);
-    out += &messages::collinear(&found.estimates.collinear);
-    out += &messages::data(measured, found, excluded);
+    let mut out = String::new();
+    let columns = columns();
+    let sentence = |text: &str| format!("{}\n", wrapped(text, columns));
     if result.readings.is_some() {
         out += &title("Readings");
-        out += &readings::summary(fit.measured());
+        let lines = readings::summary(fit.measured());
+        lines.lines().for_each(|line| out += &sentence(line));
     }
-    out += &title("Joint stiffness");
+    out += &title("Intervals of the joint stiffness by the scatter of the readings");
     let shared = &found.estimates;
     let (budget, bootstrap) = (result.budget.as_ref(), result.bootstrap.as_ref());
     out += &tables::estimates(shared, budget, bootstrap).to_string();
     out += &tables::further(shared);
     out.push('\n');
-    if let Some(finding) = implausible_scale(cell, found) {
-        out += &format!("{}\n", red(&finding.sentence));
-    }
-    if let Some(elastic) = &result.elastic {
-        out += &tables::elastic(elastic, fit.options().confidence);
-    }
-    out += &messages::stopped(&result.not_computed);
-    for sentence in messages::verdicts(result) {
-        out += &format!("{sentence}\n");
-    }
-    for remark in messages::remarks(cell, measured, result) {
-        out += &format!("{}: {remark}\n", yellow("note"));
+    for text in messages::verdicts(result) {
+        out += &sentence(&text);
     }
     if let Some(budget) = &result.budget {
-        out += &title("Errors common to the whole experiment: change of k [%]");
+        out += &title("Systematic errors: change of k [%]");
         out += &tables::common(budget).to_string();
     }
     if let Some(diagnosis) = &result.diagnosis {
@@ -285,5 +281,5 @@ fn table(named: &NamedCell, fit: &Fit, result: &Identified, excluded: &[String])
     }
     out += &title("Postures with the largest residuals");
     out += &tables::residuals(result).to_string();
-    out + &messages::next(cell, result)
+    out + &messages::next(fit.cell(), result)
 }

@@ -2,6 +2,7 @@
 
 use super::{Identified, messages};
 use crate::numbers::{NONE, mm, optional, optional_percent, percent, significant, stiffness};
+use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title};
 use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
 use stiffarm::estimate::elastic::Elastic;
@@ -56,11 +57,20 @@ pub(super) fn estimates(
     table
 }
 
+/// Intervals by resampled postures.
+pub(super) fn bootstrap(found: &Bootstrap) -> Table {
+    let mut table = Table::new(["joint", "bootstrap interval [N·m/rad]"]);
+    for joint in &found.joints {
+        table.row([joint.name.clone(), ends(joint.interval)]);
+    }
+    table
+}
+
 /// The elastic model that predicts: why, and what it gives.
 pub(super) fn elastic(found: &Elastic, level: f64) -> String {
     let mut out = title("What gives way");
     for reason in &found.reasons {
-        out += &format!("{reason}\n");
+        out += &format!("{}\n", wrapped(reason, columns()));
     }
     let Some(mixed) = &found.mixed else {
         return out + "\n";
@@ -95,10 +105,11 @@ pub(super) fn elastic(found: &Elastic, level: f64) -> String {
             )
         })
         .collect();
-    out + &format!(
-        "Beyond the axes each joint and the base give way by: {}.\n\n",
+    let sizes = format!(
+        "Beyond the axes each joint and the base give way by: {}.",
         sizes.join(", ")
-    )
+    );
+    out + &wrapped(&sizes, columns()) + "\n\n"
 }
 
 fn estimate(joint: &JointEstimate) -> Vec<String> {
@@ -207,7 +218,9 @@ fn term(position: usize, name: &str, coefficient: f64) -> String {
 
 /// The common-mode budget, a row for each source.
 pub(super) fn common(budget: &SystematicErrors) -> Table {
-    let mut headings = vec!["source".to_string(), "size".to_string(), "from".to_string()];
+    let mut headings = ["source", "size", "from", "left [%]"]
+        .map(String::from)
+        .to_vec();
     headings.extend(budget.joints.iter().cloned());
     let mut table = Table::new(headings);
     table.align(2, Align::Left);
@@ -215,17 +228,16 @@ pub(super) fn common(budget: &SystematicErrors) -> Table {
         let from = if source.declared { "cell" } else { "assumed" };
         let mut row = vec![
             source.name.replace('-', " "),
-            source.size_in_words(),
+            size_in_words(source),
             from.to_string(),
+            optional_percent(source.remaining),
         ];
         row.extend(source.change.iter().map(|c| optional_percent(*c)));
         table.row(row);
     }
-    let mut total = vec![
-        "all (root sum of squares)".to_string(),
-        String::new(),
-        String::new(),
-    ];
+    let mut total = ["all, as far as the readings leave them", "", "", ""]
+        .map(String::from)
+        .to_vec();
     total.extend(budget.combined.iter().map(|c| optional_percent(*c)));
     table.row(total);
     table
@@ -370,22 +382,16 @@ pub(super) fn residuals(result: &Identified) -> Table {
 }
 
 /// Size of a source with its unit.
-trait SizeInWords {
-    fn size_in_words(&self) -> String;
-}
-
-impl SizeInWords for SystematicSource {
-    fn size_in_words(&self) -> String {
-        let size = self.size;
-        match self.unit.as_str() {
-            "1" => format!("{} %", percent(size)),
-            "m" => format!("{} mm", significant(m_to_mm(size), 2)),
-            "rad" if self.name == "lost-motion" => {
-                format!("{} arcmin", significant(rad_to_deg(size) * ARCMIN, 2))
-            }
-            "rad" => format!("{} mrad", significant(size * 1e3, 2)),
-            _ if size > 0.0 => format!("{} N·m/rad", significant(1.0 / size, 2)),
-            _ => "rigid".to_string(),
+pub(super) fn size_in_words(source: &SystematicSource) -> String {
+    let size = source.size;
+    match source.unit.as_str() {
+        "1" => format!("{} %", percent(size)),
+        "m" => format!("{} mm", significant(m_to_mm(size), 2)),
+        "rad" if source.name == "lost-motion" => {
+            format!("{} arcmin", significant(rad_to_deg(size) * ARCMIN, 2))
         }
+        "rad" => format!("{} mrad", significant(size * 1e3, 2)),
+        _ if size > 0.0 => format!("{} N·m/rad", significant(1.0 / size, 2)),
+        _ => "rigid".to_string(),
     }
 }

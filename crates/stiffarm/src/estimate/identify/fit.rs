@@ -15,7 +15,6 @@ use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::ExtraTerm;
 use crate::numerics::control::{Control, Watch};
-use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -383,58 +382,5 @@ impl Fit {
     #[doc(hidden)]
     pub fn journal(&self) -> Vec<String> {
         self.inner.experiment.journal()
-    }
-
-    /// Change of the estimates when the displacements change by `shift` (rows
-    /// as in the system, m) and everything that the estimator took from the
-    /// data besides stays: the ratio of the two variances, Huber's weights, the
-    /// compliances held at zero. So it is linear in `shift`.
-    ///
-    /// # Errors
-    /// A decomposition that fails.
-    ///
-    /// # Panics
-    /// If `shift` does not have one entry per row of the system.
-    pub(crate) fn response(&self, shift: &DVector<f64>) -> Result<DVector<f64>> {
-        let (prepared, solution) = (self.prepared(), self.solution());
-        let white = prepared.whitened().whiten(shift);
-        let psi = || {
-            prepared
-                .whitened()
-                .with_shifts(prepared.whitened().psi(), solution.gamma)
-        };
-        let mut white = prepared
-            .whitened()
-            .delta_with_shifts(&white, solution.gamma);
-        if let Some(weights) = &solution.weights {
-            let mut psi = psi();
-            for (d, weight) in weights.iter().enumerate() {
-                psi.rows_mut(3 * d, 3).scale_mut(weight.sqrt());
-                white.rows_mut(3 * d, 3).scale_mut(weight.sqrt());
-            }
-            return Ok(Factor::new(&psi)?.solve(&white));
-        }
-        match self.assumed().estimator {
-            Estimator::NonNegative => {
-                let psi = psi();
-                let free: Vec<usize> = (0..psi.ncols())
-                    .filter(|j| !solution.at_bound.contains(j))
-                    .collect();
-                let mut out = DVector::zeros(psi.ncols());
-                if !free.is_empty() {
-                    let change = Factor::new(&psi.select_columns(&free))?.solve(&white);
-                    for (j, value) in free.into_iter().zip(change.iter()) {
-                        out[j] = *value;
-                    }
-                }
-                Ok(out)
-            }
-            Estimator::Prior => {
-                // The rows of the prior do not change.
-                let rows = white.len() + self.system().springs;
-                Ok(solution.factor.solve(&white.resize_vertically(rows, 0.0)))
-            }
-            _ => Ok(solution.factor.solve(&white)),
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! The estimators: from a whitened system and its displacements to values of
 //! the unknowns with their covariance. All by QR and SVD.
 
-use super::assumptions::{Assumptions, Estimator, Scale};
+use super::assumptions::{Assumptions, Estimator, PriorKnowledge, Scale};
 use super::covariance::Covariance;
 use super::huber::{self, Huber};
 use super::non_negative::non_negative;
@@ -307,6 +307,25 @@ fn bounded(
     })
 }
 
+/// Rows of the data with those of a prior below them, all in units of σ.
+pub(super) fn with_prior_rows(
+    psi: DMatrix<f64>,
+    delta: DVector<f64>,
+    springs: usize,
+    prior: &PriorKnowledge,
+    sigma: f64,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let rows = psi.nrows();
+    let mut psi = psi.resize_vertically(rows + springs, 0.0);
+    let mut delta = delta.resize_vertically(rows + springs, 0.0);
+    for (j, h) in prior.compliance.iter().enumerate().take(springs) {
+        let weight = sigma / (prior.relative_std * h);
+        psi[(rows + j, j)] = weight;
+        delta[rows + j] = weight * h;
+    }
+    (psi, delta)
+}
+
 /// The same fit with the prior compliance as further rows.
 fn with_prior(
     psi: DMatrix<f64>,
@@ -328,16 +347,8 @@ fn with_prior(
         return Err(Error::new(Code::TooFewData, message)
             .hint("take the size of the noise from the cell (noise known)"));
     };
-    let (rows, unknowns) = psi.shape();
-    let mut psi = psi.resize_vertically(rows + springs, 0.0);
-    let mut delta = delta.resize_vertically(rows + springs, 0.0);
-    for (j, h) in prior.compliance.iter().enumerate().take(springs) {
-        // In units of σ, as the rows of the data.
-        let weight = sigma / (prior.relative_std * h);
-        psi[(rows + j, j)] = weight;
-        delta[rows + j] = weight * h;
-    }
-    debug_assert!(unknowns >= springs);
+    debug_assert!(psi.ncols() >= springs);
+    let (psi, delta) = with_prior_rows(psi, delta, springs, prior, sigma);
     let factor = Factor::new(&psi)?;
     Ok(Solution {
         values: factor.solve(&delta),

@@ -327,6 +327,6 @@ fn compliance(
             degrees_of_freedom: plain.t_degrees_of_freedom.map(|dof| dof.min(solved.free)),
             confidence: fit.options().confidence,
         }),
-        common: Vec::new(),
+        common: Default::default(),
     }
 }

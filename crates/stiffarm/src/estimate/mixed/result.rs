@@ -144,7 +144,7 @@ impl MixedResult {
                 degrees_of_freedom: self.interval_degrees_of_freedom,
                 confidence,
             }),
-            common: Vec::new(),
+            common: Default::default(),
         })
     }
 }

@@ -1,21 +1,29 @@
-//! Errors that are common to the whole experiment and show in no residual: how
-//! far each moves the joint stiffness.
+//! Errors that are common to the whole experiment: how far each moves the joint
+//! stiffness, how much of its size the readings leave, and how sure the
+//! stiffness is with all of them.
 //!
 //! For each source the truth is made to differ from the nominal cell by one
 //! standard uncertainty, the displacements follow from the model with the
 //! estimated compliance, and the same estimator looks at them with the nominal
 //! Ψ. Both steps are exact: the model is evaluated at the perturbed set-up, and
 //! k' = 1/H' is compared with k. Only what the estimator takes from the data
-//! besides (weights, the ratio of the two variances) is held.
+//! besides (weights, the ratio of the two variances) is held. What the residuals
+//! say of the sizes is in `posterior.rs`.
 
+mod findings;
+mod posterior;
 mod sources;
+mod total;
 
 use crate::error::Result;
+use crate::estimate::common::{CommonErrors, CommonPart};
 use crate::estimate::identify::Fit;
-use crate::findings::{Finding, Severity, length, list, percent};
-use nalgebra::DVector;
+use crate::findings::Finding;
+use crate::model::observation::ExtraTerm;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use sources::{Part, Source, sources};
+pub use total::JointUncertainty;
 
 /// One axis, or one joint, of a source.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -42,14 +50,101 @@ pub struct SystematicSource {
     pub unit: String,
     /// True where the cell declares the size, false where it is assumed.
     pub declared: bool,
-    /// Change of each joint's stiffness (fraction): with its sign where the
-    /// source is one number, the root sum of squares of its parts otherwise.
+    /// Change of each joint's stiffness (fraction) by one standard uncertainty:
+    /// with its sign where the source is one number, the root sum of squares of
+    /// its parts otherwise.
     pub change: Vec<Option<f64>>,
     /// Sum of the sizes of all parts: all at once, each in its worst direction.
     /// `None` where the source is one number.
     pub worst: Option<Vec<Option<f64>>>,
+    /// How much of its size the readings leave (fraction; RMS of its parts): 1 where
+    /// they say nothing of it, above 1 where they show more than was stated.
+    #[serde(default)]
+    pub remaining: Option<f64>,
+    /// Relative standard uncertainty that it leaves in each joint's stiffness given
+    /// the readings (fraction, first order).
+    #[serde(default)]
+    pub bounded: Vec<Option<f64>>,
     /// The parts of a source that has several.
     pub parts: Vec<SystematicPart>,
+}
+
+/// A part of a source as it goes on into predictions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PosteriorPart {
+    /// Name of the source.
+    pub source: String,
+    /// `x`, `y`, `z`, the name of a joint, or empty where the source is one number.
+    pub part: String,
+    /// Change of the unknowns while this part is there with one standard
+    /// uncertainty: compliances \[rad/(N·m)\], then further terms in their own units.
+    pub response: Vec<f64>,
+    /// The term by which it acts again at work; `null` where it belongs to the
+    /// experiment alone.
+    pub at_work: Option<ExtraTerm>,
+    /// Standard uncertainty, in the unit of its source.
+    pub size: f64,
+}
+
+/// What the readings leave of the sizes of all parts, each in its standard
+/// uncertainties.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SystematicPosterior {
+    /// The parts, source by source.
+    pub parts: Vec<PosteriorPart>,
+    /// Mean of each part given the readings; the estimates are not corrected by it.
+    pub mean: Vec<f64>,
+    /// Covariance given the readings, row i up to column i.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+impl SystematicPosterior {
+    fn new(sources: &[Source], parts: &posterior::Parts) -> Self {
+        let all = sources
+            .iter()
+            .flat_map(|s| s.parts.iter().map(move |p| (s, p)));
+        let covariance = &parts.covariance;
+        SystematicPosterior {
+            parts: all
+                .enumerate()
+                .map(|(i, (source, part))| PosteriorPart {
+                    source: source.name.to_string(),
+                    part: part.name.clone(),
+                    response: parts.response.column(i).iter().copied().collect(),
+                    at_work: part.at_work,
+                    size: source.size,
+                })
+                .collect(),
+            mean: parts.mean.iter().copied().collect(),
+            covariance: (0..covariance.nrows())
+                .map(|i| (0..=i).map(|k| covariance[(i, k)]).collect())
+                .collect(),
+        }
+    }
+
+    /// The same for what predicts.
+    ///
+    /// # Panics
+    /// If the numbers are not as many as the parts.
+    pub(crate) fn common_errors(&self) -> CommonErrors {
+        let count = self.parts.len();
+        let entry = |i: usize, k: usize| self.covariance[i.max(k)][i.min(k)];
+        CommonErrors {
+            parts: self
+                .parts
+                .iter()
+                .map(|part| CommonPart {
+                    source: part.source.clone(),
+                    change: DVector::from_column_slice(&part.response),
+                    at_work: part.at_work.map(|term| (term, part.size)),
+                })
+                .collect(),
+            mean: DVector::from_column_slice(&self.mean),
+            covariance: DMatrix::from_fn(count, count, entry),
+        }
+    }
 }
 
 /// Common errors beside the statistical ones.
@@ -60,20 +155,37 @@ pub struct SystematicErrors {
     pub joints: Vec<String>,
     /// The sources; the force scale is always the first.
     pub sources: Vec<SystematicSource>,
-    /// Root sum of squares of all sources, joint by joint (fraction of k).
+    /// Relative standard uncertainty by all sources together, as far as the
+    /// readings leave them, joint by joint (fraction of k, first order).
     pub combined: Vec<Option<f64>>,
     /// Relative standard error of the estimates, joint by joint (fraction of k).
     pub statistical: Vec<Option<f64>>,
+    /// Relative standard uncertainty by readings and sources together, joint by
+    /// joint (fraction of k, first order).
+    #[serde(default)]
+    pub total: Vec<Option<f64>>,
+    /// Confidence of `uncertainty`.
+    #[serde(default)]
+    pub confidence: Option<f64>,
+    /// How sure each joint's stiffness is with everything together.
+    #[serde(default)]
+    pub uncertainty: Vec<JointUncertainty>,
+    /// What the readings leave of the sizes; `null` in results of earlier versions,
+    /// where every part counts with its whole size.
+    #[serde(default)]
+    pub posterior: Option<SystematicPosterior>,
     /// What matters, in sentences.
     pub findings: Vec<Finding>,
 }
 
 /// How far each common error moves the joint stiffness that
-/// [`identify`](crate::estimate::identify::identify()) finds. Sizes come from
+/// [`identify`](crate::estimate::identify::identify()) finds, and how much of it the
+/// readings leave possible. Sizes come from
 /// [`Cell::uncertainty`](crate::model::cell::Cell::uncertainty) or are assumed and marked so.
 ///
 /// - `force-scale`: all readings of force, and the stated force of a rope or
-///   weight, too large by this fraction. Every k comes out too large by as much.
+///   weight, too large by this fraction. Every k comes out too large by as much,
+///   and no residual shows it.
 /// - `anchor`: where the rope's force comes from the cell, or points along the
 ///   rope.
 /// - `loading-point`: coordinates in flange axes. A wrench whose moment a sensor
@@ -83,43 +195,56 @@ pub struct SystematicErrors {
 ///   sensor in the cell whose pose came from the same registration would, and
 ///   then part of this change cancels.
 /// - `base-tilt`, `sensor`, `lost-motion`: elements that nobody models; each
-///   makes k too small. Displacements against a light preload are free of lost
-///   motion: declare 0 for them.
+///   makes k too small. Those that the fit has among its unknowns are left out.
+///   Displacements against a light preload are free of lost motion: declare 0 for
+///   them.
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
 pub fn systematic_errors(fit: &Fit) -> Result<SystematicErrors> {
-    let joints = fit.system().unknowns[..fit.system().springs].to_vec();
-    let mut out = Vec::new();
-    for source in sources(fit)? {
-        out.push(describe(fit, source)?);
+    let springs = fit.system().springs;
+    let sources = sources(fit)?;
+    let parts = posterior::parts(fit, &sources)?;
+    let mut at = 0;
+    let mut described = Vec::with_capacity(sources.len());
+    for source in &sources {
+        fit.control().check()?;
+        described.push(describe(fit, source, &parts, at));
+        at += source.parts.len();
     }
-    let count = joints.len();
-    let combined = (0..count)
-        .map(|j| root_sum(out.iter().map(|source| source.change[j])))
+    let count = parts.mean.len();
+    let statistical: Vec<Option<f64>> = (0..springs).map(|j| relative_error(fit, j)).collect();
+    let combined: Vec<Option<f64>> = (0..springs)
+        .map(|j| bounded(fit, &parts, 0..count, j))
         .collect();
-    let statistical = (0..count).map(|j| relative_error(fit, j)).collect();
+    let both = statistical.iter().zip(&combined);
     let mut budget = SystematicErrors {
-        joints,
-        sources: out,
+        joints: fit.system().unknowns[..springs].to_vec(),
+        total: both.map(|(a, b)| Some((*a)?.hypot((*b)?))).collect(),
+        confidence: Some(fit.options().confidence),
+        uncertainty: total::uncertainty(fit, &described, &parts)?,
+        posterior: Some(SystematicPosterior::new(&sources, &parts)),
+        sources: described,
         combined,
         statistical,
         findings: Vec::new(),
     };
-    budget.findings = findings(&budget);
+    budget.findings = findings::findings(&budget);
     Ok(budget)
 }
 
-fn describe(fit: &Fit, source: Source) -> Result<SystematicSource> {
+/// One source, whose parts begin at `from` among all.
+fn describe(fit: &Fit, source: &Source, all: &posterior::Parts, from: usize) -> SystematicSource {
     let count = fit.system().springs;
-    let mut parts = Vec::with_capacity(source.parts.len());
-    for Part { name, shift } in source.parts {
-        fit.control().check()?;
-        parts.push(SystematicPart {
-            name,
-            change: changes(fit, &shift)?,
-        });
-    }
+    let part = |(i, part): (usize, &Part)| SystematicPart {
+        name: part.name.clone(),
+        change: changes(fit, &all.response.column(from + i).into_owned()),
+    };
+    let parts: Vec<SystematicPart> = source.parts.iter().enumerate().map(part).collect();
+    let own = from..from + parts.len();
+    let moment = |i: usize| all.covariance[(i, i)] + all.mean[i].powi(2);
+    let squares = own.clone().map(moment);
+    let remaining = (squares.sum::<f64>() / parts.len() as f64).sqrt();
     let one = matches!(parts.as_slice(), [part] if part.name.is_empty());
     let of = |j: usize| parts.iter().map(move |part| part.change[j]);
     let sum = |j: usize| of(j).map(|c| c.map(f64::abs)).sum();
@@ -130,162 +255,63 @@ fn describe(fit: &Fit, source: Source) -> Result<SystematicSource> {
             Some((0..count).map(sum).collect()),
         ),
     };
-    Ok(SystematicSource {
+    SystematicSource {
         name: source.name.to_string(),
         size: source.size,
         unit: source.unit.to_string(),
         declared: source.declared,
         change,
         worst,
+        remaining: Some(remaining),
+        bounded: (0..count)
+            .map(|j| bounded(fit, all, own.clone(), j))
+            .collect(),
         parts: if one { Vec::new() } else { parts },
-    })
+    }
 }
 
-/// k'/k − 1 of each joint when the displacements change by `shift`.
-fn changes(fit: &Fit, shift: &DVector<f64>) -> Result<Vec<Option<f64>>> {
-    let change = fit.response(shift)?;
+/// k'/k − 1 of each joint when the unknowns change by `change`.
+fn changes(fit: &Fit, change: &DVector<f64>) -> Vec<Option<f64>> {
     let solution = fit.solution();
-    Ok((0..fit.system().springs)
+    (0..fit.system().springs)
         .map(|j| {
             let h = solution.values[j];
             let moved = h + change[j];
             let known = !solution.undetermined.contains(&j) && h > 0.0 && moved > 0.0;
             known.then(|| h / moved - 1.0)
         })
-        .collect())
+        .collect()
+}
+
+/// √(R M Rᵀ) of joint `j` over its compliance, for the parts `which`.
+fn bounded(
+    fit: &Fit,
+    all: &posterior::Parts,
+    which: std::ops::Range<usize>,
+    j: usize,
+) -> Option<f64> {
+    let (from, count) = (which.start, which.len());
+    let own = all.response.view((j, from), (1, count));
+    let covariance = all.covariance.view((from, from), (count, count));
+    let mean = (own * all.mean.rows(from, count))[(0, 0)];
+    let square = (own * covariance * own.transpose())[(0, 0)] + mean * mean;
+    has_stiffness(fit, j).then(|| square.max(0.0).sqrt() / fit.solution().values[j])
 }
 
 /// σ_H/H, to first order the relative standard error of k.
 fn relative_error(fit: &Fit, j: usize) -> Option<f64> {
     let solution = fit.solution();
     let covariance = solution.covariance.as_ref()?;
-    let known = !solution.undetermined.contains(&j) && solution.values[j] > 0.0;
-    known.then(|| covariance[(j, j)].max(0.0).sqrt() / solution.values[j])
+    has_stiffness(fit, j).then(|| covariance[(j, j)].max(0.0).sqrt() / solution.values[j])
+}
+
+fn has_stiffness(fit: &Fit, j: usize) -> bool {
+    let solution = fit.solution();
+    !solution.undetermined.contains(&j) && solution.values[j] > 0.0
 }
 
 /// Root sum of squares; `None` with any part missing.
 fn root_sum(changes: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let squares: Option<f64> = changes.map(|c| c.map(|c| c * c)).sum();
     squares.map(f64::sqrt)
-}
-
-impl SystematicSource {
-    /// The source in words, with its size.
-    fn words(&self) -> String {
-        let minutes = || format!("{:.2} arc-minutes", 60.0 * self.size.to_degrees());
-        let stiffness = || format!("{:.1e} N·m/rad", 1.0 / self.size);
-        match self.name.as_str() {
-            "force-scale" => format!("force scale ({})", percent(self.size)),
-            "anchor" => format!("rope anchor ({} an axis)", length(self.size)),
-            "loading-point" => format!("loading point ({} an axis)", length(self.size)),
-            "registration" => format!("registration ({:.2} mrad an axis)", 1e3 * self.size),
-            "base-tilt" => format!("tilt of the base ({})", stiffness()),
-            "sensor" => format!("compliance between flange and reflectors ({})", stiffness()),
-            _ => format!("lost motion ({} each joint)", minutes()),
-        }
-    }
-}
-
-fn findings(budget: &SystematicErrors) -> Vec<Finding> {
-    let mut out = Vec::new();
-    let names = &budget.joints;
-    if let Some(force) = budget.sources.first() {
-        let assumed = if force.declared { "" } else { " (assumed)" };
-        out.push(Finding::new(
-            "force-scale",
-            Severity::Note,
-            "uncertainty",
-            format!(
-                "A force that is read {} too large{assumed} makes every k {0} too large and shows in no residual.",
-                percent(force.size)
-            ),
-        ));
-    }
-    for source in &budget.sources {
-        let own: Vec<String> = names
-            .iter()
-            .enumerate()
-            .filter_map(|(j, name)| {
-                let size = source.change[j]?.abs();
-                let largest = budget
-                    .sources
-                    .iter()
-                    .filter_map(|s| s.change[j])
-                    .fold(0.0, |m: f64, c| m.max(c.abs()));
-                (size > 0.0 && size >= largest).then(|| format!("{name} ({})", percent(size)))
-            })
-            .collect();
-        if !own.is_empty() {
-            let message = format!(
-                "Of the errors that show in no residual, {} is the largest for {}.",
-                source.words(),
-                list(&own)
-            );
-            out.push(Finding::new(
-                "largest-common-error",
-                Severity::Note,
-                &source.name,
-                message,
-            ));
-        }
-    }
-    for (j, name) in names.iter().enumerate() {
-        let lost = budget.sources.iter().find(|s| {
-            s.change[j].is_none() && budget.sources.iter().any(|other| other.change[j].is_some())
-        });
-        if let Some(source) = lost {
-            let message = format!(
-                "The {} can explain all of the give of {name}.",
-                source.words()
-            );
-            out.push(Finding::new(
-                "common-error-explains-all",
-                Severity::Caution,
-                name,
-                message,
-            ));
-        }
-    }
-    let beyond: Vec<String> = names
-        .iter()
-        .enumerate()
-        .filter_map(|(j, name)| {
-            let (common, statistical) = (budget.combined[j]?, budget.statistical[j]?);
-            (common > statistical).then(|| {
-                format!(
-                    "{name} ({} against {})",
-                    percent(common),
-                    percent(statistical)
-                )
-            })
-        })
-        .collect();
-    if !beyond.is_empty() {
-        let message = format!(
-            "The common errors are larger than the standard error for {}: more readings of this kind would not help.",
-            list(&beyond)
-        );
-        out.push(Finding::new(
-            "common-error-dominates",
-            Severity::Caution,
-            "uncertainty",
-            message,
-        ));
-    }
-    let assumed: Vec<String> = budget
-        .sources
-        .iter()
-        .filter(|s| !s.declared)
-        .map(SystematicSource::words)
-        .collect();
-    if !assumed.is_empty() {
-        let message = format!("Assumed, not declared in the cell: {}.", list(&assumed));
-        out.push(Finding::new(
-            "assumed-uncertainty",
-            Severity::Note,
-            "uncertainty",
-            message,
-        ));
-    }
-    out
 }

@@ -24,6 +24,8 @@ const BASE_TILT: f64 = 1e-8;
 const SENSOR: f64 = 1e-6;
 /// Half the gap of a joint in order, 0.1 arc-minute \[rad\].
 const LOST_MOTION: f64 = 0.1 / 60.0 * std::f64::consts::PI / 180.0;
+/// Name of the source whose parts are alike.
+const LOST_MOTION_NAME: &str = "lost-motion";
 /// 1 − cosine below which a force counts as being along the rope.
 const ALONG: f64 = 1e-9;
 
@@ -33,6 +35,8 @@ pub(super) struct Source {
     pub size: f64,
     pub unit: &'static str,
     pub declared: bool,
+    /// True where the parts are of one size that is not known better than stated.
+    pub alike: bool,
     /// One part without a name for a source that is one number.
     pub parts: Vec<Part>,
 }
@@ -42,6 +46,8 @@ pub(super) struct Part {
     pub name: String,
     /// Change of the displacements, rows as in the system \[m\].
     pub shift: DVector<f64>,
+    /// What acts again at work.
+    pub at_work: Option<ExtraTerm>,
 }
 
 /// What is nominal: the measurements with their terms and displacements.
@@ -81,6 +87,7 @@ pub(super) fn sources(fit: &Fit) -> Result<Vec<Source>> {
                     size: used,
                     unit,
                     declared: size.is_some(),
+                    alike: name == LOST_MOTION_NAME,
                     parts,
                 });
             }
@@ -119,11 +126,7 @@ pub(super) fn sources(fit: &Fit) -> Result<Vec<Source>> {
         given.base_tilt_compliance,
         BASE_TILT,
         "rad/(N·m)",
-        &|size| {
-            nominal
-                .term("", ExtraTerm::BaseTilt, size)
-                .map(|part| vec![part])
-        },
+        &|size| nominal.terms([("", ExtraTerm::BaseTilt)], size),
     )?;
     let unmodelled = cell.setup.tool.has_sensor && cell.setup.tool.series_compliance.is_none();
     if given.sensor_compliance.is_some() || unmodelled {
@@ -136,15 +139,14 @@ pub(super) fn sources(fit: &Fit) -> Result<Vec<Source>> {
         )?;
     }
     add(
-        "lost-motion",
+        LOST_MOTION_NAME,
         given.lost_motion,
         LOST_MOTION,
         "rad",
         &|size| {
             let joints = cell.setup.robot.joints().iter().enumerate();
-            joints
-                .map(|(j, joint)| nominal.term(&joint.name, ExtraTerm::LostMotion(j), size))
-                .collect()
+            let terms = joints.map(|(j, joint)| (&*joint.name, ExtraTerm::LostMotion(j)));
+            nominal.terms(terms, size)
         },
     )?;
     Ok(out)
@@ -183,6 +185,7 @@ impl Nominal<'_> {
         Ok(Part {
             name: name.to_string(),
             shift: rows,
+            at_work: None,
         })
     }
 
@@ -310,9 +313,26 @@ impl Nominal<'_> {
         })
     }
 
-    /// A further elastic element, or lost motion, of this size.
-    fn term(&self, name: &str, term: ExtraTerm, size: f64) -> Result<Part> {
-        self.part(name, |_, terms, _| Ok(term.column(terms) * size))
+    /// Further elastic elements, or lost motion, of this size: those that the fit
+    /// does not have among its unknowns. They stay with the arm.
+    fn terms<'n>(
+        &self,
+        named: impl IntoIterator<Item = (&'n str, ExtraTerm)>,
+        size: f64,
+    ) -> Result<Vec<Part>> {
+        let modelled = &self.fit.system().extra;
+        let named = named
+            .into_iter()
+            .filter(|(_, term)| !modelled.contains(term));
+        named
+            .map(|(name, term)| {
+                let part = self.part(name, |_, terms, _| Ok(term.column(terms) * size))?;
+                Ok(Part {
+                    at_work: Some(term),
+                    ..part
+                })
+            })
+            .collect()
     }
 
     /// What the part beyond the sensor does when the sensor turns.

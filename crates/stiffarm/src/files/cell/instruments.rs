@@ -90,7 +90,7 @@ fn accuracy(source: &Source<'_>, table: &At<RawTracker>) -> Result<Option<Tracke
     }))
 }
 
-/// What no residual shows, as far as the cell says.
+/// Errors of the whole experiment, as far as the cell says.
 pub(super) fn uncertainty(
     source: &Source<'_>,
     table: Option<&At<RawUncertainty>>,

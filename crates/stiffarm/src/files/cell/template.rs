@@ -129,7 +129,7 @@ posture_common_mm = 0
 # range_um_per_m = 0.4
 # angle_urad = 3
 
-# Standard uncertainty of what no residual shows, because it is the same all through.
+# Standard uncertainty of errors that are the same all through.
 # [uncertainty]
 # force_scale_percent = 0.5
 # anchor_mm = 5

@@ -27,7 +27,7 @@ pub(super) const LARGEST_LENGTH: f64 = 1e3;
 
 /// Values that say the same twice may differ by this part: by hand one writes
 /// four digits.
-const AGREEMENT: f64 = 1e-3;
+pub(super) const AGREEMENT: f64 = 1e-3;
 
 /// No experiment has more rows, nor degrees of freedom.
 pub(super) const MOST_ROWS: usize = 1_000_000_000;

@@ -1,16 +1,14 @@
 //! The errors common to the experiment behind a saved stiffness.
 
-use super::checks::{SOFTEST, same_name};
+use super::checks::{AGREEMENT, SOFTEST, same_name};
 use super::fault;
 use super::keys::{self, below};
+use super::posterior;
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::systematic::SystematicErrors;
 use crate::model::cell::Cell;
 use serde_json::Value;
-
-/// A sum may differ from its parts by this part of it, or by this fraction of k.
-const AGREEMENT: f64 = 1e-3;
 
 /// The compliance with the errors of `budget`, which stands at `key`.
 ///
@@ -25,6 +23,12 @@ pub(super) fn with_budget(
 ) -> Result<IdentifiedCompliance> {
     keys::check(budget, key, keys::BUDGET)?;
     keys::check_each(budget, key, "sources", keys::SOURCE)?;
+    keys::check_each(budget, key, "uncertainty", keys::UNCERTAINTY)?;
+    if !budget["posterior"].is_null() {
+        let (posterior, key) = (&budget["posterior"], below(key, "posterior"));
+        keys::check(posterior, &key, keys::POSTERIOR)?;
+        keys::check_each(posterior, &key, "parts", keys::POSTERIOR_PART)?;
+    }
     for (i, source) in budget["sources"]
         .as_array()
         .into_iter()
@@ -37,6 +41,9 @@ pub(super) fn with_budget(
     let budget: SystematicErrors = serde_json::from_value(budget.clone())
         .map_err(|e| fault(format!("The common-mode errors cannot be read: {e}.")).key(key))?;
     check(&budget, &compliance, key, cell)?;
+    if let Some(posterior) = &budget.posterior {
+        posterior::check(posterior, &budget, &compliance, key, cell)?;
+    }
     Ok(compliance.with_systematic_errors(&budget))
 }
 
@@ -77,6 +84,9 @@ fn check(
             let parts = source.parts.iter().map(|part| &part.change);
             summed(&source.change, parts.collect(), &below(&key, "change"))?;
         }
+    }
+    if budget.posterior.is_some() {
+        return Ok(());
     }
     let sources = budget.sources.iter().map(|source| &source.change);
     summed(&budget.combined, sources.collect(), &below(key, "combined"))

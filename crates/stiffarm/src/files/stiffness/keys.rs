@@ -70,11 +70,44 @@ pub(super) const MIXED: &[&str] = &[
 ];
 
 /// The errors common to the experiment.
-pub(super) const BUDGET: &[&str] = &["joints", "sources", "combined", "statistical", "findings"];
+pub(super) const BUDGET: &[&str] = &[
+    "joints",
+    "sources",
+    "combined",
+    "statistical",
+    "total",
+    "confidence",
+    "uncertainty",
+    "posterior",
+    "findings",
+];
+
+/// How sure the stiffness of one joint is with everything together.
+pub(super) const UNCERTAINTY: &[&str] = &[
+    "statistical",
+    "systematic",
+    "total",
+    "interval_nm_per_rad",
+    "largest_source",
+];
+
+/// What the readings leave of the sizes of the errors.
+pub(super) const POSTERIOR: &[&str] = &["parts", "mean", "covariance"];
+
+/// One part of it.
+pub(super) const POSTERIOR_PART: &[&str] = &["source", "part", "response", "at_work", "size"];
 
 /// One source of them.
 pub(super) const SOURCE: &[&str] = &[
-    "name", "size", "unit", "declared", "change", "worst", "parts",
+    "name",
+    "size",
+    "unit",
+    "declared",
+    "change",
+    "worst",
+    "remaining",
+    "bounded",
+    "parts",
 ];
 
 /// One part of a source.

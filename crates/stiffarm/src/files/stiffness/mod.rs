@@ -9,6 +9,7 @@ mod checks;
 mod elastic;
 mod errors;
 mod keys;
+mod posterior;
 
 use super::json;
 use crate::error::{Code, Error, Result, did_you_mean};

@@ -160,7 +160,7 @@ fn values(
         softest,
         shift_m: shift.into(),
         deflection_m: shift.norm(),
-        half_width_m: bands.map(|b| b.of(&shift, &arm.sensitivity(&terms)).size_m[3]),
+        half_width_m: bands.map(|b| b.of(&shift, &arm.sensitivity(&terms), &terms).size_m[3]),
         deflection_per_newton_m: shift.norm() / wrench.force.norm(),
         k_jn: length.and_then(|l| condition_number(terms.frames(), &tip, l)),
     })

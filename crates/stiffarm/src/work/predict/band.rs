@@ -1,9 +1,19 @@
 //! How sure a predicted deflection is.
+//!
+//! To first order the true deflection is the predicted one plus s (h − ĥ), with s
+//! the deflection's derivative by the unknowns, plus what acts at work and is not
+//! modelled. While a part of a common error is there with c standard uncertainties,
+//! ĥ is off by R c, and a lost motion or a tilting base moves the tip by W c more, at
+//! the posture and under the load of the work: the deflection is off by D c with
+//! D = W − s R. The two have opposite signs, and partly cancel where work and
+//! identification load the arm alike.
 
 use crate::error::Result;
+use crate::estimate::common::CommonErrors;
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::quantile;
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::numerics::half_width::Level;
+use nalgebra::{DMatrix, Matrix3, Matrix3xX, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Confidence of bands that know no statistical part.
@@ -16,8 +26,8 @@ const CONFIDENCE: f64 = 0.95;
 pub struct TipBand {
     /// From the scatter of the readings behind the joint stiffness, x, y, z \[m\].
     pub statistical_m: [f64; 3],
-    /// From errors common to that experiment, which its residuals do not show,
-    /// x, y, z \[m\].
+    /// From errors common to that experiment, as far as its readings leave them,
+    /// in the stiffness and again at work, x, y, z \[m\].
     pub common_m: [f64; 3],
     /// From the uncertainty of the load at work, x, y, z \[m\].
     pub load_m: [f64; 3],
@@ -33,29 +43,68 @@ pub struct TipBand {
 /// Turns what is known of the unknowns into bands.
 #[derive(Debug, Clone)]
 pub(crate) struct Bands {
-    /// Square roots of the covariance, one column per direction; with the
-    /// quantile that goes with it.
+    /// Covariance of the unknowns, with the quantile that goes with it.
     statistical: Option<(DMatrix<f64>, f64)>,
-    /// Changes of the unknowns by common errors of one standard uncertainty.
-    common: Vec<nalgebra::DVector<f64>>,
+    /// Errors common to the experiment.
+    common: Common,
     /// Relative standard uncertainty of the load.
     load: f64,
-    /// Quantile of the normal.
-    normal: f64,
+    level: Level,
     /// Confidence of the half widths.
     pub(crate) confidence: f64,
+}
+
+/// Common errors, ready for many postures.
+#[derive(Debug, Clone)]
+struct Common {
+    errors: CommonErrors,
+    /// Changes of the unknowns, unknowns × parts.
+    changes: DMatrix<f64>,
+    /// Parts that act again at work: number, term and size.
+    at_work: Vec<(usize, ExtraTerm, f64)>,
+}
+
+impl Common {
+    fn new(predictor: &IdentifiedCompliance) -> Self {
+        let errors = predictor.common.clone();
+        let (unknowns, parts) = (predictor.values.len(), &errors.parts);
+        let at_work = parts.iter().enumerate().filter_map(|(i, part)| {
+            let (term, size) = part.at_work?;
+            // What the predictor has among its unknowns is in the prediction.
+            (!predictor.extra.contains(&term)).then_some((i, term, size))
+        });
+        Common {
+            changes: DMatrix::from_fn(unknowns, parts.len(), |j, i| parts[i].change[j]),
+            at_work: at_work.collect(),
+            errors,
+        }
+    }
+
+    /// Mean and covariance of the error of a shift with this derivative by the
+    /// unknowns, at the posture and load of `terms`.
+    fn of(&self, sensitivity: &DMatrix<f64>, terms: &PostureTerms) -> (Vector3<f64>, Matrix3<f64>) {
+        let mut moved = Matrix3xX::zeros(self.changes.ncols());
+        moved.gemm(-1.0, &sensitivity.rows(0, 3), &self.changes, 0.0);
+        let tip = terms.measuring_points()[0];
+        for (i, term, size) in &self.at_work {
+            let shift = term.twist(terms, &tip).fixed_rows::<3>(0) * *size;
+            let mut column = moved.column_mut(*i);
+            column += shift;
+        }
+        let spread = &moved * &self.errors.covariance * moved.transpose();
+        let mean = &moved * &self.errors.mean;
+        (
+            Vector3::new(mean[0], mean[1], mean[2]),
+            spread.fixed_view::<3, 3>(0, 0).into_owned(),
+        )
+    }
 }
 
 impl Bands {
     /// `None` where nothing is known about the unknowns or the load.
     pub(crate) fn new(predictor: &IdentifiedCompliance, load: f64) -> Result<Option<Self>> {
         let spread = predictor.spread.as_ref();
-        let common: Vec<_> = predictor
-            .common
-            .iter()
-            .flat_map(|c| c.parts.clone())
-            .collect();
-        if spread.is_none() && common.is_empty() && load == 0.0 {
+        if spread.is_none() && predictor.common.is_empty() && load == 0.0 {
             return Ok(None);
         }
         let confidence = spread.map_or(CONFIDENCE, |s| s.confidence);
@@ -65,16 +114,27 @@ impl Bands {
         };
         Ok(Some(Bands {
             statistical,
-            common,
+            common: Common::new(predictor),
             load,
-            normal: quantile(None, confidence)?,
+            level: Level::new(confidence)?,
             confidence,
         }))
     }
 
     /// The band of a shift (m) whose derivative by the unknowns is
-    /// `sensitivity`, 3 × unknowns.
-    pub(crate) fn of(&self, shift: &Vector3<f64>, sensitivity: &DMatrix<f64>) -> TipBand {
+    /// `sensitivity`, 3 × unknowns, of the tip at the posture and load of `terms`.
+    ///
+    /// The parts are independent. What the readings say of the common errors is not
+    /// taken out of the prediction, so their mean is not zero, and the half widths
+    /// are those of a normal quantity with that mean; Student's t of the statistical
+    /// part counts as normal scatter of the same half width.
+    pub(crate) fn of(
+        &self,
+        shift: &Vector3<f64>,
+        sensitivity: &DMatrix<f64>,
+        terms: &PostureTerms,
+    ) -> TipBand {
+        let normal = self.level.quantile();
         let (statistical, t) = match &self.statistical {
             Some((covariance, t)) => {
                 let full = sensitivity * covariance * sensitivity.transpose();
@@ -82,40 +142,31 @@ impl Bands {
             }
             None => (Matrix3::zeros(), 0.0),
         };
-        let mut common = Matrix3::zeros();
-        for change in &self.common {
-            let moved = sensitivity * change;
-            let moved = Vector3::new(moved[0], moved[1], moved[2]);
-            common += moved * moved.transpose();
-        }
+        let (mean, common) = self.common.of(sensitivity, terms);
         // A load too large by a fraction bends more by that fraction.
         let load = shift * shift.transpose() * self.load.powi(2);
-        let std = |m: &Matrix3<f64>| m.diagonal().map(|v| v.max(0.0).sqrt());
-        let parts = [
-            std(&statistical) * t,
-            std(&common) * self.normal,
-            std(&load) * self.normal,
-        ];
-        let total = Vector3::from_fn(|i, _| parts.iter().map(|p| p[i] * p[i]).sum::<f64>().sqrt());
-        let along = shift.try_normalize(0.0).unwrap_or_default();
-        let size = |m: &Matrix3<f64>, q: f64| q * along.dot(&(m * along)).max(0.0).sqrt();
-        let sizes = [
-            size(&statistical, t),
-            size(&common, self.normal),
-            size(&load, self.normal),
-        ];
+        let along = |direction: &Vector3<f64>| -> [f64; 4] {
+            let std = |m: &Matrix3<f64>| direction.dot(&(m * direction)).max(0.0).sqrt();
+            let scatter = [std(&statistical) * t / normal, std(&common), std(&load)];
+            let offset = direction.dot(&mean);
+            let all = scatter.iter().map(|s| s * s).sum::<f64>().sqrt();
+            [
+                scatter[0] * normal,
+                self.level.half_width(offset, scatter[1]),
+                scatter[2] * normal,
+                self.level.half_width(offset, all),
+            ]
+        };
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| along(&axis));
+        let part = |i: usize| axes.map(|axis| axis[i]);
+        let squares = (statistical + common + load).trace() + mean.norm_squared();
         TipBand {
-            statistical_m: parts[0].into(),
-            common_m: parts[1].into(),
-            load_m: parts[2].into(),
-            total_m: total.into(),
-            size_m: [
-                sizes[0],
-                sizes[1],
-                sizes[2],
-                sizes.iter().map(|s| s * s).sum::<f64>().sqrt(),
-            ],
-            rms_m: (statistical + common + load).trace().max(0.0).sqrt(),
+            statistical_m: part(0),
+            common_m: part(1),
+            load_m: part(2),
+            total_m: part(3),
+            size_m: along(&shift.try_normalize(0.0).unwrap_or_default()),
+            rms_m: squares.max(0.0).sqrt(),
         }
     }
 }

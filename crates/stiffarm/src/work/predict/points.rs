@@ -190,7 +190,7 @@ fn point(
     let band = match bands {
         Some(bands) => {
             let terms = arm.terms(&posture.q, wrench)?;
-            Some(bands.of(&shift, &arm.sensitivity(&terms)))
+            Some(bands.of(&shift, &arm.sensitivity(&terms), &terms))
         }
         None => None,
     };
@@ -300,7 +300,7 @@ fn findings(result: &Prediction) -> Vec<Finding> {
             Severity::Note,
             "band",
             format!(
-                "Errors common to the identification's experiment are most of the band at {} of the points: more readings of that kind would not narrow it.",
+                "Systematic errors are most of the band at {} of the points: what `identify` names as the largest of them would narrow it most.",
                 percent(dominated as f64 / result.points.len() as f64)
             ),
         ));

@@ -58,7 +58,7 @@ pub(in crate::files::cell) struct RawTracker {
     pub angle_urad: Option<Number>,
 }
 
-/// Standard uncertainty of what is common to the whole experiment and shows in no residual.
+/// Standard uncertainty of errors common to the whole experiment, before the readings say what they can.
 #[derive(Debug, Deserialize)]
 #[cfg_attr(
     feature = "schema",

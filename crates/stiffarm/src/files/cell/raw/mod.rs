@@ -84,7 +84,7 @@ pub(super) struct RawCell {
     pub sensor: Option<At<RawSensor>>,
     /// The laser tracker: where its readings' axes are, and how exact it is.
     pub tracker: Option<At<RawTracker>>,
-    /// Standard uncertainty of what is common to the whole experiment and shows in no residual.
+    /// Standard uncertainty of errors common to the whole experiment, before the readings say what they can.
     pub uncertainty: Option<At<RawUncertainty>>,
     /// Headings of measurement tables and paths that another software writes: ours, with the
     /// unit that the table has, = theirs.

@@ -1,0 +1,105 @@
+//! How a fit answers to a change of its displacements, with everything held
+//! that it took from the data besides: the ratio of the two variances, Huber's
+//! weights, the compliances held at zero. So the answer is linear.
+
+use super::assumptions::Estimator;
+use super::fit::Fit;
+use super::solve::with_prior_rows;
+use crate::error::Result;
+use crate::numerics::information::Factor;
+use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
+
+/// The rows of a fit as it weighs them: independent and alike, √weight of Huber in
+/// them, those of a prior below.
+pub(crate) struct Response<'a> {
+    fit: &'a Fit,
+    psi: DMatrix<f64>,
+    /// The measured displacements.
+    delta: DVector<f64>,
+    /// Factor of the columns that are free.
+    factor: Cow<'a, Factor>,
+    /// Unknowns that are not held.
+    free: Vec<usize>,
+}
+
+impl<'a> Response<'a> {
+    /// # Errors
+    /// A decomposition that fails.
+    pub(crate) fn new(fit: &'a Fit) -> Result<Self> {
+        let (whitened, solution) = (fit.prepared().whitened(), fit.solution());
+        let (assumed, springs) = (fit.assumed(), fit.system().springs);
+        let mut psi = whitened.with_shifts(whitened.psi(), solution.gamma);
+        weigh(fit, &mut psi);
+        let mut delta = weighed(fit, &fit.system().delta);
+        let prior = assumed.prior.as_ref().zip(solution.sigma);
+        if let (Estimator::Prior, Some((prior, sigma))) = (assumed.estimator, prior) {
+            (psi, delta) = with_prior_rows(psi, delta, springs, prior, sigma);
+        }
+        let held = match assumed.estimator {
+            Estimator::NonNegative => &solution.at_bound[..],
+            _ => &[],
+        };
+        let free: Vec<usize> = (0..psi.ncols()).filter(|j| !held.contains(j)).collect();
+        let own = solution.weights.is_some() || free.len() < psi.ncols();
+        let factor = match own && !free.is_empty() {
+            true => Cow::Owned(Factor::new(&psi.select_columns(&free))?),
+            false => Cow::Borrowed(&solution.factor),
+        };
+        Ok(Response {
+            fit,
+            psi,
+            delta,
+            factor,
+            free,
+        })
+    }
+
+    /// The measured displacements as the fit weighs them.
+    pub(crate) fn delta(&self) -> &DVector<f64> {
+        &self.delta
+    }
+
+    /// A change of the displacements (rows as in the system, m) as the fit weighs
+    /// them; a prior does not change.
+    ///
+    /// # Panics
+    /// If there is not one entry per row of the system.
+    pub(crate) fn weighed(&self, shift: &DVector<f64>) -> DVector<f64> {
+        weighed(self.fit, shift).resize_vertically(self.psi.nrows(), 0.0)
+    }
+
+    /// Change of the unknowns when the weighed displacements change by `weighed`.
+    pub(crate) fn of(&self, weighed: &DVector<f64>) -> DVector<f64> {
+        let mut out = DVector::zeros(self.psi.ncols());
+        if self.free.is_empty() {
+            return out;
+        }
+        let change = self.factor.solve(weighed);
+        for (j, value) in self.free.iter().zip(change.iter()) {
+            out[*j] = *value;
+        }
+        out
+    }
+
+    /// What is left of weighed displacements when the unknowns are `values`.
+    pub(crate) fn left(&self, weighed: &DVector<f64>, values: &DVector<f64>) -> DVector<f64> {
+        weighed - &self.psi * values
+    }
+}
+
+/// Displacements, or a change of them, as the fit weighs them.
+fn weighed(fit: &Fit, shift: &DVector<f64>) -> DVector<f64> {
+    let whitened = fit.prepared().whitened();
+    let white = whitened.delta_with_shifts(&whitened.whiten(shift), fit.solution().gamma);
+    let mut out = DMatrix::from_columns(&[white]);
+    weigh(fit, &mut out);
+    out.column(0).into_owned()
+}
+
+/// Rows times the roots of Huber's weights, where there are any.
+fn weigh(fit: &Fit, rows: &mut DMatrix<f64>) {
+    for (d, weight) in fit.solution().weights.iter().flatten().enumerate() {
+        rows.rows_mut(3 * d, 3).scale_mut(weight.sqrt());
+    }
+}

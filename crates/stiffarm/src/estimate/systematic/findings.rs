@@ -1,0 +1,190 @@
+//! The common errors in sentences.
+
+use super::{SystematicErrors, SystematicSource};
+use crate::findings::{Finding, Severity, length, list, percent};
+
+/// Readings that leave less than this of a size have bounded it.
+const BOUNDED: f64 = 0.9;
+/// Readings that show this many times the size contradict it.
+const CONTRADICTED: f64 = 1.5;
+
+impl SystematicSource {
+    /// The source in words.
+    fn what(&self) -> &'static str {
+        match self.name.as_str() {
+            "force-scale" => "force scale",
+            "anchor" => "rope anchor",
+            "loading-point" => "loading point",
+            "registration" => "registration",
+            "base-tilt" => "tilt of the base",
+            "sensor" => "compliance between flange and reflectors",
+            _ => "lost motion",
+        }
+    }
+
+    /// Its size in words.
+    fn how_much(&self) -> String {
+        let stiffness = || format!("{:.1e} N·m/rad", 1.0 / self.size);
+        match self.name.as_str() {
+            "force-scale" => percent(self.size),
+            "anchor" | "loading-point" => format!("{} an axis", length(self.size)),
+            "registration" => format!("{:.2} mrad an axis", 1e3 * self.size),
+            "base-tilt" | "sensor" if self.size > 0.0 => stiffness(),
+            "base-tilt" | "sensor" => "rigid".to_string(),
+            _ => format!(
+                "{:.2} arc-minutes each joint",
+                60.0 * self.size.to_degrees()
+            ),
+        }
+    }
+
+    fn words(&self) -> String {
+        format!("{} ({})", self.what(), self.how_much())
+    }
+
+    /// What would make it smaller.
+    fn remedy(&self) -> &'static str {
+        match self.name.as_str() {
+            "force-scale" => "check the force with a known weight and declare what it shows",
+            "anchor" => "measure the anchor with the tracker and declare how well",
+            "loading-point" => "measure the loading point with the tracker and declare how well",
+            "registration" => "register with more points, farther apart, and declare how well",
+            "base-tilt" => "measure a reflector on the base and subtract its motion",
+            "sensor" => "give the stiffness of the sensor, or put the reflectors before it",
+            _ => "measure against a light preload, or in more postures, which bound it",
+        }
+    }
+}
+
+/// What matters.
+pub(super) fn findings(budget: &SystematicErrors) -> Vec<Finding> {
+    let mut out = Vec::new();
+    if let Some(force) = budget.sources.first() {
+        let assumed = if force.declared { "" } else { " (assumed)" };
+        let message = format!(
+            "A force that is read {} too large{assumed} makes every k {0} too large and shows in no residual.",
+            percent(force.size)
+        );
+        let code = "force-scale";
+        out.push(Finding::new(code, Severity::Note, "uncertainty", message));
+    }
+    out.extend(budget.sources.iter().filter_map(seen));
+    for source in &budget.sources {
+        let own = largest_for(budget, source);
+        if !own.is_empty() {
+            let message = format!(
+                "Of the systematic errors that the readings leave, {} is the largest for {}: {}.",
+                source.words(),
+                list(&own),
+                source.remedy()
+            );
+            let code = "largest-common-error";
+            out.push(Finding::new(code, Severity::Note, &source.name, message));
+        }
+    }
+    for (j, name) in budget.joints.iter().enumerate() {
+        let all = |source: &&SystematicSource| source.bounded[j].is_some_and(|b| b >= 1.0);
+        if let Some(source) = budget.sources.iter().find(all) {
+            let message = format!(
+                "The {} can explain all of the give of {name}: {}.",
+                source.words(),
+                source.remedy()
+            );
+            let code = "common-error-explains-all";
+            out.push(Finding::new(code, Severity::Caution, name, message));
+        }
+    }
+    out.extend(dominating(budget));
+    let assumed = budget.sources.iter().filter(|s| !s.declared);
+    let assumed: Vec<String> = assumed.map(SystematicSource::words).collect();
+    if !assumed.is_empty() {
+        let message = format!(
+            "Assumed, not declared in [uncertainty]: {}.",
+            list(&assumed)
+        );
+        let code = "assumed-uncertainty";
+        out.push(Finding::new(code, Severity::Note, "uncertainty", message));
+    }
+    out
+}
+
+/// What the readings say of a size.
+fn seen(source: &SystematicSource) -> Option<Finding> {
+    let remaining = source.remaining?;
+    let (code, severity, message) = match remaining {
+        left if left < BOUNDED => (
+            "size-bounded",
+            Severity::Note,
+            format!(
+                "The readings bound {}: they leave {} of that.",
+                source.words(),
+                percent(left)
+            ),
+        ),
+        more if more > CONTRADICTED => (
+            "size-contradicted",
+            Severity::Caution,
+            format!(
+                "The residuals look like {:.1} times the {} that is {}: {}.",
+                more,
+                source.words(),
+                if source.declared {
+                    "declared"
+                } else {
+                    "assumed"
+                },
+                source.remedy()
+            ),
+        ),
+        _ => return None,
+    };
+    Some(Finding::new(code, severity, &source.name, message))
+}
+
+/// Joints for which a source is the largest, with what it leaves.
+fn largest_for(budget: &SystematicErrors, source: &SystematicSource) -> Vec<String> {
+    let names = budget.joints.iter().zip(&budget.uncertainty).enumerate();
+    names
+        .filter(|(_, (_, own))| own.largest_source.as_ref() == Some(&source.name))
+        .filter_map(|(j, (name, _))| Some(format!("{name} ({})", percent(source.bounded[j]?))))
+        .collect()
+}
+
+/// Joints whose systematic errors are larger than the scatter of the readings.
+fn dominating(budget: &SystematicErrors) -> Option<Finding> {
+    let (mut names, mut sources) = (Vec::new(), Vec::new());
+    for (j, name) in budget.joints.iter().enumerate() {
+        let (Some(common), Some(statistical)) = (budget.combined[j], budget.statistical[j]) else {
+            continue;
+        };
+        if common > statistical {
+            names.push(name.as_str());
+            sources.extend(budget.uncertainty[j].largest_source.as_deref());
+        }
+    }
+    let mut largest: Vec<&SystematicSource> = budget.sources.iter().collect();
+    let count = |s: &SystematicSource| sources.iter().filter(|name| **name == s.name).count();
+    largest.sort_by_key(|source| std::cmp::Reverse(count(source)));
+    let first = largest.first()?;
+    if names.is_empty() {
+        return None;
+    }
+    let all = names.len() == budget.joints.len();
+    let message = format!(
+        "Systematic errors are larger than the scatter of the readings for {}. Largest for most: {}; {}.",
+        if all {
+            "every joint".to_string()
+        } else {
+            list(&names)
+        },
+        first.words(),
+        first.remedy()
+    );
+    let code = "common-error-dominates";
+    Some(Finding::new(
+        code,
+        Severity::Caution,
+        "uncertainty",
+        message,
+    ))
+}

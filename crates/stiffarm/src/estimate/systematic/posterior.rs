@@ -1,0 +1,190 @@
+//! How large the parts of the common errors may be once the readings are there.
+//!
+//! Part i shifts the displacements by S_i for each standard uncertainty, so with
+//! c ~ N(0, I) and noise as the fit found it
+//!
+//! ```text
+//! Δ = Ψ h + S c + ε,   Cov ε = σ²V.
+//! ```
+//!
+//! With the residual projector Q = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, A = SᵀQS/σ² and
+//! b = SᵀQΔ/σ² the readings leave c with covariance (I + A)⁻¹ and mean (I + A)⁻¹b.
+//! What the estimates can follow, a force scale say, has QS = 0 and keeps its size.
+//!
+//! The parts of some sources are alike: the gaps of an arm's joints are of one
+//! size, known no better than the statement of it. Theirs is ω times the
+//! statement, one ω for all of them, uniform and of mean square one before the
+//! readings. Its likelihood given the residuals, |I + A_ω|^(−1/2) exp(bωᵀ(I + A_ω)⁻¹bω/2),
+//! weighs the moments. Where the residuals say nothing, they are those of the
+//! statement again.
+
+use super::sources::Source;
+use crate::error::Result;
+use crate::estimate::identify::{Fit, Response};
+use nalgebra::{DMatrix, DVector};
+
+/// Sizes ω that are looked at.
+const SIZES: usize = 40;
+/// No displacement is exact beyond this fraction of all of them: the residuals
+/// of readings without noise are rounding, and say nothing.
+const EXACT: f64 = 1e-9;
+
+/// All parts of all sources in one order.
+pub(super) struct Parts {
+    /// Change of the unknowns by each, unknowns × parts.
+    pub response: DMatrix<f64>,
+    /// Mean of c.
+    pub mean: DVector<f64>,
+    /// Covariance of c.
+    pub covariance: DMatrix<f64>,
+}
+
+/// What one standard uncertainty of each part does, and what the readings say
+/// of its size.
+///
+/// Without an estimate of σ nothing is learned. Huber's weights and the
+/// compliances that the non-negative fit holds at zero count as given; a prior
+/// of the stiffness takes part in Q.
+///
+/// # Errors
+/// A decomposition that fails; stopped.
+pub(super) fn parts(fit: &Fit, sources: &[Source]) -> Result<Parts> {
+    let (response, solution) = (Response::new(fit)?, fit.solution());
+    let shifts = sources.iter().flat_map(|source| &source.parts);
+    let (mut changes, mut left) = (Vec::new(), Vec::new());
+    for part in shifts {
+        fit.control().check()?;
+        let own = response.weighed(&part.shift);
+        let change = response.of(&own);
+        left.push(response.left(&own, &change));
+        changes.push(change);
+    }
+    let count = changes.len();
+    let unknowns = solution.values.len();
+    let mut out = Parts {
+        response: DMatrix::from_fn(unknowns, count, |j, i| changes[i][j]),
+        mean: DVector::zeros(count),
+        covariance: DMatrix::identity(count, count),
+    };
+    let delta = &fit.system().delta;
+    let exact = EXACT * delta.norm() / (delta.len().max(1) as f64).sqrt();
+    let known = solution.t_degrees_of_freedom != Some(0);
+    let Some(sigma) = solution.sigma.filter(|_| known).map(|s| s.max(exact)) else {
+        return Ok(out);
+    };
+    if count == 0 || sigma <= 0.0 {
+        return Ok(out);
+    }
+    let misfit = response.left(response.delta(), &solution.values);
+    // What is left of S̃ times itself is SᵀQS, the rows of a prior included.
+    let variance = sigma * sigma;
+    let seen = DMatrix::from_fn(count, count, |i, k| left[i].dot(&left[k]) / variance);
+    let said = DVector::from_fn(count, |i, _| left[i].dot(&misfit) / variance);
+    let alike: Vec<bool> = sources
+        .iter()
+        .flat_map(|source| source.parts.iter().map(|_| source.alike))
+        .collect();
+    if let Some((mean, covariance)) = moments(&seen, &said, &alike) {
+        out.mean = mean;
+        out.covariance = covariance;
+    }
+    Ok(out)
+}
+
+/// Mean and covariance of c given A and b; parts that are `alike` share one
+/// unknown size. `None` where a number is not finite.
+fn moments(
+    seen: &DMatrix<f64>,
+    said: &DVector<f64>,
+    alike: &[bool],
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let count = said.len();
+    let at = |size: f64| -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
+        let scale = DVector::from_fn(count, |i, _| if alike[i] { size } else { 1.0 });
+        let own = DMatrix::from_fn(count, count, |i, k| {
+            f64::from(u8::from(i == k)) + scale[i] * seen[(i, k)] * scale[k]
+        });
+        let factor = own.cholesky()?;
+        let towards = said.component_mul(&scale);
+        let solved = factor.solve(&towards);
+        let ln_determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+        let likelihood = 0.5 * towards.dot(&solved) - ln_determinant;
+        let mean = solved.component_mul(&scale);
+        let inverse = factor.inverse();
+        let covariance =
+            DMatrix::from_fn(count, count, |i, k| scale[i] * inverse[(i, k)] * scale[k]);
+        let numbers = mean.iter().chain(&covariance);
+        let finite = likelihood.is_finite() && numbers.into_iter().all(|v| v.is_finite());
+        finite.then_some((likelihood, mean, covariance))
+    };
+    if !alike.contains(&true) {
+        return at(1.0).map(|(_, mean, covariance)| (mean, covariance));
+    }
+    let looked: Option<Vec<_>> = sizes()
+        .into_iter()
+        .map(|(size, weight)| {
+            let (likelihood, mean, covariance) = at(size)?;
+            Some((likelihood + weight.ln(), mean, covariance))
+        })
+        .collect();
+    let looked = looked?;
+    let best = looked.iter().map(|l| l.0).fold(f64::NEG_INFINITY, f64::max);
+    let total: f64 = looked.iter().map(|l| (l.0 - best).exp()).sum();
+    let weight = |likelihood: f64| (likelihood - best).exp() / total;
+    let mut mean = DVector::zeros(count);
+    for (likelihood, own, _) in &looked {
+        mean += own * weight(*likelihood);
+    }
+    let mut covariance = DMatrix::zeros(count, count);
+    for (likelihood, own, within) in looked {
+        let between = own - &mean;
+        covariance += (within + &between * between.transpose()) * weight(likelihood);
+    }
+    Some((mean, covariance))
+}
+
+/// Sizes ω with their weights before the readings: uniform, close together near
+/// zero, weights of sum one and mean square one.
+fn sizes() -> Vec<(f64, f64)> {
+    let steps = || (0..SIZES).map(|k| (k as f64 + 0.5) / SIZES as f64);
+    // ω ~ u² makes dω ~ u du.
+    let sum: f64 = steps().sum();
+    let square: f64 = steps().map(|u| u.powi(5) / sum).sum();
+    steps().map(|u| (u * u / square.sqrt(), u / sum)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the readings say nothing, sizes are as stated.
+    #[test]
+    fn nothing_seen_is_nothing_learned() {
+        let (mean, covariance) = moments(
+            &DMatrix::zeros(3, 3),
+            &DVector::zeros(3),
+            &[true, true, false],
+        )
+        .unwrap();
+        assert_eq!(mean, DVector::zeros(3));
+        assert!((covariance - DMatrix::identity(3, 3)).norm() < 1e-14);
+        let total: f64 = sizes().iter().map(|(_, weight)| weight).sum();
+        assert!((total - 1.0).abs() < 1e-14);
+        assert!((sizes()[SIZES - 1].0 - 3f64.sqrt()).abs() < 0.05);
+    }
+
+    /// A part that is seen well and found to be absent says that those alike
+    /// are small, too; one that is not alike keeps its size.
+    #[test]
+    fn what_one_joint_shows_is_said_of_those_alike() {
+        let mut seen = DMatrix::zeros(3, 3);
+        seen[(0, 0)] = 1e4;
+        let (_, covariance) = moments(&seen, &DVector::zeros(3), &[true, true, false]).unwrap();
+        assert!(covariance[(0, 0)] < 2e-4);
+        assert!(covariance[(1, 1)] < 0.4, "{covariance}");
+        assert!((covariance[(2, 2)] - 1.0).abs() < 1e-12);
+        let said = DVector::from_vec(vec![2e4, 0.0, 0.0]);
+        let (mean, covariance) = moments(&seen, &said, &[true, true, false]).unwrap();
+        assert!((mean[0] - 2.0).abs() < 1e-3 && covariance[(1, 1)] > 1.2);
+    }
+}

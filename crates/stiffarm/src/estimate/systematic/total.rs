@@ -1,0 +1,75 @@
+//! How sure each joint's stiffness is with everything together.
+
+use super::posterior::Parts;
+use super::{SystematicSource, has_stiffness};
+use crate::error::Result;
+use crate::estimate::identify::{Fit, interval_quantile};
+use crate::numerics::half_width::Level;
+use serde::{Deserialize, Serialize};
+
+/// How sure the stiffness of one joint is, at the confidence of the fit.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointUncertainty {
+    /// Half width by the scatter of the readings (fraction of k, first order).
+    pub statistical: Option<f64>,
+    /// Half width by the common errors that the readings leave (fraction of k,
+    /// first order).
+    pub systematic: Option<f64>,
+    /// Half width by both together (fraction of k, first order).
+    pub total: Option<f64>,
+    /// Ends of the interval of k that holds both \[N·m/rad\]: 1/(H ± half width of H);
+    /// open above where that reaches zero compliance.
+    pub interval_nm_per_rad: [Option<f64>; 2],
+    /// The source of common error that contributes most.
+    pub largest_source: Option<String>,
+}
+
+/// One for each joint.
+///
+/// Half widths are about the estimate, which the mean of the common errors does
+/// not correct: they hold a normal quantity whose mean is not zero. Student's t of
+/// the statistical part counts as the normal scatter of the same half width.
+///
+/// # Errors
+/// A quantile that cannot be computed.
+pub(super) fn uncertainty(
+    fit: &Fit,
+    sources: &[SystematicSource],
+    parts: &Parts,
+) -> Result<Vec<JointUncertainty>> {
+    let solution = fit.solution();
+    let level = Level::new(fit.options().confidence)?;
+    let t = interval_quantile(solution, fit.options().confidence)?;
+    let of = |j: usize| {
+        let h = solution.values[j];
+        if !has_stiffness(fit, j) {
+            return JointUncertainty::default();
+        }
+        let own = parts.response.row(j);
+        let mean = (own * &parts.mean)[(0, 0)];
+        let std = (own * &parts.covariance * own.transpose())[(0, 0)]
+            .max(0.0)
+            .sqrt();
+        let scatter = t
+            .zip(solution.covariance.as_ref())
+            .map(|(t, covariance)| t * covariance[(j, j)].max(0.0).sqrt());
+        let total = scatter.map(|s| level.half_width(mean, std.hypot(s / level.quantile())));
+        let largest = sources
+            .iter()
+            .filter_map(|s| Some((s, s.bounded.get(j).copied().flatten()?)))
+            .filter(|(_, bounded)| *bounded > 0.0)
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        JointUncertainty {
+            statistical: scatter.map(|s| s / h),
+            systematic: Some(level.half_width(mean, std) / h),
+            total: total.map(|w| w / h),
+            interval_nm_per_rad: match total {
+                Some(w) => [Some(1.0 / (h + w)), (h > w).then(|| 1.0 / (h - w))],
+                None => [None, None],
+            },
+            largest_source: largest.map(|(source, _)| source.name.clone()),
+        }
+    };
+    Ok((0..fit.system().springs).map(of).collect())
+}
