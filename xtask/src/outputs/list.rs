@@ -207,7 +207,14 @@ mod tests {
         // Searches that would go on until nothing improves depend on no clock either, but take long.
         for call in all.iter().filter(|c| !c.is_wrong && c.words[0] == "select") {
             let has = |word: &str| call.words.iter().any(|w| w == word);
-            let ends = ["--rounds", "--from", "--drop", "--space-filling"].map(has);
+            let ends = [
+                "--rounds",
+                "--from",
+                "--drop",
+                "--space-filling",
+                "--candidates",
+            ]
+            .map(has);
             let asks = ["--help", "-h"].map(has);
             assert!(ends.contains(&true) || asks.contains(&true), "{call:?}");
             assert!(!has("--time-limit"), "{call:?}");

@@ -322,6 +322,10 @@ proptest! {
         let moved = evaluate(&moved, "", &postures).unwrap();
         for (what, after) in [("turned", turned), ("swapped", swapped), ("moved", moved)] {
             for index in Index::ALL {
+                // The base's spring stands where the base frame does.
+                if what == "moved" && index == Index::Prediction {
+                    continue;
+                }
                 match (before.indices.get(index), after.indices.get(index)) {
                     (Some(a), Some(b)) => prop_assert!((a / b - 1.0).abs() < 1e-9, "{what} {index:?}: {a} {b}"),
                     (a, b) => prop_assert_eq!(a, b),

@@ -168,7 +168,7 @@ pub fn evaluate<Q: AsRef<[f64]>>(
 }
 
 /// The model behind the index `prediction`, where the cell has what it needs.
-fn prediction_model(cell: &Cell) -> Option<PredictionModel> {
+pub(crate) fn prediction_model(cell: &Cell) -> Option<PredictionModel> {
     let sizes = ElasticSizes::typical(&cell.setup, cell.prior.as_ref()?).ok()?;
     PredictionModel::new(cell, &sizes).ok()
 }

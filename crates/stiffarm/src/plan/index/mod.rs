@@ -12,8 +12,8 @@ pub(crate) mod minimax;
 pub(crate) mod prediction;
 
 pub use error_bound::{ErrorBound, error_bound};
-pub(crate) use evaluate::evaluate_terms;
 pub use evaluate::{FIRST_ORDER_LIMIT, GroupEvaluation, Indices, evaluate, expected_deviation};
+pub(crate) use evaluate::{evaluate_terms, prediction_model};
 pub use function::IndexFunction;
 pub use kinds::Index;
 pub use minimax::Smoothed;
