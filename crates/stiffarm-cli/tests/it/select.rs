@@ -538,3 +538,44 @@ fn a_study_on_measurements_writes_its_folder() {
     folder.refused("study builtin:comau --splits 3");
     assert!(!folder.path("never").exists());
 }
+
+#[test]
+fn a_posture_that_is_planned_twice_is_said_so() {
+    let folder = Folder::new();
+    let line = "select builtin:comau -n 8 --no-certificate --rounds 6";
+    let result = folder.json(line)["result"].clone();
+    let repeats = result["repeats"].as_array().unwrap();
+    let postures = result["postures_deg"].as_array().unwrap();
+    let names = result["posture_names"].as_array().unwrap();
+    let angles = |name: &Value| -> Vec<f64> {
+        let at = names.iter().position(|n| n == name).unwrap();
+        postures[at]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(number)
+            .collect()
+    };
+    assert!(!repeats.is_empty(), "{result}");
+    for same in repeats {
+        let same = same.as_array().unwrap();
+        let first = angles(&same[0]);
+        for other in &same[1..] {
+            let apart = angles(other)
+                .iter()
+                .zip(&first)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
+            assert!(apart <= 0.5, "{apart}");
+        }
+    }
+    let out = folder.ok(line);
+    assert!(
+        out.contains("note: measure posture ") && out.contains("twice"),
+        "{out}"
+    );
+    folder.refused("select builtin:comau --index prediction --largest-load-n 600");
+    // An index that counts more than noise does not repeat itself.
+    let spread = folder.json("select builtin:comau -n 8 --rounds 3 --index prediction");
+    assert_eq!(spread["result"]["repeats"].as_array().unwrap().len(), 0);
+}

@@ -12,7 +12,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::{GroupEvaluation, evaluate};
 use stiffarm::plan::select::{
-    GlobalOptions, LocalOptions, Selection, Sensitivity, SensitivityOptions, select_from,
+    GlobalOptions, LocalOptions, Selection, Sensitivity, SensitivityOptions, repeats, select_from,
     select_watched, sensitivity,
 };
 
@@ -99,6 +99,10 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
     let plan = Plan {
         posture_names: names(&selected),
+        repeats: repeats(&selected)
+            .into_iter()
+            .map(|same| same.iter().map(|p| selected[*p].name.clone()).collect())
+            .collect(),
         given_names: names(&given),
         given_value: match given.is_empty() {
             true => None,

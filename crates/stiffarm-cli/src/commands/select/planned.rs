@@ -41,6 +41,9 @@ pub struct Plan {
     pub selection: Selection,
     /// Names of the selected postures, in the order of `postures_deg`.
     pub posture_names: Vec<String>,
+    /// Names of selected postures that are the same within half a degree in every joint, group
+    /// by group: what to measure more than once.
+    pub repeats: Vec<Vec<String>>,
     /// Names of the postures that were given; empty without any.
     pub given_names: Vec<String>,
     /// The index of the given postures alone; `null` where there are none or

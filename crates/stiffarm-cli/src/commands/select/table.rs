@@ -9,6 +9,7 @@ use crate::commands::{posture_remarks, posture_table};
 use crate::numbers::{coarse_mm, percent, significant};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
+use stiffarm::findings::list;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::{GroupEvaluation, expected_deviation};
 use stiffarm::plan::select::Selection;
@@ -125,6 +126,7 @@ fn remarks(planned: &Planned<'_>) -> String {
     if cell.setup.robot.limits_are_unknown() {
         out += "the machine's limits are not known (±360° stand in): compare the postures with the machine before driving them\n";
     }
+    out += &repeated(&planned.plan.repeats);
     for remark in posture_remarks(cell, planned.given) {
         out += &format!("{}: given {remark}\n", yellow("note"));
     }
@@ -144,6 +146,35 @@ fn remarks(planned: &Planned<'_>) -> String {
         }
     }
     out
+}
+
+/// What to measure more than once.
+fn repeated(repeats: &[Vec<String>]) -> String {
+    let Some(first) = repeats.first() else {
+        return String::new();
+    };
+    let times = |count: usize| match count {
+        2 => "twice".to_string(),
+        count => format!("{count} times"),
+    };
+    let each: Vec<String> = repeats
+        .iter()
+        .map(|same| {
+            format!(
+                "posture {} {} (it is also {})",
+                same[0],
+                times(same.len()),
+                list(&same[1..])
+            )
+        })
+        .collect();
+    format!(
+        "{}: measure {}: drive away in between. Against noise alone posture {} is worth more a second time than any \
+         other once; what else may be wrong shows better at another posture (--index prediction)\n",
+        yellow("note"),
+        list(&each),
+        first[0]
+    )
 }
 
 /// The postures; beside given ones, which are which.

@@ -21,7 +21,7 @@ pub use from_group::select_from;
 pub use global::{GlobalOptions, RoundReport, select, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
 pub use posture_value::{Dropped, PostureValue, drop_postures, evaluations as drop_evaluations};
-pub use selection::{Selection, smallest_margin};
+pub use selection::{Selection, repeats, smallest_margin};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
 };

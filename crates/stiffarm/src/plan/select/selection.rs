@@ -77,6 +77,39 @@ impl Selection {
     }
 }
 
+/// Angles of one posture within this of another's, in every joint, make it the same to an
+/// observation matrix \[rad\]: half a degree.
+const SAME_POSTURE: f64 = 8.726_646_259_971_648e-3;
+
+/// Groups of positions of postures (controller angles, rad) that are the same within half a
+/// degree in every joint, each group in order; empty where all differ.
+///
+/// A plan that is best against noise alone may hold a posture twice: its readings are
+/// worth more than those of any other posture. Where more is wrong than noise, a repeat
+/// shows nothing new.
+///
+/// ```
+/// use stiffarm::plan::select::repeats;
+///
+/// let group = [[0.1, 0.2], [1.0, 0.2], [0.1, 0.2005]];
+/// assert_eq!(repeats(&group), [[0, 2]]);
+/// ```
+pub fn repeats<Q: AsRef<[f64]>>(group: &[Q]) -> Vec<Vec<usize>> {
+    let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_POSTURE);
+    let mut out: Vec<Vec<usize>> = Vec::new();
+    for (p, q) in group.iter().enumerate() {
+        let known = out
+            .iter_mut()
+            .find(|known| same(group[known[0]].as_ref(), q.as_ref()));
+        match known {
+            Some(known) => known.push(p),
+            None => out.push(vec![p]),
+        }
+    }
+    out.retain(|same| same.len() > 1);
+    out
+}
+
 /// Refuses bounds that no angle meets.
 pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
     let reversed = |b: &[f64; 2]| b[0].is_nan() || b[1].is_nan() || b[0] > b[1];

@@ -137,6 +137,13 @@ pub fn select_watched(
         )
         .hint("leave out the load's boxes, or the given postures"));
     }
+    if !options.load.is_empty() && index == Index::Prediction {
+        return Err(Error::new(
+            Code::Unsupported,
+            "The load cannot be chosen together with the postures under the index prediction.",
+        )
+        .hint("choose the load under task or expected_error, put it into the cell, then select by prediction"));
+    }
     let prepared = options.load.prepare(cell)?;
     let mut search = Global::new(&prepared, index, count, options)?;
     let termination = search.rounds(control, watch)?;
