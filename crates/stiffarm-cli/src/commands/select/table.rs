@@ -7,6 +7,7 @@ use super::{load, sensitivity};
 use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
 use crate::commands::{posture_remarks, posture_table};
 use crate::numbers::{coarse_mm, percent, significant};
+use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
 use stiffarm::findings::list;
@@ -168,13 +169,14 @@ fn repeated(repeats: &[Vec<String>]) -> String {
             )
         })
         .collect();
-    format!(
+    let said = format!(
         "{}: measure {}: drive away in between. Against noise alone posture {} is worth more a second time than any \
-         other once; what else may be wrong shows better at another posture (--index prediction)\n",
+         other once; what else may be wrong shows better at another posture (--index prediction)",
         yellow("note"),
         list(&each),
         first[0]
-    )
+    );
+    wrapped(&said, columns()) + "\n"
 }
 
 /// The postures; beside given ones, which are which.

@@ -7,6 +7,7 @@ use crate::files::{check_folder, write_folder};
 use crate::numbers::{mm, optional_percent};
 use crate::output::{Exit, to_json};
 use crate::progress::Progress;
+use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
@@ -173,7 +174,7 @@ fn summary(study: &MeasuredStudy, interrupted: bool) -> String {
         }
     );
     for finding in &study.findings {
-        out += &format!("{}\n", finding.sentence);
+        out += &format!("{}\n", wrapped(&finding.sentence, columns()));
     }
     out += &title("RMS error of a displacement component at the other postures [mm]");
     let mut table = Table::new([

@@ -148,12 +148,27 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
             .min_by(|a, b| a.mean_m.total_cmp(&b.mean_m));
         let whole = study.get(study.pool_count, Choice::Pool, ElasticChoice::Axes);
         if let (Some(best), Some(whole)) = (best, whole) {
+            let chance = study.get(count, Choice::Random, best.model);
+            // Chance itself may be best.
+            let beyond = chance.is_some_and(|chance| is_more(chance, best));
+            let (code, begin) = match beyond {
+                true => (
+                    "best-choice",
+                    format!("{count} postures predict best chosen by"),
+                ),
+                false => (
+                    "no-choice",
+                    format!(
+                        "With {count} postures no choice beats chance beyond the scatter of the splits; the best is"
+                    ),
+                ),
+            };
             add(
-                "best-choice",
+                code,
                 Severity::Note,
                 format!(
-                    "{count} postures predict best chosen by {} with the {}: others are missed by {} (RMS, mean of {} \
-                     splits); all {} of the pool with the joint axes alone miss them by {}.",
+                    "{begin} {} with the {}: others are missed by {} (RMS, mean of {} splits); all {} of the pool with the \
+                     joint axes alone miss them by {}.",
                     best.choice.as_str(),
                     model_name(best.model),
                     said(best),
@@ -167,8 +182,7 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
             let own = study.get(count, Choice::Index(index), ElasticChoice::Axes);
             let random = study.get(count, Choice::Random, ElasticChoice::Axes);
             if let (Some(own), Some(random)) = (own.filter(known), random.filter(known))
-                && own.mean_m - random.mean_m
-                    > 2.0 * own.standard_error_m.hypot(random.standard_error_m)
+                && is_more(own, random)
             {
                 add(
                     "worse-than-random",
@@ -195,6 +209,12 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
         );
     }
     out
+}
+
+/// True where one error is above another by more than twice the standard error of their
+/// difference, as if splits were independent.
+fn is_more(one: &MeasuredChoice, other: &MeasuredChoice) -> bool {
+    one.mean_m - other.mean_m > 2.0 * one.standard_error_m.hypot(other.standard_error_m)
 }
 
 /// The model in words.
