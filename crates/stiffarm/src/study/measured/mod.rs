@@ -26,8 +26,9 @@ use nalgebra::DVector;
 use rand::seq::SliceRandom;
 use result::findings;
 
-/// Stiffness of every joint where the cell has no prior \[N·m/rad\]: a guess that no
-/// index takes seriously, since only what k is relative to other joints' matters.
+/// Stiffness of every joint where the cell has no prior \[N·m/rad\]. The other indices see
+/// only how joints compare; `prediction` takes its sizes from it, and a factor of ten
+/// either way hardly moves what comes out (docs/measured.md).
 const GUESS: f64 = 5e5;
 /// Starts of each choice: a pool of some dozens has few local minima.
 const STARTS: usize = 4;
