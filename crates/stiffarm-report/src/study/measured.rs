@@ -1,6 +1,7 @@
 //! Choices of postures on measured readings: a figure and a table.
 
 use super::markdown::{fenced, text};
+use super::page::{write_picture, write_table};
 use super::table::{Cell, Table};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use std::fmt::Write;
@@ -43,7 +44,7 @@ pub fn measured_figure(study: &MeasuredStudy) -> Figure {
         }
         let names: Vec<String> = counts.iter().map(usize::to_string).collect();
         Panel {
-            title: model_name(model).into(),
+            title: model.in_words().into(),
             x: Axis::categorical("postures chosen", names),
             y: {
                 let mut axis = Axis::linear("error at the other postures", "mm");
@@ -93,8 +94,8 @@ pub fn measured_table(study: &MeasuredStudy) -> Table {
     for choice in &study.choices {
         table.rows.push(vec![
             choice.postures.to_string().into(),
-            choice.choice.as_str().to_string().into(),
-            model_name(choice.model).to_string().into(),
+            choice.choice.as_str().into(),
+            choice.model.in_words().into(),
             Some(1e3 * choice.mean_m).into(),
             Some(1e3 * choice.standard_error_m).into(),
             Cell::percent(choice.better_than_random),
@@ -103,14 +104,6 @@ pub fn measured_table(study: &MeasuredStudy) -> Table {
         ]);
     }
     table
-}
-
-/// The model as figure and table name it.
-fn model_name(model: ElasticChoice) -> &'static str {
-    match model {
-        ElasticChoice::Mixed => "mixed model",
-        _ => "joint axes alone",
-    }
 }
 
 /// The page, in Markdown. `command` is the command line that repeats the study; the
@@ -124,13 +117,7 @@ pub fn measured_page(study: &MeasuredStudy, version: &str, command: &str) -> Str
     for finding in &study.findings {
         let _ = writeln!(out, "- {}", text(&finding.sentence));
     }
-    let _ = write!(
-        out,
-        "\n![{}]({}.svg)\n\n*{}*\n",
-        text(&figure.title),
-        figure.id,
-        text(&figure.caption)
-    );
+    write_picture(&mut out, &figure);
     let _ = write!(
         out,
         "\nOf {} measured postures (RMS displacement {:.3} mm) a pool of {} is drawn {} times. From the pool, postures are \
@@ -144,12 +131,7 @@ pub fn measured_page(study: &MeasuredStudy, version: &str, command: &str) -> Str
         study.split_count,
         study.posture_count - study.pool_count,
     );
-    let _ = write!(
-        out,
-        "\n{}\n\n*{}*\n",
-        table.markdown(),
-        text(&table.caption)
-    );
+    write_table(&mut out, &table);
     let _ = write!(out, "\nMade by stiffarm {version}:\n\n{}", fenced(command));
     out
 }

@@ -5,6 +5,7 @@ use super::markdown::{cell, fenced, text};
 use super::published::{PAPER, published_for};
 use super::table::{Table, percent, significant};
 use super::tables::{find, starts_summary, stiffness_side_by_side, tables};
+use crate::figure::Figure;
 use std::fmt::Write;
 use stiffarm::study::{Study, StudyGroup};
 use stiffarm::units::rad_to_shortest_deg;
@@ -34,12 +35,23 @@ fn runs_made(study: &Study) -> usize {
     fewest.unwrap_or(study.simulation.runs)
 }
 
-fn write_table(out: &mut String, table: &Table) {
+pub(super) fn write_table(out: &mut String, table: &Table) {
     let _ = write!(
         out,
         "\n{}\n\n*{}*\n",
         table.markdown(),
         text(&table.caption)
+    );
+}
+
+/// A figure that stands beside the page, with its caption.
+pub(super) fn write_picture(out: &mut String, figure: &Figure) {
+    let _ = write!(
+        out,
+        "\n![{}]({}.svg)\n\n*{}*\n",
+        text(&figure.title),
+        figure.id,
+        text(&figure.caption)
     );
 }
 
@@ -56,13 +68,7 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     };
     let picture = |out: &mut String, id: &str| {
         if let Some(f) = pictures.iter().find(|f| f.id == id) {
-            let _ = write!(
-                out,
-                "\n![{}]({}.svg)\n\n*{}*\n",
-                text(&f.title),
-                f.id,
-                text(&f.caption)
-            );
+            write_picture(out, f);
         }
     };
     let finding = |out: &mut String, code: &str| {

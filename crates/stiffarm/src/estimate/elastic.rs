@@ -46,6 +46,15 @@ impl ElasticChoice {
             ElasticChoice::Auto => "auto",
         }
     }
+
+    /// The model in sentences, tables and figures.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            ElasticChoice::Axes => "joint axes alone",
+            ElasticChoice::Mixed => "mixed model",
+            ElasticChoice::Auto => "model that the data call for",
+        }
+    }
 }
 
 /// The elastic model that predicts, and why.

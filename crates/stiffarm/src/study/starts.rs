@@ -9,7 +9,7 @@ use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::Options;
 use crate::numerics::sample::quantile_of;
 use crate::numerics::streams::run_rng;
-use crate::plan::index::{Index, evaluate};
+use crate::plan::index::{Index, evaluate_for};
 use crate::plan::select::{StartKind, random_group, select_from, smallest_margin};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
@@ -98,7 +98,8 @@ pub(super) fn other_starts(
             return Ok(None);
         }
         let initial = random_group(cell, *kind, postures, seed, *stream)?;
-        let mut row = vec![evaluate(cell, "start", &initial)?.mean_expected_deviation()];
+        let start = evaluate_for(cell, "start", &initial, None)?;
+        let mut row = vec![start.mean_expected_deviation()];
         for (index, _) in &indices {
             let selected = select_from(cell, *index, &initial, options, control);
             if control.stopped() {
@@ -223,7 +224,7 @@ pub(super) fn q1_range(
             }
         }
         range.draws += 1;
-        match evaluate(cell, &group.name, &angles)?.mean_expected_deviation() {
+        match evaluate_for(cell, &group.name, &angles, None)?.mean_expected_deviation() {
             Some(deviation) => range.mean_expected_deviation.push(deviation),
             None => range.undetermined += 1,
         }

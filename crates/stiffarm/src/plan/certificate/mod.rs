@@ -51,7 +51,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_matrix};
 use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
-use crate::plan::index::{Index, evaluate};
+use crate::plan::index::{Index, evaluate_for};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -252,7 +252,8 @@ pub fn certify_further<Q: AsRef<[f64]>>(
     let plan = Plan::new(cell, measured, postures, options)?;
     let design = plan.design(&criterion, &[], control)?;
     let all: Vec<&[f64]> = measured.iter().chain(postures).map(AsRef::as_ref).collect();
-    let value = evaluate(cell, index.as_str(), &all)?.indices.get(index);
+    let found = evaluate_for(cell, index.as_str(), &all, Some(index))?;
+    let value = found.indices.get(index);
     let bound = plan.bound(&design);
     Ok(Certificate {
         index,
@@ -317,7 +318,7 @@ pub fn joint_efficiencies<Q: AsRef<[f64]>>(
 ) -> Result<Vec<JointEfficiency>> {
     cell.require_prior()?;
     let plan = Plan::new(cell, &[], postures, options)?;
-    let values = evaluate(cell, "", postures)?.relative_standard_error;
+    let values = evaluate_for(cell, "", postures, None)?.relative_standard_error;
     let names = cell.setup.robot.spring_names();
     let n = names.len();
     // What helped one joint is a good start for the next.

@@ -5,11 +5,11 @@ use super::prediction::PredictionModel;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_rows};
 use crate::model::dexterity;
-use crate::model::elastic::ElasticSizes;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 
 /// Values of every index; `None` where an index does not exist: a joint is
 /// undetermined, J_N is singular, or the cell has no prior or no tasks.
@@ -159,18 +159,38 @@ pub fn evaluate<Q: AsRef<[f64]>>(
     name: &str,
     postures: &[Q],
 ) -> Result<GroupEvaluation> {
-    let terms = postures
-        .iter()
-        .map(|q| PostureTerms::new(&cell.setup, q.as_ref(), None))
-        .collect::<Result<Vec<_>>>()?;
-    let model = prediction_model(cell);
-    evaluate_terms(cell, name, &terms, model.as_ref())
+    // The cell may lack what the index prediction needs.
+    let model = PredictionModel::typical(cell).ok();
+    evaluate_terms(cell, name, &posture_terms(cell, postures)?, model.as_ref())
 }
 
-/// The model behind the index `prediction`, where the cell has what it needs.
-pub(crate) fn prediction_model(cell: &Cell) -> Option<PredictionModel> {
-    let sizes = ElasticSizes::typical(&cell.setup, cell.prior.as_ref()?).ok()?;
-    PredictionModel::new(cell, &sizes).ok()
+/// [`evaluate`] for those who look at `index` alone, or at none: the index `prediction`,
+/// which takes longer than all others together, is left out where it is another.
+///
+/// # Errors
+/// As [`evaluate`].
+pub(crate) fn evaluate_for<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    name: &str,
+    postures: &[Q],
+    index: Option<Index>,
+) -> Result<GroupEvaluation> {
+    let model = PredictionModel::for_index(cell, index);
+    evaluate_terms(cell, name, &posture_terms(cell, postures)?, model.as_ref())
+}
+
+/// Terms of postures (controller angles, rad) under the cell's load.
+///
+/// # Errors
+/// As [`PostureTerms::new`].
+pub(crate) fn posture_terms<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    postures: &[Q],
+) -> Result<Vec<PostureTerms>> {
+    postures
+        .iter()
+        .map(|q| PostureTerms::new(&cell.setup, q.as_ref(), None))
+        .collect()
 }
 
 /// [`evaluate`] of postures whose terms are known, which may be under wrenches of their
@@ -178,10 +198,10 @@ pub(crate) fn prediction_model(cell: &Cell) -> Option<PredictionModel> {
 ///
 /// # Errors
 /// As [`evaluate`].
-pub(crate) fn evaluate_terms(
+pub(crate) fn evaluate_terms<T: Borrow<PostureTerms>>(
     cell: &Cell,
     name: &str,
-    postures: &[PostureTerms],
+    postures: &[T],
     prediction: Option<&PredictionModel>,
 ) -> Result<GroupEvaluation> {
     if postures.is_empty() {
@@ -199,7 +219,7 @@ pub(crate) fn evaluate_terms(
     let mut psi = DMatrix::zeros(rows * postures.len(), n);
     let mut whitened = psi.clone();
     let mut k_jn = Vec::with_capacity(postures.len());
-    for (p, terms) in postures.iter().enumerate() {
+    for (p, terms) in postures.iter().map(Borrow::borrow).enumerate() {
         let mut block = terms.block(robot);
         psi.rows_mut(rows * p, rows).copy_from(&block);
         whiten_posture(&mut block, rho);

@@ -12,7 +12,7 @@
 //! want one smooth function. Neither allocates after the first call.
 
 use super::criterion::{Criterion, Value};
-use super::inputs::{Given, Inputs, criterion};
+use super::inputs::{Given, Inputs, criterion, log_factor};
 use super::kernel::Kernel;
 use super::kinds::Index;
 use super::minimax::{Minimax, Smoothed, log_sum};
@@ -101,15 +101,8 @@ impl IndexFunction {
         let given = Given::new(cell, wanted, given)?;
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + given.count;
-        let log_factor = match index {
-            index if index.is_error() => {
-                let std = cell.noise.displacement_std();
-                std.max(f64::MIN_POSITIVE).ln()
-            }
-            // O1 has 1/√m with m postures.
-            Index::O1 => 0.5 * (postures as f64).ln(),
-            _ => 0.0,
-        };
+        let std = cell.noise.displacement_std();
+        let log_factor = log_factor(index, std, postures as f64);
         let drop_one = index == Index::DropOne;
         let mut function = IndexFunction {
             index,

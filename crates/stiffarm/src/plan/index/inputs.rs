@@ -62,6 +62,17 @@ impl Inputs {
     }
 }
 
+/// ln of what an index of `count` postures is multiplied by beside its information or k(J_N):
+/// σ = `std` \[m\], √m.
+pub(crate) fn log_factor(index: Index, std: f64, count: f64) -> f64 {
+    match index {
+        index if index.is_error() => std.max(f64::MIN_POSITIVE).ln(),
+        // O1 has 1/√m with m postures.
+        Index::O1 => 0.5 * count.ln(),
+        _ => 0.0,
+    }
+}
+
 /// Postures that are measured whatever the search does.
 #[derive(Debug, Clone)]
 pub(crate) struct Given {

@@ -7,7 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::Options;
-use crate::plan::index::{Index, evaluate};
+use crate::plan::index::{Index, evaluate, evaluate_for};
 
 /// Selects postures from an initial group under `index`, Section III.B: the
 /// index is minimised over all controller angles at once, within the bounds
@@ -66,7 +66,7 @@ pub fn select_from<Q: AsRef<[f64]>>(
         *x = x.clamp(b[0], b[1]);
     }
     let start_group: Vec<&[f64]> = start.chunks_exact(n).collect();
-    let start_evaluation = evaluate(cell, "start", &start_group)?;
+    let start_evaluation = evaluate_for(cell, "start", &start_group, Some(index))?;
     let solution =
         Search::new::<Vec<f64>>(cell, index, count, &[])?.run(start, options, control)?;
     if !solution.merit.is_finite() {

@@ -4,7 +4,8 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::Control;
-use crate::plan::index::{Index, evaluate_terms, prediction_model};
+use crate::plan::index::prediction::PredictionModel;
+use crate::plan::index::{Index, evaluate_terms, posture_terms};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -88,21 +89,15 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     }
     // Missing tasks, prior or length are errors, not missing values.
     crate::plan::index::IndexFunction::new(cell, index, 1)?;
-    let terms = postures
-        .iter()
-        .map(|q| PostureTerms::new(&cell.setup, q.as_ref(), None))
-        .collect::<Result<Vec<_>>>()?;
-    let model = match index {
-        Index::Prediction => prediction_model(cell),
-        _ => None,
-    };
+    let terms = posture_terms(cell, postures)?;
+    let model = PredictionModel::for_index(cell, Some(index));
     let total = 1 + postures.len() + evaluations(postures.len(), count);
     let done = AtomicUsize::new(0);
     let value_of = |kept: &[usize]| -> Result<Option<f64>> {
         control.check()?;
         let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;
         control.report("leaving postures out", so_far.min(total), total);
-        let group: Vec<PostureTerms> = kept.iter().map(|p| terms[*p].clone()).collect();
+        let group: Vec<&PostureTerms> = kept.iter().map(|p| &terms[*p]).collect();
         let found = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
         Ok(found.indices.get(index))
     };

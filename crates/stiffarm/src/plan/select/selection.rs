@@ -79,7 +79,7 @@ impl Selection {
 
 /// Angles of one posture within this of another's, in every joint, make it the same to an
 /// observation matrix \[rad\]: half a degree.
-const SAME_POSTURE: f64 = 8.726_646_259_971_648e-3;
+const SAME_POSTURE: f64 = 0.5_f64.to_radians();
 
 /// Groups of positions of postures (controller angles, rad) that are the same within half a
 /// degree in every joint, each group in order; empty where all differ.

@@ -170,7 +170,7 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
                     "{begin} {} with the {}: others are missed by {} (RMS, mean of {} splits); all {} of the pool with the \
                      joint axes alone miss them by {}.",
                     best.choice.as_str(),
-                    model_name(best.model),
+                    best.model.in_words(),
                     said(best),
                     study.split_count,
                     study.pool_count,
@@ -215,12 +215,4 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
 /// difference, as if splits were independent.
 fn is_more(one: &MeasuredChoice, other: &MeasuredChoice) -> bool {
     one.mean_m - other.mean_m > 2.0 * one.standard_error_m.hypot(other.standard_error_m)
-}
-
-/// The model in words.
-fn model_name(model: ElasticChoice) -> &'static str {
-    match model {
-        ElasticChoice::Mixed => "mixed model",
-        _ => "joint axes alone",
-    }
 }

@@ -5,7 +5,6 @@ use super::posterior::Posterior;
 use super::{PredictionModel, Rows};
 use crate::error::Result;
 use crate::model::cell::Cell;
-use crate::model::elastic::ElasticSizes;
 use crate::model::observation::{PostureTerms, Setup};
 use nalgebra::DMatrix;
 
@@ -29,8 +28,7 @@ impl PredictionFunction {
     /// # Errors
     /// As [`PredictionModel::new`]; given angles of the wrong number or not finite.
     pub(crate) fn new<Q: AsRef<[f64]>>(cell: &Cell, count: usize, given: &[Q]) -> Result<Self> {
-        let sizes = ElasticSizes::typical(&cell.setup, cell.require_prior()?)?;
-        let model = PredictionModel::new(cell, &sizes)?;
+        let model = PredictionModel::typical(cell)?;
         let setup = cell.setup.clone();
         let mut blocks = Vec::with_capacity(given.len() + count);
         for q in given {

@@ -23,9 +23,11 @@ use crate::model::observation::{PostureTerms, Setup};
 use crate::model::robot::Robot;
 use crate::model::tool::Tool;
 use crate::numerics::information::{symmetric_eigen, whiten_posture};
+use crate::plan::index::kinds::Index;
 use crate::plan::random::{StartKind, random_group};
 use motion::ArmMotion;
 use nalgebra::{DMatrix, Vector3};
+use std::borrow::Borrow;
 
 /// Postures that stand for the work of a cell without tasks.
 const STATED: usize = 20;
@@ -52,6 +54,24 @@ pub(crate) struct PredictionModel {
 }
 
 impl PredictionModel {
+    /// The model with the sizes that an arm like the cell's may be expected to have.
+    ///
+    /// # Errors
+    /// As [`PredictionModel::new`].
+    pub(crate) fn typical(cell: &Cell) -> Result<Self> {
+        let sizes = ElasticSizes::typical(&cell.setup, cell.require_prior()?)?;
+        PredictionModel::new(cell, &sizes)
+    }
+
+    /// The same for those who look at `index` alone: `None` where that is another, or the
+    /// cell lacks what it needs.
+    pub(crate) fn for_index(cell: &Cell, index: Option<Index>) -> Option<Self> {
+        let wanted = index == Some(Index::Prediction);
+        wanted
+            .then(|| PredictionModel::typical(cell).ok())
+            .flatten()
+    }
+
     /// The model for deflections at the cell's tasks, or where it has none for those of
     /// the measuring points at random postures inside its limits under its load.
     ///
@@ -73,13 +93,16 @@ impl PredictionModel {
             let (seed, stream) = STATED_DRAW;
             for q in random_group(cell, StartKind::Uniform, STATED, seed, stream)? {
                 let terms = PostureTerms::new(&cell.setup, &q, None)?;
-                targets.push(model.at_point(&cell.setup, &terms, &cell.setup.tool.tcp()));
+                targets.push(at_point(
+                    &model.motions_in(&cell.setup, &terms),
+                    &cell.setup.tool.tcp(),
+                ));
             }
         }
         for task in &cell.tasks {
             let setup = task.setup(&cell.setup.robot);
             let terms = PostureTerms::new(&setup, &task.q, None)?;
-            targets.push(model.at_point(&setup, &terms, &task.tip));
+            targets.push(at_point(&model.motions_in(&setup, &terms), &task.tip));
         }
         model.set_targets(&targets);
         Ok(model)
@@ -98,9 +121,9 @@ impl PredictionModel {
         let setup = &cell.setup;
         let mut targets = Vec::new();
         for candidate in candidates {
-            let terms = candidate.terms(setup)?;
+            let motions = model.motions_in(setup, &candidate.terms(setup)?);
             for point in &setup.tool.measuring_points {
-                targets.push(model.at_point(setup, &terms, &point.position));
+                targets.push(at_point(&motions, &point.position));
             }
         }
         model.set_targets(&targets);
@@ -153,10 +176,10 @@ impl PredictionModel {
         out
     }
 
-    /// The shift of a point of the flange \[m\] in flange axes, 3 × unknowns.
-    fn at_point(&self, setup: &Setup, terms: &PostureTerms, point: &Vector3<f64>) -> DMatrix<f64> {
+    /// The same where the arm has another tool or load.
+    fn motions_in(&self, setup: &Setup, terms: &PostureTerms) -> DMatrix<f64> {
         let arm = ArmMotion::new(terms, &setup.tool.loading_point, &setup.load);
-        point_rows(&[*point]) * self.motions(&arm)
+        self.motions(&arm)
     }
 
     /// What the readings at a posture tell: rows over σ.
@@ -210,8 +233,9 @@ impl PredictionModel {
 
     /// RMS error of the predicted deflections after `postures` were measured \[m\];
     /// `None` where they do not determine every joint.
-    pub(crate) fn value(&self, postures: &[PostureTerms]) -> Option<f64> {
-        let rows: Vec<DMatrix<f64>> = postures.iter().map(|terms| self.readings(terms)).collect();
+    pub(crate) fn value<T: Borrow<PostureTerms>>(&self, postures: &[T]) -> Option<f64> {
+        let each = postures.iter().map(Borrow::borrow);
+        let rows: Vec<DMatrix<f64>> = each.map(|terms| self.readings(terms)).collect();
         let rows = self.stacked(&rows);
         let error = Posterior::new(&rows)?.error(&self.targets)?;
         Some(error.sqrt()).filter(|e| e.is_finite())
@@ -227,6 +251,11 @@ fn stacked(blocks: &[DMatrix<f64>], fixed: usize, unknowns: usize) -> Rows {
         at += block.nrows();
     }
     Rows { all, fixed }
+}
+
+/// The shift of a point of the flange \[m\] in flange axes, 3 × unknowns.
+fn at_point(motions: &DMatrix<f64>, point: &Vector3<f64>) -> DMatrix<f64> {
+    point_rows(&[*point]) * motions
 }
 
 /// From a motion \[shift; turn\] of the flange to the shifts of these points of it, 3m × 6.

@@ -113,7 +113,7 @@ pub(crate) struct Open<'b> {
 
 impl Open<'_> {
     /// Sum of all variances.
-    fn variance(&self) -> f64 {
+    pub(crate) fn variance(&self) -> f64 {
         let prior = self.rows.u().norm_squared();
         (prior - self.c.norm_squared()).max(0.0) + self.d.norm_squared()
     }

@@ -8,7 +8,7 @@ use crate::model::observation::PostureTerms;
 use crate::numerics::information::{posture_information, small::packed};
 use crate::plan::index::Index;
 use crate::plan::index::criterion::Criterion;
-use crate::plan::index::inputs::{Inputs, criterion};
+use crate::plan::index::inputs::{Inputs, criterion, log_factor};
 use crate::plan::index::prediction::{Posterior, PredictionModel, Rows};
 use crate::plan::select::exchange::Judge;
 use nalgebra::linalg::Cholesky;
@@ -36,7 +36,9 @@ pub(super) struct InformationJudge {
     total: Vec<f64>,
     less: Vec<f64>,
     largest: f64,
-    /// ln of what the value is multiplied by.
+    /// σ \[m\].
+    std: f64,
+    /// ln of what the value of those held and one more is multiplied by.
     log_factor: f64,
 }
 
@@ -76,7 +78,6 @@ impl InformationJudge {
                 .collect(),
         };
         let size = if each.is_empty() { 0 } else { packed(n, 0) };
-        let sigma = cell.noise.displacement_std().max(f64::MIN_POSITIVE);
         Ok(InformationJudge {
             index,
             criterion: criterion(cell, index)?,
@@ -87,7 +88,8 @@ impl InformationJudge {
             total: vec![0.0; size],
             less: vec![0.0; size],
             largest: f64::NEG_INFINITY,
-            log_factor: if index.is_error() { sigma.ln() } else { 0.0 },
+            std: cell.noise.displacement_std(),
+            log_factor: 0.0,
         })
     }
 
@@ -108,6 +110,7 @@ impl Judge for InformationJudge {
     fn hold(&mut self, rest: &[usize]) {
         self.held.clear();
         self.held.extend_from_slice(rest);
+        self.log_factor = log_factor(self.index, self.std, (rest.len() + 1) as f64);
         self.rest.fill(0.0);
         self.largest = f64::NEG_INFINITY;
         for p in rest {
@@ -130,11 +133,6 @@ impl Judge for InformationJudge {
             }
             value += match self.index {
                 Index::DropOne => self.drop_one(candidate),
-                // 1/√m with m postures.
-                Index::O1 => {
-                    let count = (self.held.len() + 1) as f64;
-                    self.criterion.value(&self.total) + 0.5 * count.ln()
-                }
                 _ => self.criterion.value(&self.total),
             };
         }
@@ -180,18 +178,12 @@ impl Bounded for InformationJudge {
             sum * factor
         };
         let scores: Vec<f64> = self.each.iter().map(score).collect();
-        let count: f64 = weights.iter().sum();
-        let log_of = self.log_factor
-            + match self.index {
-                Index::O1 => 0.5 * count.ln(),
-                _ => 0.0,
-            };
         Some(Tangent::new(
             value,
             weights,
             scores,
             logarithmic.then_some(n),
-            log_of,
+            log_factor(self.index, self.std, weights.iter().sum()),
         ))
     }
 
@@ -204,7 +196,7 @@ impl Bounded for InformationJudge {
 #[derive(Clone)]
 pub(super) struct PredictionJudge {
     model: PredictionModel,
-    each: Vec<DMatrix<f64>>,
+    /// Rows of all candidates, one below the other.
     all: Rows,
     held: Vec<usize>,
     /// Where those held determine every joint: what each candidate would take from the
@@ -218,15 +210,18 @@ impl PredictionJudge {
         PredictionJudge {
             all: model.stacked(&each),
             model,
-            each,
             held: Vec::new(),
             gains: None,
         }
     }
 
     fn rows_of(&self, group: &[usize]) -> Rows {
-        let blocks: Vec<DMatrix<f64>> = group.iter().map(|p| self.each[*p].clone()).collect();
-        self.model.stacked(&blocks)
+        let per = self.model.rows_per_posture();
+        let wanted: Vec<usize> = group.iter().flat_map(|p| per * p..per * (p + 1)).collect();
+        Rows {
+            all: self.all.all.select_rows(&wanted),
+            fixed: self.all.fixed,
+        }
     }
 
     /// What each candidate takes from the mean square error: with P the covariance of
@@ -235,11 +230,12 @@ impl PredictionJudge {
         let rows = self.rows_of(rest);
         let posterior = Posterior::new(&rows)?;
         let targets = self.model.targets();
-        let error = posterior.error(targets)?;
+        let predicted = posterior.open(targets)?;
+        let error = predicted.variance();
         let open = posterior.open(&self.all)?;
-        let cross = open.covariance(&posterior.open(targets)?);
+        let cross = open.covariance(&predicted);
         let per = self.model.rows_per_posture();
-        let gains = (0..self.each.len()).map(|c| {
+        let gains = (0..self.all.all.nrows() / per).map(|c| {
             let own = open.own(per * c, per);
             let factor = Cholesky::<f64, Dyn>::new(own + DMatrix::identity(per, per))?;
             let mut seen = cross.rows(per * c, per).into_owned();
@@ -290,10 +286,8 @@ impl Bounded for PredictionJudge {
         let value = (0..targets.all.nrows())
             .map(|t| targets.all.row(t).transpose().dot(&y.column(t)))
             .sum();
-        let scores = self
-            .each
-            .iter()
-            .map(|own| (own * &y).norm_squared())
+        let scores = (0..weights.len())
+            .map(|c| (self.all.all.rows(per * c, per) * &y).norm_squared())
             .collect();
         Some(Tangent::new(value, weights, scores, None, 0.0))
     }

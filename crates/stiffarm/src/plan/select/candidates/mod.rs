@@ -161,7 +161,7 @@ pub fn select_candidates(
         }
         _ => search.run(InformationJudge::new(cell, index, &terms)?)?,
     };
-    let group: Vec<PostureTerms> = found.chosen.iter().map(|p| terms[*p].clone()).collect();
+    let group: Vec<&PostureTerms> = found.chosen.iter().map(|p| &terms[*p]).collect();
     let evaluation = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
     let value = evaluation
         .indices
