@@ -41,10 +41,10 @@ impl Saved {
     pub fn line(&self) -> String {
         let errors = &self.predictor.common;
         let is_mixed = |term: &ExtraTerm| matches!(term, ExtraTerm::Spring { .. });
+        let mixed = self.predictor.extra.iter().any(is_mixed);
         let with = match (&self.predictor.spread, errors.is_empty()) {
-            _ if self.predictor.extra.iter().any(is_mixed) => {
-                "the mixed elastic model and its covariance, no common-mode errors"
-            }
+            (_, true) if mixed => "the mixed elastic model and its covariance",
+            (_, false) if mixed => "the mixed elastic model, its covariance and common-mode errors",
             (Some(_), false) => "covariance and common-mode errors",
             (Some(_), true) => "covariance",
             (None, _) => "no covariance",

@@ -2,6 +2,7 @@
 
 use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// One independent part of a common error, of one standard uncertainty: an axis,
 /// a joint, or all of a source that is one number.
@@ -68,6 +69,61 @@ impl CommonErrors {
             parts: kept.iter().map(|i| self.parts[*i].clone()).collect(),
             mean: self.mean.select_rows(&kept),
             covariance: self.covariance.select_rows(&kept).select_columns(&kept),
+        }
+    }
+}
+
+/// A part of a source as it goes on into predictions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PosteriorPart {
+    /// Name of the source.
+    pub source: String,
+    /// `x`, `y`, `z`, the name of a joint, or empty where the source is one number.
+    pub part: String,
+    /// Change of the unknowns while this part is there with one standard
+    /// uncertainty: compliances \[rad/(N·m)\], then further terms in their own units.
+    pub response: Vec<f64>,
+    /// The term by which it acts again at work; `null` where it belongs to the
+    /// experiment alone.
+    pub at_work: Option<ExtraTerm>,
+    /// Standard uncertainty, in the unit of its source.
+    pub size: f64,
+}
+
+/// What the readings leave of the sizes of all parts, each in its standard
+/// uncertainties.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SystematicPosterior {
+    /// The parts, source by source.
+    pub parts: Vec<PosteriorPart>,
+    /// Mean of each part given the readings; the estimates are not corrected by it.
+    pub mean: Vec<f64>,
+    /// Covariance given the readings, row i up to column i.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+impl SystematicPosterior {
+    /// The same for what predicts.
+    ///
+    /// # Panics
+    /// If the numbers are not as many as the parts.
+    pub(crate) fn common_errors(&self) -> CommonErrors {
+        let count = self.parts.len();
+        let entry = |i: usize, k: usize| self.covariance[i.max(k)][i.min(k)];
+        CommonErrors {
+            parts: self
+                .parts
+                .iter()
+                .map(|part| CommonPart {
+                    source: part.source.clone(),
+                    change: DVector::from_column_slice(&part.response),
+                    at_work: part.at_work.map(|term| (term, part.size)),
+                })
+                .collect(),
+            mean: DVector::from_column_slice(&self.mean),
+            covariance: DMatrix::from_fn(count, count, entry),
         }
     }
 }

@@ -2,11 +2,11 @@
 //! and the noise that a fit saw.
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::common::{CommonErrors, CommonPart};
+use crate::estimate::common::CommonErrors;
+use crate::estimate::freedom::{SizeDoubt, SpreadQuantiles};
 use crate::estimate::identify::{
-    Estimates, Estimator, Fit, Identification, MeasuredSystem, NoiseSource, Solution, quantile,
+    Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution,
 };
-use crate::estimate::systematic::{SystematicErrors, systematic_errors};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, DVector};
@@ -22,13 +22,16 @@ pub struct Spread {
     pub shift: f64,
     /// Degrees of freedom of Student's t; `None` for normal quantiles.
     pub degrees_of_freedom: Option<usize>,
+    /// How well the sizes of a mixed model are known: quantiles of its combinations have
+    /// degrees of freedom of their own, no more than these.
+    pub doubt: Option<SizeDoubt>,
     /// Confidence of the bands.
     pub confidence: f64,
 }
 
 impl Spread {
-    pub(crate) fn quantile(&self) -> Result<f64> {
-        quantile(self.degrees_of_freedom, self.confidence)
+    pub(crate) fn quantiles(&self) -> Result<SpreadQuantiles> {
+        SpreadQuantiles::new(self)
     }
 }
 
@@ -144,43 +147,11 @@ impl IdentifiedCompliance {
                     sigma,
                     shift,
                     degrees_of_freedom: estimates.interval_degrees_of_freedom,
+                    doubt: None,
                     confidence: estimates.confidence,
                 }),
             common: CommonErrors::default(),
         })
-    }
-
-    /// The same with the errors that its budget holds, as far as the readings left
-    /// them. A result of an earlier version says nothing of that: there a change c of
-    /// k is one of H by the factor 1/(1 + c), all of H where a source can explain all
-    /// of a joint's give, none of further terms, and every part has its whole size.
-    #[must_use]
-    pub fn with_systematic_errors(mut self, budget: &SystematicErrors) -> Self {
-        if let Some(posterior) = &budget.posterior {
-            self.common = posterior.common_errors();
-            return self;
-        }
-        let values = &self.values;
-        let part = |source: &str, changes: &[Option<f64>]| {
-            let mut change = DVector::zeros(values.len());
-            for (j, own) in changes.iter().enumerate().take(values.len()) {
-                change[j] = values[j] * own.map_or(-1.0, |c| 1.0 / (1.0 + c) - 1.0);
-            }
-            CommonPart {
-                source: source.to_string(),
-                change,
-                at_work: None,
-            }
-        };
-        let mut parts = Vec::new();
-        for source in &budget.sources {
-            match source.parts.is_empty() {
-                true => parts.push(part(&source.name, &source.change)),
-                false => parts.extend(source.parts.iter().map(|p| part(&source.name, &p.change))),
-            }
-        }
-        self.common = CommonErrors::independent(parts);
-        self
     }
 
     /// A fit, with the noise that it estimated or took as known.
@@ -199,6 +170,7 @@ impl IdentifiedCompliance {
                 sigma,
                 shift: sigma * solution.gamma.sqrt(),
                 degrees_of_freedom: solution.t_degrees_of_freedom,
+                doubt: None,
                 confidence,
             });
         IdentifiedCompliance {
@@ -219,17 +191,5 @@ impl IdentifiedCompliance {
             .hint("use the linear model, or a stiffness identified without further terms"));
         }
         Ok(self.values.iter().map(|h| 1.0 / h).collect())
-    }
-}
-
-impl Fit {
-    /// The compliance that the fit found, with its covariance and what the
-    /// systematic errors do to it.
-    ///
-    /// # Errors
-    /// As [`IdentifiedCompliance::from_estimates`] and [`systematic_errors`].
-    pub fn compliance(&self) -> Result<IdentifiedCompliance> {
-        let found = IdentifiedCompliance::from_identification(self.cell(), self.identification()?)?;
-        Ok(found.with_systematic_errors(&systematic_errors(self)?))
     }
 }

@@ -4,6 +4,7 @@ use super::mixed::{MixedFit, MixedResult};
 use super::validate::{Validation, cross_validate, cross_validate_mixed};
 use crate::error::{Code, Result};
 use crate::estimate::identify::Fit;
+use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors};
 use crate::findings::{length, list, percent};
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +78,9 @@ pub struct Elastic {
     pub mixed_rms_m: Option<f64>,
     /// The mixed model, where it predicts.
     pub mixed: Option<MixedResult>,
+    /// Errors common to the experiment as they move the mixed model, where it predicts.
+    #[serde(default)]
+    pub budget: Option<SystematicErrors>,
 }
 
 /// Fits and compares the elastic models that `asked` calls for. Where the data cannot
@@ -93,6 +97,7 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
         axes_rms_m: None,
         mixed_rms_m: None,
         mixed: None,
+        budget: None,
     };
     if asked == ElasticChoice::Axes {
         return Ok((out, None));
@@ -149,6 +154,7 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
     } else if is_mixed {
         out.model = ElasticChoice::Mixed;
         out.mixed = Some(mixed.result()?);
+        out.budget = Some(mixed_systematic_errors(&mixed)?);
     }
     Ok((out, Some(mixed)))
 }

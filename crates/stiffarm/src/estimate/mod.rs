@@ -7,6 +7,7 @@ pub mod compliance;
 pub mod coverage;
 pub mod diagnose;
 pub mod elastic;
+pub mod freedom;
 pub mod identify;
 pub mod mixed;
 pub mod next_posture;

@@ -23,6 +23,7 @@ mod map;
 mod measured_study;
 mod milling;
 mod mixed;
+mod mixed_doubt;
 mod montecarlo;
 mod next_posture;
 mod once;

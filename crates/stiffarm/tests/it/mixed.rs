@@ -20,7 +20,7 @@ use stiffarm::model::observation::{ExtraTerm, PostureTerms};
 use stiffarm::model::posture::PostureGroup;
 
 /// V of all rows in units of σ²: readings, shifts and random effects.
-fn dense(
+pub fn dense(
     system: &MeasuredSystem,
     gamma: f64,
     random: &DMatrix<f64>,
@@ -35,7 +35,7 @@ fn dense(
     v
 }
 
-fn random_effects(dice: &mut Dice, rows: usize) -> (DMatrix<f64>, Vec<std::ops::Range<usize>>) {
+pub fn random_effects(dice: &mut Dice, rows: usize) -> (DMatrix<f64>, Vec<std::ops::Range<usize>>) {
     let random = DMatrix::from_fn(rows, 9, |_, j| {
         dice.between(-1.0, 1.0) * 3f64.powi(j as i32 / 4)
     });
@@ -112,9 +112,8 @@ proptest! {
 }
 
 /// Travel times in six rails, three readings each: Pinheiro & Bates, Mixed-Effects Models
-/// in S and S-PLUS, 2000, section 1.1, print 24.80547 and 4.020779 by REML.
-#[test]
-fn the_rails_of_pinheiro_and_bates() {
+/// in S and S-PLUS, 2000, section 1.1.
+pub fn rails() -> MixedModel {
     let times = [
         55.0, 53.0, 54.0, 26.0, 37.0, 32.0, 78.0, 91.0, 85.0, 92.0, 100.0, 96.0, 49.0, 51.0, 50.0,
         80.0, 85.0, 83.0,
@@ -140,7 +139,13 @@ fn the_rails_of_pinheiro_and_bates() {
         labels: labels.collect(),
     };
     let rails = DMatrix::from_fn(18, 6, |i, j| f64::from(u8::from(i / 3 == j)));
-    let model = MixedModel::new(&system, &rails, std::iter::once(0..6).collect()).unwrap();
+    MixedModel::new(&system, &rails, std::iter::once(0..6).collect()).unwrap()
+}
+
+/// They print 24.80547 and 4.020779 by REML.
+#[test]
+fn the_rails_of_pinheiro_and_bates() {
+    let model = rails();
     let (gamma, ratios, _) = model.best().unwrap();
     let (values, _, variance) = model.solve(gamma, &ratios, &[]).unwrap();
     assert!((values[0] - 66.5).abs() < 1e-9, "{}", values[0]);
@@ -214,7 +219,7 @@ fn simulated(
 }
 
 /// Adds what springs beyond the axes do: sizes of shift, turn and coupling.
-fn bend(
+pub fn bend(
     cell: &stiffarm::Cell,
     measured: &mut [stiffarm::model::measurement::MeasuredPosture],
     seed: u64,

@@ -2,12 +2,16 @@
 //! whole model; and total bands that hold where the errors are real.
 
 use crate::common;
+use crate::mixed::bend;
 
 use common::random::Dice;
 use nalgebra::{DMatrix, DVector, Vector3};
 use stiffarm::Control;
 use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions};
-use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
+use stiffarm::estimate::mixed::MixedFit;
+use stiffarm::estimate::systematic::{
+    SystematicErrors, mixed_systematic_errors, systematic_errors,
+};
 use stiffarm::estimate::validate::simulate_measurements;
 use stiffarm::internals::measured_system;
 use stiffarm::model::cell::Cell;
@@ -83,6 +87,7 @@ fn dense(
     y: &DVector<f64>,
     noise: &DMatrix<f64>,
     shifts: &DMatrix<f64>,
+    one: usize,
     estimate: &DVector<f64>,
 ) -> Dense {
     let count = shifts.ncols();
@@ -94,8 +99,8 @@ fn dense(
     let mut all = Vec::new();
     for u in steps {
         let size = u * u / square.sqrt();
-        // Force scale and base tilt keep their size; the joints come last.
-        let prior = DVector::from_fn(count, |i, _| if i < 2 { 1.0 } else { size * size });
+        // The first keep their size; the joints come last.
+        let prior = DVector::from_fn(count, |i, _| if i < one { 1.0 } else { size * size });
         let whole = noise + shifts * DMatrix::from_diagonal(&prior) * shifts.transpose();
         let factor = whole.cholesky().unwrap();
         let information = unit.tr_mul(&factor.solve(&unit)).cholesky().unwrap();
@@ -135,12 +140,66 @@ fn moments(budget: &SystematicErrors) -> (Vec<usize>, DVector<f64>, DMatrix<f64>
     let found = budget.posterior.as_ref().unwrap();
     let has_size = |i: &usize| found.parts[*i].size > 0.0;
     let which: Vec<usize> = (0..found.parts.len()).filter(has_size).collect();
-    let mean = DVector::from_iterator(8, which.iter().map(|i| found.mean[*i]));
-    let second = DMatrix::from_fn(8, 8, |a, b| {
+    let count = which.len();
+    let mean = DVector::from_iterator(count, which.iter().map(|i| found.mean[*i]));
+    let second = DMatrix::from_fn(count, count, |a, b| {
         let (i, k) = (which[a].max(which[b]), which[a].min(which[b]));
         found.covariance[i][k] + mean[a] * mean[b]
     });
     (which, mean, second)
+}
+
+/// Under the mixed model what gives way beyond the axes is noise to the common errors:
+/// V + B Λ Bᵀ in its place, and no tilt of the base.
+#[test]
+fn what_readings_leave_under_the_mixed_model() {
+    let cell = cell();
+    let sizes = [1.5, -0.7, 1.0, 0.3, -1.2, 2.0, 0.0, -1.0];
+    let mut measured = measured(&cell, &sizes, 4);
+    bend(&cell, &mut measured, 9, [1e-7, 1.5e-7, 1e-7]);
+    let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let mixed = MixedFit::new(&fit).unwrap();
+    let budget = mixed_systematic_errors(&mixed).unwrap();
+    assert!(budget.sources.iter().all(|s| s.name != "base-tilt"));
+    let (which, mean, second) = moments(&budget);
+    assert_eq!(which.len(), 7);
+
+    let compliance = mixed.compliance();
+    let spread = compliance.spread.as_ref().unwrap();
+    let extra = &compliance.extra;
+    let system = measured_system(&cell, &measured, extra, fit.options().weights).unwrap();
+    let (psi, random) = (system.psi.columns(0, 6), system.psi.columns(6, extra.len()));
+    let rows = psi.nrows();
+    let doubt = spread.doubt.as_ref().unwrap();
+    let prior = DMatrix::from_diagonal(&doubt.prior.rows(6, extra.len()));
+    let noise = DMatrix::from_fn(rows, rows, |a, b| {
+        let common = a / 12 == b / 12 && a % 3 == b % 3;
+        let shared = if common { spread.shift.powi(2) } else { 0.0 };
+        shared + if a == b { spread.sigma.powi(2) } else { 0.0 }
+    }) + random * prior * random.transpose();
+    let moved = &system.psi * &compliance.values;
+    let mut shifts = DMatrix::zeros(rows, 7);
+    shifts.set_column(0, &(moved * (1.0 / (1.0 + FORCE_SCALE) - 1.0)));
+    for (j, (term, size)) in terms().into_iter().take(6).enumerate() {
+        for (p, m) in measured.iter().enumerate() {
+            let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
+            let column = term.column(&terms) * size;
+            shifts.view_mut((12 * p, 1 + j), (12, 1)).copy_from(&column);
+        }
+    }
+    let estimate = compliance.values.rows(0, 6).into_owned();
+    let by_dense = dense(
+        &psi.into_owned(),
+        &system.delta,
+        &noise,
+        &shifts,
+        1,
+        &estimate,
+    );
+    let off = (&mean - &by_dense.mean).amax();
+    assert!(off < 1e-7 * (1.0 + mean.amax()), "{off:e} {mean}");
+    let off = (&second - &by_dense.second).amax();
+    assert!(off < 1e-7 * (1.0 + second.amax()), "{off:e}");
 }
 
 #[test]
@@ -208,9 +267,9 @@ fn what_readings_leave_is_what_the_whole_model_says() {
                         noise[(rows + j, rows + j)] = (options.prior_std / k).powi(2);
                     }
                     let shifts = shifts.resize_vertically(rows + 6, 0.0);
-                    dense(&psi, &y, &noise, &shifts, &estimate)
+                    dense(&psi, &y, &noise, &shifts, 2, &estimate)
                 }
-                _ => dense(&psi, &y, &noise, &shifts, &estimate),
+                _ => dense(&psi, &y, &noise, &shifts, 2, &estimate),
             };
             let name = estimator.as_str();
             assert!(

@@ -1,6 +1,7 @@
 //! `stiffarm identify`: joint stiffness from measured displacements or raw readings.
 
 pub mod clamped;
+mod elastic;
 mod messages;
 pub mod readings;
 mod summary;

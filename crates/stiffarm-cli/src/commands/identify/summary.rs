@@ -47,7 +47,13 @@ pub(super) fn summary(
     let serious = measured.findings().filter(is_serious);
     serious.for_each(|f| say(marked(f).trim_end()));
     say(&verdict(result));
-    out += &format!("\n{}", table(result));
+    let joints = table(
+        "joint",
+        &found.estimates.joints,
+        result.budget.as_ref(),
+        found.estimates.confidence,
+    );
+    out += &format!("\n{joints}");
     if !details {
         // With details they stand below the intervals.
         out += &tables::further(&found.estimates);
@@ -57,7 +63,7 @@ pub(super) fn summary(
     }
     out.push('\n');
     if let Some(elastic) = &result.elastic {
-        out += tables::elastic(elastic, fit.options().confidence).trim_start_matches('\n');
+        out += super::elastic::elastic(elastic, fit.options().confidence).trim_start_matches('\n');
     }
     let mut say = |text: &str| out += &format!("{}\n", wrapped(text, columns));
     say(&messages::residual(found));
@@ -224,15 +230,18 @@ fn short(fraction: f64) -> String {
 }
 
 /// A row per joint.
-fn table(result: &Identified) -> Table {
-    let estimates = &result.identification.estimates;
-    let level = messages::confidence(estimates.confidence);
+pub(super) fn table(
+    heading: &str,
+    joints: &[JointEstimate],
+    budget: Option<&SystematicErrors>,
+    confidence: f64,
+) -> Table {
+    let level = messages::confidence(confidence);
     let mut headings = vec![
-        "joint".to_string(),
+        heading.to_string(),
         "k [N·m/rad]".to_string(),
         format!("± {level} % [%]"),
     ];
-    let budget = result.budget.as_ref();
     if budget.is_some() {
         headings.extend(["readings [%]", "systematic [%]"].map(String::from));
     }
@@ -241,8 +250,8 @@ fn table(result: &Identified) -> Table {
     let words = headings.len() - 1;
     let mut table = Table::new(headings);
     table.align(words, Align::Left);
-    for (j, joint) in estimates.joints.iter().enumerate() {
-        let own = uncertainty(result, j);
+    for (j, joint) in joints.iter().enumerate() {
+        let own = budget.and_then(|b| b.uncertainty.get(j));
         let total = match known(joint, own) {
             Known::Within(part) => short(part),
             _ => NONE.to_string(),

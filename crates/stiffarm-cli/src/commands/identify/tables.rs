@@ -2,13 +2,10 @@
 
 use super::{Identified, messages};
 use crate::numbers::{NONE, mm, optional, optional_percent, percent, significant, stiffness};
-use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title};
 use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
-use stiffarm::estimate::elastic::Elastic;
 use stiffarm::estimate::identify::{Bootstrap, Estimates, Identification, JointEstimate, Verdict};
 use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource};
-use stiffarm::model::elastic::ElasticClass;
 use stiffarm::units::{m_to_mm, rad_to_deg};
 
 /// Postures whose residuals the table shows.
@@ -64,52 +61,6 @@ pub(super) fn bootstrap(found: &Bootstrap) -> Table {
         table.row([joint.name.clone(), ends(joint.interval)]);
     }
     table
-}
-
-/// The elastic model that predicts: why, and what it gives.
-pub(super) fn elastic(found: &Elastic, level: f64) -> String {
-    let mut out = title("What gives way");
-    for reason in &found.reasons {
-        out += &format!("{}\n", wrapped(reason, columns()));
-    }
-    let Some(mixed) = &found.mixed else {
-        return out + "\n";
-    };
-    out.push('\n');
-    let interval = format!("{} % interval [N·m/rad]", messages::confidence(level));
-    let mut table = Table::new([
-        "joint, mixed model",
-        "k [N·m/rad]",
-        "± standard error",
-        interval.as_str(),
-        "relative error [%]",
-    ]);
-    mixed
-        .joints
-        .iter()
-        .for_each(|joint| table.row(estimate(joint)));
-    out += &table.to_string();
-    let sizes: Vec<String> = mixed
-        .sizes
-        .iter()
-        .map(|size| {
-            let what = match size.class {
-                ElasticClass::Shift => "shifts by forces",
-                ElasticClass::Turn => "turns by moments",
-                ElasticClass::Coupling => "shifts by moments",
-            };
-            format!(
-                "{what} ± {} {}",
-                significant(size.std, 2),
-                size.class.unit()
-            )
-        })
-        .collect();
-    let sizes = format!(
-        "Beyond the axes each joint and the base give way by: {}.",
-        sizes.join(", ")
-    );
-    out + &wrapped(&sizes, columns()) + "\n\n"
 }
 
 fn estimate(joint: &JointEstimate) -> Vec<String> {

@@ -14,6 +14,8 @@ use std::borrow::Cow;
 /// them, those of a prior below.
 pub(crate) struct Response<'a> {
     fit: &'a Fit,
+    /// γ = τ²/σ².
+    gamma: f64,
     psi: DMatrix<f64>,
     /// The measured displacements.
     delta: DVector<f64>,
@@ -31,7 +33,7 @@ impl<'a> Response<'a> {
         let (assumed, springs) = (fit.assumed(), fit.system().springs);
         let mut psi = whitened.with_shifts(whitened.psi(), solution.gamma);
         weigh(fit, &mut psi);
-        let mut delta = weighed(fit, &fit.system().delta);
+        let mut delta = weighed(fit, &fit.system().delta, solution.gamma);
         let prior = assumed.prior.as_ref().zip(solution.sigma);
         if let (Estimator::Prior, Some((prior, sigma))) = (assumed.estimator, prior) {
             (psi, delta) = with_prior_rows(psi, delta, springs, prior, sigma);
@@ -48,9 +50,49 @@ impl<'a> Response<'a> {
         };
         Ok(Response {
             fit,
+            gamma: solution.gamma,
             psi,
             delta,
             factor,
+            free,
+        })
+    }
+
+    /// The fit with random effects whose whitened columns are `random`, of these
+    /// variances in units of σ², with the ratio `gamma`. The equations of a mixed model
+    /// are those of least squares with one row u/√variance = 0 more for each effect.
+    ///
+    /// # Errors
+    /// A decomposition that fails.
+    pub(crate) fn with_random(
+        fit: &'a Fit,
+        random: &DMatrix<f64>,
+        variances: &[f64],
+        gamma: f64,
+    ) -> Result<Self> {
+        let whitened = fit.prepared().whitened();
+        let (rows, fixed) = whitened.psi().shape();
+        let count = fixed + random.ncols();
+        let mut psi = whitened.psi().clone().resize_horizontally(count, 0.0);
+        psi.columns_mut(fixed, random.ncols()).copy_from(random);
+        let mut psi = whitened
+            .with_shifts(&psi, gamma)
+            .resize_vertically(rows + variances.len(), 0.0);
+        for (i, variance) in variances.iter().enumerate() {
+            if *variance > 0.0 {
+                psi[(rows + i, fixed + i)] = 1.0 / variance.sqrt();
+            }
+        }
+        let free: Vec<usize> = (0..count)
+            .filter(|j| *j < fixed || variances[j - fixed] > 0.0)
+            .collect();
+        let delta = weighed(fit, &fit.system().delta, gamma);
+        Ok(Response {
+            fit,
+            gamma,
+            delta: delta.resize_vertically(psi.nrows(), 0.0),
+            factor: Cow::Owned(Factor::new(&psi.select_columns(&free))?),
+            psi,
             free,
         })
     }
@@ -61,12 +103,12 @@ impl<'a> Response<'a> {
     }
 
     /// A change of the displacements (rows as in the system, m) as the fit weighs
-    /// them; a prior does not change.
+    /// them; the rows of a prior and of random effects do not change.
     ///
     /// # Panics
     /// If there is not one entry per row of the system.
     pub(crate) fn weighed(&self, shift: &DVector<f64>) -> DVector<f64> {
-        weighed(self.fit, shift).resize_vertically(self.psi.nrows(), 0.0)
+        weighed(self.fit, shift, self.gamma).resize_vertically(self.psi.nrows(), 0.0)
     }
 
     /// Change of the unknowns when the weighed displacements change by `weighed`.
@@ -89,9 +131,9 @@ impl<'a> Response<'a> {
 }
 
 /// Displacements, or a change of them, as the fit weighs them.
-fn weighed(fit: &Fit, shift: &DVector<f64>) -> DVector<f64> {
+fn weighed(fit: &Fit, shift: &DVector<f64>, gamma: f64) -> DVector<f64> {
     let whitened = fit.prepared().whitened();
-    let white = whitened.delta_with_shifts(&whitened.whiten(shift), fit.solution().gamma);
+    let white = whitened.delta_with_shifts(&whitened.whiten(shift), gamma);
     let mut out = DMatrix::from_columns(&[white]);
     weigh(fit, &mut out);
     out.column(0).into_owned()

@@ -63,6 +63,16 @@ impl Solved {
         self.scaled(self.factor.inverse())
     }
 
+    /// Inverse of A, both triangles the same.
+    pub(super) fn scaled_inverse(&self) -> DMatrix<f64> {
+        self.factor.inverse()
+    }
+
+    /// Λ^(1/2) of each column, 1 for fixed effects.
+    pub(super) fn scale(&self) -> &DVector<f64> {
+        &self.scale
+    }
+
     fn scaled(&self, mut out: DMatrix<f64>) -> DMatrix<f64> {
         for j in 0..out.ncols() {
             for i in j..out.nrows() {
@@ -91,6 +101,11 @@ impl<'a> Likelihood<'a> {
             left_out,
             plain: rows.plain(left_out),
         }
+    }
+
+    /// Postures that take no part, ascending.
+    pub(super) fn left_out(&self) -> &'a [usize] {
+        self.left_out
     }
 
     /// `None` where the equations cannot be solved, or nothing is left of the

@@ -14,6 +14,7 @@
 //! So is their symmetry: no direction across an axis is preferred, and with the coupling
 //! the place of the origin hardly matters.
 
+mod doubt;
 mod likelihood;
 mod model;
 mod result;
@@ -28,11 +29,12 @@ pub use result::{ElasticSize, GeneralSpring, MixedResult};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
-use crate::estimate::identify::{Estimator, Fit, MeasuredSystem, NoiseSource};
+use crate::estimate::freedom::SizeDoubt;
+use crate::estimate::identify::{Estimator, Fit, MeasuredSystem, NoiseSource, Response};
 use crate::model::elastic::{Effect, ElasticClass, effects, terms};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::jobs::in_order_watched;
-use likelihood::{Likelihood, Sizes, Solved};
+use likelihood::{Likelihood, Sizes};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -136,11 +138,9 @@ impl MixedFit {
             true => (none, without.value),
             false => (sizes, value),
         };
-        let solved = likelihood
-            .solve(&sizes)
-            .ok_or_else(|| too_few("the equations are singular"))?;
         let values = [value, without.value];
-        let compliance = compliance(fit, &rows, &effects, &sizes, &solved);
+        let compliance = compliance(fit, &rows, &effects, &likelihood, &sizes)
+            .ok_or_else(|| too_few("the equations are singular"))?;
         Ok(MixedFit {
             fit: fit.clone(),
             effects,
@@ -174,6 +174,23 @@ impl MixedFit {
     /// the logarithms of the restricted likelihoods.
     pub fn likelihood_ratio(&self) -> f64 {
         (self.values[1] - self.values[0]).max(0.0)
+    }
+
+    /// How the solution answers to a change of the displacements, the sizes held.
+    ///
+    /// # Errors
+    /// A decomposition that fails.
+    pub(crate) fn response(&self) -> Result<Response<'_>> {
+        let mut random = self.rows.random_columns();
+        let mut variances = vec![0.0; random.ncols()];
+        for (class, size) in self.rows.classes.iter().zip(&self.sizes.classes) {
+            for i in class.clone() {
+                let scale = self.effects[i].scale;
+                random.column_mut(i).scale_mut(1.0 / scale);
+                variances[i] = size * scale * scale;
+            }
+        }
+        Response::with_random(&self.fit, &random, &variances, self.sizes.gamma)
     }
 
     /// Ψ of all unknowns.
@@ -216,16 +233,17 @@ impl MixedFit {
         // The sizes are searched for afresh: those of all postures know the others.
         let likelihood = Likelihood::new(&self.rows, &plain.left_out);
         let found = likelihood.best(None, self.fit.control());
-        out.mixed = found.and_then(|(sizes, _)| {
-            let solved = likelihood.solve(&sizes)?;
-            Some(self.compliance_of(&sizes, &solved))
-        });
+        out.mixed = found.and_then(|(sizes, _)| self.compliance_of(&likelihood, &sizes));
         out.axes = Some(plain.solution.values);
         Ok(out)
     }
 
-    fn compliance_of(&self, sizes: &Sizes, solved: &Solved) -> IdentifiedCompliance {
-        compliance(&self.fit, &self.rows, &self.effects, sizes, solved)
+    fn compliance_of(
+        &self,
+        likelihood: &Likelihood<'_>,
+        sizes: &Sizes,
+    ) -> Option<IdentifiedCompliance> {
+        compliance(&self.fit, &self.rows, &self.effects, likelihood, sizes)
     }
 
     fn new_folds(&self, count: usize) -> Result<Vec<MixedFold>> {
@@ -241,10 +259,7 @@ impl MixedFit {
                 let found = determined
                     .then(|| likelihood.best(Some(&self.sizes), control))
                     .flatten()
-                    .and_then(|(sizes, _)| {
-                        let solved = likelihood.solve(&sizes)?;
-                        Some(self.compliance_of(&sizes, &solved))
-                    });
+                    .and_then(|(sizes, _)| self.compliance_of(&likelihood, &sizes));
                 Ok(MixedFold {
                     left_out: fold.left_out.clone(),
                     compliance: found,
@@ -292,32 +307,35 @@ fn extended(
     }
 }
 
-/// The solution of the mixed-model equations in the effects' own units.
+/// The solution of the mixed-model equations of all postures but `left_out` in the
+/// effects' own units.
 fn compliance(
     fit: &Fit,
     rows: &Rows,
     effects: &[Effect],
+    likelihood: &Likelihood<'_>,
     sizes: &Sizes,
-    solved: &Solved,
-) -> IdentifiedCompliance {
+) -> Option<IdentifiedCompliance> {
     let plain = fit.solution();
     let fixed = rows.fixed;
     let scale = |i: usize| match i < fixed {
         true => 1.0,
         false => effects[i - fixed].scale,
     };
+    let solved = likelihood.solve(sizes)?;
     let mut values = solved.values(rows);
     for (i, value) in values.iter_mut().enumerate() {
         *value *= scale(i);
     }
-    let mut covariance = solved.inverse() * solved.variance;
+    let (mut covariance, of_sizes) = doubt::doubt(rows, likelihood, sizes, &solved);
     for j in 0..covariance.ncols() {
         for i in 0..covariance.nrows() {
             covariance[(i, j)] *= scale(i) * scale(j);
         }
     }
     let sigma = solved.variance.sqrt();
-    IdentifiedCompliance {
+    let std = |class: ElasticClass| sizes.classes[class as usize].sqrt() * sigma;
+    Some(IdentifiedCompliance {
         values,
         extra: terms(effects),
         spread: Some(Spread {
@@ -325,8 +343,28 @@ fn compliance(
             sigma,
             shift: sigma * sizes.gamma.sqrt(),
             degrees_of_freedom: plain.t_degrees_of_freedom.map(|dof| dof.min(solved.free)),
+            doubt: Some(size_doubt(effects, fixed, std, of_sizes)),
             confidence: fit.options().confidence,
         }),
         common: Default::default(),
+    })
+}
+
+/// What is known of the sizes `std` of the classes, with the covariance of their
+/// logarithms.
+fn size_doubt(
+    effects: &[Effect],
+    fixed: usize,
+    std: impl Fn(ElasticClass) -> f64,
+    covariance: DMatrix<f64>,
+) -> SizeDoubt {
+    let own = |class: Range<usize>| fixed + class.start..fixed + class.end;
+    SizeDoubt {
+        classes: classes(effects).into_iter().map(own).collect(),
+        prior: DVector::from_fn(fixed + effects.len(), |i, _| match i.checked_sub(fixed) {
+            Some(i) => (std(effects[i].class) * effects[i].scale).powi(2),
+            None => 0.0,
+        }),
+        covariance,
     }
 }

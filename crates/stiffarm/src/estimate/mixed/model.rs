@@ -1,5 +1,6 @@
 //! The mixed model of any system, for this project's own tests.
 
+use super::doubt::doubt;
 use super::likelihood::{Likelihood, Sizes};
 use super::sums::Rows;
 use crate::error::Result;
@@ -47,6 +48,20 @@ impl MixedModel {
         let solved = Likelihood::new(&self.rows, left_out).solve(&sizes(gamma, classes))?;
         let covariance = solved.inverse() * solved.variance;
         Some((solved.values(&self.rows), covariance, solved.variance))
+    }
+
+    /// Covariance of h and u − û at given ratios with the doubt about the ratios in it, and
+    /// the covariance of ln σ² and the logarithms of the classes' ratios.
+    pub fn doubt(&self, gamma: f64, classes: &[f64]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+        let likelihood = Likelihood::new(&self.rows, &[]);
+        let sizes = sizes(gamma, classes);
+        let solved = likelihood.solve(&sizes)?;
+        Some(doubt(&self.rows, &likelihood, &sizes, &solved))
+    }
+
+    /// True where the data tell shifts from noise.
+    pub fn has_shifts(&self) -> bool {
+        self.rows.has_shifts()
     }
 
     /// γ and the variance ratios of largest likelihood, with −2 ln L.

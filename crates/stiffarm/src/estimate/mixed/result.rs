@@ -1,6 +1,6 @@
 //! The mixed model in numbers that can be saved.
 
-use super::MixedFit;
+use super::{MixedFit, size_doubt};
 use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::identify::{JointEstimate, estimate};
@@ -46,6 +46,11 @@ pub struct MixedResult {
     pub posture_common_std_m: f64,
     /// Degrees of freedom behind quantiles; `None` for normal ones.
     pub interval_degrees_of_freedom: Option<usize>,
+    /// How well the sizes are known: covariance of ln σ² and of the logarithms of the
+    /// ratios of the classes' variances to σ², lower triangle row by row. Empty in results
+    /// of earlier versions, which take the sizes as known.
+    #[serde(default)]
+    pub size_covariance: Vec<Vec<f64>>,
     /// Base first, then joint by joint.
     pub springs: Vec<GeneralSpring>,
     /// Covariance of all unknowns, lower triangle row by row: joint axes, then the
@@ -63,12 +68,16 @@ impl MixedFit {
         let found = self.compliance();
         let names = &self.fit().system().unknowns;
         let fixed = names.len();
-        let quantile = found.spread.as_ref().map(Spread::quantile).transpose()?;
+        let quantiles = found.spread.as_ref().map(Spread::quantiles).transpose()?;
         let error = |j: usize| {
             let variance = found.spread.as_ref()?.covariance[(j, j)];
             Some(variance.max(0.0).sqrt())
         };
-        let joint = |j: usize| estimate(&names[j], Some(found.values[j]), error(j), quantile);
+        let quantile = |j: usize| {
+            let with = found.spread.as_ref()?.covariance.column(j).into_owned();
+            Some(quantiles.as_ref()?.of(&with, with[j], 0.0))
+        };
+        let joint = |j: usize| estimate(&names[j], Some(found.values[j]), error(j), quantile(j));
         let joints = self.fit().cell().setup.robot.joint_count();
         let places = std::iter::once(None).chain((0..joints).map(Some));
         let spring = |place: Option<usize>| {
@@ -87,7 +96,6 @@ impl MixedFit {
             }
         };
         let spread = found.spread.as_ref();
-        let row = |s: &Spread, i: usize| (0..=i).map(|j| s.covariance[(i, j)]).collect();
         Ok(MixedResult {
             joints: (0..fixed).map(joint).collect(),
             sizes: ElasticClass::ALL
@@ -99,10 +107,12 @@ impl MixedFit {
             residual_std_m: spread.map_or(0.0, |s| s.sigma),
             posture_common_std_m: spread.map_or(0.0, |s| s.shift),
             interval_degrees_of_freedom: spread.and_then(|s| s.degrees_of_freedom),
-            springs: places.map(spring).collect(),
-            covariance: spread
-                .map(|s| (0..found.values.len()).map(|i| row(s, i)).collect())
+            size_covariance: spread
+                .and_then(|s| s.doubt.as_ref())
+                .map(|doubt| triangle(&doubt.covariance))
                 .unwrap_or_default(),
+            springs: places.map(spring).collect(),
+            covariance: spread.map(|s| triangle(&s.covariance)).unwrap_or_default(),
         })
     }
 }
@@ -113,7 +123,8 @@ impl MixedResult {
     /// # Errors
     /// Numbers that do not fit each other.
     pub fn compliance(&self, confidence: f64) -> Result<IdentifiedCompliance> {
-        let terms = terms(&effects(self.springs.len().saturating_sub(1)));
+        let effects = effects(self.springs.len().saturating_sub(1));
+        let terms = terms(&effects);
         let fixed = self.joints.len();
         let count = fixed + terms.len();
         let mut values = DVector::zeros(count);
@@ -126,14 +137,14 @@ impl MixedResult {
                 values[fixed + i] = self.springs[place].compliance[row][column];
             }
         }
-        let fits = self.covariance.len() == count
-            && self
-                .covariance
-                .iter()
-                .enumerate()
-                .all(|(i, row)| row.len() == i + 1);
-        let covariance = fits
-            .then(|| DMatrix::from_fn(count, count, |i, j| self.covariance[i.max(j)][i.min(j)]));
+        let covariance = symmetric(&self.covariance, count);
+        let sizes = 1 + ElasticClass::ALL.len();
+        let std = |class: ElasticClass| {
+            let own = self.sizes.iter().find(|size| size.class == class);
+            own.map_or(0.0, |size| size.std)
+        };
+        let doubt = symmetric(&self.size_covariance, sizes)
+            .map(|covariance| size_doubt(&effects, fixed, std, covariance));
         Ok(IdentifiedCompliance {
             values,
             extra: terms,
@@ -142,9 +153,22 @@ impl MixedResult {
                 sigma: self.residual_std_m,
                 shift: self.posture_common_std_m,
                 degrees_of_freedom: self.interval_degrees_of_freedom,
+                doubt,
                 confidence,
             }),
             common: Default::default(),
         })
     }
+}
+
+/// The lower triangle row by row.
+fn triangle(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let row = |i: usize| (0..=i).map(|j| matrix[(i, j)]).collect();
+    (0..matrix.nrows()).map(row).collect()
+}
+
+/// The matrix of this size with a lower triangle; `None` for another.
+fn symmetric(rows: &[Vec<f64>], count: usize) -> Option<DMatrix<f64>> {
+    let fits = rows.len() == count && rows.iter().enumerate().all(|(i, row)| row.len() == i + 1);
+    fits.then(|| DMatrix::from_fn(count, count, |i, j| rows[i.max(j)][i.min(j)]))
 }

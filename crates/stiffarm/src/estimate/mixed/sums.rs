@@ -37,6 +37,19 @@ pub(super) struct Sums {
     pub(super) rows: usize,
 }
 
+/// Sums over the directions x of shifts that the information about γ needs, with
+/// a² = γ·size and w = 1 + a².
+pub(super) struct RatioSums {
+    /// Σ (a/w)² x xᵀ.
+    pub(super) first: DMatrix<f64>,
+    /// Σ a⁴/w³ x xᵀ.
+    pub(super) second: DMatrix<f64>,
+    /// Σ a²/w.
+    pub(super) trace: f64,
+    /// Σ (a²/w)².
+    pub(super) squares: f64,
+}
+
 impl Rows {
     /// `random` has one column per random effect (m per unit of its class), not yet
     /// white; `white` are the whitened displacements.
@@ -101,6 +114,11 @@ impl Rows {
         self.all.column(self.all.ncols() - 1).norm()
     }
 
+    /// White columns of the random effects, without shifts.
+    pub(super) fn random_columns(&self) -> DMatrix<f64> {
+        self.all.columns(self.fixed, self.random()).into_owned()
+    }
+
     /// Number of random effects.
     pub(super) fn random(&self) -> usize {
         self.all.ncols() - 1 - self.fixed
@@ -158,6 +176,38 @@ impl Rows {
         }
         out.gram.gemm(-1.0, &self.seen, &scaled, 1.0);
         out
+    }
+
+    /// What the information about γ needs, in columns times `scale`.
+    pub(super) fn ratio_sums(
+        &self,
+        gamma: f64,
+        left_out: &[usize],
+        scale: &DVector<f64>,
+    ) -> RatioSums {
+        let count = scale.len();
+        let kept: Vec<(usize, f64)> = self.kept(left_out).collect();
+        let mut x = DMatrix::zeros(count, kept.len());
+        let (mut trace, mut squares) = (0.0, 0.0);
+        for (to, (k, size)) in kept.iter().enumerate() {
+            let part = gamma * size;
+            let own = self.seen.column(*k);
+            let factor = part.sqrt() / (1.0 + part);
+            x.set_column(to, &(own.rows(0, count).component_mul(scale) * factor));
+            trace += part / (1.0 + part);
+            squares += (part / (1.0 + part)).powi(2);
+        }
+        let first = &x * x.transpose();
+        for (to, (_, size)) in kept.iter().enumerate() {
+            let part = gamma * size;
+            x.column_mut(to).scale_mut((part / (1.0 + part)).sqrt());
+        }
+        RatioSums {
+            second: &x * x.transpose(),
+            first,
+            trace,
+            squares,
+        }
     }
 
     /// Derivatives by ln γ of ln|V|, of the squares that `solution` (of X's columns,

@@ -10,17 +10,20 @@
 //! besides (weights, the ratio of the two variances) is held. What the residuals
 //! say of the sizes is in `posterior.rs`.
 
+mod believed;
 mod findings;
 mod posterior;
+mod predictor;
 mod sources;
 mod total;
 
 use crate::error::Result;
-use crate::estimate::common::{CommonErrors, CommonPart};
+pub use crate::estimate::common::{PosteriorPart, SystematicPosterior};
 use crate::estimate::identify::Fit;
+use crate::estimate::mixed::MixedFit;
 use crate::findings::Finding;
-use crate::model::observation::ExtraTerm;
-use nalgebra::{DMatrix, DVector};
+use believed::Believed;
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use sources::{Part, Source, sources};
 pub use total::JointUncertainty;
@@ -69,84 +72,6 @@ pub struct SystematicSource {
     pub parts: Vec<SystematicPart>,
 }
 
-/// A part of a source as it goes on into predictions.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct PosteriorPart {
-    /// Name of the source.
-    pub source: String,
-    /// `x`, `y`, `z`, the name of a joint, or empty where the source is one number.
-    pub part: String,
-    /// Change of the unknowns while this part is there with one standard
-    /// uncertainty: compliances \[rad/(N·m)\], then further terms in their own units.
-    pub response: Vec<f64>,
-    /// The term by which it acts again at work; `null` where it belongs to the
-    /// experiment alone.
-    pub at_work: Option<ExtraTerm>,
-    /// Standard uncertainty, in the unit of its source.
-    pub size: f64,
-}
-
-/// What the readings leave of the sizes of all parts, each in its standard
-/// uncertainties.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct SystematicPosterior {
-    /// The parts, source by source.
-    pub parts: Vec<PosteriorPart>,
-    /// Mean of each part given the readings; the estimates are not corrected by it.
-    pub mean: Vec<f64>,
-    /// Covariance given the readings, row i up to column i.
-    pub covariance: Vec<Vec<f64>>,
-}
-
-impl SystematicPosterior {
-    fn new(sources: &[Source], parts: &posterior::Parts) -> Self {
-        let all = sources
-            .iter()
-            .flat_map(|s| s.parts.iter().map(move |p| (s, p)));
-        let covariance = &parts.covariance;
-        SystematicPosterior {
-            parts: all
-                .enumerate()
-                .map(|(i, (source, part))| PosteriorPart {
-                    source: source.name.to_string(),
-                    part: part.name.clone(),
-                    response: parts.response.column(i).iter().copied().collect(),
-                    at_work: part.at_work,
-                    size: source.size,
-                })
-                .collect(),
-            mean: parts.mean.iter().copied().collect(),
-            covariance: (0..covariance.nrows())
-                .map(|i| (0..=i).map(|k| covariance[(i, k)]).collect())
-                .collect(),
-        }
-    }
-
-    /// The same for what predicts.
-    ///
-    /// # Panics
-    /// If the numbers are not as many as the parts.
-    pub(crate) fn common_errors(&self) -> CommonErrors {
-        let count = self.parts.len();
-        let entry = |i: usize, k: usize| self.covariance[i.max(k)][i.min(k)];
-        CommonErrors {
-            parts: self
-                .parts
-                .iter()
-                .map(|part| CommonPart {
-                    source: part.source.clone(),
-                    change: DVector::from_column_slice(&part.response),
-                    at_work: part.at_work.map(|term| (term, part.size)),
-                })
-                .collect(),
-            mean: DVector::from_column_slice(&self.mean),
-            covariance: DMatrix::from_fn(count, count, entry),
-        }
-    }
-}
-
 /// Common errors beside the statistical ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -178,6 +103,30 @@ pub struct SystematicErrors {
     pub findings: Vec<Finding>,
 }
 
+/// The moments of all parts as they are saved.
+fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPosterior {
+    let all = sources
+        .iter()
+        .flat_map(|s| s.parts.iter().map(move |p| (s, p)));
+    let covariance = &parts.covariance;
+    SystematicPosterior {
+        parts: all
+            .enumerate()
+            .map(|(i, (source, part))| PosteriorPart {
+                source: source.name.to_string(),
+                part: part.name.clone(),
+                response: parts.response.column(i).iter().copied().collect(),
+                at_work: part.at_work,
+                size: source.size,
+            })
+            .collect(),
+        mean: parts.mean.iter().copied().collect(),
+        covariance: (0..covariance.nrows())
+            .map(|i| (0..=i).map(|k| covariance[(i, k)]).collect())
+            .collect(),
+    }
+}
+
 /// How far each common error moves the joint stiffness that
 /// [`identify`](crate::estimate::identify::identify()) finds, and how much of it the
 /// readings leave possible. Sizes come from
@@ -202,28 +151,42 @@ pub struct SystematicErrors {
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
 pub fn systematic_errors(fit: &Fit) -> Result<SystematicErrors> {
+    errors_of(&Believed::of_fit(fit)?)
+}
+
+/// The same for the mixed model. What its springs hold, tilts of the base among it, is
+/// no common error any more.
+///
+/// # Errors
+/// As [`systematic_errors`].
+pub fn mixed_systematic_errors(mixed: &MixedFit) -> Result<SystematicErrors> {
+    errors_of(&Believed::of_mixed(mixed)?)
+}
+
+fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
+    let fit = believed.fit;
     let springs = fit.system().springs;
-    let sources = sources(fit)?;
-    let parts = posterior::parts(fit, &sources)?;
+    let sources = sources(believed)?;
+    let parts = posterior::parts(believed, &sources)?;
     let mut at = 0;
     let mut described = Vec::with_capacity(sources.len());
     for source in &sources {
         fit.control().check()?;
-        described.push(describe(fit, source, &parts, at));
+        described.push(describe(believed, source, &parts, at));
         at += source.parts.len();
     }
     let count = parts.mean.len();
-    let statistical: Vec<Option<f64>> = (0..springs).map(|j| relative_error(fit, j)).collect();
+    let statistical: Vec<Option<f64>> = (0..springs).map(|j| relative_error(believed, j)).collect();
     let combined: Vec<Option<f64>> = (0..springs)
-        .map(|j| bounded(fit, &parts, 0..count, j))
+        .map(|j| bounded(believed, &parts, 0..count, j))
         .collect();
     let both = statistical.iter().zip(&combined);
     let mut budget = SystematicErrors {
         joints: fit.system().unknowns[..springs].to_vec(),
         total: both.map(|(a, b)| Some((*a)?.hypot((*b)?))).collect(),
         confidence: Some(fit.options().confidence),
-        uncertainty: total::uncertainty(fit, &described, &parts)?,
-        posterior: Some(SystematicPosterior::new(&sources, &parts)),
+        uncertainty: total::uncertainty(believed, &described, &parts)?,
+        posterior: Some(posterior_of(&sources, &parts)),
         sources: described,
         combined,
         statistical,
@@ -234,11 +197,16 @@ pub fn systematic_errors(fit: &Fit) -> Result<SystematicErrors> {
 }
 
 /// One source, whose parts begin at `from` among all.
-fn describe(fit: &Fit, source: &Source, all: &posterior::Parts, from: usize) -> SystematicSource {
-    let count = fit.system().springs;
+fn describe(
+    believed: &Believed<'_>,
+    source: &Source,
+    all: &posterior::Parts,
+    from: usize,
+) -> SystematicSource {
+    let count = believed.fit.system().springs;
     let part = |(i, part): (usize, &Part)| SystematicPart {
         name: part.name.clone(),
-        change: changes(fit, &all.response.column(from + i).into_owned()),
+        change: changes(believed, &all.response.column(from + i).into_owned()),
     };
     let parts: Vec<SystematicPart> = source.parts.iter().enumerate().map(part).collect();
     let own = from..from + parts.len();
@@ -264,20 +232,19 @@ fn describe(fit: &Fit, source: &Source, all: &posterior::Parts, from: usize) -> 
         worst,
         remaining: Some(remaining),
         bounded: (0..count)
-            .map(|j| bounded(fit, all, own.clone(), j))
+            .map(|j| bounded(believed, all, own.clone(), j))
             .collect(),
         parts: if one { Vec::new() } else { parts },
     }
 }
 
 /// k'/k − 1 of each joint when the unknowns change by `change`.
-fn changes(fit: &Fit, change: &DVector<f64>) -> Vec<Option<f64>> {
-    let solution = fit.solution();
-    (0..fit.system().springs)
+fn changes(believed: &Believed<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
+    (0..believed.fit.system().springs)
         .map(|j| {
-            let h = solution.values[j];
+            let h = believed.values[j];
             let moved = h + change[j];
-            let known = !solution.undetermined.contains(&j) && h > 0.0 && moved > 0.0;
+            let known = believed.has_stiffness(j) && moved > 0.0;
             known.then(|| h / moved - 1.0)
         })
         .collect()
@@ -285,7 +252,7 @@ fn changes(fit: &Fit, change: &DVector<f64>) -> Vec<Option<f64>> {
 
 /// √(R M Rᵀ) of joint `j` over its compliance, for the parts `which`.
 fn bounded(
-    fit: &Fit,
+    believed: &Believed<'_>,
     all: &posterior::Parts,
     which: std::ops::Range<usize>,
     j: usize,
@@ -295,19 +262,15 @@ fn bounded(
     let covariance = all.covariance.view((from, from), (count, count));
     let mean = (own * all.mean.rows(from, count))[(0, 0)];
     let square = (own * covariance * own.transpose())[(0, 0)] + mean * mean;
-    has_stiffness(fit, j).then(|| square.max(0.0).sqrt() / fit.solution().values[j])
+    let has_stiffness = believed.has_stiffness(j);
+    has_stiffness.then(|| square.max(0.0).sqrt() / believed.values[j])
 }
 
 /// σ_H/H, to first order the relative standard error of k.
-fn relative_error(fit: &Fit, j: usize) -> Option<f64> {
-    let solution = fit.solution();
-    let covariance = solution.covariance.as_ref()?;
-    has_stiffness(fit, j).then(|| covariance[(j, j)].max(0.0).sqrt() / solution.values[j])
-}
-
-fn has_stiffness(fit: &Fit, j: usize) -> bool {
-    let solution = fit.solution();
-    !solution.undetermined.contains(&j) && solution.values[j] > 0.0
+fn relative_error(believed: &Believed<'_>, j: usize) -> Option<f64> {
+    let error = believed.errors[j]?;
+    let has_stiffness = believed.has_stiffness(j);
+    has_stiffness.then(|| error / believed.values[j])
 }
 
 /// Root sum of squares; `None` with any part missing.

@@ -18,9 +18,9 @@
 //! weighs the moments. Where the residuals say nothing, they are those of the
 //! statement again.
 
+use super::believed::Believed;
 use super::sources::Source;
 use crate::error::Result;
-use crate::estimate::identify::{Fit, Response};
 use nalgebra::{DMatrix, DVector};
 
 /// Sizes ω that are looked at.
@@ -48,8 +48,8 @@ pub(super) struct Parts {
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
-pub(super) fn parts(fit: &Fit, sources: &[Source]) -> Result<Parts> {
-    let (response, solution) = (Response::new(fit)?, fit.solution());
+pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts> {
+    let (fit, response) = (believed.fit, &believed.response);
     let shifts = sources.iter().flat_map(|source| &source.parts);
     let (mut changes, mut left) = (Vec::new(), Vec::new());
     for part in shifts {
@@ -60,7 +60,7 @@ pub(super) fn parts(fit: &Fit, sources: &[Source]) -> Result<Parts> {
         changes.push(change);
     }
     let count = changes.len();
-    let unknowns = solution.values.len();
+    let unknowns = believed.values.len();
     let mut out = Parts {
         response: DMatrix::from_fn(unknowns, count, |j, i| changes[i][j]),
         mean: DVector::zeros(count),
@@ -68,15 +68,15 @@ pub(super) fn parts(fit: &Fit, sources: &[Source]) -> Result<Parts> {
     };
     let delta = &fit.system().delta;
     let exact = EXACT * delta.norm() / (delta.len().max(1) as f64).sqrt();
-    let known = solution.t_degrees_of_freedom != Some(0);
-    let Some(sigma) = solution.sigma.filter(|_| known).map(|s| s.max(exact)) else {
+    let Some(sigma) = believed.sigma.map(|s| s.max(exact)) else {
         return Ok(out);
     };
     if count == 0 || sigma <= 0.0 {
         return Ok(out);
     }
-    let misfit = response.left(response.delta(), &solution.values);
-    // What is left of S̃ times itself is SᵀQS, the rows of a prior included.
+    let misfit = response.left(response.delta(), believed.values);
+    // What is left of S̃ times itself is SᵀQS, the rows of a prior or of random effects
+    // included.
     let variance = sigma * sigma;
     let seen = DMatrix::from_fn(count, count, |i, k| left[i].dot(&left[k]) / variance);
     let said = DVector::from_fn(count, |i, _| left[i].dot(&misfit) / variance);

@@ -1,7 +1,8 @@
 //! The sources of common error and what each does to the displacements.
 
+use super::believed::Believed;
 use crate::error::Result;
-use crate::estimate::identify::{Fit, columns, known_displacement};
+use crate::estimate::identify::{columns, known_displacement};
 use crate::model::cell::Cell;
 use crate::model::instruments::Mount;
 use crate::model::load::{Load, Wrench};
@@ -53,19 +54,20 @@ pub(super) struct Part {
 /// What is nominal: the measurements with their terms and displacements.
 struct Nominal<'a> {
     cell: &'a Cell,
-    fit: &'a Fit,
+    believed: &'a Believed<'a>,
     postures: Vec<(&'a MeasuredPosture, &'a PostureTerms)>,
     /// Modelled displacement of each, 3m.
     displacements: Vec<DVector<f64>>,
 }
 
 /// The sources that matter for these measurements; the force scale first.
-pub(super) fn sources(fit: &Fit) -> Result<Vec<Source>> {
+pub(super) fn sources(believed: &Believed<'_>) -> Result<Vec<Source>> {
+    let fit = believed.fit;
     let cell = fit.cell();
     let given = &cell.uncertainty;
     let mut nominal = Nominal {
         cell,
-        fit,
+        believed,
         postures: fit.experiment().with_terms().collect(),
         displacements: Vec::new(),
     };
@@ -159,8 +161,7 @@ impl Nominal<'_> {
         posture: &MeasuredPosture,
         terms: &PostureTerms,
     ) -> Result<DVector<f64>> {
-        let moved =
-            columns(self.cell, terms, &self.fit.system().extra) * &self.fit.solution().values;
+        let moved = columns(self.cell, terms, self.believed.extra) * self.believed.values;
         Ok(moved + known_displacement(self.cell, terms, posture)?)
     }
 
@@ -172,10 +173,10 @@ impl Nominal<'_> {
     ) -> Result<Part> {
         let mut all = Vec::with_capacity(self.postures.len());
         for ((posture, terms), displacement) in self.postures.iter().zip(&self.displacements) {
-            self.fit.control().check()?;
+            self.believed.fit.control().check()?;
             all.push(shift(posture, terms, displacement)?);
         }
-        let system = self.fit.system();
+        let system = self.believed.fit.system();
         let mut rows = DVector::zeros(system.delta.len());
         for (i, label) in system.labels.iter().enumerate() {
             let point = self.postures[label.measured].0.displacements[label.displacement].point;
@@ -320,10 +321,9 @@ impl Nominal<'_> {
         named: impl IntoIterator<Item = (&'n str, ExtraTerm)>,
         size: f64,
     ) -> Result<Vec<Part>> {
-        let modelled = &self.fit.system().extra;
         let named = named
             .into_iter()
-            .filter(|(_, term)| !modelled.contains(term));
+            .filter(|(_, term)| !self.believed.holds(term));
         named
             .map(|(name, term)| {
                 let part = self.part(name, |_, terms, _| Ok(term.column(terms) * size))?;

@@ -1,9 +1,9 @@
 //! How sure each joint's stiffness is with everything together.
 
+use super::SystematicSource;
+use super::believed::Believed;
 use super::posterior::Parts;
-use super::{SystematicSource, has_stiffness};
 use crate::error::Result;
-use crate::estimate::identify::{Fit, interval_quantile};
 use crate::numerics::half_width::Level;
 use serde::{Deserialize, Serialize};
 
@@ -34,16 +34,14 @@ pub struct JointUncertainty {
 /// # Errors
 /// A quantile that cannot be computed.
 pub(super) fn uncertainty(
-    fit: &Fit,
+    believed: &Believed<'_>,
     sources: &[SystematicSource],
     parts: &Parts,
 ) -> Result<Vec<JointUncertainty>> {
-    let solution = fit.solution();
-    let level = Level::new(fit.options().confidence)?;
-    let t = interval_quantile(solution, fit.options().confidence)?;
+    let level = Level::new(believed.fit.options().confidence)?;
     let of = |j: usize| {
-        let h = solution.values[j];
-        if !has_stiffness(fit, j) {
+        let h = believed.values[j];
+        if !believed.has_stiffness(j) {
             return JointUncertainty::default();
         }
         let own = parts.response.row(j);
@@ -51,9 +49,7 @@ pub(super) fn uncertainty(
         let std = (own * &parts.covariance * own.transpose())[(0, 0)]
             .max(0.0)
             .sqrt();
-        let scatter = t
-            .zip(solution.covariance.as_ref())
-            .map(|(t, covariance)| t * covariance[(j, j)].max(0.0).sqrt());
+        let scatter = believed.half_widths[j];
         let total = scatter.map(|s| level.half_width(mean, std.hypot(s / level.quantile())));
         let largest = sources
             .iter()
@@ -71,5 +67,5 @@ pub(super) fn uncertainty(
             largest_source: largest.map(|(source, _)| source.name.clone()),
         }
     };
-    Ok((0..fit.system().springs).map(of).collect())
+    Ok((0..believed.fit.system().springs).map(of).collect())
 }

@@ -2,7 +2,8 @@
 
 use super::{PointDeviation, Validation};
 use crate::error::Result;
-use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::compliance::{IdentifiedCompliance, Spread};
+use crate::estimate::freedom::SpreadQuantiles;
 use crate::estimate::identify::{Block, MeasuredSystem, RowLabel};
 use crate::findings::{Finding, Severity};
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -43,40 +44,85 @@ pub struct BandShare {
     pub components: usize,
 }
 
-/// The band of the displacement behind `label`, a row triple of `system`;
-/// `None` where the predictor does not know how sure it is.
-pub(super) fn point_band(
-    predictor: &IdentifiedCompliance,
+/// Bands about what one predictor says of the rows of a system.
+pub(super) struct PointBands<'a> {
+    system: &'a MeasuredSystem,
+    /// Nothing where the predictor does not know how sure it is.
+    spread: Option<(&'a Spread, SpreadQuantiles)>,
+}
+
+impl<'a> PointBands<'a> {
+    /// # Errors
+    /// No degree of freedom.
+    pub(super) fn new(
+        predictor: &'a IdentifiedCompliance,
+        system: &'a MeasuredSystem,
+    ) -> Result<Self> {
+        let spread = match &predictor.spread {
+            Some(spread) => Some((spread, spread.quantiles()?)),
+            None => None,
+        };
+        Ok(PointBands { system, spread })
+    }
+
+    /// The band of the displacement behind `label`, a row triple of the system.
+    pub(super) fn of(
+        &self,
+        block: &Block,
+        label: &RowLabel,
+        measured: &Vector3<f64>,
+        calculated: &Vector3<f64>,
+    ) -> Option<PointBand> {
+        let (spread, quantiles) = self.spread.as_ref()?;
+        let error = measured - calculated;
+        Some(band(
+            spread,
+            quantiles,
+            self.system,
+            block,
+            label,
+            &error,
+            calculated,
+        ))
+    }
+}
+
+fn band(
+    spread: &Spread,
+    quantiles: &SpreadQuantiles,
     system: &MeasuredSystem,
     block: &Block,
     label: &RowLabel,
-    measured: &Vector3<f64>,
+    error: &Vector3<f64>,
     calculated: &Vector3<f64>,
-) -> Result<Option<PointBand>> {
-    let Some(spread) = &predictor.spread else {
-        return Ok(None);
-    };
-    let quantile = spread.quantile()?;
-    let psi = system.psi.rows(label.rows.start, 3);
-    let prediction = cut(&(psi * &spread.covariance * psi.transpose()), 0);
+) -> PointBand {
+    let psi = system.psi.rows(label.rows.start, 3).into_owned();
+    let with = &spread.covariance * psi.transpose();
+    let prediction = cut(&(&psi * &with), 0);
     let at = label.rows.start - block.rows.start;
     // Rows of the posture share its shifts, in proportion to the load.
     let own = block.covariance.of_point(at);
     let shared = block.shared.rows(at, 3);
     let shared = cut(&(shared * shared.transpose()), 0);
     let noise = own * spread.sigma.powi(2) + shared * spread.shift.powi(2);
+    let half = |direction: &Vector3<f64>, noise: f64| {
+        let variance = direction.dot(&(prediction * direction)).max(0.0);
+        let with = &with * direction;
+        quantiles.of(&with, variance, noise) * (variance + noise).sqrt()
+    };
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let own = axes.map(|axis| half(&axis, 0.0));
+    let all: [f64; 3] = std::array::from_fn(|i| half(&axes[i], noise[(i, i)].max(0.0)));
     let std = |m: &Matrix3<f64>| m.diagonal().map(|v| v.max(0.0).sqrt());
-    let half = std(&(prediction + noise)) * quantile;
     let along = calculated.try_normalize(0.0).unwrap_or_default();
-    let error = measured - calculated;
-    Ok(Some(PointBand {
+    PointBand {
         prediction_std_m: std(&prediction).into(),
         noise_std_m: std(&noise).into(),
-        prediction_half_width_m: (std(&prediction) * quantile).into(),
-        norm_half_width_m: quantile * along.dot(&(prediction * along)).max(0.0).sqrt(),
-        half_width_m: half.into(),
-        inside: std::array::from_fn(|i| error[i].abs() <= half[i]),
-    }))
+        prediction_half_width_m: own,
+        norm_half_width_m: half(&along, 0.0),
+        half_width_m: all,
+        inside: std::array::from_fn(|i| error[i].abs() <= all[i]),
+    }
 }
 
 /// The 3 × 3 block on the diagonal that begins at `at`.

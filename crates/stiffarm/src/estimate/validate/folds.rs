@@ -1,6 +1,6 @@
 //! Cross-validation: each posture predicted by a fit without it.
 
-use super::{Model, Point, Validation, band, check_tolerance, summarise};
+use super::{Model, Point, PointBands, Validation, band, check_tolerance, summarise};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{Fit, MeasuredSystem, missed, prediction_error, rounding};
@@ -75,6 +75,10 @@ fn gathered<'a>(
     let mut found: Vec<Option<Point>> = vec![None; system.labels.len()];
     let mut unpredicted = Vec::new();
     for fold in folds {
+        let bands = match &fold.predictor {
+            Some(predictor) => Some(PointBands::new(predictor, system)?),
+            None => None,
+        };
         for &b in fold.out {
             let block = &system.blocks[b];
             let Some(predictor) = fold.predictor.as_ref().filter(|_| (fold.sees)(b)) else {
@@ -87,7 +91,9 @@ fn gathered<'a>(
                 let at = label.rows.start - block.rows.start;
                 let calculated: Vector3<f64> = displacement.value - errors.fixed_rows::<3>(at);
                 let value = &displacement.value;
-                let band = band::point_band(predictor, system, block, label, value, &calculated)?;
+                let band = bands
+                    .as_ref()
+                    .and_then(|bands| bands.of(block, label, value, &calculated));
                 let place = system
                     .labels
                     .partition_point(|l| l.rows.start < label.rows.start);

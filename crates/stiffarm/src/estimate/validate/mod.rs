@@ -5,6 +5,7 @@ mod band;
 mod folds;
 
 pub use crate::model::stiffness::Model;
+use band::PointBands;
 pub use band::{BandShare, PointBand};
 pub use folds::{cross_validate, cross_validate_mixed};
 
@@ -206,6 +207,7 @@ pub fn validate_with(
     };
     let system = experiment.system(&predictor.extra, Weights::Readings)?;
     let errors = &system.delta - &system.psi * &predictor.values;
+    let bands = PointBands::new(predictor, &system)?;
     let mut points = Vec::with_capacity(system.labels.len());
     for block in &system.blocks {
         for label in system.labels_of(block) {
@@ -220,7 +222,7 @@ pub fn validate_with(
                 measured: label.measured,
                 displacement: label.displacement,
                 calculated,
-                band: band::point_band(predictor, &system, block, label, value, &calculated)?,
+                band: bands.of(block, label, value, &calculated),
             });
         }
     }

@@ -4,7 +4,9 @@ use super::fault;
 use super::keys::below;
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{AngleEstimate, Estimates, JointEstimate, NoiseSource, Verdict};
+use crate::estimate::identify::{
+    AngleEstimate, Estimates, JointEstimate, NoiseSource, Verdict, quantile as of,
+};
 use crate::files::names::fault_of;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
@@ -417,8 +419,8 @@ pub(super) fn quantile(compliance: &IdentifiedCompliance, key: &str) -> Result<(
     let Some(spread) = &compliance.spread else {
         return Ok(());
     };
-    match spread.quantile() {
-        Ok(quantile) if quantile.is_finite() => Ok(()),
+    match of(spread.degrees_of_freedom, spread.confidence) {
+        Ok(value) if value.is_finite() => Ok(()),
         _ => {
             let message = format!(
                 "Intervals of confidence {} have no end with these degrees of freedom.",

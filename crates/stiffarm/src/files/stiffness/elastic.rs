@@ -1,6 +1,7 @@
 //! The elastic model of a saved stiffness.
 
 use super::checks::{self, LARGEST_LENGTH, MOST_ROWS, SOFTEST, non_negative, same_name};
+use super::errors;
 use super::fault;
 use super::keys::{self, below};
 use crate::error::Result;
@@ -9,6 +10,7 @@ use crate::estimate::elastic::{Elastic, ElasticChoice};
 use crate::estimate::identify::Estimates;
 use crate::estimate::mixed::MixedResult;
 use crate::model::cell::Cell;
+use crate::model::elastic::ElasticClass;
 use serde_json::Value;
 
 /// What predicts, where the file says that it is the mixed model.
@@ -39,6 +41,7 @@ pub(super) fn mixed(
             return Err(fault(message.to_string()).key(below(key, "model")));
         }
     };
+    let budget_key = below(key, "budget");
     let key = below(key, "mixed");
     values(&mixed, &key, cell)?;
     scatter(&mixed, &key, estimates)?;
@@ -52,7 +55,11 @@ pub(super) fn mixed(
     let entry = |i: usize, j: usize| Some(covariance[(i, j)]);
     checks::not_negative(covariance.nrows(), entry, &below(&key, "covariance"))?;
     checks::quantile(&compliance, &key)?;
-    Ok(Some(compliance))
+    let budget = &value["budget"];
+    if budget.is_null() {
+        return Ok(Some(compliance));
+    }
+    errors::with_budget(compliance, budget, &budget_key, cell).map(Some)
 }
 
 /// Compliances of joints and springs.
@@ -126,6 +133,17 @@ fn scatter(mixed: &MixedResult, key: &str, estimates: &Estimates) -> Result<()> 
         non_negative(Some(value), LARGEST_LENGTH, || at(name))?;
     }
     let most = estimates.rows.min(MOST_ROWS);
+    let rows = &mixed.size_covariance;
+    if !rows.is_empty() {
+        let count = 1 + ElasticClass::ALL.len();
+        let triangle = rows.iter().enumerate().all(|(i, row)| row.len() == i + 1);
+        if rows.len() != count || !triangle {
+            let message = format!("The covariance must be a lower triangle of {count} rows.");
+            return Err(fault(message).key(at("size_covariance")));
+        }
+        let entry = |i: usize, j: usize| Some(rows[i.max(j)][i.min(j)]);
+        checks::not_negative(count, entry, &at("size_covariance"))?;
+    }
     match mixed.interval_degrees_of_freedom {
         Some(dof) if dof == 0 || dof > most => {
             let message = format!("{dof} degrees of freedom cannot come from {most} rows.");

@@ -56,6 +56,7 @@ pub(super) const ELASTIC: &[&str] = &[
     "axes_rms_m",
     "mixed_rms_m",
     "mixed",
+    "budget",
 ];
 
 /// Values of the mixed model.
@@ -65,6 +66,7 @@ pub(super) const MIXED: &[&str] = &[
     "residual_std_m",
     "posture_common_std_m",
     "interval_degrees_of_freedom",
+    "size_covariance",
     "springs",
     "covariance",
 ];

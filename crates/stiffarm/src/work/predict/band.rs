@@ -11,6 +11,7 @@
 use crate::error::Result;
 use crate::estimate::common::CommonErrors;
 use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::freedom::SpreadQuantiles;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::half_width::Level;
 use nalgebra::{DMatrix, Matrix3, Matrix3xX, Vector3};
@@ -44,7 +45,7 @@ pub struct TipBand {
 #[derive(Debug, Clone)]
 pub(crate) struct Bands {
     /// Covariance of the unknowns, with the quantile that goes with it.
-    statistical: Option<(DMatrix<f64>, f64)>,
+    statistical: Option<(DMatrix<f64>, SpreadQuantiles)>,
     /// Errors common to the experiment.
     common: Common,
     /// Relative standard uncertainty of the load.
@@ -109,7 +110,7 @@ impl Bands {
         }
         let confidence = spread.map_or(CONFIDENCE, |s| s.confidence);
         let statistical = match spread {
-            Some(spread) => Some((spread.covariance.clone(), spread.quantile()?)),
+            Some(spread) => Some((spread.covariance.clone(), spread.quantiles()?)),
             None => None,
         };
         Ok(Some(Bands {
@@ -135,19 +136,26 @@ impl Bands {
         terms: &PostureTerms,
     ) -> TipBand {
         let normal = self.level.quantile();
-        let (statistical, t) = match &self.statistical {
-            Some((covariance, t)) => {
-                let full = sensitivity * covariance * sensitivity.transpose();
-                (full.fixed_view::<3, 3>(0, 0).into_owned(), *t)
+        let (statistical, with) = match &self.statistical {
+            Some((covariance, _)) => {
+                let with = covariance * sensitivity.transpose();
+                let full = sensitivity * &with;
+                let tip = full.fixed_view::<3, 3>(0, 0).into_owned();
+                (tip, with.columns(0, 3).into_owned())
             }
-            None => (Matrix3::zeros(), 0.0),
+            None => (Matrix3::zeros(), DMatrix::zeros(0, 3)),
         };
         let (mean, common) = self.common.of(sensitivity, terms);
         // A load too large by a fraction bends more by that fraction.
         let load = shift * shift.transpose() * self.load.powi(2);
         let along = |direction: &Vector3<f64>| -> [f64; 4] {
             let std = |m: &Matrix3<f64>| direction.dot(&(m * direction)).max(0.0).sqrt();
-            let scatter = [std(&statistical) * t / normal, std(&common), std(&load)];
+            let own = std(&statistical);
+            let t = match &self.statistical {
+                Some((_, quantiles)) => quantiles.of(&(&with * direction), own * own, 0.0),
+                None => 0.0,
+            };
+            let scatter = [own * t / normal, std(&common), std(&load)];
             let offset = direction.dot(&mean);
             let all = scatter.iter().map(|s| s * s).sum::<f64>().sqrt();
             [

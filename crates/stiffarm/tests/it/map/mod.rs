@@ -52,6 +52,7 @@ fn unsure(cell: &Cell) -> IdentifiedCompliance {
         sigma: 1e-5,
         shift: 0.0,
         degrees_of_freedom: None,
+        doubt: None,
         confidence: 0.95,
     });
     predictor

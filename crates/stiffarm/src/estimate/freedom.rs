@@ -1,0 +1,111 @@
+//! Degrees of freedom of combinations whose variance is itself an estimate.
+
+use crate::error::Result;
+use crate::estimate::compliance::Spread;
+use crate::estimate::identify::quantile;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// How well the sizes of a mixed model are known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SizeDoubt {
+    /// Unknowns of each class.
+    pub classes: Vec<Range<usize>>,
+    /// Variance of each unknown before the data; zero for those that are no random
+    /// effects.
+    pub prior: DVector<f64>,
+    /// Covariance of ln σ² and of the logarithms of the ratios of the classes' variances
+    /// to σ², 1 + classes.
+    pub covariance: DMatrix<f64>,
+}
+
+impl SizeDoubt {
+    /// Degrees of freedom 2 f²/(gᵀWg) of f = `variance` + `noise`, where `variance` is that
+    /// of the combination whose covariances with all unknowns are `with`, and `noise` is
+    /// in proportion to σ².
+    pub fn degrees_of_freedom(&self, with: &DVector<f64>, variance: f64, noise: f64) -> f64 {
+        let f = variance + noise;
+        let mut slope = DVector::zeros(1 + self.classes.len());
+        slope[0] = f;
+        for (c, class) in self.classes.iter().enumerate() {
+            // ∂(ℓᵀCℓ)/∂ln λ = ℓᵀC diag(1/prior) Cℓ over the class.
+            let parts = class.clone().filter(|i| self.prior[*i] > 0.0);
+            slope[1 + c] = parts.map(|i| with[i] * with[i] / self.prior[i]).sum();
+        }
+        2.0 * f * f / slope.dot(&(&self.covariance * &slope))
+    }
+}
+
+/// Degrees of freedom that are looked up; beyond them the normal is near.
+const LOOKED_UP: usize = 120;
+
+/// Quantiles of Student's t for any degrees of freedom from one on.
+#[derive(Debug, Clone)]
+struct Quantiles {
+    /// Of 1, 2, … degrees of freedom.
+    whole: Vec<f64>,
+    normal: f64,
+}
+
+impl Quantiles {
+    fn new(confidence: f64) -> Result<Self> {
+        let whole: Result<Vec<f64>> = (1..=LOOKED_UP)
+            .map(|n| quantile(Some(n), confidence))
+            .collect();
+        Ok(Quantiles {
+            whole: whole?,
+            normal: quantile(None, confidence)?,
+        })
+    }
+
+    /// Between whole numbers in proportion to 1/ν.
+    fn at(&self, degrees_of_freedom: f64) -> f64 {
+        let n = degrees_of_freedom.max(1.0);
+        let low = (n.floor() as usize).min(LOOKED_UP);
+        let [a, x] = [self.whole[low - 1], 1.0 / low as f64];
+        let [b, y] = match self.whole.get(low) {
+            Some(next) => [*next, 1.0 / (low + 1) as f64],
+            None => [self.normal, 0.0],
+        };
+        b + (a - b) * (1.0 / n - y) / (x - y)
+    }
+}
+
+/// Quantiles of the combinations of what a fit found.
+#[derive(Debug, Clone)]
+pub(crate) struct SpreadQuantiles {
+    /// Where the sizes count as known.
+    plain: f64,
+    /// Where they do not: the most degrees of freedom, the table and the doubt.
+    doubted: Option<(f64, Quantiles, SizeDoubt)>,
+}
+
+impl SpreadQuantiles {
+    /// # Errors
+    /// A confidence outside (0, 1); no degree of freedom.
+    pub(crate) fn new(spread: &Spread) -> Result<Self> {
+        let most = spread
+            .degrees_of_freedom
+            .map_or(f64::INFINITY, |n| n as f64);
+        let doubted = match &spread.doubt {
+            Some(doubt) => Some((most, Quantiles::new(spread.confidence)?, doubt.clone())),
+            None => None,
+        };
+        Ok(SpreadQuantiles {
+            plain: quantile(spread.degrees_of_freedom, spread.confidence)?,
+            doubted,
+        })
+    }
+
+    /// Of a combination of this variance whose covariances with all unknowns are `with`,
+    /// with `noise` of its own.
+    pub(crate) fn of(&self, with: &DVector<f64>, variance: f64, noise: f64) -> f64 {
+        match &self.doubted {
+            Some((most, table, doubt)) if variance + noise > 0.0 => {
+                let n = doubt.degrees_of_freedom(with, variance, noise);
+                table.at(if n.is_finite() { n.min(*most) } else { *most })
+            }
+            _ => self.plain,
+        }
+    }
+}

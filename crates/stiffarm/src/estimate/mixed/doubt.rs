@@ -1,0 +1,164 @@
+//! How well the data determine the sizes of the mixed model, and what that does to the
+//! covariance of its unknowns and to the degrees of freedom of its quantiles.
+//!
+//! The solution of the mixed-model equations takes the sizes as known. That they are
+//! estimates makes the solution scatter more, and its covariance, which is too small on
+//! average, a random quantity, too. Both to first order by the expected information of the
+//! restricted likelihood about θ = (ln σ², ln γ, ln λ of each class), ½ tr(P V_k P V_l):
+//!
+//! - covariance + Σ W_kl E\[∂m/∂θ_k ∂mᵀ/∂θ_l\] with W the inverse of the information
+//!   and m the solution (Kackar & Harville, JASA 79, 1984, 853–862,
+//!   doi:10.1080/01621459.1984.10477102). Prasad & Rao (JASA 85, 1990, 163–171,
+//!   doi:10.1080/01621459.1990.10475320) and Kenward & Roger (Biometrics 53, 1997,
+//!   983–997, doi:10.2307/2533558) add the sum twice, the second time for the bias of the
+//!   covariance; with the degrees of freedom below, counted bands are too wide then;
+//! - 2 f²/(gᵀWg) degrees of freedom for a combination of variance f whose derivative is g
+//!   (Satterthwaite, Biometrics Bulletin 2, 1946, 110–114, doi:10.2307/3002019), see
+//!   [`SizeDoubt`](crate::estimate::freedom::SizeDoubt).
+//!
+//! A class that was found to give nothing takes no part in either.
+//!
+//! In coordinates in which Λ = I, T = I − A⁻¹ of the random effects gives all traces that
+//! concern classes; those of γ come from the sums R = Σ (a/w)² x xᵀ and R₂ = Σ a⁴/w³ x xᵀ
+//! over the directions x of shifts, a² = γ·size and w = 1 + a².
+
+use super::likelihood::{Likelihood, Sizes, Solved};
+use super::sums::Rows;
+use nalgebra::{DMatrix, SymmetricEigen};
+use std::ops::Range;
+
+/// Standard deviation that the logarithm of a class's variance has at most: beyond a
+/// factor of e either way first order in it means nothing. Enters the information as a
+/// prior of this width.
+const MOST_DOUBT: f64 = 1.0;
+/// Eigenvalues of the scaled information below this are rounding.
+const RANK: f64 = 1e-10;
+
+/// Covariance of h and u − û in the columns' own units, the doubt about the sizes in it,
+/// and that of ln σ² and the logarithms of the classes' ratios.
+pub(super) fn doubt(
+    rows: &Rows,
+    likelihood: &Likelihood<'_>,
+    sizes: &Sizes,
+    solved: &Solved,
+) -> (DMatrix<f64>, DMatrix<f64>) {
+    let scale = solved.scale();
+    let inverse = solved.scaled_inverse();
+    let count = inverse.ncols();
+    let own = |class: &Range<usize>| rows.fixed + class.start..rows.fixed + class.end;
+    let classes: Vec<Range<usize>> = rows.classes.iter().map(own).collect();
+    let seen = DMatrix::from_fn(count, count, |i, j| {
+        let unit = f64::from(u8::from(i == j && i >= rows.fixed));
+        unit - inverse[(i, j)]
+    });
+
+    let shared = usize::from(rows.has_shifts());
+    let size = 1 + shared + classes.len();
+    let mut information = DMatrix::zeros(size, size);
+    let mut set = |k: usize, l: usize, value: f64| {
+        information[(k, l)] = 0.5 * value;
+        information[(l, k)] = 0.5 * value;
+    };
+    set(0, 0, solved.free as f64);
+    for (c, class) in classes.iter().enumerate() {
+        let k = 1 + shared + c;
+        set(0, k, class.clone().map(|i| seen[(i, i)]).sum());
+        for (d, other) in classes.iter().enumerate().take(c + 1) {
+            let block = seen.view((class.start, other.start), (class.len(), other.len()));
+            set(k, 1 + shared + d, block.norm_squared());
+        }
+    }
+    let by_ratio = (shared == 1).then(|| {
+        let sums = rows.ratio_sums(sizes.gamma, likelihood.left_out(), scale);
+        let moved = &inverse * &sums.first;
+        let both = &moved * &inverse;
+        set(0, 1, sums.trace - moved.trace());
+        let second = (&inverse * &sums.second).trace();
+        let squares = sums.squares - 2.0 * second + (&moved * &moved).trace();
+        set(1, 1, squares);
+        for (c, class) in classes.iter().enumerate() {
+            set(1, 2 + c, class.clone().map(|i| both[(i, i)]).sum());
+        }
+        let own = &inverse * &sums.second * &inverse - &both * moved.transpose();
+        (own, both)
+    });
+    bound(&mut information, 1 + shared, MOST_DOUBT);
+    let spread = inverted(&information);
+
+    // Σ W_kl E[∂v/∂θ_k ∂vᵀ/∂θ_l]/σ² of the scaled solution v.
+    let mut more = DMatrix::zeros(count, count);
+    for (c, class) in classes.iter().enumerate() {
+        let left = inverse.columns(class.start, class.len());
+        for (d, other) in classes.iter().enumerate() {
+            let weight = spread[(1 + shared + c, 1 + shared + d)];
+            let block = seen.view((class.start, other.start), (class.len(), other.len()));
+            let right = inverse.rows(other.start, other.len());
+            more += (left * block) * right * weight;
+        }
+        if let Some((_, both)) = &by_ratio {
+            let cross = both.columns(class.start, class.len())
+                * inverse.rows(class.start, class.len())
+                * spread[(1, 2 + c)];
+            more -= &cross;
+            more -= cross.transpose();
+        }
+    }
+    if let Some((own, _)) = &by_ratio {
+        more += own * spread[(1, 1)];
+    }
+    let mut covariance = solved.inverse();
+    for j in 0..count {
+        for i in j..count {
+            // Rounding makes the two sides differ in the last digit.
+            let own = 0.5 * (more[(i, j)] + more[(j, i)]) * scale[i] * scale[j];
+            covariance[(i, j)] += own;
+            covariance[(j, i)] = covariance[(i, j)];
+        }
+    }
+    // ln σ² and the classes: what γ does to quantiles is left out.
+    let spread = spread.remove_rows(1, shared).remove_columns(1, shared);
+    (covariance * solved.variance, spread)
+}
+
+/// Adds to the information about the classes, which begin at `from`, what it lacks for
+/// no combination of their logarithms to have a larger standard deviation than `most`.
+fn bound(information: &mut DMatrix<f64>, from: usize, most: f64) {
+    let count = information.nrows() - from;
+    let others = inverted(&information.view((0, 0), (from, from)).into_owned());
+    let cross = information.view((0, from), (from, count)).into_owned();
+    let own = information.view((from, from), (count, count)) - cross.tr_mul(&(others * &cross));
+    let eigen = SymmetricEigen::new(own);
+    let mut block = information.view_mut((from, from), (count, count));
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        let lacks = (most.powi(-2) - value).max(0.0);
+        block.ger(lacks, &vector, &vector, 1.0);
+    }
+}
+
+/// Inverse of a positive semidefinite matrix in the coordinates in which its diagonal is
+/// one, on the space that it determines.
+fn inverted(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let root = matrix.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
+    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
+        matrix[(i, j)] / (root[i] * root[j])
+    });
+    let eigen = SymmetricEigen::new(scaled);
+    let mut out = DMatrix::zeros(matrix.nrows(), matrix.ncols());
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        if *value > RANK {
+            out.ger(1.0 / value, &vector, &vector, 1.0);
+        }
+    }
+    DMatrix::from_fn(out.nrows(), out.ncols(), |i, j| {
+        // Rounding makes the two sides differ in the last digit.
+        out[(i.max(j), i.min(j))] / (root[i] * root[j])
+    })
+}

@@ -1,0 +1,86 @@
+//! What the readings gave, against which the common errors are held.
+
+use crate::error::Result;
+use crate::estimate::identify::{Fit, Response, interval_quantile};
+use crate::estimate::mixed::MixedFit;
+use crate::model::observation::ExtraTerm;
+use nalgebra::DVector;
+
+/// The result of a fit, or of the mixed model that goes on from it.
+pub(super) struct Believed<'a> {
+    pub fit: &'a Fit,
+    /// Compliance of each spring, then further terms.
+    pub values: &'a DVector<f64>,
+    /// The further terms.
+    pub extra: &'a [ExtraTerm],
+    /// How the values answer to a change of the displacements.
+    pub response: Response<'a>,
+    /// σ of a displacement component, where anything is known of it \[m\].
+    pub sigma: Option<f64>,
+    /// Standard error of each joint's compliance \[rad/(N·m)\].
+    pub errors: Vec<Option<f64>>,
+    /// Half width of each joint's compliance by the scatter of the readings
+    /// \[rad/(N·m)\].
+    pub half_widths: Vec<Option<f64>>,
+}
+
+impl<'a> Believed<'a> {
+    /// # Errors
+    /// A decomposition that fails, a quantile that cannot be computed.
+    pub(super) fn of_fit(fit: &'a Fit) -> Result<Self> {
+        let solution = fit.solution();
+        let t = interval_quantile(solution, fit.options().confidence)?;
+        let covariance = solution.covariance.as_ref();
+        let error = |j: usize| Some(covariance?[(j, j)].max(0.0).sqrt());
+        let errors: Vec<Option<f64>> = (0..fit.system().springs).map(error).collect();
+        let known = solution.t_degrees_of_freedom != Some(0);
+        Ok(Believed {
+            fit,
+            values: &solution.values,
+            extra: &fit.system().extra,
+            response: Response::new(fit)?,
+            sigma: solution.sigma.filter(|_| known),
+            half_widths: errors.iter().map(|e| Some(t? * (*e)?)).collect(),
+            errors,
+        })
+    }
+
+    /// # Errors
+    /// As [`of_fit`](Self::of_fit).
+    pub(super) fn of_mixed(mixed: &'a MixedFit) -> Result<Self> {
+        let found = mixed.compliance();
+        let springs = mixed.fit().system().springs;
+        let (mut errors, mut half_widths) = (vec![None; springs], vec![None; springs]);
+        if let Some(spread) = &found.spread {
+            let quantiles = spread.quantiles()?;
+            for j in 0..springs {
+                let with = spread.covariance.column(j).into_owned();
+                let error = with[j].max(0.0).sqrt();
+                errors[j] = Some(error);
+                half_widths[j] = Some(error * quantiles.of(&with, with[j], 0.0));
+            }
+        }
+        Ok(Believed {
+            fit: mixed.fit(),
+            values: &found.values,
+            extra: &found.extra,
+            response: mixed.response()?,
+            sigma: found.spread.as_ref().map(|s| s.sigma),
+            errors,
+            half_widths,
+        })
+    }
+
+    /// True where joint `j` has a positive stiffness.
+    pub(super) fn has_stiffness(&self, j: usize) -> bool {
+        !self.fit.solution().undetermined.contains(&j) && self.values[j] > 0.0
+    }
+
+    /// True where the values account for `term` already. The springs of the mixed model
+    /// hold every tilt of the base.
+    pub(super) fn holds(&self, term: &ExtraTerm) -> bool {
+        let is_base = |t: &ExtraTerm| matches!(t, ExtraTerm::Spring { joint: None, .. });
+        self.extra.contains(term)
+            || (*term == ExtraTerm::BaseTilt && self.extra.iter().any(is_base))
+    }
+}
