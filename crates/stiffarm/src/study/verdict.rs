@@ -75,19 +75,6 @@ pub(super) fn conclude(study: &mut Study) {
         }
     }
 
-    if let Some(elastic) = &study.elastic {
-        findings.push(Finding::new(
-            "beyond-axes",
-            Severity::Note,
-            "elastic",
-            format!(
-                "On an arm that gives way beyond its joint axes, with {}: {}",
-                elastic.sizes_from.in_words(),
-                elastic.verdict()
-            ),
-        ));
-    }
-
     if study.noise_std_m > 0.0 {
         let (recommended, finding) = recommendation(study);
         findings.extend(finding);
@@ -101,6 +88,19 @@ pub(super) fn conclude(study: &mut Study) {
             Severity::Caution,
             "noise.variance_mm2",
             "The cell has no measurement noise, so every expected deviation is zero and nothing can be recommended.",
+        ));
+    }
+
+    if let Some(elastic) = &study.elastic {
+        findings.push(Finding::new(
+            "beyond-axes",
+            Severity::Note,
+            "elastic",
+            format!(
+                "Arms that give way beyond their joint axes were simulated with {}. {}",
+                elastic.sizes_from.in_words(),
+                elastic.verdict()
+            ),
         ));
     }
 

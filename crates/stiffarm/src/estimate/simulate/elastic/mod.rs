@@ -80,11 +80,11 @@ pub fn simulate_elastic(
     cell.require_prior()?;
     check_amount(options.runs, &options.variance_factors)?;
     let (sizes, sizes_from) = cell.elastic_sizes()?;
-    let truth = Truth::new(cell, &sizes)?;
-    let work = Work::new(cell)?;
     for group in groups {
         check_determined(cell, group)?;
     }
+    let truth = Truth::new(cell, &sizes)?;
+    let work = Work::new(cell)?;
     let all = groups.iter().map(|group| Group::new(cell, &group.postures));
     let experiment = Experiment {
         cells: options
