@@ -38,7 +38,10 @@ pub const SIMULATE: &str = "Examples:
   $ stiffarm simulate builtin:comau plan.csv --measurements simulated.csv
 
   Raw tracker readings of a whole experiment, to try identify on:
-  $ stiffarm simulate builtin:comau plan.csv --readings tracked.csv";
+  $ stiffarm simulate builtin:comau plan.csv --readings tracked.csv
+
+  An arm that gives way beyond its joint axes, and what the mixed model gains:
+  $ stiffarm simulate builtin:comau plan.csv --elastic mixed --runs 20";
 pub const REGISTER: &str = "Examples:
   $ stiffarm register builtin:example-pairs --output registration.json
   $ stiffarm register builtin:example-pairs --exclude B --std-mm 0.03";

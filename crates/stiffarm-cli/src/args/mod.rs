@@ -4,19 +4,21 @@ mod fit;
 mod measured;
 mod path;
 mod select;
+mod simulate;
 mod values;
 mod work;
 
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
+pub use simulate::{ErrorArgs, SimulateArgs};
 pub use work::{MapArgs, RegionArgs, Steps};
 
 use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
-use values::{count, count_or_none, number};
+use values::{count_or_none, number};
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -131,7 +133,7 @@ pub struct StudyArgs {
     pub initial: Option<String>,
     /// Choose from the postures of these measurements instead, and predict the others: which
     /// postures and which model predict a measured robot
-    #[arg(long, value_name = "MEASUREMENTS.csv", conflicts_with_all = ["initial", "runs", "starts"])]
+    #[arg(long, value_name = "MEASUREMENTS.csv", conflicts_with_all = ["initial", "runs", "starts", "elastic"])]
     pub measured: Option<String>,
     /// How to split measurements.
     #[command(flatten)]
@@ -148,6 +150,10 @@ pub struct StudyArgs {
     /// Other initial groups to try, half random, half with small wrist angles
     #[arg(long, default_value_t = 60, value_parser = count_or_none())]
     pub starts: usize,
+    /// Also simulate groups on an arm that gives way beyond its joint axes, as simulate --elastic
+    /// does, in at most 40 runs each [default: axes]
+    #[arg(long, value_name = "MODEL")]
+    pub elastic: Option<fit::ElasticArg>,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -210,65 +216,6 @@ pub struct EvaluateArgs {
     /// Posture files, one group each
     #[arg(required = true, value_name = "POSTURES.csv")]
     pub postures: Vec<String>,
-}
-
-#[derive(Debug, Args)]
-pub struct SimulateArgs {
-    /// Cell file; its prior stiffness is the truth of the simulation
-    pub cell: String,
-    /// Posture files, one group each
-    #[arg(required = true, value_name = "POSTURES.csv")]
-    pub postures: Vec<String>,
-    /// Runs per group and noise level
-    #[arg(long, default_value_t = 200, value_parser = count())]
-    pub runs: u64,
-    /// Noise levels: factors on the cell's variance
-    #[arg(
-        long,
-        value_name = "F,…",
-        value_delimiter = ',',
-        value_parser = number("levels"),
-        allow_hyphen_values = true,
-        default_value = "0.5,1,1.5,2,2.5,3"
-    )]
-    pub levels: Vec<f64>,
-    /// Seed of the random numbers
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Also write one simulated measurement of the first group (exact model), to try `identify` on
-    #[arg(long, value_name = "measurements.csv")]
-    pub measurements: Option<String>,
-    /// Also write the raw readings of one simulated experiment with the first group: tracker somewhere,
-    /// loads going up and down, repeats, drift, a base reflector (exact model)
-    #[arg(long, value_name = "readings.csv")]
-    pub readings: Option<String>,
-    /// Overwrite an existing file
-    #[arg(long)]
-    pub force: bool,
-    /// Errors of the model behind the readings.
-    #[command(flatten)]
-    pub errors: ErrorArgs,
-}
-
-/// Standard deviations of model errors, all zero in the paper.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Errors of the model (standard deviations, zero in the paper)")]
-pub struct ErrorArgs {
-    /// Scale of the force reading, one error per run [%]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
-    pub force_scale_percent: f64,
-    /// Force reading, a fresh error for each posture [%]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
-    pub force_percent: f64,
-    /// Each joint angle of each posture [deg]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("deg"), allow_negative_numbers = true)]
-    pub joint_angle_deg: f64,
-    /// Each coordinate of the loading point, one error per run [mm]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
-    pub loading_point_mm: f64,
-    /// Each coordinate of the rope's anchor, one error per run [mm]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
-    pub anchor_mm: f64,
 }
 
 #[derive(Debug, Args)]
@@ -352,6 +299,8 @@ pub enum SchemaChoice {
     ResultSelectCandidates,
     /// Output of `simulate --json`
     ResultSimulate,
+    /// Output of `simulate --elastic mixed --json` and `--elastic auto`
+    ResultSimulateElastic,
     /// Output of `register --json`
     ResultRegister,
     /// Output of `identify --json`

@@ -59,6 +59,9 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
         if cell.tasks.is_empty() {
             out += "note: the cell has no [[task]], so there is no task index\n";
         }
+        if let Some(sizes) = evaluations.iter().find_map(|e| e.indices.prediction_sizes) {
+            out += &format!("note: the index prediction takes {}\n", sizes.in_words());
+        }
         let postures: Vec<Vec<&str>> = groups
             .iter()
             .map(|g| g.postures.iter().map(|p| p.name.as_str()).collect())

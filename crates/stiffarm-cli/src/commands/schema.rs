@@ -12,7 +12,7 @@ use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
-use stiffarm::estimate::simulate::Simulation;
+use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
 use stiffarm::estimate::validate::Validation;
 use stiffarm::files::cell::cell_schema;
 use stiffarm::measure::registration::RegistrationRecord;
@@ -43,6 +43,9 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
             of::<select::candidates::Options, select::candidates::Chosen>("select --candidates")
         }
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
+        SchemaChoice::ResultSimulateElastic => {
+            of::<simulate::elastic::Options, ElasticSimulation>("simulate --elastic")
+        }
         SchemaChoice::ResultRegister => of::<register::Options, RegistrationRecord>("register"),
         SchemaChoice::ResultIdentify => of::<identify::Options, identify::Identified>("identify"),
         SchemaChoice::ResultIdentifyClamped => {

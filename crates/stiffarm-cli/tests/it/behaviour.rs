@@ -17,6 +17,7 @@ fn equal_runs_are_equal_bytes_on_any_number_of_threads() {
         "select builtin:comau-reference -n 2 --rounds 1 --sensitivity --no-certificate",
         "select builtin:comau -n 3 --rounds 1 --no-certificate --anchor-box-mm 1600,-200,0,2000,200,0",
         "simulate builtin:comau builtin:comau-group1 --runs 20 --levels 1,2 --seed 9",
+        "simulate builtin:comau builtin:comau-group1 --elastic mixed --runs 4 --seed 9",
     ];
     for line in lines {
         let one = folder.run(&format!("{line} --json --threads 1"));

@@ -122,6 +122,80 @@ fn simulate_with_model_errors_is_worse_than_expected() {
 }
 
 #[test]
+fn simulate_an_arm_that_gives_way_beyond_its_axes() {
+    let folder = Folder::new();
+    let line = "simulate builtin:comau builtin:comau-group1 --elastic auto --runs 3 --levels 1,4";
+    assert_snapshot!(transcript(&folder, line));
+}
+
+#[test]
+fn simulated_measurements_bend_by_the_sizes_of_the_cell() {
+    let folder = Folder::new();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let with = |size: f64| {
+        format!(
+            "{cell}\n[elastic]\nshift_std_m_per_n = {size}\nturn_std_rad_per_nm = {size}\ncoupling_std_rad_per_n = {size}\n"
+        )
+    };
+    folder.write("rigid.toml", with(0.0));
+    folder.write("soft.toml", with(1e-7));
+    let line = |cell: &str, elastic: &str, file: &str| {
+        format!(
+            "simulate {cell} builtin:comau-group1 --runs 1 --levels 1{elastic} --measurements {file}"
+        )
+    };
+    folder.ok(&line("builtin:comau", "", "axes.csv"));
+    let out = folder.ok(&line("rigid.toml", " --elastic axes", "same.csv"));
+    assert_eq!(out, folder.ok(&line("rigid.toml", "", "again.csv")));
+    folder.ok(&line("rigid.toml", " --elastic mixed", "rigid.csv"));
+    let out = folder.ok(&line("soft.toml", " --elastic mixed", "soft.csv"));
+    let words: Vec<&str> = out.split_whitespace().collect();
+    let said = words.join(" ");
+    assert!(
+        said.contains("that the cell declares in [elastic]"),
+        "{out}"
+    );
+    // Without springs the arm bends as ever; with them it does not.
+    assert_eq!(folder.read("rigid.csv"), folder.read("axes.csv"));
+    assert_eq!(folder.read("same.csv"), folder.read("axes.csv"));
+    assert_ne!(folder.read("soft.csv"), folder.read("axes.csv"));
+    let found = folder.json("identify builtin:comau soft.csv --elastic auto");
+    assert_eq!(found["result"]["elastic"]["model"], "mixed");
+}
+
+#[test]
+fn a_study_may_hold_arms_that_give_way_beyond_their_axes() {
+    let folder = Folder::new();
+    let out = folder.ok("study --runs 1 --starts 0 --elastic mixed --output-dir out");
+    let page = folder.read("out/study.md");
+    let heading = "### An arm that gives way beyond its joint axes";
+    let (_, part) = page.split_once(heading).unwrap();
+    let said = "Arms that give way beyond their joint axes were simulated with typical sizes";
+    assert!(part.trim_start().starts_with(said), "{part}");
+    assert!(out.contains(said), "{out}");
+    assert!(page.contains("stiffarm study --runs 1 --starts 0 --elastic mixed"));
+    let table = folder.read("out/elastic.csv");
+    let names: Vec<&str> = table
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.split(',').next())
+        .collect();
+    let expected = [
+        "Group 1",
+        "Group 3 (novel)",
+        "expected error",
+        "prediction",
+        "random",
+    ];
+    assert_eq!(names, expected);
+    // Nothing of it in a study that was not asked for it.
+    let plain = folder.json("study --runs 1 --starts 0 --output-dir plain");
+    assert!(plain["result"]["elastic"].is_null());
+    assert!(plain["options"]["study"]["elastic"].is_null());
+    assert!(!folder.read("plain/study.md").contains(heading));
+}
+
+#[test]
 fn identify() {
     assert_snapshot!(transcript(
         &measured(),
@@ -305,6 +379,10 @@ fn schemas_describe_what_the_commands_print() {
             "result-simulate",
             "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1",
         ),
+        (
+            "result-simulate-elastic",
+            "simulate builtin:comau builtin:comau-group1 --elastic auto --runs 1",
+        ),
         ("result-register", "register builtin:example-pairs"),
         ("result-identify", "identify builtin:comau simulated.csv"),
         (
@@ -319,6 +397,10 @@ fn schemas_describe_what_the_commands_print() {
         (
             "result-study",
             "study --runs 2 --starts 2 --output-dir study",
+        ),
+        (
+            "result-study",
+            "study --runs 1 --starts 0 --elastic auto --output-dir study-elastic",
         ),
     ];
     for (name, line) in lines {

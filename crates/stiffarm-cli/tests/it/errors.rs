@@ -28,6 +28,21 @@ fn folder() -> Folder {
         "comma.toml",
         slip("magnitude_n = 500", "magnitude_n = 500,5"),
     );
+    let elastic = |table: &str| format!("{cell}\n[elastic]\n{table}");
+    folder.write(
+        "elastic-negative.toml",
+        elastic("shift_std_m_per_n = -9e-8\nturn_std_rad_per_nm = 0\ncoupling_std_rad_per_n = 0\n"),
+    );
+    folder.write(
+        "elastic-inf.toml",
+        elastic(
+            "shift_std_m_per_n = 9e-8\nturn_std_rad_per_nm = inf\ncoupling_std_rad_per_n = 0\n",
+        ),
+    );
+    folder.write(
+        "elastic-two.toml",
+        elastic("shift_std_m_per_n = 9e-8\nturn_std_rad_per_nm = 1.4e-7\n"),
+    );
     folder.write("robot.toml", slip("comau-nj165-3.0", "comau-nj165"));
     folder.write(
         "bom.toml",
@@ -100,6 +115,9 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "check text.toml",
         "check comma.toml",
         "check robot.toml",
+        "check elastic-negative.toml",
+        "check elastic-inf.toml",
+        "check elastic-two.toml",
         "check latin-1.toml",
         "init --robot kuka-kr240 --output-dir new",
         "evaluate builtin:comau empty.csv",
@@ -141,6 +159,11 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "select builtin:comau --space-filling --index d",
         "select builtin:comau --curve --index nowel",
         "simulate builtin:comau builtin:comau-group1 --levels 1,-2",
+        "simulate builtin:comau builtin:comau-group1 --elastic mixed --levels -2",
+        "simulate builtin:comau builtin:comau-group1 --elastic mixed --anchor-mm 5",
+        "simulate builtin:comau builtin:comau-group1 --elastic auto --readings r.csv",
+        "simulate builtin:comau builtin:comau-group1 --elastic some",
+        "study builtin:comau --measured simulated.csv --elastic mixed",
         "identify builtin:comau raw.csv",
         "identify builtin:comau readings.xlsx",
         "identify builtin:comau simulated.csv --exclude 7",

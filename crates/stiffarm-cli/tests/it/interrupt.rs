@@ -113,6 +113,18 @@ fn a_stopped_simulation_gives_the_runs_that_were_made() {
 }
 
 #[test]
+fn a_stopped_simulation_of_springs_gives_the_runs_that_were_made() {
+    let folder = Folder::new();
+    let line = "simulate builtin:comau builtin:comau-group1 --elastic mixed --runs 1000000";
+    let found = result(&folder, line, "-INT");
+    assert_eq!(found["interrupted"], true);
+    let levels = found["groups"][0]["levels"].as_array().unwrap();
+    let runs = levels[0]["runs"].as_u64().unwrap();
+    assert!((3..1_000_000).contains(&runs), "{runs}");
+    assert!(!levels[0]["mixed"].is_null());
+}
+
+#[test]
 fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
     let folder = Folder::new();
     let cell = std::fs::read(concat!(

@@ -189,6 +189,11 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
         finding(&mut out, "classical-q1");
         picture(&mut out, "classical-q1");
     }
+    if study.elastic.is_some() {
+        out.push_str("\n### An arm that gives way beyond its joint axes\n");
+        finding(&mut out, "beyond-axes");
+        table(&mut out, "elastic");
+    }
     out.push_str("\n### The model\n");
     finding(&mut out, "model-order");
 

@@ -3,6 +3,8 @@
 use super::figures::illustration;
 use super::published::published_for;
 use super::table::{Cell, Table, significant};
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::estimate::simulate::{ElasticGroup, ElasticSimulation};
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::Selection;
 use stiffarm::study::Study;
@@ -32,7 +34,60 @@ pub fn tables(study: &Study) -> Vec<Table> {
         stiffness(study),
     ]);
     out.extend(validation(study));
+    out.extend(study.elastic.as_ref().map(elastic));
     out
+}
+
+/// Groups on arms that give way beyond their joint axes.
+fn elastic(found: &ElasticSimulation) -> Table {
+    let is_auto = found.asked == ElasticChoice::Auto;
+    let mut headings = vec![
+        "group",
+        "axes [mm]",
+        "mixed [mm]",
+        "expected [mm]",
+        "bands hold, axes [%]",
+        "bands hold, mixed [%]",
+        "k holds, axes [%]",
+        "k holds, mixed [%]",
+    ];
+    if is_auto {
+        headings.extend(["auto [mm]", "auto takes mixed [%]"]);
+    }
+    let mut table = Table::new(
+        "elastic",
+        format!(
+            "RMS error of a predicted deflection {} with the joint axes alone and with the mixed model, {} runs of each \
+             group with springs beyond the axes drawn anew; expected: the index prediction, which knows their sizes. Share of \
+             the components of deflections inside their bands, and of intervals of k that hold the true one.",
+            match found.predicted_tasks {
+                true => "at the tasks of the cell",
+                false => "at random postures inside the cell's limits",
+            },
+            found.runs
+        ),
+        headings.into_iter().map(String::from).collect(),
+    );
+    let levels = |group: &ElasticGroup| group.levels.first().cloned();
+    for (group, level) in found.groups.iter().filter_map(|g| Some((g, levels(g)?))) {
+        let mm = |value: Option<f64>| Cell::from(value.map(|v| 1e3 * v));
+        let (axes, mixed) = (&level.axes, level.mixed.as_ref());
+        let mut cells = vec![
+            mm(Some(axes.prediction_rms_m)),
+            mm(mixed.map(|m| m.prediction_rms_m)),
+            mm(level.expected_prediction_m),
+            Cell::percent(axes.band_share),
+            Cell::percent(mixed.and_then(|m| m.band_share)),
+            Cell::percent(axes.mean_interval_share()),
+            Cell::percent(mixed.and_then(|m| m.mean_interval_share())),
+        ];
+        if is_auto {
+            cells.push(mm(level.auto.as_ref().map(|a| a.prediction_rms_m)));
+            cells.push(Cell::percent(level.auto_took_mixed));
+        }
+        table.rows.push(row(group.name.as_str(), cells));
+    }
+    table
 }
 
 /// A row from its name and its cells.

@@ -60,6 +60,27 @@ pub struct ElasticSizes {
     pub coupling: f64,
 }
 
+/// Where the sizes behind a result come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum ElasticSource {
+    /// `[elastic]` of the cell.
+    Declared,
+    /// [`ElasticSizes::typical`].
+    Typical,
+}
+
+impl ElasticSource {
+    /// The sizes in sentences, behind "takes" or "with".
+    pub fn in_words(self) -> &'static str {
+        match self {
+            ElasticSource::Declared => "the sizes that the cell declares in [elastic]",
+            ElasticSource::Typical => "typical sizes (no [elastic] in the cell)",
+        }
+    }
+}
+
 /// Sizes over what the prior compliance c (geometric mean over the joints) and the length
 /// L of the arm make of their units: c L², c and c L. As the mixed model finds them on
 /// the 43 measured postures of a FANUC R-2000iC/165F, one digit: 0.009, 0.10 and 0.020

@@ -2,6 +2,7 @@
 //! several indices, simulation, identification, validation, and how far the
 //! outcome depends on the initial group.
 
+mod elastic;
 mod measured;
 mod starts;
 mod verdict;
@@ -10,8 +11,9 @@ pub use measured::{Choice, MeasuredChoice, MeasuredStudy, MeasuredStudyOptions, 
 pub use starts::{IndexOverStarts, Q1Range, StartsOfKind, StartsStudy};
 
 use crate::error::Result;
+use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::identify::{Estimator, Identification, IdentifyOptions, identify};
-use crate::estimate::simulate::{Simulation, SimulationOptions, simulate};
+use crate::estimate::simulate::{ElasticSimulation, Simulation, SimulationOptions, simulate};
 use crate::estimate::validate::{Model, Validation, simulate_measurements, validate};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
@@ -64,6 +66,10 @@ pub struct StudyOptions {
     pub q1_draws: usize,
     /// Iterations of each selection.
     pub max_iterations: u64,
+    /// The model beside the joint axes, on arms that give way beyond them too; with `axes`
+    /// there are no such arms in the study.
+    #[serde(default, skip_serializing_if = "elastic::is_axes")]
+    pub elastic: ElasticChoice,
 }
 
 impl Default for StudyOptions {
@@ -73,6 +79,7 @@ impl Default for StudyOptions {
             starts: 60,
             q1_draws: 500,
             max_iterations: 1000,
+            elastic: ElasticChoice::Axes,
         }
     }
 }
@@ -137,6 +144,9 @@ pub struct Study {
     pub groups: Vec<StudyGroup>,
     /// Simulation of Section IV.A over all groups that determine every joint.
     pub simulation: Simulation,
+    /// The groups on arms that give way beyond their joint axes, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<ElasticSimulation>,
     /// What other initial groups lead to.
     pub starts: StartsStudy,
     /// The classical group as a range over q1, which its index ignores.
@@ -266,6 +276,10 @@ pub fn study(
         false => control,
     };
     let simulation = simulate(cell, &simulated, &options.simulation, patient)?;
+    let beyond_axes = match options.elastic {
+        ElasticChoice::Axes => None,
+        _ => Some(elastic::beyond_axes(cell, &simulated, options, control)?),
+    };
     let classical_q1 = match named
         .iter()
         .find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical))
@@ -297,6 +311,7 @@ pub fn study(
         options: options.clone(),
         groups,
         simulation,
+        elastic: beyond_axes,
         starts,
         classical_q1,
         recommended: None,

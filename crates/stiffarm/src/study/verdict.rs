@@ -25,6 +25,9 @@ fn missing(study: &Study) -> Vec<String> {
         let left = runs - fewest;
         out.push(format!("up to {left} of {runs} runs of the simulation"));
     }
+    if study.elastic.as_ref().is_some_and(|e| e.interrupted) {
+        out.push("runs on arms that give way beyond their joint axes".to_string());
+    }
     let draws = study.classical_q1.as_ref().map_or(0, |range| range.draws);
     if draws < study.options.q1_draws {
         let left = study.options.q1_draws - draws;
@@ -85,6 +88,19 @@ pub(super) fn conclude(study: &mut Study) {
             Severity::Caution,
             "noise.variance_mm2",
             "The cell has no measurement noise, so every expected deviation is zero and nothing can be recommended.",
+        ));
+    }
+
+    if let Some(elastic) = &study.elastic {
+        findings.push(Finding::new(
+            "beyond-axes",
+            Severity::Note,
+            "elastic",
+            format!(
+                "Arms that give way beyond their joint axes were simulated with {}. {}",
+                elastic.sizes_from.in_words(),
+                elastic.verdict()
+            ),
         ));
     }
 

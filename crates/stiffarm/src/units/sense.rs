@@ -41,7 +41,7 @@ const fn sense(
 }
 
 #[rustfmt::skip]
-const TABLE: [Sense; 33] = [
+const TABLE: [Sense; 36] = [
     sense("mm", "A length", "mm", 1e-6, 1e6),
     sense("m", "A length", "m", 1e-9, 1e3),
     sense("um", "A length", "µm", 1e-3, 1e9),
@@ -68,6 +68,9 @@ const TABLE: [Sense; 33] = [
     sense("percent", "A share", "%", 1e-6, 1e4),
     sense("nm_per_rad", "A stiffness", "N·m/rad", 1e-3, 1e15),
     sense("n_per_m", "A stiffness", "N/m", 1e-3, 1e18),
+    sense("m_per_n", "A compliance", "m/N", 1e-18, 1.0),
+    sense("rad_per_nm", "A compliance", "rad/(N·m)", 1e-15, 1.0),
+    sense("rad_per_n", "A compliance", "rad/N", 1e-18, 1.0),
     sense("n_per_mm2", "A cutting coefficient", "N/mm²", 1e-6, 1e5),
     sense("n_per_mm", "A cutting coefficient", "N/mm", 1e-6, 1e5),
     sense("s", "A time", "s", 1e-9, 1e12),

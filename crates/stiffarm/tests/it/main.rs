@@ -11,6 +11,7 @@ mod compensate;
 mod coverage;
 mod diagnose;
 mod edges;
+mod elastic_simulation;
 mod estimators;
 mod experiment;
 mod front_page;

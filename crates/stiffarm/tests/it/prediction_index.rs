@@ -103,9 +103,20 @@ fn values_and_gradients_are_those_of_the_mixed_model_equations() {
     let (mut worst, mut worst_value) = (0.0_f64, 0.0_f64);
     for (case, n) in [6, 6, 6, 6, 5, 7].into_iter().enumerate() {
         let (model, postures) = determined(&mut dice, n, case);
-        let cell = model.cell();
+        let mut cell = model.cell();
         let typical = ElasticSizes::typical(&cell.setup, &model.prior).unwrap();
-        let sizes = [typical.shift, typical.turn, typical.coupling];
+        if case % 2 == 1 {
+            // Declared sizes take the place of typical ones; one class gives nothing.
+            cell.elastic = Some(ElasticSizes {
+                shift: 3.0 * typical.shift,
+                turn: 0.5 * typical.turn,
+                coupling: 0.0,
+            });
+        }
+        let (own, source) = cell.elastic_sizes().unwrap();
+        let found = evaluate(&cell, "", &postures).unwrap().indices;
+        assert_eq!(found.prediction_sizes, Some(source));
+        let sizes = [own.shift, own.turn, own.coupling];
         let flat = postures.concat();
         let mut function = IndexFunction::new(&cell, Index::Prediction, POSTURES).unwrap();
         let mut gradient = vec![0.0; flat.len()];

@@ -12,7 +12,7 @@ use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
 use stiffarm::findings::list;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::index::{GroupEvaluation, expected_deviation};
+use stiffarm::plan::index::{GroupEvaluation, Index, expected_deviation};
 use stiffarm::plan::select::Selection;
 
 /// k(J_N) above which a posture counts as near a singularity.
@@ -126,6 +126,10 @@ fn remarks(planned: &Planned<'_>) -> String {
     }
     if cell.setup.robot.limits_are_unknown() {
         out += "the machine's limits are not known (±360° stand in): compare the postures with the machine before driving them\n";
+    }
+    let sizes = planned.after.indices.prediction_sizes;
+    if let (Index::Prediction, Some(sizes)) = (planned.plan.selection.index, sizes) {
+        out += &format!("prediction takes {}\n", sizes.in_words());
     }
     out += &repeated(&planned.plan.repeats);
     for remark in posture_remarks(cell, planned.given) {

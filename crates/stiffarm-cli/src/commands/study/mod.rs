@@ -12,6 +12,7 @@ use crate::session::Session;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::SimulationOptions;
 use stiffarm::files::builtin;
 use stiffarm::findings::Severity;
@@ -63,6 +64,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
             options
         };
         own.starts = args.starts;
+        own.elastic = args.elastic.map_or(ElasticChoice::Axes, Into::into);
         own
     };
     if args.runs == 0 {
@@ -186,6 +188,9 @@ fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
     if options.starts > 0 {
         names.push("other-starts.svg".to_string());
     }
+    if options.elastic != ElasticChoice::Axes {
+        names.push("elastic.csv".to_string());
+    }
     if !cell.validation.is_empty() {
         names.push("validation.svg".to_string());
     }
@@ -209,6 +214,10 @@ fn repeat_command(args: &StudyArgs, interrupted: bool) -> String {
         if value != default {
             words.push(format!("{flag} {value}"));
         }
+    }
+    match args.elastic.map_or(ElasticChoice::Axes, Into::into) {
+        ElasticChoice::Axes => {}
+        choice => words.push(format!("--elastic {}", choice.as_str())),
     }
     words.extend(folder_words(args, interrupted));
     words.join(" ")

@@ -1,7 +1,12 @@
 //! Monte Carlo simulation of an identification with tracker noise, Section IV.A.
 
+mod elastic;
 mod model_errors;
 
+pub use elastic::{
+    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions,
+    simulate_elastic, simulate_elastic_measurements,
+};
 pub use model_errors::ModelErrors;
 
 use crate::error::{Code, Error, Result};
@@ -14,7 +19,7 @@ use crate::numerics::information::{Factor, whiten_posture};
 use crate::numerics::jobs::in_order;
 use crate::numerics::sample::{mean, median, standard_error};
 use crate::numerics::streams::run_rng;
-use crate::plan::index::evaluate;
+use crate::plan::index::evaluate_for;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -120,42 +125,10 @@ pub fn simulate(
     control: Control<'_>,
 ) -> Result<Simulation> {
     let prior = cell.require_prior()?;
-    if options.runs == 0 || options.variance_factors.is_empty() {
-        return Err(Error::new(
-            Code::InvalidValue,
-            "A simulation needs at least one run and one noise level.",
-        ));
-    }
-    if options.runs > MAX_RUNS || options.variance_factors.len() > MAX_LEVELS {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!("A simulation has at most {MAX_RUNS} runs and {MAX_LEVELS} noise levels."),
-        ));
-    }
-    if options
-        .variance_factors
-        .iter()
-        .any(|f| !(f.is_finite() && *f >= 0.0))
-    {
-        return Err(Error::new(
-            Code::InvalidValue,
-            "A factor on the noise variance must be 0 or above.",
-        ));
-    }
+    check_amount(options.runs, &options.variance_factors)?;
     let mut jobs = Vec::new();
     for (g, group) in groups.iter().enumerate() {
-        let evaluation = evaluate(cell, &group.name, &group.postures)?;
-        if !evaluation.undetermined_joints.is_empty() {
-            return Err(Error::new(
-                Code::NotIdentifiable,
-                format!(
-                    "\"{}\" cannot determine {}.",
-                    group.name,
-                    list(&evaluation.undetermined_joints)
-                ),
-            )
-            .hint("evaluate shows which joints each group determines"));
-        }
+        check_determined(cell, group)?;
         let psi = observation_matrix(&cell.setup, &group.postures, Rows::Translations)?;
         for (l, factor) in options.variance_factors.iter().enumerate() {
             jobs.push(Job {
@@ -193,6 +166,37 @@ pub fn simulate(
             })
             .collect(),
     })
+}
+
+/// Refuses a simulation without runs or levels, or with more than there are streams for.
+fn check_amount(runs: usize, variance_factors: &[f64]) -> Result<()> {
+    let message = if runs == 0 || variance_factors.is_empty() {
+        "A simulation needs at least one run and one noise level.".to_string()
+    } else if runs > MAX_RUNS || variance_factors.len() > MAX_LEVELS {
+        format!("A simulation has at most {MAX_RUNS} runs and {MAX_LEVELS} noise levels.")
+    } else if !variance_factors.iter().all(|f| f.is_finite() && *f >= 0.0) {
+        "A factor on the noise variance must be 0 or above.".to_string()
+    } else {
+        return Ok(());
+    };
+    Err(Error::new(Code::InvalidValue, message))
+}
+
+/// Refuses a group that leaves joints undetermined.
+fn check_determined(cell: &Cell, group: &PostureGroup) -> Result<()> {
+    let evaluation = evaluate_for(cell, &group.name, &group.postures, None)?;
+    if evaluation.undetermined_joints.is_empty() {
+        return Ok(());
+    }
+    Err(Error::new(
+        Code::NotIdentifiable,
+        format!(
+            "\"{}\" cannot determine {}.",
+            group.name,
+            list(&evaluation.undetermined_joints)
+        ),
+    )
+    .hint("evaluate shows which joints each group determines"))
 }
 
 /// Noise of the displacements of `postures` postures with `points` points each.

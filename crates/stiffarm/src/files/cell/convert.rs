@@ -1,6 +1,7 @@
 //! From the raw cell file to a checked [`Cell`] in SI units.
 
 use super::columns::columns;
+use super::elastic::elastic;
 use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawValidation};
@@ -38,6 +39,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     // Published values belong to the joint axes, not to other springs.
     let published = entry.filter(|_| robot.spring_mixing().is_none());
     let prior = prior(source, raw.stiffness.as_ref(), &robot, published)?;
+    let elastic = elastic(source, raw.elastic.as_ref())?;
     let validation = validation(source, raw.validation.as_ref(), &robot)?;
     let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
     let work = work(source, raw.work.as_ref(), &tool)?;
@@ -55,6 +57,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         limits,
         noise,
         prior,
+        elastic,
         characteristic_length,
         validation,
         tasks,

@@ -1,9 +1,9 @@
 //! TOML syntax, unknown keys and values of the wrong kind, with their places.
 
 use super::raw::{
-    RawBounds, RawCell, RawForce, RawLimits, RawLoad, RawMilling, RawNoise, RawPoint, RawPosture,
-    RawRobot, RawSensor, RawSeries, RawStiffness, RawTask, RawTool, RawTracker, RawUncertainty,
-    RawValidation, RawWork,
+    RawBounds, RawCell, RawElastic, RawForce, RawLimits, RawLoad, RawMilling, RawNoise, RawPoint,
+    RawPosture, RawRobot, RawSensor, RawSeries, RawStiffness, RawTask, RawTool, RawTracker,
+    RawUncertainty, RawValidation, RawWork,
 };
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
@@ -26,7 +26,7 @@ struct Section {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [Section; 19] = [
+const SECTIONS: [Section; 20] = [
     Section { path: "", array: false, keys: keys_of::<RawCell> },
     Section { path: "robot", array: false, keys: keys_of::<RawRobot> },
     Section { path: "bounds", array: false, keys: keys_of::<RawBounds> },
@@ -37,6 +37,7 @@ const SECTIONS: [Section; 19] = [
     Section { path: "limits", array: false, keys: keys_of::<RawLimits> },
     Section { path: "noise", array: false, keys: keys_of::<RawNoise> },
     Section { path: "stiffness", array: false, keys: keys_of::<RawStiffness> },
+    Section { path: "elastic", array: false, keys: keys_of::<RawElastic> },
     Section { path: "validation", array: false, keys: keys_of::<RawValidation> },
     Section { path: "validation.posture", array: true, keys: keys_of::<RawPosture> },
     Section { path: "task", array: true, keys: keys_of::<RawTask> },

@@ -8,6 +8,7 @@
 
 mod columns;
 mod convert;
+mod elastic;
 mod instruments;
 mod keys;
 mod load;

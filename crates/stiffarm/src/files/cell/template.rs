@@ -112,6 +112,14 @@ readings_per_displacement = 2
 posture_common_mm = 0
 
 {stiffness}
+# How much gives way beyond the joint axes, for the index prediction and simulate --elastic:
+# sizes as `stiffarm identify --elastic mixed` prints them, of this arm or one like it
+# (default: typical of an arm of this length and stiffness). All three or none.
+# [elastic]
+# shift_std_m_per_n = 9e-8
+# turn_std_rad_per_nm = 1.4e-7
+# coupling_std_rad_per_n = 7.6e-8
+
 # The force sensor, if forces are read from one. Its axes and its sign are never guessed.
 # [sensor]
 # mount = "flange"        # "flange": between flange and tool; "base": fixed in the cell

@@ -11,6 +11,7 @@ pub use limits::{LimitKind, LimitMargin, Limits};
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
+use crate::model::elastic::{ElasticSizes, ElasticSource};
 use crate::model::instruments::{Sensor, Tracker, Uncertainty};
 use crate::model::load::Load;
 use crate::model::observation::Setup;
@@ -74,6 +75,9 @@ pub struct Cell {
     pub noise: Noise,
     /// Prior joint stiffness k \[N·m/rad\], one per spring, where one is known.
     pub prior: Option<Vec<f64>>,
+    /// How much gives way beyond the joint axes, where that is known: by an experiment
+    /// on this arm or on one like it.
+    pub elastic: Option<ElasticSizes>,
     /// Characteristic length L of the normalised Jacobian \[m\], Eq. (20);
     /// `None` asks for the one that minimises k(J_N).
     pub characteristic_length: Option<f64>,
@@ -125,6 +129,7 @@ impl Cell {
                 posture_common_std: 0.0,
             },
             prior: None,
+            elastic: None,
             characteristic_length: None,
             validation: Vec::new(),
             tasks: Vec::new(),
@@ -149,6 +154,21 @@ impl Cell {
             .key("stiffness.prior_nm_per_rad")
             .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad")
         })
+    }
+
+    /// How much gives way beyond the joint axes: as the cell declares, else as an arm of
+    /// its length and prior stiffness may be expected to have.
+    ///
+    /// # Errors
+    /// The cell declares nothing and has no prior.
+    pub fn elastic_sizes(&self) -> Result<(ElasticSizes, ElasticSource)> {
+        match self.elastic {
+            Some(sizes) => Ok((sizes, ElasticSource::Declared)),
+            None => {
+                let sizes = ElasticSizes::typical(&self.setup, self.require_prior()?)?;
+                Ok((sizes, ElasticSource::Typical))
+            }
+        }
     }
 
     /// The tasks, or an error that says how to add one.

@@ -5,6 +5,7 @@ use super::prediction::PredictionModel;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_rows};
 use crate::model::dexterity;
+use crate::model::elastic::ElasticSource;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use nalgebra::DMatrix;
@@ -40,9 +41,12 @@ pub struct Indices {
     pub task: Option<f64>,
     /// RMS over the cell's tasks, or over random postures inside its limits under its
     /// load, of the error of the predicted deflection under the mixed elastic model with
-    /// typical sizes \[m\].
+    /// the sizes that the cell declares, else typical ones \[m\].
     #[serde(default)]
     pub prediction: Option<f64>,
+    /// Which sizes `prediction` took: those that the cell declares, or typical ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prediction_sizes: Option<ElasticSource>,
     /// (Π σ_i)^(1/n)/√m with m postures.
     pub o1: Option<f64>,
     /// σ_min/σ_max.
@@ -160,7 +164,7 @@ pub fn evaluate<Q: AsRef<[f64]>>(
     postures: &[Q],
 ) -> Result<GroupEvaluation> {
     // The cell may lack what the index prediction needs.
-    let model = PredictionModel::typical(cell).ok();
+    let model = PredictionModel::of_cell(cell).ok();
     evaluate_terms(cell, name, &posture_terms(cell, postures)?, model.as_ref())
 }
 
@@ -269,6 +273,10 @@ pub(crate) fn evaluate_terms<T: Borrow<PostureTerms>>(
     let times = |a: Option<f64>, b: Option<f64>| Some(a? * b?);
     let observability = |f: &dyn Fn() -> f64| full.then(f).filter(|v| v.is_finite());
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
+    let predicted = match full {
+        true => prediction.and_then(|model| model.value(postures)),
+        false => None,
+    };
     Ok(GroupEvaluation {
         name: name.to_string(),
         posture_count: postures.len(),
@@ -283,10 +291,8 @@ pub(crate) fn evaluate_terms<T: Borrow<PostureTerms>>(
             drop_one,
             d,
             task,
-            prediction: match full {
-                true => prediction.and_then(|model| model.value(postures)),
-                false => None,
-            },
+            prediction: predicted,
+            prediction_sizes: predicted.and_then(|_| prediction?.source()),
             o1: observability(&|| (log_sum() / n as f64).exp() / (postures.len() as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),
             o3: observability(&|| sigma[n - 1]),

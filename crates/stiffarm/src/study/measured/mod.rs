@@ -135,8 +135,8 @@ impl<'a> Setting<'a> {
         cell.tasks.clear();
         let guessed = cell.prior.is_none();
         let springs = cell.setup.robot.spring_count();
-        let prior = cell.prior.get_or_insert_with(|| vec![GUESS; springs]);
-        let sizes = ElasticSizes::typical(&cell.setup, prior)?.times(options.size_factor);
+        cell.prior.get_or_insert_with(|| vec![GUESS; springs]);
+        let sizes = cell.elastic_sizes()?.0.times(options.size_factor);
         let known = Candidate::of_measured(fit.postures());
         let candidates = fit
             .system()

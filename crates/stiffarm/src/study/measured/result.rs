@@ -19,7 +19,8 @@ pub struct MeasuredStudyOptions {
     pub counts: Vec<usize>,
     /// Indices that choose, beside chance.
     pub indices: Vec<Index>,
-    /// What the typical sizes behind the index `prediction` are multiplied by.
+    /// What the sizes behind the index `prediction`, those of the cell or typical ones, are
+    /// multiplied by.
     pub size_factor: f64,
     /// Seed of the splits and of chance.
     pub seed: u64,

@@ -17,6 +17,7 @@ use stiffarm::files::cell::{
 };
 use stiffarm::model::cell::Cell;
 use stiffarm::model::cell::Columns;
+use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::instruments::{Mount, Tracker, Uncertainty};
 use stiffarm::model::load::{Axes, Load};
 use stiffarm::model::observation::PostureTerms;
@@ -103,6 +104,13 @@ fn every_key_arrives_in_si_units() -> Check {
     assert_close(accuracy.range, 10e-6);
     assert_close(accuracy.range_per_metre, 0.4e-6);
     assert_close(accuracy.angle, 3e-6);
+    let sizes = cell.elastic.ok_or("no sizes")?;
+    assert_eq!(
+        [sizes.shift, sizes.turn, sizes.coupling],
+        [9e-8, 1.4e-7, 0.0]
+    );
+    let (stated, source) = cell.elastic_sizes()?;
+    assert_eq!((stated, source), (sizes, ElasticSource::Declared));
     let uncertainty = &cell.uncertainty;
     let values = [
         (uncertainty.force_scale, 0.005),
@@ -170,6 +178,8 @@ fn what_may_be_left_out() -> Check {
         "the catalogue's first set"
     );
     assert_eq!(cell.characteristic_length, None);
+    assert_eq!(cell.elastic, None);
+    assert_eq!(cell.elastic_sizes()?.1, ElasticSource::Typical);
     assert_eq!(cell.sensor, None);
     assert_eq!(cell.tracker, Tracker::default());
     assert_eq!(cell.uncertainty, Uncertainty::default());

@@ -70,6 +70,12 @@ const SLIPS: &[(&str, &str)] = &[
     ("anchor_mm = [1800, 0, 0]\n", ""),
     ("box_min_mm = [900, -1900, 300]\n", ""),
     ("name = \"V1\"\n", ""),
+    ("turn_std_rad_per_nm = 1.4e-7\n", ""),
+    ("[elastic]\n", "[elastic]\nshift_m_per_n = 9e-8\n"),
+    ("shift_std_m_per_n = 9e-8", "shift_std_m_per_n = -9e-8"),
+    ("shift_std_m_per_n = 9e-8", "shift_std_m_per_n = nan"),
+    ("shift_std_m_per_n = 9e-8", "shift_std_m_per_n = 90"),
+    ("coupling_std_rad_per_n = 0", "coupling_std_rad_per_n = inf"),
     // Values of the wrong kind.
     ("magnitude_n = 500", "magnitude_n = \"500\""),
     ("magnitude_n = 500", "magnitude_n = \"much\""),

@@ -125,6 +125,7 @@ pub fn reference_cell() -> Cell {
             posture_common_std: 0.0,
         },
         prior: Some(numbers(&data["robot"]["k_theta"])),
+        elastic: None,
         characteristic_length: Some(number(&data["characteristic_length_m"])),
         validation: Vec::new(),
         tasks: tasks(),

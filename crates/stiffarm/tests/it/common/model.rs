@@ -175,6 +175,7 @@ impl Model {
                 posture_common_std: self.tau,
             },
             prior: Some(self.prior.clone()),
+            elastic: None,
             characteristic_length: Some(self.length),
             validation: Vec::new(),
             tasks: self.tasks.clone(),

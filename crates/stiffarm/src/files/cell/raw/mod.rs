@@ -73,6 +73,9 @@ pub(super) struct RawCell {
     pub noise: Option<At<RawNoise>>,
     /// Joint stiffness known beforehand.
     pub stiffness: Option<At<RawStiffness>>,
+    /// How much gives way beyond the joint axes, as an experiment on this arm or on one like
+    /// it found (default: typical of an arm of this length and stiffness).
+    pub elastic: Option<At<RawElastic>>,
     /// Postures kept for validation.
     pub validation: Option<At<RawValidation>>,
     /// Your own machining postures and loads: the task index chooses postures for the
@@ -282,6 +285,23 @@ pub(super) struct RawStiffness {
     /// published set, where there is one).
     #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
     pub prior_nm_per_rad: Option<Numbers>,
+}
+
+/// How much gives way beyond the joint axes: standard deviations of the entries of the 6 × 6
+/// compliances of joints and base in the mixed elastic model. Zeros: nothing does.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Elastic"))]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawElastic {
+    /// Of shifts by forces, m/N.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub shift_std_m_per_n: Option<Number>,
+    /// Of turns by moments, but for the joints' own axes, rad/(N·m).
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub turn_std_rad_per_nm: Option<Number>,
+    /// Of shifts by moments and turns by forces, rad/N.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub coupling_std_rad_per_n: Option<Number>,
 }
 
 /// Postures kept for validation.

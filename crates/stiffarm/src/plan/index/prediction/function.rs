@@ -28,7 +28,7 @@ impl PredictionFunction {
     /// # Errors
     /// As [`PredictionModel::new`]; given angles of the wrong number or not finite.
     pub(crate) fn new<Q: AsRef<[f64]>>(cell: &Cell, count: usize, given: &[Q]) -> Result<Self> {
-        let model = PredictionModel::typical(cell)?;
+        let model = PredictionModel::of_cell(cell)?;
         let setup = cell.setup.clone();
         let mut blocks = Vec::with_capacity(given.len() + count);
         for q in given {

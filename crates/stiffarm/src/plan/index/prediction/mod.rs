@@ -15,8 +15,8 @@ pub(crate) use function::PredictionFunction;
 pub(crate) use posterior::{Posterior, Rows};
 
 use crate::error::{Code, Error, Result};
-use crate::model::cell::Cell;
-use crate::model::elastic::{Effect, ElasticSizes, effects};
+use crate::model::cell::{Cell, Task};
+use crate::model::elastic::{Effect, ElasticSizes, ElasticSource, effects};
 use crate::model::load::Load;
 use crate::model::measurement::Candidate;
 use crate::model::observation::{PostureTerms, Setup};
@@ -51,16 +51,25 @@ pub(crate) struct PredictionModel {
     readings: DMatrix<f64>,
     /// What is to be predicted \[m\].
     targets: Rows,
+    /// Where the sizes come from; `None` where the caller gave them.
+    source: Option<ElasticSource>,
 }
 
 impl PredictionModel {
-    /// The model with the sizes that an arm like the cell's may be expected to have.
+    /// The model with the sizes that the cell declares, or that an arm like it may be
+    /// expected to have.
     ///
     /// # Errors
     /// As [`PredictionModel::new`].
-    pub(crate) fn typical(cell: &Cell) -> Result<Self> {
-        let sizes = ElasticSizes::typical(&cell.setup, cell.require_prior()?)?;
-        PredictionModel::new(cell, &sizes)
+    pub(crate) fn of_cell(cell: &Cell) -> Result<Self> {
+        let (sizes, source) = cell.elastic_sizes()?;
+        Ok(PredictionModel::new(cell, &sizes)?.with_source(Some(source)))
+    }
+
+    /// The same with the place that its sizes come from.
+    pub(crate) fn with_source(mut self, source: Option<ElasticSource>) -> Self {
+        self.source = source;
+        self
     }
 
     /// The same for those who look at `index` alone: `None` where that is another, or the
@@ -68,7 +77,7 @@ impl PredictionModel {
     pub(crate) fn for_index(cell: &Cell, index: Option<Index>) -> Option<Self> {
         let wanted = index == Some(Index::Prediction);
         wanted
-            .then(|| PredictionModel::typical(cell).ok())
+            .then(|| PredictionModel::of_cell(cell).ok())
             .flatten()
     }
 
@@ -80,30 +89,10 @@ impl PredictionModel {
     /// posture inside the limits.
     pub(crate) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
         let mut model = PredictionModel::without_targets(cell, sizes)?;
-        let mut targets = Vec::new();
-        if cell.tasks.is_empty() {
-            if cell.setup.load == Load::Measured {
-                return Err(Error::new(
-                    Code::MissingKey,
-                    "The load comes with the measurements, and the cell has no tasks: there is no deflection to predict.",
-                )
-                .key("task")
-                .hint("add [[task]] with q_deg and force_n, once per posture of your work, or choose from --candidates"));
-            }
-            let (seed, stream) = STATED_DRAW;
-            for q in random_group(cell, StartKind::Uniform, STATED, seed, stream)? {
-                let terms = PostureTerms::new(&cell.setup, &q, None)?;
-                targets.push(at_point(
-                    &model.motions_in(&cell.setup, &terms),
-                    &cell.setup.tool.tcp(),
-                ));
-            }
-        }
-        for task in &cell.tasks {
-            let setup = task.setup(&cell.setup.robot);
-            let terms = PostureTerms::new(&setup, &task.q, None)?;
-            targets.push(at_point(&model.motions_in(&setup, &terms), &task.tip));
-        }
+        let targets: Vec<DMatrix<f64>> = work_of(cell)?
+            .iter()
+            .map(|(setup, terms)| at_point(&model.motions_in(setup, terms), &setup.tool.tcp()))
+            .collect();
         model.set_targets(&targets);
         Ok(model)
     }
@@ -158,6 +147,7 @@ impl PredictionModel {
                 fixed: units.len(),
             },
             units,
+            source: None,
         })
     }
 
@@ -226,6 +216,11 @@ impl PredictionModel {
         stacked(postures, self.units.len(), self.unknowns())
     }
 
+    /// Where the sizes come from; `None` where the caller gave them.
+    pub(crate) fn source(&self) -> Option<ElasticSource> {
+        self.source
+    }
+
     /// What is to be predicted.
     pub(crate) fn targets(&self) -> &Rows {
         &self.targets
@@ -240,6 +235,38 @@ impl PredictionModel {
         let error = Posterior::new(&rows)?.error(&self.targets)?;
         Some(error.sqrt()).filter(|e| e.is_finite())
     }
+}
+
+/// Where deflections of the first measuring point are to be predicted, and under which
+/// load: at the cell's tasks, or where it has none at random postures inside its limits,
+/// always the same, under its load.
+///
+/// # Errors
+/// No tasks where the load comes with measurements; no posture inside the limits.
+pub(crate) fn work_of(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
+    if !cell.tasks.is_empty() {
+        let at_task = |task: &Task| {
+            let setup = task.setup(&cell.setup.robot);
+            let terms = PostureTerms::new(&setup, &task.q, None)?;
+            Ok((setup, terms))
+        };
+        return cell.tasks.iter().map(at_task).collect();
+    }
+    if cell.setup.load == Load::Measured {
+        return Err(Error::new(
+            Code::MissingKey,
+            "The load comes with the measurements, and the cell has no tasks: there is no deflection to predict.",
+        )
+        .key("task")
+        .hint("add [[task]] with q_deg and force_n, once per posture of your work, or choose from --candidates"));
+    }
+    let (seed, stream) = STATED_DRAW;
+    let stated = random_group(cell, StartKind::Uniform, STATED, seed, stream)?;
+    let under_load = |q: Vec<f64>| {
+        let terms = PostureTerms::new(&cell.setup, &q, None)?;
+        Ok((cell.setup.clone(), terms))
+    };
+    stated.into_iter().map(under_load).collect()
 }
 
 fn stacked(blocks: &[DMatrix<f64>], fixed: usize, unknowns: usize) -> Rows {

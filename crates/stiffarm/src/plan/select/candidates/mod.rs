@@ -48,8 +48,8 @@ pub struct CandidateOptions {
     pub groups: Option<u64>,
     /// False to stop after the exchange, without a bound.
     pub bound: bool,
-    /// Sizes for the index `prediction`; `None` takes
-    /// [`ElasticSizes::typical`](crate::model::elastic::ElasticSizes::typical).
+    /// Sizes for the index `prediction`; `None` takes those of
+    /// [`Cell::elastic_sizes`](crate::model::cell::Cell::elastic_sizes).
     pub sizes: Option<ElasticSizes>,
 }
 
@@ -207,14 +207,18 @@ fn prediction_model(
     candidates: &[Candidate],
     options: &CandidateOptions,
 ) -> Result<PredictionModel> {
-    let sizes = match options.sizes {
-        Some(sizes) => sizes,
-        None => ElasticSizes::typical(&cell.setup, cell.require_prior()?)?,
+    let (sizes, source) = match options.sizes {
+        Some(sizes) => (sizes, None),
+        None => {
+            let (sizes, source) = cell.elastic_sizes()?;
+            (sizes, Some(source))
+        }
     };
-    match cell.tasks.is_empty() {
-        true => PredictionModel::at_candidates(cell, &sizes, candidates),
-        false => PredictionModel::new(cell, &sizes),
-    }
+    let model = match cell.tasks.is_empty() {
+        true => PredictionModel::at_candidates(cell, &sizes, candidates)?,
+        false => PredictionModel::new(cell, &sizes)?,
+    };
+    Ok(model.with_source(source))
 }
 
 struct Search<'a> {

@@ -1,5 +1,7 @@
 //! `stiffarm simulate`: Monte Carlo of identifications with tracker noise.
 
+pub mod elastic;
+
 use crate::args::{ErrorArgs, SimulateArgs};
 use crate::files::{Target, check_targets, write_all};
 use crate::numbers::{percent, percent_with_error};
@@ -9,6 +11,7 @@ use crate::session::Session;
 use crate::table::{Table, red, title};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::{
     GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
 };
@@ -32,6 +35,9 @@ pub struct Options {
 
 /// Runs the simulation.
 pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
+    if args.elastic() != ElasticChoice::Axes {
+        return elastic::run(session, args);
+    }
     let target_of = |path: &Option<String>| {
         path.as_deref()
             .map(|path| Target::new(path, args.force))
@@ -41,14 +47,19 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let readings = target_of(&args.readings)?;
     check_targets(session, &[displacements.as_ref(), readings.as_ref()])?;
     let model_errors = model_errors(&args.errors)?;
-    check_not_negative("--levels", &args.levels)?;
+    let default = SimulationOptions::default();
+    let levels = match args.levels.is_empty() {
+        true => default.variance_factors.clone(),
+        false => args.levels.clone(),
+    };
+    check_not_negative("--levels", &levels)?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
     let options = {
-        let mut options = SimulationOptions::default();
-        options.variance_factors = args.levels.clone();
-        options.runs = usize::try_from(args.runs).unwrap_or(usize::MAX);
+        let mut options = default;
+        options.variance_factors = levels.clone();
+        options.runs = args.runs(options.runs);
         options.seed = args.seed;
         options.model_errors = model_errors;
         options
@@ -79,7 +90,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         session.remark(&table());
     } else {
         let options = Options {
-            levels: args.levels.clone(),
+            levels,
             runs: options.runs,
             model_errors,
         };

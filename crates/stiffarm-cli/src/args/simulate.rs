@@ -1,0 +1,100 @@
+//! Options of `stiffarm simulate`.
+
+use super::fit::ElasticArg;
+use super::values::{count, number};
+use clap::Args;
+use stiffarm::estimate::elastic::ElasticChoice;
+
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// Cell file; its prior stiffness is the truth of the simulation
+    pub cell: String,
+    /// Posture files, one group each
+    #[arg(required = true, value_name = "POSTURES.csv")]
+    pub postures: Vec<String>,
+    /// Runs per group and noise level [default: 200; 100 where the arm gives way beyond its axes]
+    #[arg(long, value_parser = count())]
+    pub runs: Option<u64>,
+    /// Noise levels: factors on the cell's variance [default: 0.5,1,1.5,2,2.5,3; 1 where the arm
+    /// gives way beyond its axes]
+    #[arg(
+        long,
+        value_name = "F,…",
+        value_delimiter = ',',
+        value_parser = number("levels"),
+        allow_hyphen_values = true
+    )]
+    pub levels: Vec<f64>,
+    /// What gives way: the joint axes alone, or joints and base in all directions, with the
+    /// cell's [elastic] or typical sizes; then each run is identified with the axes alone and
+    /// with the mixed model, and auto counts how often the data call for that [default: axes]
+    #[arg(long, value_name = "MODEL")]
+    pub elastic: Option<ElasticArg>,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Also write one simulated measurement of the first group (exact model), to try `identify` on
+    #[arg(long, value_name = "measurements.csv")]
+    pub measurements: Option<String>,
+    /// Also write the raw readings of one simulated experiment with the first group: tracker somewhere,
+    /// loads going up and down, repeats, drift, a base reflector (exact model)
+    #[arg(long, value_name = "readings.csv")]
+    pub readings: Option<String>,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
+    /// Errors of the model behind the readings.
+    #[command(flatten)]
+    pub errors: ErrorArgs,
+}
+
+impl SimulateArgs {
+    /// What gives way.
+    pub fn elastic(&self) -> ElasticChoice {
+        self.elastic.map_or(ElasticChoice::Axes, Into::into)
+    }
+
+    /// Runs asked for, else `default`.
+    pub fn runs(&self, default: usize) -> usize {
+        let given = self
+            .runs
+            .map(|runs| usize::try_from(runs).unwrap_or(usize::MAX));
+        given.unwrap_or(default)
+    }
+}
+
+/// Standard deviations of model errors, all zero in the paper.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Errors of the model (standard deviations, zero in the paper)")]
+pub struct ErrorArgs {
+    /// Scale of the force reading, one error per run [%]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
+    pub force_scale_percent: f64,
+    /// Force reading, a fresh error for each posture [%]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
+    pub force_percent: f64,
+    /// Each joint angle of each posture [deg]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("deg"), allow_negative_numbers = true)]
+    pub joint_angle_deg: f64,
+    /// Each coordinate of the loading point, one error per run [mm]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
+    pub loading_point_mm: f64,
+    /// Each coordinate of the rope's anchor, one error per run [mm]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
+    pub anchor_mm: f64,
+}
+
+impl ErrorArgs {
+    /// The first option that makes an error.
+    pub fn given(&self) -> Option<&'static str> {
+        [
+            ("--force-scale-percent", self.force_scale_percent),
+            ("--force-percent", self.force_percent),
+            ("--joint-angle-deg", self.joint_angle_deg),
+            ("--loading-point-mm", self.loading_point_mm),
+            ("--anchor-mm", self.anchor_mm),
+        ]
+        .into_iter()
+        .find_map(|(name, size)| (size != 0.0).then_some(name))
+    }
+}

@@ -1,0 +1,224 @@
+//! The arm of an elastic simulation: joint axes as the prior says, and springs beyond
+//! them that every run draws.
+
+use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::simulate::normal;
+use crate::model::cell::Cell;
+use crate::model::elastic::{ElasticSizes, effects, terms};
+use crate::model::measurement::{Displacement, MeasuredPosture};
+use crate::model::observation::PostureTerms;
+use crate::model::posture::Posture;
+use crate::plan::index::prediction::work_of;
+use nalgebra::{DMatrix, DVector, Vector3};
+use rand_chacha::ChaCha8Rng;
+
+/// What gives way, and how much.
+pub(super) struct Truth {
+    /// Prior stiffness of the axes \[N·m/rad\].
+    pub(super) prior: Vec<f64>,
+    /// Its compliance.
+    axes: DVector<f64>,
+    /// Standard deviation of each entry of the springs.
+    deviations: DVector<f64>,
+}
+
+impl Truth {
+    /// # Errors
+    /// No prior.
+    pub(super) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
+        let prior = cell.require_prior()?.to_vec();
+        let effects = effects(cell.setup.robot.joint_count());
+        let deviation = effects.iter().map(|e| e.scale * sizes.of(e.class));
+        Ok(Truth {
+            axes: DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k)),
+            deviations: DVector::from_iterator(effects.len(), deviation),
+            prior,
+        })
+    }
+
+    /// All compliances of one arm: those of the axes, then the entries of the springs.
+    pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> DVector<f64> {
+        let drawn = self.deviations.iter().map(|std| std * normal(rng));
+        let all: Vec<f64> = self.axes.iter().copied().chain(drawn).collect();
+        DVector::from_vec(all)
+    }
+}
+
+/// Columns of the axes, then of the entries of the springs, at the measuring points.
+fn columns(cell: &Cell, terms_here: &PostureTerms, count: usize) -> DMatrix<f64> {
+    let springs = terms(&effects(cell.setup.robot.joint_count()));
+    let block = terms_here
+        .block(&cell.setup.robot)
+        .rows(0, count)
+        .into_owned();
+    let fixed = block.ncols();
+    let mut out = block.resize_horizontally(fixed + springs.len(), 0.0);
+    for (j, term) in springs.iter().enumerate() {
+        let column = term.column(terms_here);
+        out.column_mut(fixed + j).copy_from(&column.rows(0, count));
+    }
+    out
+}
+
+/// A group of postures on any such arm.
+pub(super) struct Group {
+    /// Postures without displacements.
+    postures: Vec<Posture>,
+    points: usize,
+    /// From all compliances to the displacements.
+    columns: DMatrix<f64>,
+    /// What is known of the displacements beforehand \[m\].
+    known: DVector<f64>,
+}
+
+impl Group {
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub(super) fn new(cell: &Cell, postures: &[Posture]) -> Result<Self> {
+        let points = cell.setup.tool.point_count();
+        let rows = 3 * points;
+        let mut blocks = Vec::with_capacity(postures.len());
+        let mut known = DVector::zeros(rows * postures.len());
+        for (p, posture) in postures.iter().enumerate() {
+            let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
+            blocks.push(columns(cell, &terms, rows));
+            known
+                .rows_mut(rows * p, rows)
+                .copy_from(&terms.known_displacement(&cell.setup.tool));
+        }
+        let named = postures.iter().enumerate().map(|(p, posture)| Posture {
+            // Two postures of one name would count as one.
+            name: (p + 1).to_string(),
+            q: posture.q.clone(),
+        });
+        Ok(Group {
+            postures: named.collect(),
+            points,
+            columns: stacked(&blocks),
+            known,
+        })
+    }
+
+    /// Number of postures and of points of each.
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.postures.len(), self.points)
+    }
+
+    /// What these compliances do to each point of each posture \[m\].
+    pub(super) fn bent(&self, compliance: &DVector<f64>) -> Vec<Vector3<f64>> {
+        let all = &self.columns * compliance;
+        let each = (0..all.len() / 3).map(|i| all.fixed_rows::<3>(3 * i).into_owned());
+        each.collect()
+    }
+
+    /// What is measured on an arm with these compliances, with this noise \[m\].
+    pub(super) fn measured(
+        &self,
+        compliance: &DVector<f64>,
+        noise: &DVector<f64>,
+    ) -> Vec<MeasuredPosture> {
+        let all = &self.columns * compliance + &self.known + noise;
+        let postures = self.postures.iter().enumerate();
+        postures
+            .map(|(p, posture)| MeasuredPosture {
+                posture: posture.clone(),
+                state: "loaded".to_string(),
+                wrench: None,
+                common_readings: [0.0; 2],
+                servo_deflection: None,
+                displacements: (0..self.points)
+                    .map(|a| {
+                        let at = 3 * (self.points * p + a);
+                        let value: Vector3<f64> = all.fixed_rows::<3>(at).into_owned();
+                        Displacement::new(a, value)
+                    })
+                    .collect(),
+            })
+            .collect()
+    }
+}
+
+/// Where deflections are predicted.
+pub(super) struct Work {
+    /// From all compliances to the deflections, 3 rows for each.
+    columns: DMatrix<f64>,
+}
+
+/// How well one predictor did at the work.
+pub(super) struct Predicted {
+    /// Mean square of the error of a deflection \[m²\].
+    pub(super) square: f64,
+    /// Share of the components inside their bands; `None` without bands.
+    pub(super) inside: Option<f64>,
+}
+
+impl Work {
+    /// # Errors
+    /// As [`work_of`].
+    pub(super) fn new(cell: &Cell) -> Result<Self> {
+        let work = work_of(cell)?;
+        let blocks: Vec<DMatrix<f64>> = work
+            .iter()
+            .map(|(_, terms)| columns(cell, terms, 3))
+            .collect();
+        Ok(Work {
+            columns: stacked(&blocks),
+        })
+    }
+
+    /// Number of deflections.
+    pub(super) fn count(&self) -> usize {
+        self.columns.nrows() / 3
+    }
+
+    /// Mean square of a deflection of an arm with these compliances \[m²\].
+    pub(super) fn square(&self, compliance: &DVector<f64>) -> f64 {
+        (&self.columns * compliance).norm_squared() / self.count() as f64
+    }
+
+    /// What `predictor` makes of the deflections of an arm with these compliances.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub(super) fn predicted(
+        &self,
+        predictor: &IdentifiedCompliance,
+        compliance: &DVector<f64>,
+    ) -> Result<Predicted> {
+        let own = self.columns.columns(0, predictor.values.len());
+        let errors = own * &predictor.values - &self.columns * compliance;
+        let square = errors.norm_squared() / self.count() as f64;
+        if !square.is_finite() {
+            return Err(Error::new(
+                Code::Numerical,
+                "A predicted deflection is not a finite number.",
+            ));
+        }
+        let inside = match &predictor.spread {
+            None => None,
+            Some(spread) => {
+                let quantile = spread.quantile()?;
+                let half = own * &spread.covariance;
+                let held = (0..errors.len()).filter(|i| {
+                    let variance = half.row(*i).dot(&own.row(*i)).max(0.0);
+                    errors[*i].abs() <= quantile * variance.sqrt()
+                });
+                Some(held.count() as f64 / errors.len() as f64)
+            }
+        };
+        Ok(Predicted { square, inside })
+    }
+}
+
+fn stacked(blocks: &[DMatrix<f64>]) -> DMatrix<f64> {
+    let count = blocks.iter().map(DMatrix::nrows).sum();
+    let columns = blocks.first().map_or(0, DMatrix::ncols);
+    let mut out = DMatrix::zeros(count, columns);
+    let mut at = 0;
+    for block in blocks {
+        out.rows_mut(at, block.nrows()).copy_from(block);
+        at += block.nrows();
+    }
+    out
+}

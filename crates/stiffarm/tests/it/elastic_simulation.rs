@@ -1,0 +1,162 @@
+//! Simulated identifications of an arm that gives way beyond its joint axes.
+
+use crate::common;
+
+use common::{default_cell, group1};
+use stiffarm::Control;
+use stiffarm::error::Code;
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::estimate::simulate::{
+    ElasticLevel, ElasticSimulation, ElasticSimulationOptions, SimulationOptions, simulate,
+    simulate_elastic,
+};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::elastic::{ElasticSizes, ElasticSource};
+use stiffarm::model::posture::PostureGroup;
+
+fn groups() -> Vec<PostureGroup> {
+    vec![PostureGroup::from_angles("Group 1", group1())]
+}
+
+/// The default cell with `factor` times the typical sizes.
+fn cell(factor: f64) -> Cell {
+    let mut cell = default_cell();
+    let typical = ElasticSizes::typical(&cell.setup, cell.require_prior().unwrap()).unwrap();
+    cell.elastic = Some(typical.times(factor));
+    cell
+}
+
+fn options(elastic: ElasticChoice, runs: usize) -> ElasticSimulationOptions {
+    let mut options = ElasticSimulationOptions::default();
+    options.elastic = elastic;
+    options.runs = runs;
+    options
+}
+
+fn run(cell: &Cell, options: &ElasticSimulationOptions) -> ElasticSimulation {
+    simulate_elastic(cell, &groups(), options, Control::default()).unwrap()
+}
+
+fn level(found: &ElasticSimulation) -> &ElasticLevel {
+    &found.groups[0].levels[0]
+}
+
+#[test]
+fn without_springs_the_axes_err_as_in_the_simulation_of_the_paper() {
+    // With one point per posture two variances are one, and the estimate is Ψ⁺Δ, which
+    // the other simulation takes in closed form.
+    let mut cell = cell(0.0);
+    cell.setup.tool.measuring_points.truncate(1);
+    let mut own = options(ElasticChoice::Mixed, 7);
+    own.variance_factors = vec![1.0, 2.0];
+    let found = run(&cell, &own);
+    assert_eq!(found.sizes_from, ElasticSource::Declared);
+    let mut plain = SimulationOptions::default();
+    plain.variance_factors = own.variance_factors.clone();
+    plain.runs = own.runs;
+    let expected = simulate(&cell, &groups(), &plain, Control::default()).unwrap();
+    let pairs = found.groups[0].levels.iter();
+    for (level, expected) in pairs.zip(&expected.groups[0].levels) {
+        for (ours, theirs) in [
+            (&level.axes.mean_deviation, &expected.mean_deviation),
+            (&level.axes.median_deviation, &expected.median_deviation),
+            (&level.axes.standard_error, &expected.standard_error),
+        ] {
+            for (a, b) in ours.iter().zip(theirs) {
+                assert!((a - b).abs() <= 1e-8 * (1.0 + b), "{a} against {b}");
+            }
+        }
+        // With nothing beyond the axes, the mixed model costs little.
+        let mixed = level.mixed.as_ref().unwrap();
+        let ratio = mixed.prediction_rms_m / level.axes.prediction_rms_m;
+        assert!((0.8..1.5).contains(&ratio), "{ratio}");
+    }
+    assert!(!found.interrupted && found.groups[0].levels[1].runs == 7);
+}
+
+#[test]
+fn springs_make_the_axes_err_and_the_mixed_model_as_much_as_the_index_says() {
+    let axes = |factor: f64| {
+        let found = run(&cell(factor), &options(ElasticChoice::Axes, 60));
+        assert!(level(&found).mixed.is_none() && level(&found).auto.is_none());
+        level(&found).axes.clone()
+    };
+    let [none, some, all] = [0.0, 0.1, 1.0].map(axes);
+    let errors = [&none, &some, &all].map(|outcome| outcome.prediction_rms_m);
+    assert!(
+        2.0 * errors[0] < errors[1] && 2.0 * errors[1] < errors[2],
+        "{errors:?}"
+    );
+    // The intervals of the axes know nothing of springs.
+    let holds = |outcome: &stiffarm::estimate::simulate::ElasticModelOutcome| {
+        outcome.mean_interval_share().unwrap()
+    };
+    assert!(holds(&none) > 0.88, "{}", holds(&none));
+    assert!(holds(&all) < 0.85, "{}", holds(&all));
+    assert!(none.band_share.unwrap() > 0.85 && all.band_share.unwrap() < 0.7);
+
+    let found = run(&cell(1.0), &options(ElasticChoice::Mixed, 24));
+    let (level, mixed) = (level(&found), level(&found).mixed.as_ref().unwrap());
+    assert!(mixed.prediction_rms_m < 0.7 * level.axes.prediction_rms_m);
+    // What the index expects of known sizes; these are estimated.
+    let ratio = mixed.prediction_rms_m / level.expected_prediction_m.unwrap();
+    assert!((0.75..1.4).contains(&ratio), "{ratio}");
+    assert!(mixed.band_share.unwrap() > 0.85 && holds(mixed) > 0.85);
+    assert!(
+        found.verdict().contains("with the mixed model"),
+        "{}",
+        found.verdict()
+    );
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let mut options = options(ElasticChoice::Auto, 4);
+    options.seed = 5;
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| run(&cell(1.0), &options))
+    };
+    let one = with(1);
+    assert_eq!(
+        serde_json::to_string(&one).unwrap(),
+        serde_json::to_string(&with(2)).unwrap()
+    );
+    let level = level(&one);
+    let taken = level.auto_took_mixed.unwrap();
+    let (auto, mixed) = (level.auto.as_ref().unwrap(), level.mixed.as_ref().unwrap());
+    assert!((0.0..=1.0).contains(&taken));
+    if taken == 1.0 {
+        assert_eq!(auto, mixed);
+    }
+}
+
+#[test]
+fn a_stopped_simulation_keeps_its_runs_and_wrong_requests_are_refused() {
+    let stop = || true;
+    let control = Control {
+        stop: Some(&stop),
+        progress: None,
+    };
+    let asked = options(ElasticChoice::Axes, 100);
+    let found = simulate_elastic(&cell(1.0), &groups(), &asked, control).unwrap();
+    assert!(found.interrupted && level(&found).runs == 3);
+
+    let code = |cell: &Cell, groups: &[PostureGroup], options: &ElasticSimulationOptions| {
+        simulate_elastic(cell, groups, options, Control::default())
+            .unwrap_err()
+            .code()
+    };
+    let none = options(ElasticChoice::Axes, 0);
+    assert_eq!(code(&cell(1.0), &groups(), &none), Code::InvalidValue);
+    let mut one_point = cell(1.0);
+    one_point.setup.tool.measuring_points.truncate(1);
+    let one = [PostureGroup::from_angles("one", vec![group1()[0].clone()])];
+    assert_eq!(code(&one_point, &one, &asked), Code::NotIdentifiable);
+    let mut no_prior = cell(1.0);
+    no_prior.prior = None;
+    assert_eq!(code(&no_prior, &groups(), &asked), Code::MissingKey);
+}
