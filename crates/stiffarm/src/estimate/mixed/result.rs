@@ -74,8 +74,8 @@ impl MixedFit {
             Some(variance.max(0.0).sqrt())
         };
         let quantile = |j: usize| {
-            let with = found.spread.as_ref()?.covariance.column(j).into_owned();
-            Some(quantiles.as_ref()?.of(&with, with[j], 0.0))
+            let covariance = &found.spread.as_ref()?.covariance;
+            Some(quantiles.as_ref()?.of_unknown(covariance, j))
         };
         let joint = |j: usize| estimate(&names[j], Some(found.values[j]), error(j), quantile(j));
         let joints = self.fit().cell().setup.robot.joint_count();

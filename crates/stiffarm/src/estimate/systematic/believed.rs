@@ -54,10 +54,9 @@ impl<'a> Believed<'a> {
         if let Some(spread) = &found.spread {
             let quantiles = spread.quantiles()?;
             for j in 0..springs {
-                let with = spread.covariance.column(j).into_owned();
-                let error = with[j].max(0.0).sqrt();
+                let error = spread.covariance[(j, j)].max(0.0).sqrt();
                 errors[j] = Some(error);
-                half_widths[j] = Some(error * quantiles.of(&with, with[j], 0.0));
+                half_widths[j] = Some(error * quantiles.of_unknown(&spread.covariance, j));
             }
         }
         Ok(Believed {

@@ -16,7 +16,7 @@ pub use result::{
 
 use super::{check_amount, check_determined, draw_noise};
 use crate::error::{Code, Error, Result};
-use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::elastic::{ElasticChoice, elastic};
 use crate::estimate::identify::{Fit, IdentifyOptions, estimate};
 use crate::estimate::mixed::MixedFit;
@@ -270,7 +270,7 @@ impl Experiment<'_> {
         compliance: &DVector<f64>,
     ) -> Result<Outcome> {
         let spread = predictor.spread.as_ref();
-        let quantile = spread.map(|s| s.quantile()).transpose()?;
+        let quantiles = spread.map(Spread::quantiles).transpose()?;
         let mut deviations = Vec::with_capacity(self.truth.prior.len());
         let mut holds = Vec::with_capacity(self.truth.prior.len());
         for (j, k) in self.truth.prior.iter().enumerate() {
@@ -286,6 +286,9 @@ impl Experiment<'_> {
             deviations.push(deviation);
             let error = spread.map(|s| s.covariance[(j, j)].max(0.0).sqrt());
             // An interval on the wrong side of zero does not hold either.
+            let quantile = spread
+                .zip(quantiles.as_ref())
+                .map(|(spread, all)| all.of_unknown(&spread.covariance, j));
             let held = quantile.map(|_| {
                 let [low, high] = estimate("", Some(value), error, quantile).interval;
                 low.is_some_and(|low| low <= *k) && high.is_none_or(|high| *k <= high)

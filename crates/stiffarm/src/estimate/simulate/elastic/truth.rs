@@ -198,11 +198,12 @@ impl Work {
         let inside = match &predictor.spread {
             None => None,
             Some(spread) => {
-                let quantile = spread.quantile()?;
-                let half = own * &spread.covariance;
+                let quantiles = spread.quantiles()?;
+                let with = &spread.covariance * own.transpose();
                 let held = (0..errors.len()).filter(|i| {
-                    let variance = half.row(*i).dot(&own.row(*i)).max(0.0);
-                    errors[*i].abs() <= quantile * variance.sqrt()
+                    let with = with.column(*i).into_owned();
+                    let variance = own.row(*i).transpose().dot(&with).max(0.0);
+                    errors[*i].abs() <= quantiles.of(&with, variance, 0.0) * variance.sqrt()
                 });
                 Some(held.count() as f64 / errors.len() as f64)
             }
