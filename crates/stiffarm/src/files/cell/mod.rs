@@ -8,6 +8,7 @@
 
 mod columns;
 mod convert;
+mod example;
 mod instruments;
 mod keys;
 mod load;
