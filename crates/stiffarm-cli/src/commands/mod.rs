@@ -10,6 +10,7 @@ pub mod identify;
 pub mod init;
 pub mod man;
 pub mod map;
+pub mod pose;
 pub mod predict;
 pub mod register;
 pub mod robots;

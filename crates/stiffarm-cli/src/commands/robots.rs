@@ -194,7 +194,12 @@ fn all(robots: &[Robot]) -> String {
         table.row([
             robot.key.to_string(),
             // What stands in brackets is in the robot's own text.
-            robot.name.split(" (").next().unwrap_or_default().to_string(),
+            robot
+                .name
+                .split(" (")
+                .next()
+                .unwrap_or_default()
+                .to_string(),
             robot
                 .payload_kg
                 .map_or_else(|| NONE.to_string(), |kg| kg.to_string()),
