@@ -36,6 +36,7 @@ mod reduction;
 mod reduction_noise;
 mod registration;
 mod registration_faults;
+mod robots;
 mod rope_follows;
 mod saved;
 mod screening;
