@@ -214,7 +214,7 @@ fn all(robots: &[Robot]) -> String {
         ]);
     }
     format!(
-        "{table}\nkg: payload. k: published sets of joint stiffness.\n\
+        "{table}\nkg: payload. limits: - where not known. k: published sets of joint stiffness.\n\
          `stiffarm robots NAME` shows one with its sources and doubts.\n"
     )
 }

@@ -147,12 +147,16 @@ fn what_is_refused() {
         "pose cell/cell.toml --from word.csv",
         "pose cell/cell.toml --from quaternion.csv --convention abb",
         "pose cell/cell.toml --from quaternion.csv",
-        "pose cell/cell.toml postures.csv --output postures.csv --force",
     ] {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
         report += &ran.transcript(line).replace("-- standard error\n", "");
         report.push('\n');
     }
+    let message = folder.refused("pose cell/cell.toml postures.csv --output postures.csv --force");
+    assert!(
+        message.contains("is an input of the same command"),
+        "{message}"
+    );
     insta::assert_snapshot!("pose_refused", report.replace('\\', "/"));
 }

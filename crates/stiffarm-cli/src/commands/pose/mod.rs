@@ -231,12 +231,6 @@ impl Job<'_> {
         let (session, robot) = (self.session, &self.cell().setup.robot);
         let (file, bytes) = session.read("poses", from)?;
         let poses = read_poses(&bytes, &file, self.convention)?;
-        if poses.is_empty() {
-            let message = "The table has no poses, only a heading.";
-            return Err(Error::new(Code::TooFewData, message)
-                .file(file)
-                .hint("add one row per pose"));
-        }
         let target = only_target(session, self.args.output.as_deref(), self.args.force)?;
         let (frame, from_tip) = (self.frame(), self.tip().inverse());
         let inverse = InverseKinematics::new(robot);
