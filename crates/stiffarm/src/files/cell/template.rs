@@ -13,7 +13,7 @@ use crate::units::rad_to_shortest_deg;
 /// [`parse_cell`](super::parse_cell) and to be edited: unit, axes and sign
 /// stand at every key. Tool, load and limits are those of the built-in COMAU
 /// cell, an example for robots of some 3 m reach; for a small robot its lengths
-/// are scaled with the reach and its forces with the payload ([`Example`]).
+/// are scaled with the reach and its forces with the payload.
 ///
 /// # Errors
 /// The catalogue has no robot of this name.
