@@ -82,7 +82,7 @@ impl Example {
 
     /// Says that the numbers were scaled, where they were.
     pub(super) fn sentence(&self) -> &'static str {
-        match self.lengths < 1.0 {
+        match self.lengths < 1.0 || self.forces < 1.0 {
             true => {
                 "# Tool, load and limits are an example for a large robot, scaled to this one's\n\
                  # reach and payload.\n"
