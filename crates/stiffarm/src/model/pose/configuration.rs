@@ -170,9 +170,9 @@ impl Arm {
 /// Bit 0: the wrist centre lies behind axis 1 (its x in the frame that turns
 /// with A1 is negative). Bit 1: the forearm is bent forward from the stretched
 /// arm, A3 above 0° where axes 3 and 4 meet, above the angle that stretches the
-/// arm where the forearm is offset. Bit 2: A5 is negative. As in the programming
-/// manuals of KUKA System Software, whose wording of bits 1 and 2 differs from
-/// issue to issue: compare one posture with the pendant.
+/// arm where the forearm is offset. Bit 2: A5 is negative. Bit 0
+/// follows KUKA's expert programming manual as users quote it; bits 1 and 2 were
+/// held against no manual and no controller: compare one posture with the pendant.
 ///
 /// `None` as for [`Configuration::of`].
 ///
