@@ -20,6 +20,8 @@ pub enum Kind {
     Clamped,
     /// Points in two frames.
     Pairs,
+    /// Poses in Yaskawa's convention.
+    Poses,
     /// A path.
     Path,
     /// A saved stiffness.
@@ -30,13 +32,14 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 9] = [
+    pub const ALL: [Kind; 10] = [
         Kind::Cell,
         Kind::Postures,
         Kind::Displacements,
         Kind::Readings,
         Kind::Clamped,
         Kind::Pairs,
+        Kind::Poses,
         Kind::Path,
         Kind::Stiffness,
         Kind::Registration,
@@ -91,6 +94,8 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
             .to_string(),
     );
     add(Kind::Pairs, input("pairs-wrong.csv"));
+    let poses = "posture,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\nA,1800,200,1500,180,-60.5,10\nB,1500,0,2000,0,90,0\n";
+    add(Kind::Poses, poses.to_string());
     add(
         Kind::Path,
         builtin::path_text("contour")

@@ -29,6 +29,9 @@ Commands:
                         other one FOLDER-N, which is compared with FOLDER
       --brief           of runs that differ in --json only the one with it; no help and no wrong usage
       The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
+  robots FOLDER [--check]
+      Writes crates/stiffarm/data/robots.rs, the catalogue's data, from the robot descriptions in FOLDER.
+      --check           writes nothing and fails when the file is not what they give
   fuzz [--seconds N | --inputs N] [--target T]… [--seed S] [--threads N]
       Runs mutated inputs through every reader and every command, built for release, without end unless told.
       --seconds N       ends after this time
@@ -69,6 +72,13 @@ pub enum Command {
     },
     /// Keep what `stiffarm` prints and writes, and compare it.
     Outputs(OutputsOptions),
+    /// Write the catalogue's data file, or with `check` compare it.
+    Robots {
+        /// The folder of the robot descriptions.
+        folder: PathBuf,
+        /// Compare only.
+        check: bool,
+    },
     /// Mutated inputs for readers and commands; the words are the fuzzer's.
     Fuzz(Vec<String>),
     /// Every check that is not a test.
@@ -147,6 +157,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [_, second, ..] => Err(unexpected(name, second)),
         },
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
+        "robots" => parse_robots(rest),
         "fuzz" => Ok(Command::Fuzz(rest.to_vec())),
         "lint" | "features" => match rest {
             [] if name == "lint" => Ok(Command::Lint),
@@ -155,7 +166,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, generate, outputs, fuzz, lint, features, ci or help",
+            "use test, generate, outputs, robots, fuzz, lint, features, ci or help",
         )),
     }
 }
@@ -227,6 +238,27 @@ fn parse_outputs(rest: &[String]) -> Result<OutputsOptions, Failure> {
         )
     })?;
     Ok(options)
+}
+
+/// Parses the folder and the flag of `robots`.
+fn parse_robots(rest: &[String]) -> Result<Command, Failure> {
+    let (mut folder, mut check) = (None, false);
+    for argument in rest {
+        match argument.as_str() {
+            "--check" => check = true,
+            _ if argument.starts_with('-') || folder.is_some() => {
+                return Err(unexpected("robots", argument));
+            }
+            _ => folder = Some(PathBuf::from(argument)),
+        }
+    }
+    let folder = folder.ok_or_else(|| {
+        Failure::usage(
+            "`cargo xtask robots` needs the folder of the robot descriptions",
+            "name it, for example `cargo xtask robots ../shared/reference/robots`",
+        )
+    })?;
+    Ok(Command::Robots { folder, check })
 }
 
 /// Numbers of threads with commas between them.
@@ -346,6 +378,18 @@ mod tests {
     }
 
     #[test]
+    fn robots_takes_a_folder() {
+        for (line, check) in [("robots data", false), ("robots --check data", true)] {
+            let folder = PathBuf::from("data");
+            assert_eq!(
+                parsed(line).unwrap(),
+                Command::Robots { folder, check },
+                "{line}"
+            );
+        }
+    }
+
+    #[test]
     fn wrong_usage_is_a_sentence_with_a_fix_and_code_2() {
         for (line, message) in [
             ("tset", "`tset` is no command of `cargo xtask`"),
@@ -360,6 +404,11 @@ mod tests {
             ("outputs", "`cargo xtask outputs` needs the folder to fill"),
             ("outputs a b", "`cargo xtask outputs` does not take `b`"),
             ("outputs a -q", "`cargo xtask outputs` does not take `-q`"),
+            (
+                "robots",
+                "`cargo xtask robots` needs the folder of the robot descriptions",
+            ),
+            ("robots a b", "`cargo xtask robots` does not take `b`"),
             ("outputs a --against", "`--against` has no value"),
             (
                 "outputs a --threads 0",

@@ -8,6 +8,7 @@ mod checks;
 mod fuzz;
 mod generate;
 mod outputs;
+mod robots;
 mod run;
 mod structure;
 mod tally;
@@ -41,6 +42,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Test(options) => test::run(&workspace, &options),
         Command::Generate { check } => generate::run(&workspace, check),
         Command::Outputs(options) => outputs::run(&workspace, &options),
+        Command::Robots { folder, check } => robots::run(&workspace, &folder, check),
         Command::Fuzz(words) => fuzz::run(&workspace, &words),
         Command::Lint => checks::lint(&workspace),
         Command::Features => checks::features(&workspace),

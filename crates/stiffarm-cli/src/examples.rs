@@ -98,6 +98,14 @@ pub const MAP: &str = "Examples:
 pub const ZONES: &str = "Examples:
   $ stiffarm zones
   $ stiffarm zones builtin:comau-reference --steps 61 --output-dir zones";
+pub const POSE: &str = "Examples:
+  What the pendant should show at each posture; the same as a table:
+  $ stiffarm pose builtin:comau builtin:comau-group1
+  $ stiffarm pose builtin:comau plan.csv --convention kuka --output poses.csv
+
+  All postures that hold the poses, full turns included:
+  $ stiffarm pose builtin:comau --from poses.csv --convention kuka \\
+      --output all.csv";
 pub const ROBOTS: &str = "Examples:
   $ stiffarm robots
   $ stiffarm robots comau-nj165-3.0";

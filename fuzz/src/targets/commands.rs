@@ -17,7 +17,7 @@ use stiffarm::files::table::{read_measurements, read_path, read_postures, write_
 
 /// Command lines that end soon; files by the names of [`FILES`], `out.…` is written.
 /// After `|` the schema of their object.
-const LINES: [&str; 37] = [
+const LINES: [&str; 39] = [
     "check cell.toml | check",
     "check cell.toml | check",
     "evaluate cell.toml postures.csv | evaluate",
@@ -50,6 +50,8 @@ const LINES: [&str; 37] = [
     "predict cell.toml s.json postures.csv --cell-load | predict",
     "compensate builtin:comau s.json path.csv --axes base --force-n 100,-200,300 --output out-path.csv | compensate",
     "compensate cell.toml prior builtin:contour --output out-path.csv | compensate",
+    "pose cell.toml postures.csv --output out-poses.csv | pose",
+    "pose builtin:comau --from poses.csv --convention yaskawa --output out.csv | pose-from",
     "map builtin:comau s.json --plane z=800 --steps 3 | map",
     "map cell.toml prior --plane z=800 --steps 3 --output-dir folder | map",
     "map cell.toml prior --place builtin:contour --steps 2 --refine 0 | map-place",
@@ -58,13 +60,14 @@ const LINES: [&str; 37] = [
 ];
 
 /// Files of the lines.
-const FILES: [(&str, Kind, Grammar); 9] = [
+const FILES: [(&str, Kind, Grammar); 10] = [
     ("cell.toml", Kind::Cell, Grammar::Toml),
     ("postures.csv", Kind::Postures, Grammar::Table),
     ("m.csv", Kind::Displacements, Grammar::Table),
     ("r.csv", Kind::Readings, Grammar::Table),
     ("clamped.csv", Kind::Clamped, Grammar::Table),
     ("pairs.csv", Kind::Pairs, Grammar::Table),
+    ("poses.csv", Kind::Poses, Grammar::Table),
     ("path.csv", Kind::Path, Grammar::Table),
     ("s.json", Kind::Stiffness, Grammar::Json),
     ("reg.json", Kind::Registration, Grammar::Json),

@@ -25,7 +25,7 @@ pub struct Target {
 }
 
 /// Every target.
-pub const ALL: [Target; 13] = [
+pub const ALL: [Target; 14] = [
     reader("cell", readers::make_cell, readers::cell),
     reader("postures", readers::make_postures, readers::postures),
     reader(
@@ -36,6 +36,7 @@ pub const ALL: [Target; 13] = [
     reader("readings", readers::make_readings, readers::measurements),
     reader("clamped", readers::make_clamped, readers::clamped),
     reader("pairs", readers::make_pairs, readers::pairs),
+    reader("poses", readers::make_poses, readers::poses),
     reader("path", readers::make_path, readers::path),
     reader("stiffness", readers::make_stiffness, readers::stiffness),
     reader(
@@ -77,6 +78,6 @@ const fn reader(
 
 /// The target of that name.
 pub fn named(name: &str) -> Option<&'static Target> {
-    static TARGETS: [Target; 13] = ALL;
+    static TARGETS: [Target; 14] = ALL;
     TARGETS.iter().find(|target| target.name == name)
 }

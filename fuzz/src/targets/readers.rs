@@ -14,10 +14,11 @@ use stiffarm::files::cell::parse_cell_bytes;
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::{
-    read_clamped, read_measurements, read_pairs, read_path, read_postures, write_clamped,
-    write_displacements, write_path, write_postures, write_readings,
+    read_clamped, read_measurements, read_pairs, read_path, read_poses, read_postures,
+    write_clamped, write_displacements, write_path, write_poses, write_postures, write_readings,
 };
 use stiffarm::model::measurement::Measurements;
+use stiffarm::model::pose::Convention;
 use stiffarm::{Cell, Posture, Result};
 
 /// A name for messages.
@@ -66,6 +67,7 @@ makers! {
     make_readings, Readings, Table;
     make_clamped, Clamped, Table;
     make_pairs, Pairs, Table;
+    make_poses, Poses, Table;
     make_path, Path, Table;
     make_stiffness, Stiffness, Json;
     make_registration, Registration, Json;
@@ -119,6 +121,7 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
         Kind::Displacements | Kind::Readings => read_measurements(file, NAME, cell, None).is_ok(),
         Kind::Clamped => read_clamped(file, NAME, cell, None).is_ok(),
         Kind::Pairs => read_pairs(file, NAME).is_ok(),
+        Kind::Poses => read_poses(file, NAME, Convention::Yaskawa).is_ok(),
         Kind::Path => {
             let axes = Some(stiffarm::model::process::ForceAxes::Base);
             read_path(file, NAME, cell, axes).is_ok()
@@ -179,6 +182,21 @@ pub fn clamped(input: &Input) -> Verdict {
 /// The table of pairs.
 pub fn pairs(input: &Input) -> Verdict {
     judged(&read_pairs(bytes(input), NAME))
+}
+
+/// A table of poses: the first convention that takes it is judged, and gives it
+/// back but for rounding.
+pub fn poses(input: &Input) -> Verdict {
+    let read = |convention| read_poses(bytes(input), NAME, convention);
+    for convention in Convention::ALL {
+        if let Ok(poses) = read(convention) {
+            let text = write_poses(&poses, convention);
+            if let Err(error) = read_poses(text.as_bytes(), NAME, convention) {
+                return Err(format!("what was written is not read: {error}"));
+            }
+        }
+    }
+    judged(&read(Convention::Yaskawa))
 }
 
 /// The table of a path.

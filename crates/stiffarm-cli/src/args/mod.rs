@@ -3,6 +3,7 @@
 mod fit;
 mod measured;
 mod path;
+mod pose;
 mod select;
 mod simulate;
 mod values;
@@ -10,6 +11,7 @@ mod work;
 
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
+pub use pose::{PoseArgs, PoseFrame, PosePoint};
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
 pub use simulate::{ErrorArgs, SimulateArgs};
 pub use work::{MapArgs, RegionArgs, Steps};
@@ -106,6 +108,9 @@ pub enum Command {
     /// Maps of dexterity and of K_C's influence over joints 2 and 3, to choose zones for postures
     #[command(after_help = examples::ZONES)]
     Zones(ZonesArgs),
+    /// Poses of postures as the robot's pendant shows them, and all postures of a pose
+    #[command(after_help = examples::POSE)]
+    Pose(PoseArgs),
     /// The catalogue of robots, with sources and doubts
     #[command(after_help = examples::ROBOTS)]
     Robots(RobotsArgs),
@@ -319,6 +324,10 @@ pub enum SchemaChoice {
     ResultMapPlace,
     /// Output of `zones --json`
     ResultZones,
+    /// Output of `pose --json`
+    ResultPose,
+    /// Output of `pose --from --json`
+    ResultPoseFrom,
     /// Output of `study --json`, and study.json
     ResultStudy,
     /// Output of `study --measured --json`

@@ -1,5 +1,6 @@
 //! `stiffarm init`: files to start from.
 
+use super::wrapped_line;
 use crate::args::InitArgs;
 use crate::files::{Target, make_folder, write_all};
 use crate::output::Exit;
@@ -7,6 +8,8 @@ use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::files::cell::{measurements_template, parse_cell, postures_template, template};
+use stiffarm::findings::Finding;
+use stiffarm::plan::check::robot_doubts;
 
 #[derive(Serialize)]
 struct Options<'a> {
@@ -17,6 +20,8 @@ struct Options<'a> {
 struct Written {
     robot: String,
     files: Vec<&'static str>,
+    /// What to distrust about the robot.
+    findings: Vec<Finding>,
 }
 
 /// Writes the three files.
@@ -24,6 +29,7 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
     let text = template(&args.robot)?;
     let cell = parse_cell(&text, "cell.toml")?;
     let robot = cell.setup.robot.name().to_string();
+    let findings = robot_doubts(&cell.setup.robot);
     let files = [
         ("cell.toml", text),
         ("postures.csv", postures_template(&cell.setup.robot)),
@@ -48,9 +54,10 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
             .iter()
             .map(|name| format!("  {}\n", shown(name)))
             .collect();
+        let doubts: String = findings.iter().map(|f| wrapped_line(f) + "\n").collect();
         format!(
             "cell of {robot} to start from:\n{}\
-             Edit what cell.toml marks EDIT, then run `stiffarm check {}`.\n",
+             {doubts}Edit what cell.toml marks EDIT, then run `stiffarm check {}`.\n",
             files.concat(),
             shown("cell.toml")
         )
@@ -59,6 +66,7 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
     let result = Written {
         robot: robot.clone(),
         files: names.clone(),
+        findings: findings.clone(),
     };
     session.show(&session.envelope("init", None, options, result), table)?;
     Ok(Exit::Done)

@@ -10,6 +10,7 @@ pub mod identify;
 pub mod init;
 pub mod man;
 pub mod map;
+pub mod pose;
 pub mod predict;
 pub mod register;
 pub mod robots;
@@ -21,6 +22,7 @@ pub mod validate;
 pub mod zones;
 
 use crate::numbers;
+use crate::screen::{columns, wrapped};
 use crate::table::{Table, red, yellow};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
@@ -59,6 +61,11 @@ pub fn finding_line(finding: &Finding) -> String {
         Severity::Note => "note".to_string(),
     };
     format!("{severity}: {}: {}\n", finding.subject, finding.sentence)
+}
+
+/// The same in lines of the terminal's width, without a line end.
+pub fn wrapped_line(finding: &Finding) -> String {
+    wrapped(finding_line(finding).trim_end(), columns())
 }
 
 /// Value of an index as tables show it: relative errors in percent, lengths in

@@ -1,14 +1,15 @@
 //! `stiffarm robots`: the catalogue.
 
 use crate::args::RobotsArgs;
-use crate::numbers::{NONE, stiffness};
+use crate::numbers::{NONE, significant, stiffness};
 use crate::output::Exit;
+use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{Align, Table, title, yellow};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::model::robot::{CatalogueEntry, catalogue, find_in_catalogue};
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::model::robot::{CatalogueEntry, DhConvention, catalogue, find_in_catalogue};
+use stiffarm::units::{m_to_shortest_mm, rad_to_shortest_deg, roll_pitch_yaw};
 
 #[derive(Serialize)]
 struct Options<'a> {
@@ -23,13 +24,43 @@ struct Robots {
 #[derive(Serialize)]
 struct Robot {
     key: &'static str,
+    brand: &'static str,
     name: &'static str,
     payload_kg: Option<f64>,
+    payload_source: Option<&'static str>,
+    reach_mm: Option<f64>,
+    reach_source: Option<&'static str>,
     joint_count: usize,
+    /// `modified` (Craig) or `standard`.
+    dh_convention: &'static str,
+    /// α, a, d, offset.
+    dh_deg_mm_mm_deg: Vec<[f64; 4]>,
+    /// C of θ = offset + C q.
+    theta_from_q: Vec<Vec<f64>>,
+    /// Frame 0 of the rows in the base frame: x, y, z, turns about x, then y, then z.
+    base_mm_deg: [f64; 6],
+    /// The flange in the last frame of the rows.
+    flange_mm_deg: [f64; 6],
+    /// The controller's base frame in the base frame.
+    controller_base_mm_deg: [f64; 6],
+    /// How the pendant's angles are known.
+    pendant: &'static str,
     /// `null` where they are not known.
     limits_deg: Option<Vec<[f64; 2]>>,
+    /// `null` where they are not known.
+    speeds_deg_per_s: Option<&'static [f64]>,
     source: &'static str,
+    file: &'static str,
+    commit: &'static str,
+    licence: &'static str,
+    doubts: Vec<Doubt>,
     stiffness: Vec<Stiffness>,
+}
+
+#[derive(Serialize)]
+struct Doubt {
+    about: &'static str,
+    sentence: &'static str,
 }
 
 #[derive(Serialize)]
@@ -43,7 +74,7 @@ struct Stiffness {
 pub fn run(session: &Session, args: &RobotsArgs) -> Result<Exit> {
     let entries: Vec<&CatalogueEntry> = match &args.name {
         Some(name) => vec![find_in_catalogue(name)?],
-        None => catalogue().iter().collect(),
+        None => by_brand(),
     };
     let robots = entries
         .iter()
@@ -64,6 +95,19 @@ pub fn run(session: &Session, args: &RobotsArgs) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
+/// The catalogue with the robots of a brand together, brands as they first come.
+fn by_brand() -> Vec<&'static CatalogueEntry> {
+    let mut brands: Vec<&str> = Vec::new();
+    for entry in catalogue() {
+        if !brands.contains(&entry.brand) {
+            brands.push(entry.brand);
+        }
+    }
+    let mut entries: Vec<&CatalogueEntry> = catalogue().iter().collect();
+    entries.sort_by_key(|entry| brands.iter().position(|brand| *brand == entry.brand));
+    entries
+}
+
 fn describe(entry: &CatalogueEntry) -> Result<Robot> {
     let robot = entry.robot()?;
     let limits = robot
@@ -76,92 +120,276 @@ fn describe(entry: &CatalogueEntry) -> Result<Robot> {
         source: set.source,
         verified: set.verified,
     });
+    let rows = entry.dh_rows();
+    let rows = rows.iter().map(|row| {
+        [
+            rad_to_shortest_deg(row.alpha),
+            m_to_shortest_mm(row.a),
+            m_to_shortest_mm(row.d),
+            rad_to_shortest_deg(row.offset),
+        ]
+    });
+    let coupling = robot.coupling().row_iter();
+    let doubts = entry.doubts.iter().map(|doubt| Doubt {
+        about: doubt.about.as_str(),
+        sentence: doubt.sentence,
+    });
     Ok(Robot {
         key: entry.key,
+        brand: entry.brand,
         name: entry.name,
-        payload_kg: entry.payload_kg,
+        payload_kg: entry.payload_kg(),
+        payload_source: entry.payload.map(|(_, source)| source),
+        reach_mm: entry.reach_m().map(m_to_shortest_mm),
+        reach_source: entry.reach.map(|(_, source)| source),
         joint_count: robot.joint_count(),
+        dh_convention: match entry.convention {
+            DhConvention::Modified => "modified",
+            DhConvention::Standard => "standard",
+        },
+        dh_deg_mm_mm_deg: rows.collect(),
+        theta_from_q: coupling.map(|row| row.iter().copied().collect()).collect(),
+        base_mm_deg: six(&entry.base()),
+        flange_mm_deg: six(&entry.flange()),
+        controller_base_mm_deg: six(robot.controller_base()),
+        pendant: entry.pendant,
         limits_deg: entry.has_limits().then_some(limits),
+        speeds_deg_per_s: (!entry.speeds_deg_s.is_empty()).then_some(entry.speeds_deg_s),
         source: entry.source,
+        file: entry.file,
+        commit: entry.commit,
+        licence: entry.licence,
+        doubts: doubts.collect(),
         stiffness: stiffness.collect(),
     })
+}
+
+/// A pose as x, y, z \[mm\] and turns about fixed x, then y, then z \[deg\].
+fn six(pose: &nalgebra::Isometry3<f64>) -> [f64; 6] {
+    let p = &pose.translation.vector;
+    let [x, y, z] = [p.x, p.y, p.z].map(|v| m_to_shortest_mm(v) + 0.0);
+    // To 1e-9 deg: the turns went through a quaternion.
+    let angle = |rad: f64| (rad.to_degrees() * 1e9).round() / 1e9 + 0.0;
+    let [a, b, c] = roll_pitch_yaw(&pose.rotation).map(angle);
+    [x, y, z, a, b, c]
 }
 
 fn all(robots: &[Robot]) -> String {
     let mut table = Table::new([
         "name for [robot]",
         "robot",
-        "payload [kg]",
-        "joints",
+        "kg",
+        "reach [mm]",
         "limits",
-        "stiffness sets",
+        "k",
     ]);
     table.align(1, Align::Left);
     table.align(4, Align::Left);
     for robot in robots {
+        let limits = match &robot.limits_deg {
+            Some(_) if robot.doubts.iter().any(|d| d.about == "limits") => "doubtful",
+            Some(_) => "known",
+            None => NONE,
+        };
         table.row([
             robot.key.to_string(),
-            robot.name.to_string(),
+            // What stands in brackets is in the robot's own text.
+            robot
+                .name
+                .split(" (")
+                .next()
+                .unwrap_or_default()
+                .to_string(),
             robot
                 .payload_kg
                 .map_or_else(|| NONE.to_string(), |kg| kg.to_string()),
-            robot.joint_count.to_string(),
-            if robot.limits_deg.is_some() {
-                "known"
-            } else {
-                "not known"
-            }
-            .to_string(),
-            robot.stiffness.len().to_string(),
+            robot
+                .reach_mm
+                .map_or_else(|| NONE.to_string(), |mm| format!("{mm:.0}")),
+            limits.to_string(),
+            match robot.stiffness.len() {
+                0 => NONE.to_string(),
+                sets => sets.to_string(),
+            },
         ]);
     }
-    format!("{table}\n`stiffarm robots NAME` shows one with its sources and doubts.\n")
+    format!(
+        "{table}\nkg: payload. limits: - where not known. k: published sets of joint stiffness.\n\
+         `stiffarm robots NAME` shows one with its sources and doubts.\n"
+    )
+}
+
+/// `label: sentence`, in lines of the terminal's width.
+fn said(label: &str, sentence: &str) -> String {
+    wrapped(&format!("{label}: {sentence}"), columns()) + "\n"
 }
 
 fn one(robot: &Robot) -> String {
-    let payload = robot
-        .payload_kg
-        .map_or_else(|| "not known".to_string(), |kg| format!("{kg} kg"));
-    let mut out = format!(
-        "{} ({})\npayload: {payload}\n{}\n",
-        robot.name, robot.key, robot.source
+    let mut out = format!("{} ({})\n", robot.name, robot.key);
+    let known = |value: Option<String>, source: Option<&str>| match (value, source) {
+        (Some(value), Some(source)) => format!("{value} ({source})"),
+        _ => "not known".to_string(),
+    };
+    out += &said(
+        "payload",
+        &known(
+            robot.payload_kg.map(|kg| format!("{kg} kg")),
+            robot.payload_source,
+        ),
     );
-    out += &title("Joint stiffness [N·m/rad]");
-    if robot.stiffness.is_empty() {
-        out += "none published: identify it\n";
-    } else {
-        let sets = (1..=robot.stiffness.len()).map(|i| format!("set {i}"));
-        let mut table = Table::new(std::iter::once("joint".to_string()).chain(sets));
-        for j in 0..robot.joint_count {
-            let values = robot.stiffness.iter().map(|s| {
-                s.values_nm_per_rad
-                    .get(j)
-                    .map_or(String::new(), |k| stiffness(*k))
-            });
-            table.row(std::iter::once((j + 1).to_string()).chain(values));
+    out += &said(
+        "reach",
+        &known(
+            robot.reach_mm.map(|mm| format!("{mm:.0} mm")),
+            robot.reach_source,
+        ),
+    );
+    out += &match robot.file {
+        "" => wrapped(robot.source, columns()) + "\n",
+        file => {
+            said("source", &format!("{}, {file}", robot.source))
+                + &said("commit", robot.commit)
+                + &said("licence", robot.licence)
         }
-        out += &table.to_string();
-        for (i, set) in robot.stiffness.iter().enumerate() {
-            let doubt = if set.verified {
-                String::new()
-            } else {
-                format!(" {}", yellow("(not verified)"))
-            };
-            out += &format!("set {}: {}{doubt}\n", i + 1, set.source);
+    };
+    for doubt in &robot.doubts {
+        out += &wrapped(
+            &format!("{}: {}: {}", yellow("doubt"), doubt.about, doubt.sentence),
+            columns(),
+        );
+        out.push('\n');
+    }
+    out += &title("Kinematics");
+    out += &kinematics(robot);
+    out += &title("Joint stiffness [N·m/rad]");
+    out += &stiffness_sets(robot);
+    out += &title("Limits and speeds of the pendant's angles");
+    out + &limits(robot)
+}
+
+fn kinematics(robot: &Robot) -> String {
+    let mut out = wrapped(
+        &format!(
+            "{} Denavit-Hartenberg rows; theta = offset + C q, q are the pendant's angles.",
+            match robot.dh_convention {
+                "modified" => "Modified (Craig)",
+                _ => "Standard",
+            }
+        ),
+        columns(),
+    ) + "\n";
+    let mut table = Table::new([
+        "row",
+        "alpha [deg]",
+        "a [mm]",
+        "d [mm]",
+        "offset [deg]",
+        "theta",
+    ]);
+    table.align(5, Align::Left);
+    for (i, row) in robot.dh_deg_mm_mm_deg.iter().enumerate() {
+        let rounded = |v: f64| ((v * 1e4).round() / 1e4 + 0.0).to_string();
+        table.row([
+            (i + 1).to_string(),
+            rounded(row[0]),
+            rounded(row[1]),
+            rounded(row[2]),
+            rounded(row[3]),
+            theta(&robot.theta_from_q[i]),
+        ]);
+    }
+    out += &table.to_string();
+    for (pose, what) in [
+        (&robot.base_mm_deg, "frame 0 in the base frame"),
+        (&robot.flange_mm_deg, "flange in the last frame"),
+        (
+            &robot.controller_base_mm_deg,
+            "the controller's base frame in the base frame",
+        ),
+    ] {
+        if *pose != [0.0; 6] {
+            let numbers = pose.map(|v| ((v * 1e4).round() / 1e4 + 0.0).to_string());
+            out += &said(
+                what,
+                &match pose[3..] == [0.0; 3] {
+                    true => format!("{} mm", numbers[..3].join(", ")),
+                    false => format!(
+                        "{} mm, turns about x, y, z {} deg",
+                        numbers[..3].join(", "),
+                        numbers[3..].join(", ")
+                    ),
+                },
+            );
         }
     }
-    out += &title("Limits of the controller angles [deg]");
-    match &robot.limits_deg {
-        None => {
-            out += "not known; -360 to 360 stand for them: give limits_deg from the data sheet\n"
-        }
-        Some(limits) => {
-            let mut table = Table::new(["joint", "low", "high"]);
-            for (j, [low, high]) in limits.iter().enumerate() {
-                table.row([(j + 1).to_string(), low.to_string(), high.to_string()]);
-            }
-            out += &table.to_string();
-        }
+    if !robot.pendant.is_empty() {
+        out += &said("pendant", robot.pendant);
     }
     out
+}
+
+/// One row of C in words: `offset - q2 - q3`.
+fn theta(row: &[f64]) -> String {
+    let mut out = "offset".to_string();
+    for (j, factor) in row.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+        let sign = if *factor < 0.0 { '-' } else { '+' };
+        let size = match factor.abs() {
+            1.0 => String::new(),
+            size => format!("{} ", significant(size, 6)),
+        };
+        out += &format!(" {sign} {size}q{}", j + 1);
+    }
+    out
+}
+
+fn stiffness_sets(robot: &Robot) -> String {
+    if robot.stiffness.is_empty() {
+        return "none published: identify it\n".to_string();
+    }
+    let sets = (1..=robot.stiffness.len()).map(|i| format!("set {i}"));
+    let mut table = Table::new(std::iter::once("joint".to_string()).chain(sets));
+    for j in 0..robot.joint_count {
+        let values = robot.stiffness.iter().map(|s| {
+            s.values_nm_per_rad
+                .get(j)
+                .map_or(String::new(), |k| stiffness(*k))
+        });
+        table.row(std::iter::once((j + 1).to_string()).chain(values));
+    }
+    let mut out = table.to_string();
+    for (i, set) in robot.stiffness.iter().enumerate() {
+        let doubt = if set.verified {
+            String::new()
+        } else {
+            format!(" {}", yellow("(not verified)"))
+        };
+        out += &said(&format!("set {}", i + 1), &format!("{}{doubt}", set.source));
+    }
+    out
+}
+
+fn limits(robot: &Robot) -> String {
+    let mut out = String::new();
+    if robot.limits_deg.is_none() {
+        out +=
+            "limits not known; -360 to 360 stand for them: give limits_deg from the data sheet\n";
+        if robot.speeds_deg_per_s.is_none() {
+            return out;
+        }
+    }
+    let mut table = Table::new(["joint", "low [deg]", "high [deg]", "speed [deg/s]"]);
+    for j in 0..robot.joint_count {
+        let limit = |end: usize| {
+            let limits = robot.limits_deg.as_ref();
+            limits.map_or_else(|| NONE.to_string(), |l| l[j][end].to_string())
+        };
+        let speed = robot.speeds_deg_per_s.and_then(|speeds| speeds.get(j));
+        table.row([
+            (j + 1).to_string(),
+            limit(0),
+            limit(1),
+            speed.map_or_else(|| NONE.to_string(), f64::to_string),
+        ]);
+    }
+    out + &table.to_string()
 }

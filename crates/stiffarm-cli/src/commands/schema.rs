@@ -1,7 +1,7 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    check, compensate, evaluate, identify, map, predict, register, select, simulate, study,
+    check, compensate, evaluate, identify, map, pose, predict, register, select, simulate, study,
     validate, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
@@ -59,6 +59,8 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMap => of::<map::Options, StiffnessMap>("map"),
         SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
+        SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
+        SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
         SchemaChoice::ResultStudyMeasured => {
             of::<study::measured::Options, study::measured::Written>("study --measured")
         }

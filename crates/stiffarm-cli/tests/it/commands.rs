@@ -333,11 +333,68 @@ fn validate_json_takes_a_bare_list() {
 #[test]
 fn robots() {
     let folder = Folder::new();
-    assert_snapshot!(transcript(&folder, "robots"));
+    let list = transcript(&folder, "robots");
+    assert!(
+        list.lines().all(|line| line.chars().count() <= 80),
+        "{list}"
+    );
+    assert_snapshot!(list);
+    assert_snapshot!(
+        "robots_one",
+        transcript(&folder, "robots abb-irb4400l-30-243")
+    );
     let value = folder.json("robots comau-nj165-3.0");
     assert_eq!(
         value["result"]["robots"][0]["stiffness"][0]["verified"],
         true
+    );
+    let value = folder.json("robots fanuc-m10ia");
+    let robot = &value["result"]["robots"][0];
+    assert_eq!(robot["theta_from_q"][2][1], -1.0);
+    assert_eq!(robot["controller_base_mm_deg"][2], 450.0);
+    assert_eq!(robot["dh_deg_mm_mm_deg"][1][1], 150.0);
+    assert_eq!(robot["doubts"][0]["about"], "limits");
+}
+
+/// A robot with doubts says them wherever its numbers are used, once.
+#[test]
+fn doubts_are_said_where_the_robot_is_used() {
+    let folder = Folder::new();
+    let doubt = "The limits of joint 3 are those";
+    let times = |text: &str| text.matches(doubt).count();
+    let init = folder.ok("init --robot fanuc-m10ia --output-dir cell");
+    assert_eq!(times(&init), 1, "{init}");
+    let text = folder.read("cell/cell.toml").replace("\n# ", " ");
+    assert_eq!(times(&text), 1);
+    assert_eq!(times(&folder.ok("check cell/cell.toml")), 1);
+    for line in [
+        "select cell/cell.toml -n 3 --rounds 1 --index condition --no-certificate --output plan.csv",
+        "select cell/cell.toml --space-filling -n 3",
+        "pose cell/cell.toml plan.csv",
+    ] {
+        assert_eq!(times(&folder.ok(line)), 1, "{line}");
+        let line = line.replace(" --output plan.csv", "");
+        let findings = &folder.json(&line)["result"]["findings"];
+        assert_eq!(findings[0]["code"], "robot-doubt", "{line}");
+        assert_eq!(findings[0]["severity"], "caution");
+    }
+    // Limits of one's own settle it.
+    let own =
+        "limits_deg = [[-90, 90], [-90, 150], [-100, 200], [-180, 180], [-180, 180], [-350, 350]]";
+    let limited = folder
+        .read("cell/cell.toml")
+        .replace("# limits_deg", &format!("{own}\n# limits_deg"));
+    let limited = limited
+        .replace("[-89.954374, 159.855225]", "[-89, 150]")
+        .replace("[-179.908748, 180]", "[-100, 180]");
+    folder.write("own.toml", limited);
+    let checked = folder.run("check own.toml");
+    assert_eq!(times(&checked.out), 0, "{}{}", checked.out, checked.err);
+    assert!(
+        checked.out.contains("characteristic length"),
+        "{}{}",
+        checked.out,
+        checked.err
     );
 }
 
@@ -345,6 +402,10 @@ fn robots() {
 fn schemas_describe_what_the_commands_print() {
     let folder = measured();
     folder.ok("identify builtin:comau simulated.csv --output stiffness.json");
+    folder.write(
+        "poses.csv",
+        "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n1800,0,1500,0,90,0\n9000,0,0,0,0,0\n",
+    );
     let lines = [
         ("result-check", "check"),
         (
@@ -394,6 +455,11 @@ fn schemas_describe_what_the_commands_print() {
             "validate builtin:comau simulated.csv --folds 3 --terms tilt3 --estimator ordinary",
         ),
         ("result-zones", "zones --steps 5"),
+        ("result-pose", "pose builtin:comau builtin:comau-group1"),
+        (
+            "result-pose-from",
+            "pose builtin:comau --from poses.csv --convention kuka",
+        ),
         (
             "result-study",
             "study --runs 2 --starts 2 --output-dir study",

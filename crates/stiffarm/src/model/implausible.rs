@@ -26,7 +26,7 @@ pub fn payload_weight(robot: &Robot) -> Option<f64> {
     let entry = catalogue()
         .iter()
         .find(|entry| entry.name == robot.name())?;
-    Some(entry.payload_kg? * GRAVITY)
+    Some(entry.payload_kg()? * GRAVITY)
 }
 
 /// Says that the largest of the loads at the tip, each with its place, cannot be

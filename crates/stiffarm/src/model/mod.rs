@@ -12,6 +12,7 @@ pub mod load;
 pub mod measurement;
 pub mod observation;
 pub mod path;
+pub mod pose;
 pub mod posture;
 pub mod process;
 pub mod robot;

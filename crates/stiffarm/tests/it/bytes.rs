@@ -160,7 +160,7 @@ fn valid_files() -> Vec<String> {
         .map(String::from)
         .collect();
     files.push(include_str!("../full-cell.toml").to_string());
-    files.extend(template("kuka-kr500-r2830"));
+    files.extend(template("kuka-kr500-r2800-2"));
     files.extend(builtin::postures_text("comau-group1").map(String::from));
     files.push(MEASUREMENTS.to_string());
     files.push(MEASUREMENTS.replace(',', ";").replace('.', ","));

@@ -38,6 +38,7 @@ mod reduction;
 mod reduction_noise;
 mod registration;
 mod registration_faults;
+mod robots;
 mod rope_follows;
 mod saved;
 mod screening;

@@ -7,6 +7,7 @@ use crate::progress::Progress;
 use crate::table::{title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::findings::Finding;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::select::{CandidateOptions, CandidateSelection, select_candidates};
@@ -42,6 +43,8 @@ pub struct Chosen {
     pub postures_deg: Vec<Vec<f64>>,
     /// Their names.
     pub posture_names: Vec<String>,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
 }
 
 /// Chooses, and writes plan and sheet.
@@ -69,6 +72,7 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
         .collect();
     job.outputs.write_postures(job.session, cell, &chosen)?;
     let result = Chosen {
+        findings: job.findings(),
         candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
         measured_wrenches: candidates.iter().any(|c| c.wrench.is_some()),
         postures_deg: chosen

@@ -9,6 +9,7 @@ use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Control;
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::certificate::{CertificateOptions, certify};
 use stiffarm::plan::index::Index;
@@ -46,6 +47,8 @@ pub struct Curve {
     pub sizes: Vec<Size>,
     /// Why there are no bounds, where the index has them; else `null`.
     pub certificate_missing: Option<String>,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
 }
 
 /// The best group of one size, beside what is possible.
@@ -146,6 +149,7 @@ fn searched(
         index,
         sizes: sizes(index, points, bound_of_one),
         certificate_missing: missing,
+        findings: job.findings(),
     })
 }
 

@@ -7,6 +7,7 @@ use crate::progress::{Progress, announce};
 use crate::table::{Align, Table, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::findings::Finding;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::select::{Dropped, drop_evaluations, drop_postures};
 use stiffarm::{Code, Result};
@@ -33,6 +34,8 @@ pub struct DropResult {
     /// Worth of each posture, and the choice.
     #[serde(flatten)]
     pub dropped: Dropped,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
 }
 
 /// Compares the ways to leave postures out and writes those that stay.
@@ -64,6 +67,7 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
     let result = DropResult {
         posture_names: postures.iter().map(|p| p.name.clone()).collect(),
         dropped,
+        findings: job.findings(),
     };
     let envelope = job.session.envelope("select", None, options, &result);
     job.show(&envelope, || table(job, &postures, &result.dropped))

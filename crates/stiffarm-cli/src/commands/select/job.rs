@@ -1,6 +1,7 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
+use crate::commands::wrapped_line;
 use crate::files::{Target, check_targets, write_all};
 use crate::input::NamedCell;
 use crate::numbers::optional;
@@ -11,8 +12,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::files::check_name;
 use stiffarm::files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::RoundReport;
 use stiffarm::units::m_to_mm;
@@ -65,7 +68,14 @@ impl Job<'_> {
 
     /// First lines of every table.
     pub fn heading(&self) -> String {
-        self.named.line() + &self.length_line
+        let findings = self.findings();
+        let lines = findings.iter().map(|f| wrapped_line(f) + "\n");
+        self.named.line() + &self.length_line + &lines.collect::<String>()
+    }
+
+    /// What to distrust about the robot.
+    pub fn findings(&self) -> Vec<Finding> {
+        robot_doubts(&self.cell().setup.robot)
     }
 
     /// Prints the result; where a file goes to standard output, the table for

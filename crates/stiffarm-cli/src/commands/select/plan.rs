@@ -113,6 +113,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         certificate_missing: bounds.missing,
         sensitivity,
         selection,
+        findings: job.findings(),
     };
     let is_random = initial.is_none() || args.sensitivity;
     let options = Options {

@@ -4,6 +4,7 @@ use super::job::Mode;
 use super::load;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::certificate::{Certificate, JointEfficiency};
@@ -58,6 +59,8 @@ pub struct Plan {
     pub certificate_missing: Option<String>,
     /// Whether wrong assumptions would change the plan; `null` unless asked for.
     pub sensitivity: Option<Sensitivity>,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
 }
 
 /// A plan with all that its table shows.

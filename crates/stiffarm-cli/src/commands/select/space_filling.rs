@@ -7,6 +7,7 @@ use crate::progress::Progress;
 use crate::table::{title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::findings::Finding;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::{GroupEvaluation, evaluate as evaluate_group};
 use stiffarm::plan::select::{smallest_distance, smallest_margin, space_filling};
@@ -40,6 +41,8 @@ pub struct SpaceFilling {
     pub smallest_margin_m: Option<f64>,
     /// Every index and expected deviation of the postures.
     pub evaluation: GroupEvaluation,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
 }
 
 /// Spreads the postures and writes plan and sheet.
@@ -51,6 +54,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     drop(progress);
     let group = PostureGroup::from_angles("space-filling", found.postures);
     let result = SpaceFilling {
+        findings: job.findings(),
         postures_deg: group
             .postures
             .iter()

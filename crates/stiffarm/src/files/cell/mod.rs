@@ -9,6 +9,7 @@
 mod columns;
 mod convert;
 mod elastic;
+mod example;
 mod instruments;
 mod keys;
 mod load;

@@ -1,6 +1,7 @@
 //! Commented files to start from: what `stiffarm init` writes.
 
 use super::convert::PAPER_VARIANCE_MM2;
+use super::example::{Example, doubts};
 use crate::error::Result;
 use crate::files::table::{SheetOptions, reading_sheet, write_postures};
 use crate::model::cell::Cell;
@@ -11,20 +12,27 @@ use crate::units::rad_to_shortest_deg;
 /// A commented `cell.toml` for a robot of the catalogue, ready to be read by
 /// [`parse_cell`](super::parse_cell) and to be edited: unit, axes and sign
 /// stand at every key. Tool, load and limits are those of the built-in COMAU
-/// cell, an example that fits robots of some 3 m reach.
+/// cell, an example for robots of some 3 m reach; for a small robot its lengths
+/// are scaled with the reach and its forces with the payload.
 ///
 /// # Errors
 /// The catalogue has no robot of this name.
 pub fn template(robot_key: &str) -> Result<String> {
     let entry = find_in_catalogue(robot_key)?;
     let robot = entry.robot()?;
+    let example = Example::of(entry, &robot);
+    let (point, length, force) = (
+        |xyz: [i32; 3]| example.point(xyz),
+        |mm: i32| example.length(mm),
+        |n: i32| example.force(n),
+    );
     Ok(format!(
         r#"# Cell of {name} for stiffarm. Every key carries its unit: _mm, _deg, _n, ….
 # Angles are those on the pendant. Base frame: the robot's own, z up along axis 1,
 # x to the front with joint 1 at 0 degrees. Flange axes: those of the last frame of
-# the robot's kinematics, z out of the flange. Forces act on the robot.
-# Replace what is marked EDIT.
-format = 1
+# the robot's kinematics, {out} out of the flange. Forces act on the robot.
+{made}# Replace what is marked EDIT.
+{doubts}format = 1
 name = "{name} cell"  # EDIT
 
 [robot]
@@ -46,7 +54,7 @@ q_deg = [
 [tool]
 # Where the rope, weight or wrench acts: x, y, z in flange axes. Off the axis
 # of the last joint, or that joint carries no torque and stays unknown. EDIT
-loading_point_mm = [200, 0, 250]
+loading_point_mm = {loading}
 # true when a force sensor sits between flange and reflectors.
 has_sensor = false
 
@@ -54,19 +62,19 @@ has_sensor = false
 # stand in the measurement table. EDIT
 [[tool.measuring_point]]
 name = "1"
-position_mm = [150, 0, 200]
+position_mm = {p1}
 
 [[tool.measuring_point]]
 name = "2"
-position_mm = [0, 150, 200]
+position_mm = {p2}
 
 [[tool.measuring_point]]
 name = "3"
-position_mm = [-150, 0, 200]
+position_mm = {p3}
 
 [[tool.measuring_point]]
 name = "4"
-position_mm = [0, -150, 200]
+position_mm = {p4}
 
 # Known compliance between flange and reflectors (sensor, adapter): its share of
 # each displacement is subtracted. Stiffness along and about the flange axes.
@@ -84,20 +92,20 @@ position_mm = [0, -150, 200]
 #   "measured": fx_n, fy_n, fz_n come with each measurement: as the [sensor] reports
 #               them, without one in base axes
 kind = "rope"
-magnitude_n = 500  # EDIT
-anchor_mm = [1800, 0, 0]  # EDIT: the rope's fixed end, base frame
+magnitude_n = {magnitude}  # EDIT
+anchor_mm = [{anchor}, 0, 0]  # EDIT: the rope's fixed end, base frame
 
 [limits]
 # Where postures may bring the robot, base frame; leave out what does not apply. EDIT
 # Box for loading point, measuring points and flange:
-box_min_mm = [900, -1900, 300]
-box_max_mm = [3000, 1900, 3000]
+box_min_mm = [{near}, -{side}, {low}]
+box_max_mm = [{far}, {side}, {far}]
 # Radius about axis 1 that these points and the wrist centre stay out of:
-keep_out_radius_mm = 900
+keep_out_radius_mm = {near}
 # Lowest z of the wrist centre:
-wrist_height_mm = 300
+wrist_height_mm = {low}
 # Shortest and longest rope:
-rope_length_mm = [800, 3400]
+rope_length_mm = [{short}, {long}]
 # Lowest z of loading point, measuring points and flange, where there is no box:
 # floor_mm = 0
 
@@ -160,7 +168,7 @@ posture_common_mm = 0
 # to the machine's limits, not to the bounds.
 # [[validation.posture]]
 # name = "V1"
-# q_deg = {example}
+# q_deg = {middle}
 
 # Your own machining postures and process forces, once for each: `select --index task`
 # chooses postures so that the deflection predicted there is as sure as possible.
@@ -168,24 +176,24 @@ posture_common_mm = 0
 # in axes = "base" (default) or "tool"; moment_nm about the tip may be added.
 # [[task]]
 # name = "roughing"
-# q_deg = {example}
-# force_n = [-200, 150, 100]
+# q_deg = {middle}
+# force_n = {roughing}
 # axes = "base"
-# tip_mm = [150, 0, 200]
+# tip_mm = {p1}
 
 # What the robot works with along a path. The tip frame in flange axes: its origin is the
 # contact point, its z the tool axis, out of the tool into the workpiece. The workpiece
 # frame in the base frame: the poses of a path are given in it. Turns about x, then y, then z.
 # [work]
-# tip_mm = [150, 0, 250]
+# tip_mm = {tip}
 # tip_rpy_deg = [0, 0, 0]
-# workpiece_mm = [1500, 0, 600]
+# workpiece_mm = [{piece}, 0, {piece_height}]
 # workpiece_rpy_deg = [0, 0, 0]
 
 # The load on the robot at the tip where the path's rows give none: either one force, in
 # axes = "base", "tool", "workpiece" or "path" (x the feed, z the tool axis) …
 # [work.force]
-# force_n = [-200, 150, 100]
+# force_n = {roughing}
 # moment_nm = [0, 0, 0]
 # axes = "path"
 
@@ -207,12 +215,32 @@ posture_common_mm = 0
 # k_ae_n_per_mm = 0
 "#,
         name = entry.name,
+        out = example.outward(),
+        made = example.sentence(),
+        doubts = doubts(&robot),
+        loading = point([200, 0, 250]),
+        p1 = point([150, 0, 200]),
+        p2 = point([0, 150, 200]),
+        p3 = point([-150, 0, 200]),
+        p4 = point([0, -150, 200]),
+        tip = point([150, 0, 250]),
+        magnitude = force(500),
+        roughing = format!("[{}, {}, {}]", force(-200), force(150), force(100)),
+        anchor = length(1800),
+        near = length(900),
+        side = length(1900),
+        low = length(300),
+        far = length(3000),
+        short = length(800),
+        long = length(3400),
+        piece = length(1500),
+        piece_height = length(600),
         key = entry.key,
         limits_comment = limits_comment(&robot, entry),
         bounds = bounds(entry, &robot),
         variance = PAPER_VARIANCE_MM2,
         stiffness = stiffness(entry),
-        example = degrees(&middle(entry, &robot)),
+        middle = degrees(&middle(entry, &robot)),
     ))
 }
 

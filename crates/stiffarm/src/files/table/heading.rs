@@ -154,7 +154,7 @@ impl<'a> Table<'a> {
         if self.headings.len() == 1 {
             return error.hint("separate the columns with commas, semicolons or tabs");
         }
-        if let Some((joint, unit)) = joint_number(name) {
+        if let Some((joint, unit)) = joint_number(name).filter(|_| joints > 0) {
             let own = known.iter().find(|k| k.stem == format!("q{joint}"));
             return error.hint(match own {
                 Some(own) => rename(unit, own),

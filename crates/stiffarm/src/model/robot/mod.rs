@@ -6,12 +6,17 @@
 
 mod catalogue;
 mod dh;
+mod entry;
+mod origin;
+mod published;
 
-pub use catalogue::{CatalogueEntry, JointStiffness, catalogue, find as find_in_catalogue};
+pub use catalogue::{catalogue, find as find_in_catalogue};
 pub use dh::{DhConvention, DhRow};
+pub use entry::{CatalogueEntry, Doubt, DoubtAbout, JointStiffness};
 
 use crate::error::{Code, Error, Result};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
+use origin::Origin;
 
 /// Stands in for limits that nobody gave \[rad\].
 const UNKNOWN_LIMITS: [f64; 2] = [-std::f64::consts::TAU, std::f64::consts::TAU];
@@ -43,6 +48,7 @@ pub struct Robot {
     /// θ-from-e matrix E⁻¹ (n × n) when the springs are not the joint axes.
     spring_mixing: Option<DMatrix<f64>>,
     gravity_direction: Vector3<f64>,
+    origin: Origin,
 }
 
 impl Robot {
@@ -86,6 +92,7 @@ impl Robot {
             coupling: DMatrix::identity(n, n),
             spring_mixing: None,
             gravity_direction: -Vector3::z(),
+            origin: Origin::default(),
         })
     }
 
@@ -96,6 +103,7 @@ impl Robot {
     pub fn with_coupling(mut self, coupling: DMatrix<f64>) -> Result<Self> {
         self.check_square("C (theta_from_q)", &coupling)?;
         self.coupling = coupling;
+        self.origin.settle(DoubtAbout::Angles);
         Ok(self)
     }
 
@@ -140,6 +148,7 @@ impl Robot {
             }
             joint.limits = *limit;
         }
+        self.origin.settle(DoubtAbout::Limits);
         Ok(self)
     }
 
@@ -200,6 +209,14 @@ impl Robot {
     #[must_use]
     pub fn with_base(mut self, pose: &Isometry3<f64>) -> Self {
         self.joints[0].placement = pose * self.joints[0].placement;
+        self.origin.place(pose);
+        self
+    }
+
+    /// Places the flange: `pose` is its pose in what was the flange's frame \[m\].
+    #[must_use]
+    pub fn with_flange(mut self, pose: &Isometry3<f64>) -> Self {
+        self.flange *= pose;
         self
     }
 

@@ -16,6 +16,7 @@ use crate::findings::{Finding, Severity};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, check_angles};
+use crate::model::robot::{DoubtAbout, Robot};
 use crate::units::rad_to_shortest_deg;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -85,6 +86,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     let joints = excitation::check(cell, &terms, &mut findings)?;
     validation(cell, &mut findings);
     machine_limits(cell, &mut findings);
+    findings.extend(robot_doubts(&cell.setup.robot));
     slips::check(cell, &mut findings);
     work::check(cell, &mut findings);
     setup(cell, &mut findings);
@@ -95,6 +97,23 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
         postures_within_limits,
         joints,
     })
+}
+
+/// What is doubtful about a robot of the catalogue, one finding `robot-doubt`
+/// each: whatever uses its numbers says so. How a source was read is left out.
+pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
+    let doubts = robot.doubts().iter();
+    doubts
+        .filter(|doubt| doubt.about != DoubtAbout::Source)
+        .map(|doubt| {
+            let subject = match doubt.about {
+                DoubtAbout::Limits => "robot.limits_deg",
+                DoubtAbout::Angles => "robot.theta_from_q",
+                _ => "robot.catalogue",
+            };
+            Finding::new("robot-doubt", Severity::Caution, subject, doubt.sentence)
+        })
+        .collect()
 }
 
 /// Says where limits of ±360° only stand in for unknown ones.

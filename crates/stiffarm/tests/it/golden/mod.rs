@@ -22,7 +22,7 @@ use stiffarm::model::kinematics::Frames;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
 use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue};
+use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue, find_in_catalogue};
 use stiffarm::model::stiffness::{linear_displacement, stiffness_correction};
 use stiffarm::plan::index::evaluate;
 

@@ -115,6 +115,14 @@ fn catalogue_has_the_published_kinematics_and_stiffness() {
     let mut compared = 0;
     for golden in list(&data["robots"]) {
         let name = golden["name"].as_str().unwrap();
+        if name == "KUKA KR500 R2830 MT" {
+            // Its angles were not the pendant's: only the stiffness is left, beside
+            // another arm of the series.
+            let entry = find_in_catalogue("kuka-kr500-r2800-2").unwrap();
+            assert_eq!(entry.stiffness[0].values, numbers(&golden["stiffness"]));
+            assert!(!entry.stiffness[0].verified);
+            continue;
+        }
         if golden.get("mdh").is_none() && golden.get("std_dh").is_none() {
             continue;
         }
@@ -158,9 +166,11 @@ fn catalogue_has_the_published_kinematics_and_stiffness() {
         }
         compared += 1;
     }
+    // The others are held against their robot descriptions.
+    let published = catalogue().iter().filter(|e| e.file.is_empty());
     assert_eq!(
         compared,
-        catalogue().len(),
+        published.count(),
         "an entry of the catalogue has no reference"
     );
 }

@@ -4,13 +4,23 @@ use super::*;
 
 #[test]
 fn every_arm_of_the_catalogue_is_solved_in_closed_form() {
+    let many: Vec<&str> = arms().iter().map(|e| e.key).collect();
     for entry in catalogue() {
         let robot = entry.robot().unwrap();
         let inverse = InverseKinematics::new(&robot);
+        if robot.joint_count() != 6 {
+            assert_eq!(inverse.method(), Method::Numeric, "{}", entry.key);
+            continue;
+        }
         assert_eq!(inverse.method(), Method::ClosedForm, "{}", entry.key);
         let mut dice = Dice::new(11);
         let (mut worst, mut most) = (0.0_f64, 0);
-        for _ in 0..10_000 {
+        let poses = if many.contains(&entry.key) {
+            10_000
+        } else {
+            500
+        };
+        for _ in 0..poses {
             let q = within(&robot, &mut dice);
             let pose = flange(&robot, &q);
             let branches = inverse.branches(&pose).unwrap();
@@ -33,7 +43,7 @@ fn every_arm_of_the_catalogue_is_solved_in_closed_form() {
 
 #[test]
 fn no_branch_is_missed() {
-    let mut robots: Vec<Robot> = catalogue().iter().map(|e| e.robot().unwrap()).collect();
+    let mut robots: Vec<Robot> = arms().iter().map(|e| e.robot().unwrap()).collect();
     robots.push(ur10(0.0));
     for robot in &robots {
         let inverse = InverseKinematics::new(robot);

@@ -15,10 +15,24 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use stiffarm::Code;
 use stiffarm::model::inverse::{Branch, InverseKinematics, Method, Outcome, Region, Unreachable};
 use stiffarm::model::kinematics::Frames;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue, find_in_catalogue};
+use stiffarm::model::robot::{
+    CatalogueEntry, DhConvention, DhRow, Robot, catalogue, find_in_catalogue,
+};
 
 fn robot(key: &str) -> Robot {
     find_in_catalogue(key).unwrap().robot().unwrap()
+}
+
+/// Robots for tests that look at many poses of each: one of every kind of
+/// spherical wrist arm in the catalogue.
+fn arms() -> Vec<&'static CatalogueEntry> {
+    let keys = [
+        "comau-nj165-3.0",
+        "fanuc-r2000ic-165f",
+        "kuka-kr240-2",
+        "kuka-kr500-r2800-2",
+    ];
+    keys.map(|key| find_in_catalogue(key).unwrap()).to_vec()
 }
 
 fn chain(name: &str, convention: DhConvention, rows: &[[f64; 4]]) -> Robot {

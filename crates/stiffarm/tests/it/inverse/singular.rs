@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn singular_poses_give_a_representative() {
-    for entry in catalogue() {
+    for entry in arms() {
         let robot = entry.robot().unwrap();
         let inverse = InverseKinematics::new(&robot);
         let mut dice = Dice::new(3);
@@ -69,7 +69,7 @@ fn stretched(robot: &Robot, mut q: Vec<f64>, folded: bool) -> Vec<f64> {
 
 #[test]
 fn stretched_arms_and_wrists_above_axis_one() {
-    for entry in catalogue() {
+    for entry in arms() {
         let robot = entry.robot().unwrap();
         let inverse = InverseKinematics::new(&robot);
         let mut dice = Dice::new(9);

@@ -36,7 +36,7 @@ fn turns_within_the_limits() {
 /// A wrist whose gears are coupled by a fraction: a turn of θ4 moves q5 as well.
 #[test]
 fn turns_of_coupled_gears() {
-    let plain = robot("kuka-kr500-r2830");
+    let plain = robot("kuka-kr500-r2800-2");
     let mut coupling = plain.coupling().clone();
     coupling[(4, 3)] = 0.375;
     coupling[(5, 4)] = -0.25;

@@ -1,0 +1,90 @@
+//! Options of `pose`.
+
+use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::model::pose::Convention;
+
+#[derive(Debug, Args)]
+pub struct PoseArgs {
+    /// Cell file
+    pub cell: String,
+    /// Postures whose poses are wanted
+    #[arg(
+        required_unless_present = "from",
+        conflicts_with = "from",
+        value_name = "POSTURES.csv"
+    )]
+    pub postures: Option<String>,
+    /// Poses whose postures are wanted: x_mm, y_mm, z_mm and the convention's numbers
+    #[arg(long, value_name = "POSES.csv")]
+    pub from: Option<String>,
+    /// How orientations are written [default: as the robot's maker does, else matrix]
+    #[arg(long, value_name = "NAME")]
+    pub convention: Option<ConventionChoice>,
+    /// Frame that poses are given in
+    #[arg(long, value_name = "FRAME", default_value = "controller")]
+    pub frame: PoseFrame,
+    /// What the poses of --from and --output are of
+    #[arg(long, value_name = "POINT", default_value = "flange")]
+    pub point: PosePoint,
+    /// Where to write the poses, or with --from all postures, as a table
+    #[arg(long, value_name = "FILE")]
+    pub output: Option<String>,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Conventions of orientations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ConventionChoice {
+    /// A, B, C: turns about z, then y', then x'' (deg)
+    Kuka,
+    /// Quaternion q1 to q4, the scalar first
+    Abb,
+    /// W, P, R: turns about fixed x, then y, then z (deg)
+    Fanuc,
+    /// Rx, Ry, Rz: turns about fixed x, then y, then z (deg)
+    Yaskawa,
+    /// Rx, Ry, Rz: turns about x, then y', then z'' (deg)
+    Staubli,
+    /// Rotation vector (rad)
+    Ur,
+    /// Rotation matrix
+    Matrix,
+}
+
+impl From<ConventionChoice> for Convention {
+    fn from(choice: ConventionChoice) -> Self {
+        match choice {
+            ConventionChoice::Kuka => Convention::Kuka,
+            ConventionChoice::Abb => Convention::Abb,
+            ConventionChoice::Fanuc => Convention::Fanuc,
+            ConventionChoice::Yaskawa => Convention::Yaskawa,
+            ConventionChoice::Staubli => Convention::Staubli,
+            ConventionChoice::Ur => Convention::Ur,
+            ConventionChoice::Matrix => Convention::Matrix,
+        }
+    }
+}
+
+/// Frames that poses are given in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PoseFrame {
+    /// The base frame of the robot's controller, as the pendant counts
+    Controller,
+    /// The cell's base frame
+    Cell,
+}
+
+/// What a pose is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PosePoint {
+    /// The flange
+    Flange,
+    /// The tip of [work], else the first measuring point in the flange's axes
+    Tip,
+}

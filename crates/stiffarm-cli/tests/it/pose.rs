@@ -1,0 +1,162 @@
+//! `stiffarm pose`: poses of postures, postures of poses, and what is refused.
+
+use crate::support;
+
+use support::Folder;
+
+const POSTURES: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg
+home,0,-90,90,0,0,0
+P2,30,-60,70,20,-40,200
+";
+
+/// A KUKA with two postures.
+fn kuka() -> Folder {
+    let folder = Folder::new();
+    folder.ok("init --robot kuka-kr210-r2700-2 --output-dir cell");
+    folder.write("postures.csv", POSTURES);
+    folder
+}
+
+fn is_narrow(text: &str) {
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+}
+
+#[test]
+fn poses_of_a_kuka_and_back() {
+    let folder = kuka();
+    let line = "pose cell/cell.toml postures.csv --output poses.csv";
+    let printed = folder.ok(line);
+    is_narrow(&printed);
+    insta::assert_snapshot!("pose_kuka", printed.replace('\\', "/"));
+    insta::assert_snapshot!("pose_kuka_table", folder.read("poses.csv"));
+    let back = folder.ok("pose cell/cell.toml --from poses.csv --output back.csv");
+    is_narrow(&back);
+    insta::assert_snapshot!("pose_kuka_from", back.replace('\\', "/"));
+    // The postures that the poses were made of are among those found.
+    let rows = folder.read("back.csv");
+    let is_there = |q: [f64; 6]| {
+        rows.lines().skip(1).any(|row| {
+            let angles = row.split(',').skip(1).map(|v| v.parse::<f64>().unwrap());
+            angles.zip(q).all(|(a, b)| (a - b).abs() < 1e-4)
+        })
+    };
+    assert!(is_there([0.0, -90.0, 90.0, 0.0, 0.0, 0.0]));
+    assert!(is_there([30.0, -60.0, 70.0, 20.0, -40.0, 200.0]));
+    // Other commands read the table.
+    folder.ok("evaluate cell/cell.toml back.csv");
+}
+
+#[test]
+fn every_convention_goes_there_and_back() {
+    let folder = kuka();
+    for convention in ["kuka", "abb", "fanuc", "yaskawa", "staubli", "ur", "matrix"] {
+        for rest in ["", " --point tip --frame cell"] {
+            let options = format!("--convention {convention}{rest} --force");
+            let printed = folder.ok(&format!(
+                "pose cell/cell.toml postures.csv --output poses.csv {options}"
+            ));
+            is_narrow(&printed);
+            let line = format!("pose cell/cell.toml --from poses.csv {options}");
+            is_narrow(&folder.ok(&line));
+            let found = folder.json(&line);
+            let postures = found["result"]["poses"][1]["postures"].as_array().unwrap();
+            let wanted = [30.0, -60.0, 70.0, 20.0, -40.0, 200.0];
+            let is_wanted = postures.iter().any(|posture| {
+                let q = posture["q_deg"].as_array().unwrap().iter();
+                q.zip(wanted)
+                    .all(|(a, b)| (a.as_f64().unwrap() - b).abs() < 1e-5)
+            });
+            assert!(is_wanted, "{line}");
+        }
+    }
+}
+
+#[test]
+fn the_frame_is_the_controllers() {
+    let folder = Folder::new();
+    folder.ok("init --robot fanuc-m10ia --output-dir fanuc");
+    folder.ok("init --robot ur5e --output-dir ur");
+    folder.write(
+        "zero.csv",
+        POSTURES
+            .replace("-90,90", "0,0")
+            .replace("-60,70", "-60,30"),
+    );
+    let height = |options: &str| {
+        let line = format!("pose fanuc/cell.toml zero.csv {options}");
+        let value = folder.json(&line);
+        value["result"]["postures"][0]["flange"]["position_mm"][2]
+            .as_f64()
+            .unwrap()
+    };
+    assert!((height("") + 450.0 - height("--frame cell")).abs() < 1e-9);
+    let ur = folder.ok("pose ur/cell.toml zero.csv");
+    is_narrow(&ur);
+    insta::assert_snapshot!("pose_ur", ur.replace('\\', "/"));
+}
+
+#[test]
+fn a_pose_without_a_posture_is_a_finding() {
+    let folder = kuka();
+    folder.write(
+        "poses.csv",
+        "posture,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\nfar,9000,0,0,0,0,0\nnear,1765,0,1910,0,90,0\n",
+    );
+    let line = "pose cell/cell.toml --from poses.csv";
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(1));
+    insta::assert_snapshot!(
+        "pose_without_posture",
+        ran.transcript(line).replace('\\', "/")
+    );
+    let ran = folder.run(&format!("{line} --json"));
+    assert_eq!(ran.code, Some(1));
+    let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(
+        value["result"]["findings"][0]["code"],
+        "pose-without-posture"
+    );
+    assert_eq!(
+        value["result"]["poses"][0]["postures"],
+        serde_json::json!([])
+    );
+}
+
+#[test]
+fn what_is_refused() {
+    let folder = kuka();
+    folder.write("missing.csv", "x_mm,y_mm,z_mm,a_deg,b_deg\n1,2,3,0,0\n");
+    folder.write("empty.csv", "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n");
+    folder.write(
+        "quaternion.csv",
+        "x_mm,y_mm,z_mm,q1,q2,q3,q4\n1,2,3,0.5,0,0,0\n",
+    );
+    folder.write(
+        "word.csv",
+        "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n1,2,3,nan,0,0\n",
+    );
+    let mut report = String::new();
+    for line in [
+        "pose cell/cell.toml",
+        "pose cell/cell.toml postures.csv --convention euler",
+        "pose cell/cell.toml postures.csv --from missing.csv",
+        "pose cell/cell.toml --from missing.csv",
+        "pose cell/cell.toml --from empty.csv",
+        "pose cell/cell.toml --from word.csv",
+        "pose cell/cell.toml --from quaternion.csv --convention abb",
+        "pose cell/cell.toml --from quaternion.csv",
+    ] {
+        let ran = folder.run(line);
+        assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+        report += &ran.transcript(line).replace("-- standard error\n", "");
+        report.push('\n');
+    }
+    let message = folder.refused("pose cell/cell.toml postures.csv --output postures.csv --force");
+    assert!(
+        message.contains("is an input of the same command"),
+        "{message}"
+    );
+    insta::assert_snapshot!("pose_refused", report.replace('\\', "/"));
+}

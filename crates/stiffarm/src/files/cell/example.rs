@@ -1,0 +1,121 @@
+//! Tool, load and limits of a template: those of a robot of 3 m reach, scaled.
+
+use crate::model::robot::{CatalogueEntry, DoubtAbout, Robot};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+
+/// Reach that the example was made for, and the one from which on it fits as it is \[m\].
+const REACH: f64 = 3.0;
+const LARGE: f64 = 2.4;
+/// The rope's force of the example \[N\].
+const FORCE: f64 = 500.0;
+/// Share of the payload's weight that the rope may pull with.
+const SHARE: f64 = 0.5;
+/// Standard gravity \[m/s²\].
+const GRAVITY: f64 = 9.806_65;
+/// Columns that a comment takes.
+const COLUMNS: usize = 88;
+
+/// How the example's lengths and forces become those of a robot.
+pub(super) struct Example {
+    lengths: f64,
+    forces: f64,
+    /// From axes with z out of the flange to the flange's.
+    turn: UnitQuaternion<f64>,
+}
+
+impl Example {
+    pub(super) fn of(entry: &CatalogueEntry, robot: &Robot) -> Self {
+        let lengths = match entry.reach_m() {
+            Some(reach) if reach < LARGE => reach / REACH,
+            _ => 1.0,
+        };
+        let forces = match entry.payload_kg() {
+            Some(kg) => (SHARE * kg * GRAVITY / FORCE).min(1.0),
+            None => lengths * lengths,
+        };
+        let own = robot.flange().rotation.inverse();
+        // A turn about z changes nothing that an example needs.
+        let is_outward = (own * Vector3::z()).z > 0.999;
+        let turn = if is_outward {
+            UnitQuaternion::identity()
+        } else {
+            own
+        };
+        Example {
+            lengths,
+            forces,
+            turn,
+        }
+    }
+
+    /// A point in flange axes, z out of the flange in the example \[mm\].
+    pub(super) fn point(&self, xyz: [i32; 3]) -> String {
+        let scaled = Vector3::from(xyz).map(|v| stepped(f64::from(v) * self.lengths, 5.0));
+        let turned = Rotation3::from(self.turn) * scaled;
+        let [x, y, z] = [turned.x, turned.y, turned.z].map(|v| v.round() + 0.0);
+        format!("[{x}, {y}, {z}]")
+    }
+
+    /// A length in the cell \[mm\].
+    pub(super) fn length(&self, mm: i32) -> f64 {
+        stepped(f64::from(mm) * self.lengths, 10.0)
+    }
+
+    /// A force \[N\].
+    pub(super) fn force(&self, n: i32) -> f64 {
+        let force = f64::from(n) * self.forces;
+        stepped(force, if force.abs() < 50.0 { 1.0 } else { 10.0 })
+    }
+
+    /// The flange's axis that points out of it.
+    pub(super) fn outward(&self) -> &'static str {
+        let z = self.turn * Vector3::z();
+        match z.iamax() {
+            0 if z.x > 0.0 => "x",
+            0 => "-x",
+            1 if z.y > 0.0 => "y",
+            1 => "-y",
+            _ if z.z > 0.0 => "z",
+            _ => "-z",
+        }
+    }
+
+    /// Says that the numbers were scaled, where they were.
+    pub(super) fn sentence(&self) -> &'static str {
+        match self.lengths < 1.0 || self.forces < 1.0 {
+            true => {
+                "# Tool, load and limits are an example for a large robot, scaled to this one's\n\
+                 # reach and payload.\n"
+            }
+            false => "",
+        }
+    }
+}
+
+/// Rounded to a multiple of `step`, never −0.
+fn stepped(value: f64, step: f64) -> f64 {
+    (value / step).round() * step + 0.0
+}
+
+/// What to distrust about the robot, as comments.
+pub(super) fn doubts(robot: &Robot) -> String {
+    let said = robot.doubts().iter();
+    said.filter(|doubt| doubt.about != DoubtAbout::Source)
+        .map(|doubt| comment(&format!("Doubt: {}", doubt.sentence)))
+        .collect()
+}
+
+/// A sentence as comment lines.
+fn comment(sentence: &str) -> String {
+    let mut out = String::new();
+    let mut line = "#".to_string();
+    for word in sentence.split(' ') {
+        if line.chars().count() + 1 + word.chars().count() > COLUMNS {
+            out += &line;
+            out.push('\n');
+            line = "#".to_string();
+        }
+        line += &format!(" {word}");
+    }
+    out + &line + "\n"
+}

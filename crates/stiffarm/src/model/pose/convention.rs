@@ -1,0 +1,224 @@
+//! How makers write an orientation in numbers.
+
+use crate::error::{Code, Error, Result};
+use crate::units::{rad_to_deg, roll_pitch_yaw};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+/// Numbers on a pendant are rounded: a quaternion or matrix may be off by so much.
+const ROUNDED: f64 = 2e-3;
+
+/// Cosine of a turn that is a quarter turn but for rounding.
+const QUARTER: f64 = 1e-11;
+/// An angle this near to −180° is half a turn but for rounding \[deg\].
+const ROUNDING_DEG: f64 = 1e-10;
+
+/// A maker's numbers for an orientation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Convention {
+    /// KUKA's A, B, C: R = Rz(A)·Ry(B)·Rx(C).
+    Kuka,
+    /// ABB's quaternion q1 to q4, the scalar first; q1 is not negative here.
+    Abb,
+    /// FANUC's W, P, R: turns about the fixed x, then y, then z axis,
+    /// R = Rz(R)·Ry(P)·Rx(W).
+    Fanuc,
+    /// Yaskawa's Rx, Ry, Rz: turns about the fixed x, then y, then z axis.
+    Yaskawa,
+    /// Stäubli's Rx, Ry, Rz: R = Rx(Rx)·Ry(Ry)·Rz(Rz).
+    Staubli,
+    /// Universal Robots' rotation vector: axis times angle.
+    Ur,
+    /// The rotation matrix, row by row.
+    Matrix,
+}
+
+impl Convention {
+    /// All conventions.
+    pub const ALL: [Convention; 7] = [
+        Convention::Kuka,
+        Convention::Abb,
+        Convention::Fanuc,
+        Convention::Yaskawa,
+        Convention::Staubli,
+        Convention::Ur,
+        Convention::Matrix,
+    ];
+
+    /// Name for options and results.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Convention::Kuka => "kuka",
+            Convention::Abb => "abb",
+            Convention::Fanuc => "fanuc",
+            Convention::Yaskawa => "yaskawa",
+            Convention::Staubli => "staubli",
+            Convention::Ur => "ur",
+            Convention::Matrix => "matrix",
+        }
+    }
+
+    /// The convention of a maker of the catalogue; the matrix where it has none
+    /// here.
+    pub fn of_brand(brand: Option<&str>) -> Self {
+        match brand {
+            Some("KUKA") => Convention::Kuka,
+            Some("ABB") => Convention::Abb,
+            Some("FANUC") => Convention::Fanuc,
+            Some("Yaskawa Motoman") => Convention::Yaskawa,
+            Some("Stäubli") => Convention::Staubli,
+            Some("Universal Robots") => Convention::Ur,
+            _ => Convention::Matrix,
+        }
+    }
+
+    /// What it is, in a few words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Convention::Kuka => "A, B, C: turns about z, then y', then x''",
+            Convention::Abb => "quaternion q1 to q4, the scalar first",
+            Convention::Fanuc => "W, P, R: turns about fixed x, then y, then z",
+            Convention::Yaskawa => "Rx, Ry, Rz: turns about fixed x, then y, then z",
+            Convention::Staubli => "Rx, Ry, Rz: turns about x, then y', then z''",
+            Convention::Ur => "rotation vector: axis times angle",
+            Convention::Matrix => "rotation matrix, its columns the axes of the frame",
+        }
+    }
+
+    /// Columns of a table: `_deg` and `_rad` are angles, others plain numbers.
+    pub fn columns(self) -> &'static [&'static str] {
+        match self {
+            Convention::Kuka => &["a_deg", "b_deg", "c_deg"],
+            Convention::Abb => &["q1", "q2", "q3", "q4"],
+            Convention::Fanuc => &["w_deg", "p_deg", "r_deg"],
+            Convention::Yaskawa | Convention::Staubli => &["rx_deg", "ry_deg", "rz_deg"],
+            Convention::Ur => &["rx_rad", "ry_rad", "rz_rad"],
+            Convention::Matrix => &[
+                "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
+            ],
+        }
+    }
+
+    /// The numbers of an orientation, angles in radians.
+    pub fn numbers(self, rotation: &UnitQuaternion<f64>) -> Vec<f64> {
+        match self {
+            Convention::Fanuc | Convention::Yaskawa => fixed_turns(rotation).to_vec(),
+            Convention::Kuka => {
+                let [c, b, a] = fixed_turns(rotation);
+                vec![a, b, c]
+            }
+            // The inverse of Rx·Ry·Rz is Rz(−)·Ry(−)·Rx(−).
+            Convention::Staubli => fixed_turns(&rotation.inverse())
+                .map(|angle| -angle)
+                .to_vec(),
+            Convention::Abb => {
+                let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
+                [rotation.w, rotation.i, rotation.j, rotation.k]
+                    .map(|v| sign * v)
+                    .to_vec()
+            }
+            Convention::Ur => rotation.scaled_axis().as_slice().to_vec(),
+            Convention::Matrix => {
+                let r = rotation.to_rotation_matrix();
+                let rows = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+                rows.map(|place| r[place]).collect()
+            }
+        }
+    }
+
+    /// The same in the units of [`columns`](Self::columns), as the pendant shows them.
+    pub fn shown(self, rotation: &UnitQuaternion<f64>) -> Vec<f64> {
+        let columns = self.columns().iter();
+        columns
+            .zip(self.numbers(rotation))
+            .map(|(column, value)| match column.ends_with("_deg") {
+                true => within_half_turn(rad_to_deg(value)),
+                // Adding zero turns −0 into 0.
+                false => value + 0.0,
+            })
+            .collect()
+    }
+
+    /// The orientation of these numbers, angles in radians. A quaternion and a
+    /// matrix may be rounded as a pendant rounds them; the nearest rotation is
+    /// taken.
+    ///
+    /// # Errors
+    /// Another number of numbers, one that is not finite, a quaternion that has
+    /// not length 1, a matrix that is no rotation.
+    pub fn rotation(self, numbers: &[f64]) -> Result<UnitQuaternion<f64>> {
+        let count = self.columns().len();
+        if numbers.len() != count {
+            let message = format!("An orientation has {count} numbers, got {}.", numbers.len());
+            return Err(Error::new(Code::Dimension, message));
+        }
+        if numbers.iter().any(|v| !v.is_finite()) {
+            let message = "An orientation has a number that is not finite.";
+            return Err(Error::new(Code::NotFinite, message));
+        }
+        let turns = UnitQuaternion::from_euler_angles;
+        Ok(match (self, numbers) {
+            (Convention::Kuka, [a, b, c]) => turns(*c, *b, *a),
+            (Convention::Staubli, [x, y, z]) => turns(-x, -y, -z).inverse(),
+            (Convention::Ur, [x, y, z]) => {
+                UnitQuaternion::from_scaled_axis(Vector3::new(*x, *y, *z))
+            }
+            (Convention::Fanuc | Convention::Yaskawa, [x, y, z]) => turns(*x, *y, *z),
+            (Convention::Abb, [w, x, y, z]) => quaternion([*w, *x, *y, *z])?,
+            _ => matrix(&Matrix3::from_row_slice(numbers))?,
+        })
+    }
+}
+
+/// Turns about the fixed x, then y, then z axis \[rad\]. Where the second is a
+/// quarter turn only the sum of the others is determined: the third is zero.
+fn fixed_turns(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
+    let r = rotation.to_rotation_matrix();
+    match r[(2, 1)].hypot(r[(2, 2)]) < QUARTER {
+        true => [
+            (-r[(1, 2)]).atan2(r[(1, 1)]),
+            r[(2, 0)].signum() * -FRAC_PI_2,
+            0.0,
+        ],
+        false => roll_pitch_yaw(rotation),
+    }
+}
+
+/// Half a turn is 180° and not −180°, and zero is not −0.
+fn within_half_turn(deg: f64) -> f64 {
+    match deg < -180.0 + ROUNDING_DEG {
+        true => deg + 360.0,
+        false => deg + 0.0,
+    }
+}
+
+fn quaternion([w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>> {
+    let quaternion = nalgebra::Quaternion::new(w, x, y, z);
+    let length = quaternion.norm();
+    if (length - 1.0).abs() > ROUNDED {
+        let message = format!("The quaternion has length {length:.4}; it must be 1.");
+        return Err(Error::new(Code::InvalidValue, message)
+            .hint("q1 is the scalar; look for a number in a wrong column"));
+    }
+    Ok(UnitQuaternion::new_normalize(quaternion))
+}
+
+fn matrix(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>> {
+    let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+    if off > ROUNDED || matrix.determinant() < 0.0 {
+        let message = match off > ROUNDED {
+            true => {
+                "The matrix is no rotation: its columns are not at right angles and of length 1."
+            }
+            false => "The matrix is no rotation: its axes are left-handed.",
+        };
+        return Err(Error::new(Code::InvalidValue, message)
+            .hint("r11, r12, r13 are the first row; the columns are the axes of the frame"));
+    }
+    let x = matrix.column(0).normalize();
+    let y = (matrix.column(1) - x * x.dot(&matrix.column(1))).normalize();
+    let axes = Matrix3::from_columns(&[x, y, x.cross(&y)]);
+    Ok(UnitQuaternion::from_rotation_matrix(
+        &Rotation3::from_matrix_unchecked(axes),
+    ))
+}
