@@ -5,7 +5,7 @@ use crate::common;
 use crate::mixed::bend;
 
 use common::random::Dice;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use stiffarm::Control;
 use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions};
 use stiffarm::estimate::mixed::MixedFit;
@@ -82,10 +82,52 @@ struct Dense {
     error: DMatrix<f64>,
 }
 
+/// Ratios w of σ̂² to σ² with their weights: χ²/ν, on thirteen points over ln w.
+fn noises(degrees_of_freedom: Option<usize>) -> Vec<(f64, f64)> {
+    let Some(n) = degrees_of_freedom else {
+        return vec![(1.0, 1.0)];
+    };
+    let n = n as f64;
+    let at = |k: i32| (f64::from(k) * 0.5 * (2.0 / n).sqrt()).exp();
+    let points = (-6..=6).map(at);
+    let all: Vec<(f64, f64)> = points
+        .map(|w| (w, (0.5 * n * (w.ln() - w + 1.0)).exp()))
+        .collect();
+    let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
+    all.iter().map(|(w, weight)| (*w, weight / sum)).collect()
+}
+
+/// Generalised least squares: solution, residuals solved, information, and ln of the
+/// restricted likelihood.
+struct Gls {
+    factor: Cholesky<f64, Dyn>,
+    information: Cholesky<f64, Dyn>,
+    h: DVector<f64>,
+    left: DVector<f64>,
+    likelihood: f64,
+}
+
+fn gls(unit: &DMatrix<f64>, y: &DVector<f64>, covariance: DMatrix<f64>) -> Gls {
+    let factor = covariance.cholesky().unwrap();
+    let information = unit.tr_mul(&factor.solve(unit)).cholesky().unwrap();
+    let h = information.solve(&unit.tr_mul(&factor.solve(y)));
+    let left = factor.solve(&(y - unit * &h));
+    let ln = |l: &DMatrix<f64>| l.diagonal().iter().map(|d| d.ln()).sum::<f64>();
+    let likelihood = -ln(&factor.l()) - ln(&information.l()) - 0.5 * left.dot(y);
+    Gls {
+        factor,
+        information,
+        h,
+        left,
+        likelihood,
+    }
+}
+
 fn dense(
     psi: &DMatrix<f64>,
     y: &DVector<f64>,
     noise: &DMatrix<f64>,
+    degrees_of_freedom: Option<usize>,
     shifts: &DMatrix<f64>,
     one: usize,
     estimate: &DVector<f64>,
@@ -97,27 +139,29 @@ fn dense(
     let sum: f64 = steps.iter().sum();
     let square: f64 = steps.iter().map(|u| u.powi(5) / sum).sum();
     let mut all = Vec::new();
-    for u in steps {
-        let size = u * u / square.sqrt();
-        // The first keep their size; the joints come last.
-        let prior = DVector::from_fn(count, |i, _| if i < one { 1.0 } else { size * size });
-        let whole = noise + shifts * DMatrix::from_diagonal(&prior) * shifts.transpose();
-        let factor = whole.cholesky().unwrap();
-        let information = unit.tr_mul(&factor.solve(&unit)).cholesky().unwrap();
-        let h = information.solve(&unit.tr_mul(&factor.solve(y)));
-        let left = factor.solve(&(y - &unit * &h));
-        let solved = factor.solve(shifts);
-        let projected = &solved - factor.solve(&unit) * information.solve(&unit.tr_mul(&solved));
-        let prior = DMatrix::from_diagonal(&prior);
-        let mean = &prior * shifts.tr_mul(&left);
-        let covariance = &prior - &prior * shifts.tr_mul(&projected) * &prior;
-        let ln = |l: &DMatrix<f64>| l.diagonal().iter().map(|d| d.ln()).sum::<f64>();
-        let likelihood =
-            -ln(&factor.l()) - ln(&information.l()) - 0.5 * left.dot(y) + (u / sum).ln();
-        let off = h.component_mul(&scale) - estimate;
-        let back = DMatrix::from_diagonal(&scale);
-        let error = &back * information.inverse() * &back + &off * off.transpose();
-        all.push((likelihood, mean, covariance, error));
+    for (w, weight) in noises(degrees_of_freedom) {
+        let alone = gls(&unit, y, noise / w);
+        for u in &steps {
+            let size = u * u / square.sqrt();
+            // The first keep their size; the joints come last.
+            let prior = DVector::from_fn(count, |i, _| if i < one { 1.0 } else { size * size });
+            let prior = DMatrix::from_diagonal(&prior);
+            let whole = gls(&unit, y, noise / w + shifts * &prior * shifts.transpose());
+            let (factor, information) = (&whole.factor, &whole.information);
+            let solved = factor.solve(shifts);
+            let projected =
+                &solved - factor.solve(&unit) * information.solve(&unit.tr_mul(&solved));
+            let mean = &prior * shifts.tr_mul(&whole.left);
+            let covariance = &prior - &prior * shifts.tr_mul(&projected) * &prior;
+            // What the residuals say of σ alone is in the weight of w already.
+            let likelihood = whole.likelihood - alone.likelihood + (u / sum).ln() + f64::ln(weight);
+            let off = whole.h.component_mul(&scale) - estimate;
+            let back = DMatrix::from_diagonal(&scale);
+            // The scatter of the readings counts with σ̂.
+            let scatter = whole.information.inverse() + alone.information.inverse() * (w - 1.0);
+            let error = &back * scatter * &back + &off * off.transpose();
+            all.push((likelihood, mean, covariance, error));
+        }
     }
     let best = all.iter().map(|a| a.0).fold(f64::NEG_INFINITY, f64::max);
     let total: f64 = all.iter().map(|a| (a.0 - best).exp()).sum();
@@ -192,6 +236,7 @@ fn what_readings_leave_under_the_mixed_model() {
         &psi.into_owned(),
         &system.delta,
         &noise,
+        spread.degrees_of_freedom,
         &shifts,
         1,
         &estimate,
@@ -255,6 +300,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
                     shifts.view_mut((12 * p, own), (12, 1)).copy_from(&column);
                 }
             }
+            let dof = found.estimates.interval_degrees_of_freedom;
             let by_dense = match estimator {
                 // The prior stiffness as six more readings.
                 Estimator::Prior => {
@@ -267,9 +313,9 @@ fn what_readings_leave_is_what_the_whole_model_says() {
                         noise[(rows + j, rows + j)] = (options.prior_std / k).powi(2);
                     }
                     let shifts = shifts.resize_vertically(rows + 6, 0.0);
-                    dense(&psi, &y, &noise, &shifts, 2, &estimate)
+                    dense(&psi, &y, &noise, dof, &shifts, 2, &estimate)
                 }
-                _ => dense(&psi, &y, &noise, &shifts, 2, &estimate),
+                _ => dense(&psi, &y, &noise, dof, &shifts, 2, &estimate),
             };
             let name = estimator.as_str();
             assert!(

@@ -1,9 +1,9 @@
 //! The elastic model that predicts: why, and what it gives.
 
-use super::summary;
-use crate::numbers::significant;
+use super::{messages, summary, tables};
+use crate::numbers::{NONE, significant, stiffness};
 use crate::screen::{columns, wrapped};
-use crate::table::title;
+use crate::table::{Align, Table, title};
 use stiffarm::estimate::elastic::Elastic;
 use stiffarm::model::elastic::ElasticClass;
 
@@ -16,12 +16,24 @@ pub(super) fn elastic(found: &Elastic, confidence: f64) -> String {
     let Some(mixed) = &found.mixed else {
         return out + "\n";
     };
-    let joints = summary::table(
-        "mixed model",
-        &mixed.joints,
-        found.budget.as_ref(),
-        confidence,
-    );
+    // Joints that are hardly told from the rest have no ±, but ends.
+    let mut joints = Table::new([
+        "mixed model".to_string(),
+        "k [N·m/rad]".to_string(),
+        format!("{} % interval [N·m/rad]", messages::confidence(confidence)),
+        "most of it".to_string(),
+    ]);
+    joints.align(3, Align::Left);
+    for (j, joint) in mixed.joints.iter().enumerate() {
+        let budget = found.budget.as_ref();
+        let own = budget.and_then(|b| Some((b.uncertainty.get(j)?, b)));
+        joints.row([
+            joint.name.clone(),
+            joint.stiffness.map_or_else(|| NONE.to_string(), stiffness),
+            tables::ends(own.map_or(joint.interval, |(own, _)| own.interval_nm_per_rad)),
+            own.map_or_else(String::new, |(own, budget)| summary::largest(own, budget)),
+        ]);
+    }
     out += &format!("\n{joints}");
     let sizes: Vec<String> = mixed
         .sizes

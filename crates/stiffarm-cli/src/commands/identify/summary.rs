@@ -47,13 +47,7 @@ pub(super) fn summary(
     let serious = measured.findings().filter(is_serious);
     serious.for_each(|f| say(marked(f).trim_end()));
     say(&verdict(result));
-    let joints = table(
-        "joint",
-        &found.estimates.joints,
-        result.budget.as_ref(),
-        found.estimates.confidence,
-    );
-    out += &format!("\n{joints}");
+    out += &format!("\n{}", table(result));
     if !details {
         // With details they stand below the intervals.
         out += &tables::further(&found.estimates);
@@ -230,18 +224,15 @@ fn short(fraction: f64) -> String {
 }
 
 /// A row per joint.
-pub(super) fn table(
-    heading: &str,
-    joints: &[JointEstimate],
-    budget: Option<&SystematicErrors>,
-    confidence: f64,
-) -> Table {
-    let level = messages::confidence(confidence);
+fn table(result: &Identified) -> Table {
+    let estimates = &result.identification.estimates;
+    let level = messages::confidence(estimates.confidence);
     let mut headings = vec![
-        heading.to_string(),
+        "joint".to_string(),
         "k [N·m/rad]".to_string(),
         format!("± {level} % [%]"),
     ];
+    let budget = result.budget.as_ref();
     if budget.is_some() {
         headings.extend(["readings [%]", "systematic [%]"].map(String::from));
     }
@@ -250,8 +241,8 @@ pub(super) fn table(
     let words = headings.len() - 1;
     let mut table = Table::new(headings);
     table.align(words, Align::Left);
-    for (j, joint) in joints.iter().enumerate() {
-        let own = budget.and_then(|b| b.uncertainty.get(j));
+    for (j, joint) in estimates.joints.iter().enumerate() {
+        let own = uncertainty(result, j);
         let total = match known(joint, own) {
             Known::Within(part) => short(part),
             _ => NONE.to_string(),
@@ -283,7 +274,7 @@ pub(super) fn table(
 }
 
 /// The source that contributes most, with a star where its size is assumed.
-fn largest(own: &JointUncertainty, budget: &SystematicErrors) -> String {
+pub(super) fn largest(own: &JointUncertainty, budget: &SystematicErrors) -> String {
     let name = own.largest_source.as_ref();
     let source = budget.sources.iter().find(|s| Some(&s.name) == name);
     source.map_or_else(String::new, |source| {

@@ -86,7 +86,7 @@ fn interval(joint: &JointEstimate) -> String {
     }
 }
 
-fn ends(interval: [Option<f64>; 2]) -> String {
+pub(super) fn ends(interval: [Option<f64>; 2]) -> String {
     match interval {
         [Some(low), Some(high)] => format!("{} to {}", stiffness(low), stiffness(high)),
         [Some(low), None] => format!("above {}", stiffness(low)),

@@ -17,6 +17,8 @@ pub(super) struct Believed<'a> {
     pub response: Response<'a>,
     /// σ of a displacement component, where anything is known of it \[m\].
     pub sigma: Option<f64>,
+    /// Degrees of freedom behind σ; `None` where it is known.
+    pub degrees_of_freedom: Option<usize>,
     /// Standard error of each joint's compliance \[rad/(N·m)\].
     pub errors: Vec<Option<f64>>,
     /// Half width of each joint's compliance by the scatter of the readings
@@ -40,6 +42,7 @@ impl<'a> Believed<'a> {
             extra: &fit.system().extra,
             response: Response::new(fit)?,
             sigma: solution.sigma.filter(|_| known),
+            degrees_of_freedom: solution.t_degrees_of_freedom,
             half_widths: errors.iter().map(|e| Some(t? * (*e)?)).collect(),
             errors,
         })
@@ -65,6 +68,7 @@ impl<'a> Believed<'a> {
             extra: &found.extra,
             response: mixed.response()?,
             sigma: found.spread.as_ref().map(|s| s.sigma),
+            degrees_of_freedom: found.spread.as_ref().and_then(|s| s.degrees_of_freedom),
             errors,
             half_widths,
         })

@@ -17,6 +17,10 @@
 //! readings. Its likelihood given the residuals, |I + A_ω|^(−1/2) exp(bωᵀ(I + A_ω)⁻¹bω/2),
 //! weighs the moments. Where the residuals say nothing, they are those of the
 //! statement again.
+//!
+//! σ is an estimate from the same residuals: σ̂²/σ² = w is χ² over its degrees of freedom ν.
+//! Given w, A and b are w times as large, and the likelihood above times the density of w
+//! weighs once more. What is the common errors' and what is noise is so found together.
 
 use super::believed::Believed;
 use super::sources::Source;
@@ -25,6 +29,10 @@ use nalgebra::{DMatrix, DVector};
 
 /// Sizes ω that are looked at.
 const SIZES: usize = 40;
+/// Ratios of σ̂² to σ² on each side of one that are looked at.
+const NOISES: i32 = 6;
+/// How far they reach in standard deviations of ln σ².
+const NOISE_WIDTH: f64 = 3.0;
 /// No displacement is exact beyond this fraction of all of them: the residuals
 /// of readings without noise are rounding, and say nothing.
 const EXACT: f64 = 1e-9;
@@ -84,28 +92,32 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
         .iter()
         .flat_map(|source| source.parts.iter().map(|_| source.alike))
         .collect();
-    if let Some((mean, covariance)) = moments(&seen, &said, &alike) {
+    if let Some((mean, covariance)) =
+        moments(&seen, &said, &alike, &noise(believed.degrees_of_freedom))
+    {
         out.mean = mean;
         out.covariance = covariance;
     }
     Ok(out)
 }
 
-/// Mean and covariance of c given A and b; parts that are `alike` share one
-/// unknown size. `None` where a number is not finite.
+/// Mean and covariance of c given A and b; parts that are `alike` share one unknown size,
+/// and σ² is one of `noise`: ratios of σ̂² to it, with weights. `None` where a number is
+/// not finite.
 fn moments(
     seen: &DMatrix<f64>,
     said: &DVector<f64>,
     alike: &[bool],
+    noise: &[(f64, f64)],
 ) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let count = said.len();
-    let at = |size: f64| -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
+    let at = |size: f64, ratio: f64| -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
         let scale = DVector::from_fn(count, |i, _| if alike[i] { size } else { 1.0 });
         let own = DMatrix::from_fn(count, count, |i, k| {
-            f64::from(u8::from(i == k)) + scale[i] * seen[(i, k)] * scale[k]
+            f64::from(u8::from(i == k)) + scale[i] * ratio * seen[(i, k)] * scale[k]
         });
         let factor = own.cholesky()?;
-        let towards = said.component_mul(&scale);
+        let towards = said.component_mul(&scale) * ratio;
         let solved = factor.solve(&towards);
         let ln_determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
         let likelihood = 0.5 * towards.dot(&solved) - ln_determinant;
@@ -117,17 +129,17 @@ fn moments(
         let finite = likelihood.is_finite() && numbers.into_iter().all(|v| v.is_finite());
         finite.then_some((likelihood, mean, covariance))
     };
-    if !alike.contains(&true) {
-        return at(1.0).map(|(_, mean, covariance)| (mean, covariance));
+    let sizes = match alike.contains(&true) {
+        true => sizes(),
+        false => vec![(1.0, 1.0)],
+    };
+    let mut looked = Vec::with_capacity(sizes.len() * noise.len());
+    for (size, weight) in &sizes {
+        for (ratio, part) in noise {
+            let (likelihood, mean, covariance) = at(*size, *ratio)?;
+            looked.push((likelihood + (weight * part).ln(), mean, covariance));
+        }
     }
-    let looked: Option<Vec<_>> = sizes()
-        .into_iter()
-        .map(|(size, weight)| {
-            let (likelihood, mean, covariance) = at(size)?;
-            Some((likelihood + weight.ln(), mean, covariance))
-        })
-        .collect();
-    let looked = looked?;
     let best = looked.iter().map(|l| l.0).fold(f64::NEG_INFINITY, f64::max);
     let total: f64 = looked.iter().map(|l| (l.0 - best).exp()).sum();
     let weight = |likelihood: f64| (likelihood - best).exp() / total;
@@ -141,6 +153,24 @@ fn moments(
         covariance += (within + &between * between.transpose()) * weight(likelihood);
     }
     Some((mean, covariance))
+}
+
+/// Ratios σ̂²/σ² with their weights: χ² over its degrees of freedom, as the residuals leave
+/// it; one where σ is known.
+fn noise(degrees_of_freedom: Option<usize>) -> Vec<(f64, f64)> {
+    let Some(n) = degrees_of_freedom else {
+        return vec![(1.0, 1.0)];
+    };
+    let n = n as f64;
+    // Over ln w the density is w^(n/2) e^(−nw/2); its width is √(2/n).
+    let step = NOISE_WIDTH * (2.0 / n).sqrt() / NOISES as f64;
+    let of = |k: i32| {
+        let ln = step * f64::from(k);
+        (ln.exp(), (0.5 * n * (ln - ln.exp_m1())).exp())
+    };
+    let all: Vec<(f64, f64)> = (-NOISES..=NOISES).map(of).collect();
+    let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
+    all.iter().map(|(w, weight)| (*w, weight / sum)).collect()
 }
 
 /// Sizes ω with their weights before the readings: uniform, close together near
@@ -164,6 +194,7 @@ mod tests {
             &DMatrix::zeros(3, 3),
             &DVector::zeros(3),
             &[true, true, false],
+            &noise(Some(12)),
         )
         .unwrap();
         assert_eq!(mean, DVector::zeros(3));
@@ -179,12 +210,18 @@ mod tests {
     fn what_one_joint_shows_is_said_of_those_alike() {
         let mut seen = DMatrix::zeros(3, 3);
         seen[(0, 0)] = 1e4;
-        let (_, covariance) = moments(&seen, &DVector::zeros(3), &[true, true, false]).unwrap();
+        let (_, covariance) = moments(
+            &seen,
+            &DVector::zeros(3),
+            &[true, true, false],
+            &noise(None),
+        )
+        .unwrap();
         assert!(covariance[(0, 0)] < 2e-4);
         assert!(covariance[(1, 1)] < 0.4, "{covariance}");
         assert!((covariance[(2, 2)] - 1.0).abs() < 1e-12);
         let said = DVector::from_vec(vec![2e4, 0.0, 0.0]);
-        let (mean, covariance) = moments(&seen, &said, &[true, true, false]).unwrap();
+        let (mean, covariance) = moments(&seen, &said, &[true, true, false], &noise(None)).unwrap();
         assert!((mean[0] - 2.0).abs() < 1e-3 && covariance[(1, 1)] > 1.2);
     }
 }
