@@ -31,7 +31,11 @@ pub struct Spread {
 
 impl Spread {
     pub(crate) fn quantiles(&self) -> Result<SpreadQuantiles> {
-        SpreadQuantiles::new(self)
+        SpreadQuantiles::new(
+            self.degrees_of_freedom,
+            self.confidence,
+            self.doubt.as_ref(),
+        )
     }
 }
 

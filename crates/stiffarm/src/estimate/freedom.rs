@@ -1,7 +1,6 @@
 //! Degrees of freedom of combinations whose variance is itself an estimate.
 
 use crate::error::Result;
-use crate::estimate::compliance::Spread;
 use crate::estimate::identify::quantile;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -83,16 +82,18 @@ pub(crate) struct SpreadQuantiles {
 impl SpreadQuantiles {
     /// # Errors
     /// A confidence outside (0, 1); no degree of freedom.
-    pub(crate) fn new(spread: &Spread) -> Result<Self> {
-        let most = spread
-            .degrees_of_freedom
-            .map_or(f64::INFINITY, |n| n as f64);
-        let doubted = match &spread.doubt {
-            Some(doubt) => Some((most, Quantiles::new(spread.confidence)?, doubt.clone())),
+    pub(crate) fn new(
+        degrees_of_freedom: Option<usize>,
+        confidence: f64,
+        doubt: Option<&SizeDoubt>,
+    ) -> Result<Self> {
+        let most = degrees_of_freedom.map_or(f64::INFINITY, |n| n as f64);
+        let doubted = match doubt {
+            Some(doubt) => Some((most, Quantiles::new(confidence)?, doubt.clone())),
             None => None,
         };
         Ok(SpreadQuantiles {
-            plain: quantile(spread.degrees_of_freedom, spread.confidence)?,
+            plain: quantile(degrees_of_freedom, confidence)?,
             doubted,
         })
     }

@@ -1,9 +1,9 @@
 //! The elastic model that predicts: why, and what it gives.
 
-use super::{messages, summary, tables};
+use super::{messages, tables};
 use crate::numbers::{NONE, significant, stiffness};
 use crate::screen::{columns, wrapped};
-use crate::table::{Align, Table, title};
+use crate::table::{Table, title};
 use stiffarm::estimate::elastic::Elastic;
 use stiffarm::model::elastic::ElasticClass;
 
@@ -20,18 +20,17 @@ pub(super) fn elastic(found: &Elastic, confidence: f64) -> String {
     let mut joints = Table::new([
         "mixed model".to_string(),
         "k [N·m/rad]".to_string(),
-        format!("{} % interval [N·m/rad]", messages::confidence(confidence)),
-        "most of it".to_string(),
+        format!(
+            "{} % interval, all errors [N·m/rad]",
+            messages::confidence(confidence)
+        ),
     ]);
-    joints.align(3, Align::Left);
     for (j, joint) in mixed.joints.iter().enumerate() {
-        let budget = found.budget.as_ref();
-        let own = budget.and_then(|b| Some((b.uncertainty.get(j)?, b)));
+        let own = found.budget.as_ref().and_then(|b| b.uncertainty.get(j));
         joints.row([
             joint.name.clone(),
             joint.stiffness.map_or_else(|| NONE.to_string(), stiffness),
-            tables::ends(own.map_or(joint.interval, |(own, _)| own.interval_nm_per_rad)),
-            own.map_or_else(String::new, |(own, budget)| summary::largest(own, budget)),
+            tables::ends(own.map_or(joint.interval, |own| own.interval_nm_per_rad)),
         ]);
     }
     out += &format!("\n{joints}");

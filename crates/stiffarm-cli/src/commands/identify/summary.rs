@@ -274,7 +274,7 @@ fn table(result: &Identified) -> Table {
 }
 
 /// The source that contributes most, with a star where its size is assumed.
-pub(super) fn largest(own: &JointUncertainty, budget: &SystematicErrors) -> String {
+fn largest(own: &JointUncertainty, budget: &SystematicErrors) -> String {
     let name = own.largest_source.as_ref();
     let source = budget.sources.iter().find(|s| Some(&s.name) == name);
     source.map_or_else(String::new, |source| {
