@@ -97,6 +97,36 @@ fn the_frame_is_the_controllers() {
     insta::assert_snapshot!("pose_ur", ur.replace('\\', "/"));
 }
 
+/// Postures that differ by full turns are counted for each pose and branch, whatever the
+/// poses' names.
+#[test]
+fn turns_are_counted_for_each_pose() {
+    let folder = Folder::new();
+    folder.ok("init --robot ur10e --output-dir cell");
+    let pose = "600,200,500,0.1,0.2,0.3";
+    folder.write(
+        "poses.csv",
+        &format!("posture,x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\nP,{pose}\nP-1.5,{pose}\n"),
+    );
+    let json = folder.ok("pose cell/cell.toml --from poses.csv --json");
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let printed = folder.ok("pose cell/cell.toml --from poses.csv");
+    let mut branches = 0;
+    for pose in json["result"]["poses"].as_array().unwrap() {
+        let name = pose["name"].as_str().unwrap();
+        let all = pose["postures"].as_array().unwrap();
+        let last = all.last().unwrap()["branch"].as_u64().unwrap();
+        for branch in 1..=last {
+            let count = all.iter().filter(|p| p["branch"] == branch).count();
+            let row = format!("{name}-{branch} ");
+            let line = printed.lines().rfind(|l| l.starts_with(&row)).unwrap();
+            assert!(line.ends_with(&format!(" {count}")), "{line}: {count}");
+            branches += 1;
+        }
+    }
+    assert!(branches >= 4, "{branches}");
+}
+
 #[test]
 fn a_pose_without_a_posture_is_a_finding() {
     let folder = kuka();
@@ -137,6 +167,10 @@ fn what_is_refused() {
         "word.csv",
         "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n1,2,3,nan,0,0\n",
     );
+    folder.write(
+        "vector.csv",
+        "x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\n1,2,3,0,90,0\n",
+    );
     let mut report = String::new();
     for line in [
         "pose cell/cell.toml",
@@ -147,6 +181,7 @@ fn what_is_refused() {
         "pose cell/cell.toml --from word.csv",
         "pose cell/cell.toml --from quaternion.csv --convention abb",
         "pose cell/cell.toml --from quaternion.csv",
+        "pose cell/cell.toml --from vector.csv --convention ur",
     ] {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);

@@ -325,6 +325,12 @@ fn slips_of_the_unit() {
             "limits.rope_length_mm",
             "3.40 mm",
         ),
+        (
+            "[noise]",
+            "[elastic]\nshift_std_m_per_n = 9e-5\nturn_std_rad_per_nm = 1.4e-7\ncoupling_std_rad_per_n = 7.6e-8\n[noise]",
+            "elastic.shift_std_m_per_n",
+            "millimetres",
+        ),
     ];
     for (from, to, key, words) in slips {
         let checked = check(&comau_with(from, to)).unwrap();

@@ -90,19 +90,22 @@ impl Job<'_> {
     pub(super) fn table_of_postures(&self, result: &Found) -> String {
         let mut out = self.heading(&result.findings);
         out += &format!("inverse kinematics: {}\n", result.method);
-        let shown: Vec<&FoundPosture> = result
-            .poses
-            .iter()
-            .flat_map(|pose| {
-                // One of each branch: the others have its name with a point.
-                let mut last = 0;
-                pose.postures.iter().filter(move |posture| {
-                    let is_first = posture.branch != last;
-                    last = posture.branch;
-                    is_first
-                })
-            })
-            .collect();
+        // One of each branch, with how many there are: the others have its name with a point.
+        let mut shown: Vec<&FoundPosture> = Vec::new();
+        let mut turns: Vec<usize> = Vec::new();
+        for pose in &result.poses {
+            let mut last = None;
+            for posture in &pose.postures {
+                match turns.last_mut() {
+                    Some(count) if last == Some(posture.branch) => *count += 1,
+                    _ => {
+                        shown.push(posture);
+                        turns.push(1);
+                    }
+                }
+                last = Some(posture.branch);
+            }
+        }
         if shown.is_empty() {
             return out;
         }
@@ -116,15 +119,6 @@ impl Job<'_> {
         }
         out += &table.to_string();
         let described: Vec<&Described> = shown.iter().map(|p| &p.posture).collect();
-        let turns = |name: &str| -> usize {
-            let all = result.poses.iter().flat_map(|pose| &pose.postures);
-            all.filter(|p| {
-                let own = p.posture.name.strip_prefix(name);
-                own.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-            })
-            .count()
-        };
-        let turns: Vec<usize> = described.iter().map(|p| turns(&p.name)).collect();
         out += &configurations(&described, Some(&turns));
         for posture in shown.iter().filter(|p| p.is_singular) {
             let said = format!(

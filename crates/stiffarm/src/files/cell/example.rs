@@ -1,13 +1,15 @@
 //! Tool, load and limits of a template: those of a robot of 3 m reach, scaled.
 
 use crate::model::robot::{CatalogueEntry, DoubtAbout, Robot};
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 
 /// Reach that the example was made for, and the one from which on it fits as it is \[m\].
 const REACH: f64 = 3.0;
 const LARGE: f64 = 2.4;
 /// The rope's force of the example \[N\].
 const FORCE: f64 = 500.0;
+/// Joint stiffness of a robot that the example fits as it is \[N·m/rad\].
+const PRIOR: [f64; 6] = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
 /// Share of the payload's weight that the rope may pull with.
 const SHARE: f64 = 0.5;
 /// Standard gravity \[m/s²\].
@@ -80,6 +82,16 @@ impl Example {
         }
     }
 
+    /// Joint stiffness of a robot of 165 kg payload, scaled as the torque that bends a
+    /// robot of this size by the same angle, two digits \[N·m/rad\].
+    pub(super) fn prior(&self) -> [f64; 6] {
+        PRIOR.map(|k| {
+            let scaled = k * self.forces * self.lengths;
+            let digit = 10f64.powf(scaled.log10().floor() - 1.0);
+            (scaled / digit).round() * digit
+        })
+    }
+
     /// Says that the numbers were scaled, where they were.
     pub(super) fn sentence(&self) -> &'static str {
         match self.lengths < 1.0 || self.forces < 1.0 {
@@ -95,6 +107,31 @@ impl Example {
 /// Rounded to a multiple of `step`, never −0.
 fn stepped(value: f64, step: f64) -> f64 {
     (value / step).round() * step + 0.0
+}
+
+/// Says where the pendant's base frame is not the robot's, as a comment.
+pub(super) fn pendant(robot: &Robot) -> String {
+    let base = robot.controller_base();
+    if *base == Isometry3::identity() {
+        return String::new();
+    }
+    let [x, y, z] = base
+        .translation
+        .vector
+        .map(|v| (1e4 * v).round() / 10.0)
+        .into();
+    let turn = match base.rotation.scaled_axis() {
+        turn if turn.norm() == 0.0 => String::new(),
+        turn => {
+            let axis = ["x", "y", "z"][turn.iamax()];
+            let degrees = turn.amax().to_degrees().round();
+            format!(", turned by {degrees} degrees about {axis}")
+        }
+    };
+    comment(&format!(
+        "The pendant shows poses in another base frame: its origin at [{x}, {y}, {z}] mm here{turn}. \
+         `stiffarm pose` shows both."
+    ))
 }
 
 /// What to distrust about the robot, as comments.

@@ -1,7 +1,7 @@
 //! Commented files to start from: what `stiffarm init` writes.
 
 use super::convert::PAPER_VARIANCE_MM2;
-use super::example::{Example, doubts};
+use super::example::{Example, doubts, pendant};
 use crate::error::Result;
 use crate::files::table::{SheetOptions, reading_sheet, write_postures};
 use crate::model::cell::Cell;
@@ -31,7 +31,7 @@ pub fn template(robot_key: &str) -> Result<String> {
 # Angles are those on the pendant. Base frame: the robot's own, z up along axis 1,
 # x to the front with joint 1 at 0 degrees. Flange axes: those of the last frame of
 # the robot's kinematics, {out} out of the flange. Forces act on the robot.
-{made}# Replace what is marked EDIT.
+{pendant}{made}# Replace what is marked EDIT.
 {doubts}format = 1
 name = "{name} cell"  # EDIT
 
@@ -122,7 +122,8 @@ posture_common_mm = 0
 {stiffness}
 # How much gives way beyond the joint axes, for the index prediction and simulate --elastic:
 # sizes as `stiffarm identify --elastic mixed` prints them, of this arm or one like it
-# (default: typical of an arm of this length and stiffness). All three or none.
+# (default: typical of an arm of this length and stiffness). All three or none; these are
+# those of a measured robot of 165 kg payload.
 # [elastic]
 # shift_std_m_per_n = 9e-8
 # turn_std_rad_per_nm = 1.4e-7
@@ -218,6 +219,7 @@ posture_common_mm = 0
         out = example.outward(),
         made = example.sentence(),
         doubts = doubts(&robot),
+        pendant = pendant(&robot),
         loading = point([200, 0, 250]),
         p1 = point([150, 0, 200]),
         p2 = point([0, 150, 200]),
@@ -239,7 +241,7 @@ posture_common_mm = 0
         limits_comment = limits_comment(&robot, entry),
         bounds = bounds(entry, &robot),
         variance = PAPER_VARIANCE_MM2,
-        stiffness = stiffness(entry),
+        stiffness = stiffness(entry, &example),
         middle = degrees(&middle(entry, &robot)),
     ))
 }
@@ -362,7 +364,7 @@ fn limits_comment(robot: &Robot, entry: &CatalogueEntry) -> String {
     format!("# limits_deg = [{}]{doubt}", rows.join(", "))
 }
 
-fn stiffness(entry: &CatalogueEntry) -> String {
+fn stiffness(entry: &CatalogueEntry, example: &Example) -> String {
     let intro = "[stiffness]\n\
                  # Joint stiffness known beforehand: weighs the joints against each other when\n\
                  # postures are chosen. Orders of magnitude suffice.\n";
@@ -376,9 +378,14 @@ fn stiffness(entry: &CatalogueEntry) -> String {
                 values.join(", ")
             )
         }
-        None => format!(
-            "{intro}# Nothing is published for this robot; a robot of 165 kg payload as a guess: EDIT\n\
-             # prior_nm_per_rad = [950000, 3000000, 900000, 250000, 200000, 150000]\n"
-        ),
+        None => {
+            let values: Vec<String> = example.prior().iter().map(f64::to_string).collect();
+            format!(
+                "{intro}# Nothing is published for this robot; a robot of 165 kg payload as a guess, scaled\n\
+                 # with force and reach to a smaller one: EDIT\n\
+                 # prior_nm_per_rad = [{}]\n",
+                values.join(", ")
+            )
+        }
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::{Code, Error, Result};
 use crate::units::{rad_to_deg, roll_pitch_yaw};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Numbers on a pendant are rounded: a quaternion or matrix may be off by so much.
 const ROUNDED: f64 = 2e-3;
@@ -161,7 +161,15 @@ impl Convention {
             (Convention::Kuka, [a, b, c]) => turns(*c, *b, *a),
             (Convention::Staubli, [x, y, z]) => turns(-x, -y, -z).inverse(),
             (Convention::Ur, [x, y, z]) => {
-                UnitQuaternion::from_scaled_axis(Vector3::new(*x, *y, *z))
+                let vector = Vector3::new(*x, *y, *z);
+                let angle = vector.norm();
+                if angle > TAU + ROUNDED {
+                    let message =
+                        format!("A rotation vector of {angle:.4} rad is more than a turn.");
+                    return Err(Error::new(Code::InvalidValue, message)
+                        .hint("give it in radians, as the pendant shows it"));
+                }
+                UnitQuaternion::from_scaled_axis(vector)
             }
             (Convention::Fanuc | Convention::Yaskawa, [x, y, z]) => turns(*x, *y, *z),
             (Convention::Abb, [w, x, y, z]) => quaternion([*w, *x, *y, *z])?,

@@ -2,6 +2,7 @@
 
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
+use crate::model::elastic::{ElasticClass, ElasticSizes};
 use crate::model::implausible::{GRAVITY, payload_weight};
 use crate::model::load::Load;
 use crate::units::{m_to_mm, rad_to_deg};
@@ -27,6 +28,8 @@ const STIFFNESS: [f64; 2] = [1e3, 1e9];
 const NOISE: [f64; 2] = [1e-7, 1e-3];
 /// Largest plausible shift common to the points of a posture \[m\].
 const COMMON: f64 = 1e-3;
+/// Times the typical size beyond which what gives way beyond the axes is implausible.
+const ELASTIC: f64 = 30.0;
 /// Bounds that all lie below this may be radians \[deg\]: a full turn is 6.28 rad.
 const LIKE_RADIANS: f64 = 7.0;
 /// Plausible characteristic length \[m\].
@@ -77,6 +80,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
             }
         }
     }
+    elastic(cell, &mut slips);
     let noise = cell.noise.reading_variance.sqrt();
     if noise > 0.0 && !(NOISE[0]..=NOISE[1]).contains(&noise) {
         slips.add_beyond(
@@ -107,6 +111,34 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
             "robot.characteristic_length_mm",
             format!("The characteristic length is {length:.3e} m: is it in mm?"),
         );
+    }
+}
+
+/// Sizes of what gives way beyond the axes against those of an arm of this kind.
+fn elastic(cell: &Cell, slips: &mut Slips<'_>) {
+    let (Some(own), Some(prior)) = (&cell.elastic, &cell.prior) else {
+        return;
+    };
+    let Ok(typical) = ElasticSizes::typical(&cell.setup, prior) else {
+        return;
+    };
+    let keys = [
+        "shift_std_m_per_n",
+        "turn_std_rad_per_nm",
+        "coupling_std_rad_per_n",
+    ];
+    for (class, key) in ElasticClass::ALL.into_iter().zip(keys) {
+        let (size, usual) = (own.of(class), typical.of(class));
+        if size > ELASTIC * usual {
+            slips.add(
+                &format!("elastic.{key}"),
+                format!(
+                    "The size is {size:.1e} {unit}; an arm of this length and prior stiffness has some {usual:.1e} \
+                     {unit}. Are there millimetres in it?",
+                    unit = class.unit()
+                ),
+            );
+        }
     }
 }
 
