@@ -106,7 +106,7 @@ fn turns_are_counted_for_each_pose() {
     let pose = "600,200,500,0.1,0.2,0.3";
     folder.write(
         "poses.csv",
-        &format!("posture,x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\nP,{pose}\nP-1.5,{pose}\n"),
+        format!("posture,x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\nP,{pose}\nP-1.5,{pose}\n"),
     );
     let json = folder.ok("pose cell/cell.toml --from poses.csv --json");
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
