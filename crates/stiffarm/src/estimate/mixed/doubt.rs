@@ -24,13 +24,14 @@
 
 use super::likelihood::{Likelihood, Sizes, Solved};
 use super::sums::Rows;
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use std::ops::Range;
 
 /// Standard deviation that the logarithm of a class's variance has at most: beyond a
-/// factor of e either way first order in it means nothing. Enters the information as a
-/// prior of this width.
+/// factor of e either way first order in it means nothing.
 const MOST_DOUBT: f64 = 1.0;
+/// Sweeps after which eigenvalues are given up; a matrix of five rows takes ten.
+const MOST_SWEEPS: usize = 1000;
 /// Eigenvalues of the scaled information below this are rounding.
 const RANK: f64 = 1e-10;
 
@@ -127,7 +128,9 @@ fn bound(information: &mut DMatrix<f64>, from: usize, most: f64) {
     let others = inverted(&information.view((0, 0), (from, from)).into_owned());
     let cross = information.view((0, from), (from, count)).into_owned();
     let own = information.view((from, from), (count, count)) - cross.tr_mul(&(others * &cross));
-    let eigen = SymmetricEigen::new(own);
+    let Some(eigen) = eigen(own) else {
+        return;
+    };
     let mut block = information.view_mut((from, from), (count, count));
     for (value, vector) in eigen
         .eigenvalues
@@ -139,6 +142,12 @@ fn bound(information: &mut DMatrix<f64>, from: usize, most: f64) {
     }
 }
 
+/// `None` for numbers that are not finite, with which the search for them never ends.
+fn eigen(matrix: DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
+    let finite = matrix.iter().all(|v| v.is_finite());
+    finite.then(|| SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_SWEEPS))?
+}
+
 /// Inverse of a positive semidefinite matrix in the coordinates in which its diagonal is
 /// one, on the space that it determines.
 fn inverted(matrix: &DMatrix<f64>) -> DMatrix<f64> {
@@ -146,8 +155,10 @@ fn inverted(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
         matrix[(i, j)] / (root[i] * root[j])
     });
-    let eigen = SymmetricEigen::new(scaled);
     let mut out = DMatrix::zeros(matrix.nrows(), matrix.ncols());
+    let Some(eigen) = eigen(scaled) else {
+        return out;
+    };
     for (value, vector) in eigen
         .eigenvalues
         .iter()
