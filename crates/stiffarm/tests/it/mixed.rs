@@ -35,11 +35,26 @@ pub fn dense(
     v
 }
 
-pub fn random_effects(dice: &mut Dice, rows: usize) -> (DMatrix<f64>, Vec<std::ops::Range<usize>>) {
-    let random = DMatrix::from_fn(rows, 9, |_, j| {
+/// A random system with columns of nine random effects in two classes, and their model.
+pub fn random_model(
+    seed: u64,
+    postures: usize,
+    unknowns: usize,
+    correlated: bool,
+) -> (
+    MeasuredSystem,
+    DMatrix<f64>,
+    Vec<std::ops::Range<usize>>,
+    MixedModel,
+) {
+    let mut dice = Dice::new(seed);
+    let system = random_system(&mut dice, postures, unknowns, correlated);
+    let random = DMatrix::from_fn(system.psi.nrows(), 9, |_, j| {
         dice.between(-1.0, 1.0) * 3f64.powi(j as i32 / 4)
     });
-    (random, vec![0..4, 4..9])
+    let classes = vec![0..4, 4..9];
+    let model = MixedModel::new(&system, &random, classes.clone()).unwrap();
+    (system, random, classes, model)
 }
 
 proptest! {
@@ -49,11 +64,8 @@ proptest! {
     fn likelihood_effects_and_predictions_are_those_of_dense_matrices(
         seed in any::<u64>(), postures in 4..8_usize, unknowns in 1..4_usize, correlated in any::<bool>(),
     ) {
-        let mut dice = Dice::new(seed);
-        let system = random_system(&mut dice, postures, unknowns, correlated);
+        let (system, random, classes, model) = random_model(seed, postures, unknowns, correlated);
         let rows = system.psi.nrows();
-        let (random, classes) = random_effects(&mut dice, rows);
-        let model = MixedModel::new(&system, &random, classes.clone()).unwrap();
         let mut constant = None;
         for (gamma, ratios) in [(0.3, [0.5, 0.01]), (1e-3, [2.0, 30.0]), (20.0, [1e-4, 0.2])] {
             let v = dense(&system, gamma, &random, &classes, &ratios);

@@ -2,16 +2,15 @@
 //! and its degrees of freedom: against dense matrices and a published example.
 
 use crate::common;
-use crate::estimators::{dense_covariance, random_system};
-use crate::mixed::{dense, rails, random_effects};
+use crate::estimators::dense_covariance;
+use crate::mixed::{dense, rails, random_model};
 
 use common::cases;
-use common::random::Dice;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::ops::Range;
 use stiffarm::estimate::freedom::SizeDoubt;
-use stiffarm::internals::{MeasuredSystem, MixedModel};
+use stiffarm::internals::MeasuredSystem;
 
 /// h and u as linear functions of the displacements.
 fn solution(
@@ -65,11 +64,7 @@ proptest! {
     fn covariance_and_doubt_are_those_of_dense_matrices(
         seed in any::<u64>(), postures in 4..8_usize, unknowns in 1..4_usize, correlated in any::<bool>(),
     ) {
-        let mut dice = Dice::new(seed);
-        let system = random_system(&mut dice, postures, unknowns, correlated);
-        let rows = system.psi.nrows();
-        let (random, classes) = random_effects(&mut dice, rows);
-        let model = MixedModel::new(&system, &random, classes.clone()).unwrap();
+        let (system, random, classes, model) = random_model(seed, postures, unknowns, correlated);
         prop_assume!(model.has_shifts());
         for (gamma, ratios) in [(0.3, [0.5, 0.01]), (1e-2, [2.0, 30.0]), (20.0, [1e-4, 0.2])] {
             let v = dense(&system, gamma, &random, &classes, &ratios);

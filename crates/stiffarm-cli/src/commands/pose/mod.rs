@@ -184,7 +184,7 @@ impl Job<'_> {
             name,
             q_deg: q.iter().map(|q| rad_to_shortest_deg(*q)).collect(),
             configuration: Configuration::of(robot, q),
-            kuka_status: kuka_status(robot, q).filter(|_| is_kuka),
+            kuka_status: is_kuka.then(|| kuka_status(robot, q)).flatten(),
             kuka_turn: is_kuka.then(|| kuka_turn(q)),
         }
     }

@@ -107,15 +107,12 @@ pub(super) fn doubt(
     if let Some((own, _)) = &by_ratio {
         more += own * spread[(1, 1)];
     }
-    let mut covariance = solved.inverse();
-    for j in 0..count {
-        for i in j..count {
-            // Rounding makes the two sides differ in the last digit.
-            let own = 0.5 * (more[(i, j)] + more[(j, i)]) * scale[i] * scale[j];
-            covariance[(i, j)] += own;
-            covariance[(j, i)] = covariance[(i, j)];
-        }
-    }
+    // Rounding makes the two sides differ in the last digit.
+    let entry = |i: usize, j: usize| {
+        let plain = inverse[(i, j)] * scale[i] * scale[j];
+        plain + 0.5 * (more[(i, j)] + more[(j, i)]) * scale[i] * scale[j]
+    };
+    let covariance = DMatrix::from_fn(count, count, |i, j| entry(i.max(j), i.min(j)));
     // ln σ² and the classes: what γ does to quantiles is left out.
     let spread = spread.remove_rows(1, shared).remove_columns(1, shared);
     (covariance * solved.variance, spread)

@@ -11,6 +11,7 @@
 //! are the squares that are left on ν = rows − rank Ψ degrees of freedom.
 
 use super::sums::Rows;
+use crate::model::elastic::ElasticClass;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
 use nalgebra::linalg::Cholesky;
@@ -31,6 +32,13 @@ pub(super) struct Sizes {
     pub(super) gamma: f64,
     /// λ = ω²/σ² of each class.
     pub(super) classes: Vec<f64>,
+}
+
+impl Sizes {
+    /// ω of a class where σ is `sigma`.
+    pub(super) fn std(&self, class: ElasticClass, sigma: f64) -> f64 {
+        self.classes[class as usize].sqrt() * sigma
+    }
 }
 
 /// The mixed-model equations solved at given sizes.

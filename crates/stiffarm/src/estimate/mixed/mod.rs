@@ -167,7 +167,7 @@ impl MixedFit {
     /// Standard deviation ω of the entries of a class \[its unit\].
     pub fn size(&self, class: ElasticClass) -> f64 {
         let sigma = self.compliance.spread.as_ref().map_or(0.0, |s| s.sigma);
-        self.sizes.classes[class as usize].sqrt() * sigma
+        self.sizes.std(class, sigma)
     }
 
     /// How much likelier the data are with the random effects: twice the difference of
@@ -334,7 +334,7 @@ fn compliance(
         }
     }
     let sigma = solved.variance.sqrt();
-    let std = |class: ElasticClass| sizes.classes[class as usize].sqrt() * sigma;
+    let std = |class| sizes.std(class, sigma);
     Some(IdentifiedCompliance {
         values,
         extra: terms(effects),

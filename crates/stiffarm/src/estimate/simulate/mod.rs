@@ -252,10 +252,7 @@ fn simulate_level(
     let points = cell.setup.tool.point_count();
     let rows = 3 * points;
     let postures = psi.nrows() / rows;
-    let noise = Noise {
-        reading_variance: cell.noise.reading_variance * factor,
-        ..cell.noise
-    };
+    let noise = cell.noise.with_variance_times(factor);
     let weight = noise.common_weight(points);
     let whiten = |matrix: &mut DMatrix<f64>| {
         if weight > 0.0 {

@@ -329,14 +329,7 @@ pub fn simulate_measurements(
         .iter()
         .enumerate()
         .map(|(p, posture)| {
-            let mut measured = MeasuredPosture {
-                posture: posture.clone(),
-                state: "loaded".to_string(),
-                wrench: None,
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: Vec::new(),
-            };
+            let mut measured = MeasuredPosture::new(posture.clone(), Vec::new());
             let exact = calculated_displacements(cell, &measured, truth, model)?;
             measured.displacements = exact
                 .iter()

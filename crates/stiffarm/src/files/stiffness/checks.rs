@@ -403,6 +403,16 @@ pub(super) fn not_negative(
     Ok(())
 }
 
+/// A covariance is a lower triangle of `count` rows.
+pub(super) fn triangle(rows: &[Vec<f64>], count: usize, key: &str) -> Result<()> {
+    let fits = rows.iter().enumerate().all(|(i, row)| row.len() == i + 1);
+    if rows.len() == count && fits {
+        return Ok(());
+    }
+    let message = format!("The covariance must be a lower triangle of {count} rows.");
+    Err(fault(message).key(key))
+}
+
 /// Two values that say the same.
 pub(super) fn same(a: f64, b: f64, key: &str) -> Result<()> {
     if (a - b).abs() <= AGREEMENT * a.abs().max(b.abs()) {

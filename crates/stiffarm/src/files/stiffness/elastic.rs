@@ -46,14 +46,10 @@ pub(super) fn mixed(
     values(&mixed, &key, cell)?;
     scatter(&mixed, &key, estimates)?;
     let compliance = mixed.compliance(estimates.confidence)?;
-    let Some(spread) = &compliance.spread else {
-        let count = compliance.values.len();
-        let message = format!("The covariance must be a lower triangle of {count} rows.");
-        return Err(fault(message).key(below(&key, "covariance")));
-    };
-    let covariance = &spread.covariance;
-    let entry = |i: usize, j: usize| Some(covariance[(i, j)]);
-    checks::not_negative(covariance.nrows(), entry, &below(&key, "covariance"))?;
+    let count = compliance.values.len();
+    checks::triangle(&mixed.covariance, count, &below(&key, "covariance"))?;
+    let entry = |i: usize, j: usize| Some(mixed.covariance[i.max(j)][i.min(j)]);
+    checks::not_negative(count, entry, &below(&key, "covariance"))?;
     checks::quantile(&compliance, &key)?;
     let budget = &value["budget"];
     if budget.is_null() {
@@ -136,11 +132,7 @@ fn scatter(mixed: &MixedResult, key: &str, estimates: &Estimates) -> Result<()> 
     let rows = &mixed.size_covariance;
     if !rows.is_empty() {
         let count = 1 + ElasticClass::ALL.len();
-        let triangle = rows.iter().enumerate().all(|(i, row)| row.len() == i + 1);
-        if rows.len() != count || !triangle {
-            let message = format!("The covariance must be a lower triangle of {count} rows.");
-            return Err(fault(message).key(at("size_covariance")));
-        }
+        checks::triangle(rows, count, &at("size_covariance"))?;
         let entry = |i: usize, j: usize| Some(rows[i.max(j)][i.min(j)]);
         checks::not_negative(count, entry, &at("size_covariance"))?;
     }

@@ -94,11 +94,7 @@ fn part(
 fn moments(found: &SystematicPosterior, count: usize, key: &str) -> Result<()> {
     let at = |name: &str| below(key, name);
     let rows = &found.covariance;
-    let triangle = rows.iter().enumerate().all(|(i, row)| row.len() == i + 1);
-    if rows.len() != count || !triangle {
-        let message = format!("The covariance must be a lower triangle of {count} rows.");
-        return Err(fault(message).key(at("covariance")));
-    }
+    checks::triangle(rows, count, &at("covariance"))?;
     if found.mean.len() != count {
         let message = format!("{} means for {count} parts.", found.mean.len());
         return Err(fault(message).key(at("mean")));

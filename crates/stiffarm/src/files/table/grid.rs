@@ -6,6 +6,10 @@ use crate::files::names::fault_of;
 use crate::model::cell::Columns;
 use crate::units::{LARGEST_NUMBER, Sense};
 use smol_str::SmolStr;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fmt::Display;
+use std::hash::Hash;
 use std::ops::Range;
 
 /// Lengths of a table in another unit have an error of their own: so many times the
@@ -310,6 +314,28 @@ impl<'a> Table<'a> {
         match fault_of(text) {
             Some(wrong) => Err(self.error(row, column.at, Code::TableRow, wrong)),
             None => Ok(text),
+        }
+    }
+
+    /// Refuses a `name` of a `what` that an earlier row has; `lines` holds those so far.
+    pub(super) fn once<N: Eq + Hash + Display>(
+        &self,
+        lines: &mut HashMap<N, usize>,
+        (what, name): (&str, N),
+        row: &Row,
+        at: usize,
+    ) -> Result<()> {
+        match lines.entry(name) {
+            Entry::Vacant(entry) => {
+                entry.insert(row.line);
+                Ok(())
+            }
+            Entry::Occupied(entry) => {
+                let (name, first) = (entry.key(), entry.get());
+                let message =
+                    format!("The {what} \"{name}\" appears twice; first on line {first}.");
+                Err(self.error(row, at, Code::Duplicate, message))
+            }
         }
     }
 

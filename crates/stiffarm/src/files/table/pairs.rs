@@ -3,7 +3,7 @@
 use super::grid::{Column, Row, Table};
 use super::heading::Known;
 use super::quantity::Quantity;
-use crate::error::{Code, Result};
+use crate::error::Result;
 use crate::measure::registration::PointPair;
 use crate::model::cell::Columns;
 use nalgebra::Vector3;
@@ -40,12 +40,11 @@ fn read(table: &Table<'_>) -> Result<Vec<PointPair>> {
     let mut lines: HashMap<&str, usize> = HashMap::new();
     for row in &rows {
         let name = table.name(row, name_column)?;
-        if let Some(first) = lines.insert(name, row.line) {
-            let message = format!("The point \"{name}\" appears twice; first on line {first}.");
-            return Err(table
-                .error(row, name_column.at, Code::Duplicate, message)
-                .hint("average repeated readings of a point, or give each a name of its own"));
-        }
+        table
+            .once(&mut lines, ("point", name), row, name_column.at)
+            .map_err(|e| {
+                e.hint("average repeated readings of a point, or give each a name of its own")
+            })?;
         pairs.push(PointPair {
             name: name.to_string(),
             tracker: position(table, row, &tracker)?,

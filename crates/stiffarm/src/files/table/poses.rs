@@ -4,7 +4,7 @@ use super::grid::Table;
 use super::heading::Known;
 use super::quantity::{Quantity, rounded};
 use super::write::line;
-use crate::error::{Code, Result};
+use crate::error::Result;
 use crate::model::cell::Columns;
 use crate::model::pose::Convention;
 use crate::units::m_to_mm;
@@ -58,11 +58,8 @@ pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Resu
             Some(column) => table.name(row, column)?.to_string(),
             None => format!("P{}", i + 1),
         };
-        if let Some(first) = lines.insert(name.clone(), row.line) {
-            let at = name_column.map_or(0, |column| column.at);
-            let message = format!("The posture \"{name}\" appears twice; first on line {first}.");
-            return Err(table.error(row, at, Code::Duplicate, message));
-        }
+        let at = name_column.map_or(0, |column| column.at);
+        table.once(&mut lines, ("posture", name.clone()), row, at)?;
         let numbers = |columns: &[super::grid::Column]| -> Result<Vec<f64>> {
             columns.iter().map(|c| table.number(row, *c)).collect()
         };

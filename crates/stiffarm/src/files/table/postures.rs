@@ -34,10 +34,7 @@ fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
     let mut lines: HashMap<&str, usize> = HashMap::new();
     for row in &rows {
         let name = table.name(row, name_column)?;
-        if let Some(first) = lines.insert(name, row.line) {
-            let message = format!("The posture \"{name}\" appears twice; first on line {first}.");
-            return Err(table.error(row, name_column.at, Code::Duplicate, message));
-        }
+        table.once(&mut lines, ("posture", name), row, name_column.at)?;
         let q = angles(table, row, &columns, robot)?;
         postures.push(Posture {
             name: name.to_string(),

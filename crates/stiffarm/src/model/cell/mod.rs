@@ -37,6 +37,15 @@ pub struct Noise {
 }
 
 impl Noise {
+    /// The same with `factor` times the variance of a reading.
+    #[must_use]
+    pub fn with_variance_times(self, factor: f64) -> Self {
+        Noise {
+            reading_variance: self.reading_variance * factor,
+            ..self
+        }
+    }
+
     /// Variance σ² of one displacement component \[m²\].
     pub fn displacement_variance(&self) -> f64 {
         self.reading_variance * f64::from(self.readings_per_displacement)

@@ -69,6 +69,20 @@ pub struct MeasuredPosture {
     pub displacements: Vec<Displacement>,
 }
 
+impl MeasuredPosture {
+    /// A posture under the cell's load, in the state `loaded`.
+    pub fn new(posture: Posture, displacements: Vec<Displacement>) -> Self {
+        MeasuredPosture {
+            posture,
+            state: "loaded".to_string(),
+            wrench: None,
+            servo_deflection: None,
+            common_readings: [0.0; 2],
+            displacements,
+        }
+    }
+}
+
 /// What a table of measurements holds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Measurements {

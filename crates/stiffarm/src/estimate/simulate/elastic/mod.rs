@@ -16,12 +16,12 @@ pub use result::{
 
 use super::{check_amount, check_determined, draw_noise};
 use crate::error::{Code, Error, Result};
-use crate::estimate::compliance::{IdentifiedCompliance, Spread};
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::elastic::{ElasticChoice, elastic};
 use crate::estimate::identify::{Fit, IdentifyOptions, estimate};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::validate::simulate_measurements;
-use crate::model::cell::{Cell, Noise};
+use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::posture::{Posture, PostureGroup};
 use crate::model::stiffness::Model;
@@ -155,10 +155,7 @@ pub fn simulate_elastic_measurements(
 /// The cell with `factor` times the reading variance.
 fn noisier(cell: &Cell, factor: f64) -> Cell {
     Cell {
-        noise: Noise {
-            reading_variance: cell.noise.reading_variance * factor,
-            ..cell.noise
-        },
+        noise: cell.noise.with_variance_times(factor),
         ..cell.clone()
     }
 }
@@ -270,7 +267,10 @@ impl Experiment<'_> {
         compliance: &DVector<f64>,
     ) -> Result<Outcome> {
         let spread = predictor.spread.as_ref();
-        let quantiles = spread.map(Spread::quantiles).transpose()?;
+        let known = match spread {
+            Some(spread) => Some((spread, spread.quantiles()?)),
+            None => None,
+        };
         let mut deviations = Vec::with_capacity(self.truth.prior.len());
         let mut holds = Vec::with_capacity(self.truth.prior.len());
         for (j, k) in self.truth.prior.iter().enumerate() {
@@ -286,8 +286,8 @@ impl Experiment<'_> {
             deviations.push(deviation);
             let error = spread.map(|s| s.covariance[(j, j)].max(0.0).sqrt());
             // An interval on the wrong side of zero does not hold either.
-            let quantile = spread
-                .zip(quantiles.as_ref())
+            let quantile = known
+                .as_ref()
                 .map(|(spread, all)| all.of_unknown(&spread.covariance, j));
             let held = quantile.map(|_| {
                 let [low, high] = estimate("", Some(value), error, quantile).interval;
@@ -298,7 +298,9 @@ impl Experiment<'_> {
         Ok(Outcome {
             deviations,
             holds,
-            predicted: self.work.predicted(predictor, compliance)?,
+            predicted: self
+                .work
+                .predicted(&predictor.values, known.as_ref(), compliance)?,
         })
     }
 }

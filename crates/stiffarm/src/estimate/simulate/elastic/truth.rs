@@ -2,12 +2,14 @@
 //! them that every run draws.
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::compliance::Spread;
+use crate::estimate::freedom::SpreadQuantiles;
+use crate::estimate::identify::columns;
 use crate::estimate::simulate::normal;
 use crate::model::cell::Cell;
 use crate::model::elastic::{ElasticSizes, effects, terms};
 use crate::model::measurement::{Displacement, MeasuredPosture};
-use crate::model::observation::PostureTerms;
+use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::model::posture::Posture;
 use crate::plan::index::prediction::work_of;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -45,20 +47,9 @@ impl Truth {
     }
 }
 
-/// Columns of the axes, then of the entries of the springs, at the measuring points.
-fn columns(cell: &Cell, terms_here: &PostureTerms, count: usize) -> DMatrix<f64> {
-    let springs = terms(&effects(cell.setup.robot.joint_count()));
-    let block = terms_here
-        .block(&cell.setup.robot)
-        .rows(0, count)
-        .into_owned();
-    let fixed = block.ncols();
-    let mut out = block.resize_horizontally(fixed + springs.len(), 0.0);
-    for (j, term) in springs.iter().enumerate() {
-        let column = term.column(terms_here);
-        out.column_mut(fixed + j).copy_from(&column.rows(0, count));
-    }
-    out
+/// The entries of all springs beyond the axes.
+fn springs(cell: &Cell) -> Vec<ExtraTerm> {
+    terms(&effects(cell.setup.robot.joint_count()))
 }
 
 /// A group of postures on any such arm.
@@ -78,11 +69,12 @@ impl Group {
     pub(super) fn new(cell: &Cell, postures: &[Posture]) -> Result<Self> {
         let points = cell.setup.tool.point_count();
         let rows = 3 * points;
+        let springs = springs(cell);
         let mut blocks = Vec::with_capacity(postures.len());
         let mut known = DVector::zeros(rows * postures.len());
         for (p, posture) in postures.iter().enumerate() {
             let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
-            blocks.push(columns(cell, &terms, rows));
+            blocks.push(columns(cell, &terms, &springs));
             known
                 .rows_mut(rows * p, rows)
                 .copy_from(&terms.known_displacement(&cell.setup.tool));
@@ -121,19 +113,13 @@ impl Group {
         let all = &self.columns * compliance + &self.known + noise;
         let postures = self.postures.iter().enumerate();
         postures
-            .map(|(p, posture)| MeasuredPosture {
-                posture: posture.clone(),
-                state: "loaded".to_string(),
-                wrench: None,
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: (0..self.points)
-                    .map(|a| {
-                        let at = 3 * (self.points * p + a);
-                        let value: Vector3<f64> = all.fixed_rows::<3>(at).into_owned();
-                        Displacement::new(a, value)
-                    })
-                    .collect(),
+            .map(|(p, posture)| {
+                let displacements = (0..self.points).map(|a| {
+                    let at = 3 * (self.points * p + a);
+                    let value: Vector3<f64> = all.fixed_rows::<3>(at).into_owned();
+                    Displacement::new(a, value)
+                });
+                MeasuredPosture::new(posture.clone(), displacements.collect())
             })
             .collect()
     }
@@ -157,11 +143,9 @@ impl Work {
     /// # Errors
     /// As [`work_of`].
     pub(super) fn new(cell: &Cell) -> Result<Self> {
-        let work = work_of(cell)?;
-        let blocks: Vec<DMatrix<f64>> = work
-            .iter()
-            .map(|(_, terms)| columns(cell, terms, 3))
-            .collect();
+        let (work, springs) = (work_of(cell)?, springs(cell));
+        let tip = |terms: &PostureTerms| columns(cell, terms, &springs).rows(0, 3).into_owned();
+        let blocks: Vec<DMatrix<f64>> = work.iter().map(|(_, terms)| tip(terms)).collect();
         Ok(Work {
             columns: stacked(&blocks),
         })
@@ -177,17 +161,19 @@ impl Work {
         (&self.columns * compliance).norm_squared() / self.count() as f64
     }
 
-    /// What `predictor` makes of the deflections of an arm with these compliances.
+    /// What these values, as sure as `known` says, make of the deflections of an arm with
+    /// these compliances.
     ///
     /// # Errors
     /// A number that is not finite.
     pub(super) fn predicted(
         &self,
-        predictor: &IdentifiedCompliance,
+        values: &DVector<f64>,
+        known: Option<&(&Spread, SpreadQuantiles)>,
         compliance: &DVector<f64>,
     ) -> Result<Predicted> {
-        let own = self.columns.columns(0, predictor.values.len());
-        let errors = own * &predictor.values - &self.columns * compliance;
+        let own = self.columns.columns(0, values.len());
+        let errors = own * values - &self.columns * compliance;
         let square = errors.norm_squared() / self.count() as f64;
         if !square.is_finite() {
             return Err(Error::new(
@@ -195,19 +181,15 @@ impl Work {
                 "A predicted deflection is not a finite number.",
             ));
         }
-        let inside = match &predictor.spread {
-            None => None,
-            Some(spread) => {
-                let quantiles = spread.quantiles()?;
-                let with = &spread.covariance * own.transpose();
-                let held = (0..errors.len()).filter(|i| {
-                    let with = with.column(*i).into_owned();
-                    let variance = own.row(*i).transpose().dot(&with).max(0.0);
-                    errors[*i].abs() <= quantiles.of(&with, variance, 0.0) * variance.sqrt()
-                });
-                Some(held.count() as f64 / errors.len() as f64)
-            }
-        };
+        let inside = known.map(|(spread, quantiles)| {
+            let with = &spread.covariance * own.transpose();
+            let held = (0..errors.len()).filter(|i| {
+                let with = with.column(*i).into_owned();
+                let variance = own.row(*i).transpose().dot(&with).max(0.0);
+                errors[*i].abs() <= quantiles.of(&with, variance, 0.0) * variance.sqrt()
+            });
+            held.count() as f64 / errors.len() as f64
+        });
         Ok(Predicted { square, inside })
     }
 }

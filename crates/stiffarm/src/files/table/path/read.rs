@@ -69,14 +69,13 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
         let name = match columns.point {
             Some(column) => {
                 let name = table.name(row, column)?;
-                if let Some(first) = lines.insert(name, row.line) {
-                    let message =
-                        format!("The point \"{name}\" appears twice; first on line {first}.");
-                    let error = table.error(row, column.at, Code::Duplicate, message);
-                    return Err(error.hint(
-                        "give each point a name of its own, or leave the column out: points are then numbered",
-                    ));
-                }
+                table
+                    .once(&mut lines, ("point", name), row, column.at)
+                    .map_err(|e| {
+                        e.hint(
+                            "give each point a name of its own, or leave the column out: points are then numbered",
+                        )
+                    })?;
                 name.into()
             }
             None => (i + 1).to_string().into(),
