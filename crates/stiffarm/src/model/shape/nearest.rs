@@ -14,7 +14,8 @@ pub struct Nearest {
     pub distance: f64,
     /// The point: `a` + t (`b` − `a`).
     pub t: f64,
-    /// Unit direction away from the solid.
+    /// Direction away from the solid: the derivative of the distance by the point. Of unit length but
+    /// where a segment is as deep below one face as below another.
     pub direction: Vector3<f64>,
 }
 
@@ -58,34 +59,33 @@ fn nearest_by_slope(solid: &Solid, a: &Vector3<f64>, b: &Vector3<f64>) -> Neares
             slope,
         )
     };
-    let (first, slope) = at(0.0);
-    if slope >= 0.0 {
+    let (first, falls) = at(0.0);
+    if falls >= 0.0 {
         return first;
     }
-    let (last, slope) = at(1.0);
-    if slope <= 0.0 {
+    let (last, rises) = at(1.0);
+    if rises <= 0.0 {
         return last;
     }
-    let (mut low, mut high) = (0.0, 1.0);
-    let mut best = if first.distance < last.distance {
-        first
-    } else {
-        last
-    };
+    let (mut low, mut high) = ((first, falls), (last, rises));
     for _ in 0..HALVINGS {
-        let (middle, slope) = at(0.5 * (low + high));
-        if middle.distance <= best.distance {
-            best = middle;
-        }
+        let (middle, slope) = at(0.5 * (low.0.t + high.0.t));
         if slope > 0.0 {
-            high = middle.t;
+            high = (middle, slope);
         } else if slope < 0.0 {
-            low = middle.t;
+            low = (middle, slope);
         } else {
-            break;
+            return middle;
         }
     }
-    best
+    let best = if low.0.distance < high.0.distance { low.0 } else { high.0 };
+    // Deep inside, the minimum may be a kink between two faces: neither slope is zero there, but the
+    // mean that weighs them to zero is, and its direction is the derivative.
+    let share = high.1 / (high.1 - low.1);
+    Nearest {
+        direction: low.0.direction * share + high.0.direction * (1.0 - share),
+        ..best
+    }
 }
 
 fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> Nearest {
