@@ -3,6 +3,7 @@
 use super::margins::Placed;
 use super::pairs::{Line, line_to_solid};
 use super::slope::Slope;
+use super::work::Memory;
 use crate::model::kinematics::Frames;
 use crate::model::shape::Capsule;
 use nalgebra::{Unit, Vector3};
@@ -70,7 +71,7 @@ impl Sight {
     pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
         let mut best: Option<(SeenFrom, f64)> = None;
         for station in 0..self.stations.len() {
-            let beams = self.beams(station, points, placed, CLEAR);
+            let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
             let seen = (0..points.len())
                 .filter(|i| beams[*i].margin() >= 0.0)
                 .collect();
@@ -101,13 +102,14 @@ impl Sight {
         &self,
         points: &[Vector3<f64>],
         placed: &Placed<'_>,
+        memory: &mut Memory,
         enough: f64,
         mut each: impl FnMut(f64, &Slope<'_>),
     ) {
         let enough = (enough + CHOICE).min(CLEAR);
         let best = (0..self.stations.len())
             .map(|station| {
-                let beams = self.beams(station, points, placed, enough);
+                let beams = self.beams(station, points, placed, memory, enough);
                 let (needed, margin) = self.chosen(&beams);
                 (beams, needed, margin)
             })
@@ -143,20 +145,39 @@ impl Sight {
         station: usize,
         points: &[Vector3<f64>],
         placed: &Placed<'_>,
+        memory: &mut Memory,
         clear: f64,
     ) -> Vec<Beam> {
         let from = self.stations[station].position;
-        points
-            .iter()
-            .zip(&self.facings)
-            .map(|(point, facing)| Beam {
+        let mut beams = Vec::with_capacity(points.len());
+        for (i, (point, facing)) in points.iter().zip(&self.facings).enumerate() {
+            let at = station * points.len() + i;
+            let clearance = match memory.beam_still(at, clear) {
+                Some(_) => (clear, Slope::NONE),
+                None => {
+                    let (found, slope) =
+                        self.beam_clearance(point, &from, placed, memory.ahead(clear));
+                    memory.note_beam(at, found);
+                    match found < clear {
+                        true => (found, slope),
+                        false => (clear, Slope::NONE),
+                    }
+                }
+            };
+            beams.push(Beam {
                 incidence: match facing {
                     Some(facing) => incidence(point, &from, facing, placed.frames),
                     None => (f64::INFINITY, Slope::NONE),
                 },
-                clearance: self.beam_clearance(point, &from, placed, clear),
-            })
-            .collect()
+                clearance,
+            });
+        }
+        beams
+    }
+
+    /// Number of beams, from each station to each measuring point.
+    pub(super) fn beam_count(&self) -> usize {
+        self.stations.len() * self.facings.len()
     }
 
     fn beam_clearance(
