@@ -31,7 +31,7 @@ use values::{count_or_none, number};
     propagate_version = true,
     max_term_width = 100,
     after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
-                  cells     builtin:comau (the default cell), builtin:comau-reference, builtin:fanuc-r2000ic\n  \
+                  cells     builtin:comau (the default cell), builtin:comau-reference,\n            builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  \
                   postures  builtin:comau-group1\n  \
                   pairs     builtin:example-pairs\n  \
                   paths     builtin:contour\n\n\
