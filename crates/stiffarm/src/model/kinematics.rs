@@ -13,6 +13,8 @@ use nalgebra::{Isometry3, Matrix6xX, UnitQuaternion, Vector3};
 pub struct Frames {
     axes: Vec<Vector3<f64>>,
     origins: Vec<Vector3<f64>>,
+    /// What moves with each joint, after its turn.
+    links: Vec<Isometry3<f64>>,
     flange: Isometry3<f64>,
 }
 
@@ -56,6 +58,7 @@ impl Frames {
         Frames {
             axes: vec![Vector3::zeros(); n],
             origins: vec![Vector3::zeros(); n],
+            links: vec![Isometry3::identity(); n],
             flange: Isometry3::identity(),
         }
     }
@@ -80,6 +83,7 @@ impl Frames {
             // Long products drift off the unit sphere by rounding only; one
             // Newton step keeps rotations orthonormal to machine precision.
             frame.rotation.renormalize_fast();
+            self.links[i] = frame;
         }
         self.flange = frame * robot.flange();
     }
@@ -92,6 +96,11 @@ impl Frames {
     /// Pose of the flange in the base frame \[m\].
     pub fn flange(&self) -> &Isometry3<f64> {
         &self.flange
+    }
+
+    /// Frames that move with the joints: of each its own frame after its turn, in the base frame \[m\].
+    pub fn links(&self) -> &[Isometry3<f64>] {
+        &self.links
     }
 
     /// Unit axes z_i of the joints, base axes.

@@ -16,6 +16,7 @@ mod load;
 mod own;
 mod raw;
 mod robot;
+mod scene;
 #[cfg(feature = "schema")]
 mod schema;
 mod sheets;

@@ -1,0 +1,71 @@
+//! Pairs of parts and the distance between them.
+
+use super::margins::Placed;
+use super::slope::Slope;
+use crate::model::shape::{Capsule, Solid, nearest};
+
+/// Two parts that are kept apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pair {
+    /// The part that moves, as capsules.
+    pub mover: usize,
+    /// The other, as solids.
+    pub solid: usize,
+}
+
+/// A line and how each end moves.
+pub(super) struct Line {
+    pub capsule: Capsule,
+    pub moved_by: [usize; 2],
+}
+
+/// Distance between a line's surface and a solid in the base frame, or a lower bound
+/// of it that is not below `enough`; with the derivative where it is exact.
+#[inline]
+pub(super) fn line_to_solid(
+    line: &Line,
+    solid: &Solid,
+    solid_moved_by: usize,
+    enough: f64,
+) -> (f64, Option<Slope<'static>>) {
+    let Capsule { a, b, radius } = line.capsule;
+    // The signed distance grows by a metre per metre at most.
+    let middle = (a + b) * 0.5;
+    let bound = solid.signed_distance(&middle).0 - (b - a).norm() * 0.5 - radius;
+    if bound >= enough {
+        return (bound, None);
+    }
+    let at = nearest(solid, &a, &b);
+    let mut slope = Slope::NONE;
+    let point = a + (b - a) * at.t;
+    if line.moved_by[0] == line.moved_by[1] {
+        slope.push(point, at.direction, line.moved_by[0]);
+    } else {
+        slope.push(a, at.direction * (1.0 - at.t), line.moved_by[0]);
+        slope.push(b, at.direction * at.t, line.moved_by[1]);
+    }
+    slope.push(point, -at.direction, solid_moved_by);
+    (at.distance - radius, Some(slope))
+}
+
+impl Pair {
+    /// Distance between both parts, or a lower bound not below `enough`.
+    pub fn distance(&self, placed: &Placed<'_>, enough: f64) -> (f64, Option<Slope<'static>>) {
+        let mut best = (f64::INFINITY, None);
+        for capsule in placed.capsules(self.mover) {
+            let moved = placed.moved_by(self.mover);
+            let line = Line {
+                capsule: *capsule,
+                moved_by: [moved, moved],
+            };
+            for solid in placed.solids(self.solid) {
+                let enough = best.0.min(enough);
+                let found = line_to_solid(&line, solid, placed.moved_by(self.solid), enough);
+                if found.0 < best.0 {
+                    best = found;
+                }
+            }
+        }
+        best
+    }
+}

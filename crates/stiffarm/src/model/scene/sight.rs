@@ -1,0 +1,200 @@
+//! Lines of sight from tracker stations to measuring points.
+
+use super::margins::Placed;
+use super::pairs::{Line, line_to_solid};
+use super::slope::Slope;
+use crate::model::kinematics::Frames;
+use crate::model::shape::Capsule;
+use nalgebra::{Unit, Vector3};
+
+/// Beams farther than this from every part are as good as clear \[m\].
+const CLEAR: f64 = 0.25;
+
+/// Where a tracker stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Station {
+    /// Its name.
+    pub name: String,
+    /// Where its beam goes out, base frame \[m\].
+    pub position: Vector3<f64>,
+}
+
+/// Where a reflector looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facing {
+    /// Its axis, flange axes.
+    pub axis: Unit<Vector3<f64>>,
+    /// Largest angle between axis and beam \[rad\].
+    pub acceptance: f64,
+}
+
+/// What is asked of the tracker's beams.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sight {
+    /// The stations; one of them must see enough measuring points of a posture.
+    pub stations: Vec<Station>,
+    /// Where the reflectors look, one per measuring point; `None`: all round.
+    pub facings: Vec<Option<Facing>>,
+    /// Distance kept between a beam and every part \[m\].
+    pub clearance: f64,
+    /// How many measuring points must be seen.
+    pub visible_points: usize,
+}
+
+/// How well one station sees one measuring point.
+#[derive(Debug, Clone, Copy)]
+struct Beam {
+    incidence: (f64, Slope<'static>),
+    clearance: (f64, Slope<'static>),
+}
+
+impl Beam {
+    fn margin(&self) -> f64 {
+        self.incidence.0.min(self.clearance.0)
+    }
+}
+
+/// Which station sees which measuring points of a posture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SeenFrom {
+    /// Number of the station.
+    pub station: usize,
+    /// Numbers of the measuring points that it sees, ascending.
+    pub points: Vec<usize>,
+}
+
+impl Sight {
+    /// The station that sees most, and what it sees.
+    pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
+        let mut best: Option<(SeenFrom, f64)> = None;
+        for station in 0..self.stations.len() {
+            let beams = self.beams(station, points, placed);
+            let seen = (0..points.len())
+                .filter(|i| beams[*i].margin() >= 0.0)
+                .collect();
+            let (_, margin) = self.chosen(&beams);
+            let here = SeenFrom {
+                station,
+                points: seen,
+            };
+            let better = best.as_ref().is_none_or(|(before, with)| {
+                (here.points.len(), margin) > (before.points.len(), *with)
+            });
+            if better {
+                best = Some((here, margin));
+            }
+        }
+        best.map_or(
+            SeenFrom {
+                station: 0,
+                points: Vec::new(),
+            },
+            |(seen, _)| seen,
+        )
+    }
+
+    /// Two margins per measuring point, incidence and clearance \[rad, m\], of the station that sees
+    /// best; infinite for points that need not be seen.
+    pub(super) fn visit(
+        &self,
+        points: &[Vector3<f64>],
+        placed: &Placed<'_>,
+        mut each: impl FnMut(f64, &Slope<'_>),
+    ) {
+        let best = (0..self.stations.len())
+            .map(|station| {
+                let beams = self.beams(station, points, placed);
+                let (needed, margin) = self.chosen(&beams);
+                (beams, needed, margin)
+            })
+            .reduce(|a, b| if b.2 > a.2 { b } else { a });
+        let Some((beams, needed, _)) = best else {
+            return;
+        };
+        for (beam, needed) in beams.iter().zip(needed) {
+            for (value, slope) in [&beam.incidence, &beam.clearance] {
+                match needed {
+                    true => each(*value, slope),
+                    false => each(f64::INFINITY, &Slope::NONE),
+                }
+            }
+        }
+    }
+
+    /// The points that count, those seen best, and the margin of the worst of them.
+    fn chosen(&self, beams: &[Beam]) -> (Vec<bool>, f64) {
+        let mut order: Vec<usize> = (0..beams.len()).collect();
+        order.sort_by(|a, b| beams[*b].margin().total_cmp(&beams[*a].margin()));
+        order.truncate(self.visible_points);
+        let worst = order.last().map_or(f64::INFINITY, |i| beams[*i].margin());
+        let mut needed = vec![false; beams.len()];
+        for i in order {
+            needed[i] = true;
+        }
+        (needed, worst)
+    }
+
+    fn beams(&self, station: usize, points: &[Vector3<f64>], placed: &Placed<'_>) -> Vec<Beam> {
+        let from = self.stations[station].position;
+        points
+            .iter()
+            .zip(&self.facings)
+            .map(|(point, facing)| Beam {
+                incidence: match facing {
+                    Some(facing) => incidence(point, &from, facing, placed.frames),
+                    None => (f64::INFINITY, Slope::NONE),
+                },
+                clearance: self.beam_clearance(point, &from, placed),
+            })
+            .collect()
+    }
+
+    fn beam_clearance(
+        &self,
+        point: &Vector3<f64>,
+        station: &Vector3<f64>,
+        placed: &Placed<'_>,
+    ) -> (f64, Slope<'static>) {
+        let line = Line {
+            capsule: Capsule {
+                a: *point,
+                b: *station,
+                radius: self.clearance,
+            },
+            moved_by: [placed.frames.joint_count(), 0],
+        };
+        let mut best = (CLEAR, Slope::NONE);
+        for part in 0..placed.part_count() {
+            for solid in placed.solids(part) {
+                let (distance, slope) = line_to_solid(&line, solid, placed.moved_by(part), best.0);
+                if let (true, Some(slope)) = (distance < best.0, slope) {
+                    best = (distance, slope);
+                }
+            }
+        }
+        best
+    }
+}
+
+/// How far the beam is inside the reflector's acceptance angle \[rad\].
+fn incidence(
+    point: &Vector3<f64>,
+    station: &Vector3<f64>,
+    facing: &Facing,
+    frames: &Frames,
+) -> (f64, Slope<'static>) {
+    let axis = frames.direction(&facing.axis);
+    let beam = station - point;
+    let length = beam.norm();
+    let unit = beam / length;
+    let cosine = axis.dot(&unit).clamp(-1.0, 1.0);
+    let sine = (1.0 - cosine * cosine).sqrt();
+    let mut slope = Slope::NONE;
+    if sine > 1e-9 {
+        // cos = e·u: e turns with the tool, u with the point.
+        slope.turn = axis.cross(&unit) / sine;
+        let force = (unit * cosine - axis) / (length * sine);
+        slope.push(*point, force, frames.joint_count());
+    }
+    (facing.acceptance - cosine.acos(), slope)
+}
