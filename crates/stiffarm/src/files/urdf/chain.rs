@@ -15,6 +15,7 @@
 use super::source::Source;
 use super::tree::{Tree, pose};
 use crate::error::{Code, Error, Result};
+use crate::findings::{Finding, Severity};
 use crate::model::robot::JointAxis;
 use crate::units::rad_to_deg;
 use nalgebra::{DMatrix, Isometry3, UnitQuaternion, UnitVector3, Vector3};
@@ -38,6 +39,8 @@ pub(super) struct Chain<'a> {
     pub(super) tip: Isometry3<f64>,
     /// The links of the chain, base first.
     pub(super) links: Vec<ChainLink<'a>>,
+    /// What was not taken from the file.
+    pub(super) findings: Vec<Finding>,
 }
 
 /// A link of the chain.
@@ -110,7 +113,12 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
         Ok(limits)
     });
     let limits = limits.collect::<Result<Vec<_>>>()?;
+    let findings = drives
+        .iter()
+        .filter_map(|drive| endless(tree.source, drive));
+    let findings = findings.collect();
     Ok(Chain {
+        findings,
         axes: groups.iter().map(|group| group.axis).collect(),
         drives,
         limits,
@@ -342,6 +350,19 @@ fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
         false => TAU.copysign(limit),
     };
     Ok(found.map(turn))
+}
+
+/// Says that limits of a joint without end do not count.
+fn endless(source: &Source<'_>, joint: &Joint) -> Option<Finding> {
+    let given = source.has_limits(&joint.name) && joint.limit.lower < joint.limit.upper;
+    (given && joint.joint_type == JointType::Continuous).then(|| {
+        let [low, high] = [joint.limit.lower, joint.limit.upper].map(rad_to_deg);
+        let sentence = format!(
+            "The joint is of the type continuous, so that its limits, {low:.1}° to {high:.1}°, do not count; ±360° \
+             stand for them. Set limits_deg in the cell if they hold.",
+        );
+        Finding::new("urdf-limits", Severity::Caution, joint.name.as_str(), sentence)
+    })
 }
 
 /// Says that a limit cannot be meant.

@@ -39,6 +39,7 @@ pub use shapes::{CollisionGeometry, CollisionShape};
 
 use super::check_name;
 use crate::error::Result;
+use crate::findings::Finding;
 use crate::model::robot::{DhConvention, DhRobot, rows_of_axes};
 use source::Source;
 use tree::Tree;
@@ -66,6 +67,8 @@ pub struct UrdfRobot {
     pub shapes: Vec<CollisionShape>,
     /// Links with collision geometry that move otherwise: fingers, levers, balancers.
     pub left_out: Vec<String>,
+    /// What the file says and the robot does not: limits of joints without end.
+    pub findings: Vec<Finding>,
 }
 
 /// Reads a robot from the text of a URDF; `file_name` is for messages.
@@ -115,5 +118,6 @@ pub fn read_urdf(text: &str, file_name: &str, options: &UrdfOptions) -> Result<U
         tip_link: tip.to_string(),
         shapes,
         left_out,
+        findings: chain.findings,
     })
 }

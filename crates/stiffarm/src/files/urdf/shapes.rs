@@ -15,8 +15,8 @@ pub struct CollisionShape {
     pub link: usize,
     /// Name of the URDF's link, for messages.
     pub urdf_link: String,
-    /// Its frame \[m\]: for link 0 in the base frame; for link i in the frame
-    /// after joint i, T_1 … T_i of the robot's modified rows, at all angles.
+    /// Its frame \[m\]: for link 0 in the base frame; for link i in the frame of joint
+    /// i after its turn, [`Frames::links`](crate::model::kinematics::Frames::links).
     pub pose: Isometry3<f64>,
     /// What it is.
     pub geometry: CollisionGeometry,
@@ -81,7 +81,7 @@ pub(super) fn shapes(tree: &Tree<'_>, chain: &Chain<'_>, rows: &AxisRows) -> Res
         };
         let frame = match body {
             0 => Isometry3::identity(),
-            i => rows.frames[i - 1],
+            i => rows.links[i - 1],
         };
         for collision in &link.collision {
             let geometry = geometry(&collision.geometry);

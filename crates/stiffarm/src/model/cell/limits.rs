@@ -228,9 +228,9 @@ fn subject_names(setup: &Setup) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::model::cell::Margins;
-    use crate::model::scene::Scene;
     use crate::model::kinematics::Frames;
     use crate::model::robot::{DhConvention, DhRow, Robot};
+    use crate::model::scene::Scene;
     use crate::model::tool::{NamedPoint, Tool};
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 

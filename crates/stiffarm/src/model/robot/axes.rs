@@ -37,9 +37,10 @@ pub struct AxisRows {
     pub rows: Vec<DhRow>,
     /// Tilt of each axis about the y axis of its frame \[rad\].
     pub tilts: Vec<f64>,
-    /// The frames after the joints at zero angles, T_1 … T_i of the rows, in the
-    /// base frame \[m\].
-    pub frames: Vec<Isometry3<f64>>,
+    /// What moves with each joint, at zero angles, in the base frame: the joint's frame
+    /// after its turn, as [`Frames::links`](crate::model::kinematics::Frames::links) has
+    /// it (d of its row comes after) \[m\].
+    pub links: Vec<Isometry3<f64>>,
     /// The flange in the last frame of the rows \[m\].
     pub flange: Isometry3<f64>,
 }
@@ -64,7 +65,7 @@ pub fn rows_of_axes(axes: &[JointAxis], flange: &Isometry3<f64>) -> AxisRows {
         base: Isometry3::identity(),
         rows: Vec::with_capacity(axes.len()),
         tilts: Vec::with_capacity(axes.len()),
-        frames: Vec::with_capacity(axes.len()),
+        links: Vec::with_capacity(axes.len()),
         flange: Isometry3::identity(),
     };
     // z along the axis, not yet turned and shifted to the next one.
@@ -107,7 +108,7 @@ impl AxisRows {
         match self.rows.last_mut() {
             Some(row) => {
                 (row.offset, row.d) = (turn, shift);
-                self.frames.push(frame);
+                self.links.push(entry * about_z);
             }
             None => self.base = frame,
         }

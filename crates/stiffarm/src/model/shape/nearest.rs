@@ -78,7 +78,11 @@ fn nearest_by_slope(solid: &Solid, a: &Vector3<f64>, b: &Vector3<f64>) -> Neares
             return middle;
         }
     }
-    let best = if low.0.distance < high.0.distance { low.0 } else { high.0 };
+    let best = if low.0.distance < high.0.distance {
+        low.0
+    } else {
+        high.0
+    };
     // Deep inside, the minimum may be a kink between two faces: neither slope is zero there, but the
     // mean that weighs them to zero is, and its direction is the derivative.
     let share = high.1 / (high.1 - low.1);

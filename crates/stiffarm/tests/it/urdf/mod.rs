@@ -64,26 +64,6 @@ fn differences(text: &str, read: &UrdfRobot, dice: &mut Dice, postures: usize) -
     worst
 }
 
-/// The frame after joint `link` at controller angles `q`, T_1 … T_i of the rows.
-fn frame_after(robot: &DhRobot, link: usize, q: &[f64]) -> Isometry3<f64> {
-    use nalgebra::{Translation3, UnitQuaternion, Vector3};
-    let theta = robot.robot().unwrap().serial_angles(q);
-    let mut at = robot.base;
-    for i in 0..link {
-        let row = robot.rows[i];
-        at = at
-            * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), row.alpha)
-            * Translation3::new(row.a, 0.0, 0.0)
-            * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), robot.tilts[i])
-            * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), theta[i])
-            * Translation3::new(0.0, 0.0, row.d);
-    }
-    match link {
-        0 => Isometry3::identity(),
-        _ => at,
-    }
-}
-
 fn to_matrix(pose: &Isometry3<f64>) -> Matrix4<f64> {
     pose.to_homogeneous()
 }
