@@ -4,7 +4,7 @@ use super::template::{degrees, quoted, rows};
 use crate::model::kinematics::Frames;
 use crate::model::robot::{DhConvention, DhRobot, Robot};
 use crate::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
-use nalgebra::{DMatrix, Isometry3};
+use nalgebra::{DMatrix, Isometry3, UnitQuaternion};
 use sobol_burley::sample;
 use std::f64::consts::PI;
 
@@ -12,6 +12,8 @@ use std::f64::consts::PI;
 /// the flange, and above the rounding of the kinematics.
 const DEG_DECIMALS: f64 = 1e11;
 const MM_DECIMALS: f64 = 1e10;
+/// Cosine of the pitch below which roll and yaw are one.
+const LOCKED: f64 = 1e-12;
 /// Postures from which the reach is taken.
 const SAMPLES: u32 = 256;
 
@@ -98,7 +100,7 @@ pub(super) fn keys(robot: &DhRobot) -> String {
 /// The keys of a pose, none for one that changes nothing.
 fn pose(pose: &Isometry3<f64>, name: &str, what: &str) -> String {
     let xyz: [f64; 3] = pose.translation.vector.map(mm).into();
-    let rpy = roll_pitch_yaw(&pose.rotation).map(deg);
+    let rpy = turns(&pose.rotation).map(deg);
     let mut out = String::new();
     for (key, numbers) in [("xyz_mm", xyz), ("rpy_deg", rpy)] {
         if numbers != [0.0; 3] {
@@ -111,9 +113,23 @@ fn pose(pose: &Isometry3<f64>, name: &str, what: &str) -> String {
     }
 }
 
-/// Degrees, rounded; never −0.
+/// Roll, pitch, yaw \[rad\]; where only the sum or difference of roll and yaw is determined,
+/// no roll.
+fn turns(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
+    let [roll, pitch, yaw] = roll_pitch_yaw(rotation);
+    if pitch.cos() > LOCKED {
+        return [roll, pitch, yaw];
+    }
+    let r = rotation.to_rotation_matrix();
+    [0.0, pitch, (-r[(0, 1)]).atan2(r[(1, 1)])]
+}
+
+/// Degrees of a turn, rounded; never −0, and 180 for −180.
 fn deg(rad: f64) -> f64 {
-    (rad_to_deg(rad) * DEG_DECIMALS).round() / DEG_DECIMALS + 0.0
+    match (rad_to_deg(rad) * DEG_DECIMALS).round() / DEG_DECIMALS + 0.0 {
+        -180.0 => 180.0,
+        degrees => degrees,
+    }
 }
 
 /// Millimetres, rounded; never −0.

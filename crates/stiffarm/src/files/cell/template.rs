@@ -4,6 +4,7 @@ use super::convert::PAPER_VARIANCE_MM2;
 use super::example::{Example, comment, doubts, pendant};
 use super::own::{keys, reach};
 use crate::error::Result;
+use crate::files::check_name;
 use crate::findings::visible;
 use crate::model::robot::{CatalogueEntry, DhRobot, JointStiffness, Robot, find_in_catalogue};
 use crate::units::rad_to_shortest_deg;
@@ -289,7 +290,7 @@ posture_common_mm = 0
 # k_ae_n_per_mm = 0
 "#,
         name = start.name,
-        quoted = quoted(&format!("{} cell", start.name)),
+        quoted = quoted(&cell_name(start.name)),
         frames = start.frames,
         doubts = start.doubts,
         keys = start.keys,
@@ -361,6 +362,15 @@ fn middle(bounds: &[[f64; 2]]) -> Vec<f64> {
             .unwrap_or(middle)
     });
     middles.collect()
+}
+
+/// A name for the cell that is no longer than names may be.
+fn cell_name(robot: &str) -> String {
+    let name = format!("{robot} cell");
+    match check_name(&name) {
+        Ok(()) => name,
+        Err(_) => robot.to_string(),
+    }
 }
 
 /// A list of degrees as TOML.

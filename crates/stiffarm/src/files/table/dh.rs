@@ -5,7 +5,7 @@ use super::heading::{Found, Known};
 use super::quantity::Quantity;
 use crate::error::{Code, Result};
 use crate::model::cell::Columns;
-use crate::model::robot::{DhConvention, DhRobot, DhRow};
+use crate::model::robot::{DhConvention, DhRobot, DhRow, MOST_JOINTS};
 use crate::units::rad_to_deg;
 use nalgebra::{DMatrix, DVector, Isometry3};
 use std::collections::HashMap;
@@ -63,7 +63,15 @@ pub fn read_dh_rows(
     };
     let mut signs = Vec::new();
     let mut lines: HashMap<&str, usize> = HashMap::new();
-    for row in &table.rows()? {
+    let rows = table.rows()?;
+    if let Some(row) = rows.get(MOST_JOINTS) {
+        let message = format!(
+            "The table has {} joints; at most {MOST_JOINTS} are supported.",
+            rows.len()
+        );
+        return Err(table.error(row, joint.at, Code::Unsupported, message));
+    }
+    for row in &rows {
         let name = table.name(row, joint)?;
         table.once(&mut lines, ("joint", name), row, joint.at)?;
         robot.joint_names.push(name.to_string());

@@ -14,10 +14,10 @@
 
 use super::source::Source;
 use super::tree::{Tree, pose};
-use crate::error::{Code, Error, Result};
+use crate::error::{Code, Error, Result, did_you_mean};
 use crate::findings::{Finding, Severity};
-use crate::model::robot::JointAxis;
-use crate::units::rad_to_deg;
+use crate::model::robot::{JointAxis, MOST_JOINTS};
+use crate::units::{Sense, rad_to_deg};
 use nalgebra::{DMatrix, Isometry3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use urdf_rs::{Joint, JointType};
@@ -78,6 +78,15 @@ struct Group<'a> {
 /// # Errors
 /// A joint that does not turn, a mimic joint that C cannot say, limits the wrong way round.
 pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> Result<Chain<'a>> {
+    let moving = path
+        .iter()
+        .filter(|joint| joint.joint_type != JointType::Fixed);
+    let moving = moving.count();
+    if moving > MOST_JOINTS {
+        let message =
+            format!("The chain has {moving} joints; at most {MOST_JOINTS} are supported.");
+        return Err(Error::new(Code::Unsupported, message).file(tree.source.file()));
+    }
     let mut groups: Vec<Group<'a>> = Vec::new();
     let mut links = vec![(base, Isometry3::identity())];
     let mut at = Isometry3::identity();
@@ -284,9 +293,8 @@ fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
         offset: 0.0,
         is_mimic: false,
     };
-    let joints = &tree.robot.joints;
     let error = |code, message| tree.source.error_at("joint", &joint.name, code, message);
-    for _ in 0..=joints.len() {
+    for _ in 0..=tree.robot.joints.len() {
         let Some(mimic) = &follows.drive.mimic else {
             let kind = &follows.drive.joint_type;
             if follows.is_mimic && !matches!(kind, JointType::Revolute | JointType::Continuous) {
@@ -298,13 +306,12 @@ fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
             }
             return Ok(follows);
         };
-        let Some(next) = joints.iter().find(|j| j.name == mimic.joint) else {
+        let Some(next) = tree.joint(&mimic.joint) else {
             let message = format!(
                 "The joint \"{}\" follows the joint \"{}\", which the file does not have.",
                 follows.drive.name, mimic.joint
             );
-            let names = joints.iter().map(|j| j.name.as_str());
-            let near = crate::error::did_you_mean(&mimic.joint, names);
+            let near = did_you_mean(&mimic.joint, tree.joint_names());
             let error = error(Code::UnknownName, message);
             return Err(match near {
                 Some(near) => error.hint(near),
@@ -367,7 +374,7 @@ fn endless(source: &Source<'_>, joint: &Joint) -> Option<Finding> {
 
 /// Says that a limit cannot be meant.
 fn too_far(limit: f64) -> Option<String> {
-    let sense = crate::units::Sense::of("limit_rad");
+    let sense = Sense::of("limit_rad");
     sense.filter(|_| limit.is_finite())?.refuse(limit)
 }
 

@@ -62,7 +62,9 @@ impl MeshFolders {
         let mut wanted: Vec<PathBuf> = given
             .flat_map(|folder| [folder.join(package).join(rest), folder.join(rest)])
             .collect();
-        let urdf = std::path::absolute(&self.urdf).unwrap_or_else(|_| self.urdf.clone());
+        // An empty path is the working folder.
+        let urdf = std::path::absolute(self.urdf.join("."));
+        let urdf = urdf.unwrap_or_else(|_| self.urdf.clone());
         let named = |folder: &&Path| folder.file_name().is_some_and(|name| name == package);
         let own = urdf
             .ancestors()

@@ -5,7 +5,7 @@ use super::tree::{Tree, pose};
 use crate::error::{Code, Result};
 use crate::model::robot::AxisRows;
 use nalgebra::Isometry3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use urdf_rs::JointType;
 
 /// A shape that goes with a link of the chain.
@@ -104,7 +104,7 @@ pub(super) fn shapes(tree: &Tree<'_>, chain: &Chain<'_>, rows: &AxisRows) -> Res
 
 /// The links that go with one of the chain's, and their frames at zero in the base.
 fn placed<'a>(tree: &Tree<'a>, chain: &Chain<'a>) -> BTreeMap<&'a str, (usize, Isometry3<f64>)> {
-    let in_chain = |link: &str| chain.links.iter().any(|own| own.name == link);
+    let in_chain: BTreeSet<&str> = chain.links.iter().map(|own| own.name).collect();
     let mut placed = BTreeMap::new();
     for own in &chain.links {
         let Some(body) = own.axes_before else {
@@ -118,7 +118,7 @@ fn placed<'a>(tree: &Tree<'a>, chain: &Chain<'a>) -> BTreeMap<&'a str, (usize, I
             let above = tree.joint_above(link).into_iter();
             let up = above.map(|j| (j, j.parent.link.as_str(), at * pose(&j.origin).inverse()));
             for (joint, next, at) in down.chain(up) {
-                let is_new = !in_chain(next) && !placed.contains_key(next);
+                let is_new = !in_chain.contains(next) && !placed.contains_key(next);
                 if joint.joint_type == JointType::Fixed && is_new {
                     open.push((next, at));
                 }

@@ -9,6 +9,9 @@ use std::ops::Range;
 /// Elements inside elements.
 const DEEPEST: usize = 50;
 
+/// Attributes of an element.
+const MOST_ATTRIBUTES: usize = 50;
+
 /// An element.
 #[derive(Debug)]
 pub(super) struct Tag<'t> {
@@ -152,6 +155,10 @@ fn opening(text: &str, start: usize, depth: usize) -> Result<(Tag<'_>, bool, usi
         }
         if attributes.iter().any(|(other, _)| *other == key) {
             return Err((format!("{key} is given twice."), at));
+        }
+        if attributes.len() == MOST_ATTRIBUTES {
+            let message = format!("<{name}> has more than {MOST_ATTRIBUTES} attributes.");
+            return Err((message, at));
         }
         attributes.push((key, value));
         at = value_at + length + 1;

@@ -3,7 +3,7 @@
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use urdf_rs::{Joint, JointType, Robot};
 
 /// Links that by custom are the flange, the first one first.
@@ -15,6 +15,8 @@ const LISTED: usize = 12;
 pub(super) struct Tree<'a> {
     pub(super) source: &'a Source<'a>,
     pub(super) robot: &'a Robot,
+    /// The joints by their names.
+    joints: BTreeMap<&'a str, &'a Joint>,
     /// The joint above each link that has one.
     above: BTreeMap<&'a str, &'a Joint>,
     /// The joints below each link.
@@ -35,10 +37,10 @@ impl<'a> Tree<'a> {
             }
         }
         let mut above: BTreeMap<&str, &Joint> = BTreeMap::new();
-        let mut names: BTreeMap<&str, ()> = BTreeMap::new();
+        let mut joints: BTreeMap<&str, &Joint> = BTreeMap::new();
         for joint in &robot.joints {
             let error = |code, message| source.error_at("joint", &joint.name, code, message);
-            if names.insert(&joint.name, ()).is_some() {
+            if joints.insert(&joint.name, joint).is_some() {
                 let message = format!("The joint \"{}\" is given twice.", joint.name);
                 return Err(error(Code::Duplicate, message));
             }
@@ -66,17 +68,47 @@ impl<'a> Tree<'a> {
         let tree = Tree {
             source,
             robot,
+            joints,
             above,
             below,
         };
-        for link in &robot.links {
-            // More joints above a link than there are: they go round.
-            if tree.upward(&link.name).nth(robot.joints.len()).is_some() {
-                let message = format!("The link \"{}\" hangs on itself.", link.name);
-                return Err(source.error_at("link", &link.name, Code::Urdf, message));
+        let roots = tree.links().filter(|l| !tree.above.contains_key(l));
+        let hung: BTreeSet<&str> = roots
+            .flat_map(|root| tree.all_below(root))
+            .map(|(l, _)| l)
+            .collect();
+        match tree.links().find(|link| !hung.contains(link)) {
+            None => Ok(tree),
+            Some(link) => {
+                let message = format!("The link \"{link}\" hangs on itself.");
+                Err(source.error_at("link", link, Code::Urdf, message))
             }
         }
-        Ok(tree)
+    }
+
+    /// A joint by its name.
+    pub(super) fn joint(&self, name: &str) -> Option<&'a Joint> {
+        self.joints.get(name).copied()
+    }
+
+    /// The names of the joints.
+    pub(super) fn joint_names(&self) -> impl Iterator<Item = &'a str> {
+        self.joints.keys().copied()
+    }
+
+    /// A link and those below it, and whether a joint between moves them.
+    fn all_below(&self, top: &'a str) -> Vec<(&'a str, bool)> {
+        let mut found = vec![(top, false)];
+        let mut at = 0;
+        while let Some((link, moved)) = found.get(at).copied() {
+            let below = self.joints_below(link).iter();
+            found.extend(below.map(|joint| {
+                let moves = joint.joint_type != JointType::Fixed;
+                (joint.child.link.as_str(), moved || moves)
+            }));
+            at += 1;
+        }
+        found
     }
 
     /// The joint above a link.
@@ -142,21 +174,17 @@ impl<'a> Tree<'a> {
         if let Some(name) = name {
             return self.named(name, "tip");
         }
-        let moved = |link: &&str| {
-            self.path(base, link)
-                .is_some_and(|path| path.iter().any(|j| j.joint_type != JointType::Fixed))
-        };
-        let ends = self
-            .links()
-            .filter(|link| self.joints_below(link).is_empty());
-        let ends: Vec<&str> = ends.filter(moved).collect();
+        let below = self.links().find(|link| *link == base);
+        let below = below.map(|base| self.all_below(base)).unwrap_or_default();
+        let moved = below.into_iter().filter(|(_, moved)| *moved);
+        let moved: BTreeSet<&str> = moved.map(|(link, _)| link).collect();
+        let is_end = |link: &&str| moved.contains(link) && self.joints_below(link).is_empty();
+        let ends: Vec<&str> = self.links().filter(is_end).collect();
         if let [end] = ends.as_slice() {
             return Ok(end);
         }
-        let custom = TIPS
-            .iter()
-            .find_map(|tip| self.links().find(|link| link == tip));
-        if let Some(tip) = custom.filter(moved) {
+        let custom = TIPS.iter().find_map(|tip| moved.get(tip));
+        if let Some(tip) = custom {
             return Ok(tip);
         }
         let file = self.source.file();

@@ -4,6 +4,11 @@ use super::{DhConvention, DhRow, Robot};
 use crate::error::Result;
 use nalgebra::{DMatrix, Isometry3};
 
+/// Joints of a robot that is read from a file: beyond that it is a slip, and C alone
+/// would fill the memory.
+#[cfg(feature = "files")]
+pub(crate) const MOST_JOINTS: usize = 100;
+
 /// What a cell file says of a robot that is in no catalogue: rows, and the
 /// frames, limits and names that go with them.
 #[derive(Debug, Clone, PartialEq)]

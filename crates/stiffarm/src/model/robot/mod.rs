@@ -16,6 +16,8 @@ pub use axes::{AxisRows, JointAxis, rows_of_axes};
 pub use catalogue::{catalogue, find as find_in_catalogue};
 pub use dh::{DhConvention, DhRow};
 pub use dh_robot::DhRobot;
+#[cfg(feature = "files")]
+pub(crate) use dh_robot::MOST_JOINTS;
 pub use entry::{CatalogueEntry, Doubt, DoubtAbout, JointStiffness};
 
 use crate::error::{Code, Error, Result};

@@ -110,7 +110,7 @@ fn faults_are_named_with_their_lines() {
             Code::Urdf,
             Some(6),
         ),
-        (with("\"j2\"", "\"j1\""), Code::Duplicate, Some(6)),
+        (with("\"j2\"", "\"j1\""), Code::Duplicate, Some(5)),
         (with("\"j2\"", "\"=j2\""), Code::InvalidValue, Some(6)),
         (
             with("<link name=\"c\"/>", "<link name=\"c\"/><link name=\"c\"/>"),
