@@ -111,8 +111,7 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     for name in ["axes", "forces", "straight", "near-poses", "poses"] {
         add(Kind::Path, input(&format!("{name}.csv")));
     }
-    let rows = "joint,alpha_deg,a_mm,d_mm,offset_deg,low_deg,high_deg,sign\nA1,0,0,645,0,-185,185,-1\nA2,-90,330,0,0,-140,-5,1\n";
-    add(Kind::Rows, rows.to_string());
+    add(Kind::Rows, input("rows.csv"));
     add(Kind::Urdf, input("arm.urdf"));
     for name in ["without-angles", "wrong-sign"] {
         add(Kind::Displacements, input(&format!("{name}.csv")));

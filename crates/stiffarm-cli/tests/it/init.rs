@@ -9,13 +9,7 @@ use support::{Folder, command};
 /// parallel axes 2 and 3 and a finger beside the chain.
 const ARM: &str = include_str!("../../../../xtask/inputs/arm.urdf");
 
-const ROWS: &str = "joint,alpha_deg,a_mm,d_mm,offset_deg,low_deg,high_deg,sign\n\
-                    A1,0,0,645,0,-185,185,-1\n\
-                    A2,-90,330,0,0,-140,-5,1\n\
-                    A3,0,1150,0,-90,-120,168,1\n\
-                    A4,-90,115,1220,0,-350,350,-1\n\
-                    A5,90,0,0,0,-125,125,1\n\
-                    A6,-90,0,215,180,-350,350,-1\n";
+const ROWS: &str = include_str!("../../../../xtask/inputs/rows.csv");
 
 fn folder() -> Folder {
     let folder = Folder::new();

@@ -137,11 +137,13 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
         read.base_link,
         read.tip_link
     );
+    let joints = match read.robot.rows.len() {
+        1 => "1 joint".to_string(),
+        n => format!("{n} joints"),
+    };
     let line = format!(
-        "chain: {} joints from {} to {}\n",
-        read.robot.rows.len(),
-        read.base_link,
-        read.tip_link
+        "chain: {joints} from {} to {}\n",
+        read.base_link, read.tip_link
     );
     Ok(Start {
         text: template_of(&read.robot, &origin)?,

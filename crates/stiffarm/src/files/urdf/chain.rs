@@ -12,14 +12,13 @@
 //!
 //! Else the chain has more axes than the controller has joints, and is refused.
 
+use super::limits::{endless, limits, narrowed};
 use super::source::Source;
 use super::tree::{Tree, pose};
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::model::robot::{JointAxis, MOST_JOINTS};
-use crate::units::{Sense, rad_to_deg};
 use nalgebra::{DMatrix, Isometry3, UnitQuaternion, UnitVector3, Vector3};
-use std::f64::consts::TAU;
 use urdf_rs::{Joint, JointType};
 
 /// Axes are one where directions \[rad\] and places \[m\] differ by no more than rounding.
@@ -117,7 +116,8 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
     let limits = drives.iter().map(|drive| {
         let mut limits = limits(tree.source, drive)?;
         for (joint, follows) in followers.iter().filter(|(_, f)| f.drive.name == drive.name) {
-            limits = narrowed(tree.source, limits, joint, follows)?;
+            let by = (follows.drive, follows.multiplier, follows.offset);
+            limits = narrowed(tree.source, limits, joint, by)?;
         }
         Ok(limits)
     });
@@ -248,8 +248,8 @@ fn coupling<'a>(
     };
     let name = &group.joint.name;
     let message = format!(
-        "The joint \"{name}\" is one that mimic ties to others in a way that is not supported: {n} axes \
-         between base and tip are turned by {} joints of the controller.",
+        "The joint \"{name}\" follows another one (mimic) in a way that is not supported: {n} axes between base \
+         and tip are turned by {} joints of the controller.",
         drives.len()
     );
     let error = source.error_at("joint", name, Code::Unsupported, message);
@@ -325,82 +325,4 @@ fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
     }
     let message = format!("The joint \"{}\" follows itself.", joint.name);
     Err(error(Code::Urdf, message))
-}
-
-/// Limits of a joint \[rad\]: full turns for one without end.
-fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
-    if joint.joint_type == JointType::Continuous {
-        return Ok([-TAU, TAU]);
-    }
-    let found = [joint.limit.lower, joint.limit.upper];
-    let [low, high] = found.map(rad_to_deg);
-    let error = |code, message| source.error_at("joint", &joint.name, code, message);
-    if found[0] >= found[1] {
-        let message = match source.has_limits(&joint.name) {
-            true => format!(
-                "The lower limit of the joint \"{}\" is not below the upper one: {low:.3}° and {high:.3}°.",
-                joint.name
-            ),
-            false => format!("The joint \"{}\" has no limits.", joint.name),
-        };
-        let error = error(Code::InvalidValue, message);
-        return Err(
-            error.hint("give <limit lower=\"…\" upper=\"…\" …/> in rad, or type=\"continuous\"")
-        );
-    }
-    if let Some(message) = found.iter().find_map(|limit| too_far(*limit)) {
-        return Err(error(Code::InvalidValue, message).key("limit"));
-    }
-    // From URDF 1.2 on there may be none to one side: a full turn stands in for it.
-    let turn = |limit: f64| match limit.is_finite() {
-        true => limit,
-        false => TAU.copysign(limit),
-    };
-    Ok(found.map(turn))
-}
-
-/// Says that limits of a joint without end do not count.
-fn endless(source: &Source<'_>, joint: &Joint) -> Option<Finding> {
-    let given = source.has_limits(&joint.name) && joint.limit.lower < joint.limit.upper;
-    (given && joint.joint_type == JointType::Continuous).then(|| {
-        let [low, high] = [joint.limit.lower, joint.limit.upper].map(rad_to_deg);
-        let sentence = format!(
-            "The joint is of the type continuous, so that its limits, {low:.1}° to {high:.1}°, do not count; ±360° \
-             stand for them. Set limits_deg in the cell if they hold.",
-        );
-        Finding::new("urdf-limits", Severity::Caution, joint.name.as_str(), sentence)
-    })
-}
-
-/// Says that a limit cannot be meant.
-fn too_far(limit: f64) -> Option<String> {
-    let sense = Sense::of("limit_rad");
-    sense.filter(|_| limit.is_finite())?.refuse(limit)
-}
-
-/// Limits of a drive as the limits of a joint that follows it leave them.
-fn narrowed(
-    source: &Source<'_>,
-    limits: [f64; 2],
-    joint: &Joint,
-    follows: &Follows<'_>,
-) -> Result<[f64; 2]> {
-    let own = [joint.limit.lower, joint.limit.upper];
-    if joint.joint_type == JointType::Continuous || own[0] == own[1] || follows.multiplier == 0.0 {
-        return Ok(limits);
-    }
-    if own[0] > own[1] {
-        return self::limits(source, joint);
-    }
-    let mut ends = own.map(|end| (end - follows.offset) / follows.multiplier);
-    ends.sort_by(f64::total_cmp);
-    let both = [limits[0].max(ends[0]), limits[1].min(ends[1])];
-    if both[0] < both[1] {
-        return Ok(both);
-    }
-    let message = format!(
-        "The limits of the joint \"{}\" leave the joint \"{}\" no range, which it follows.",
-        joint.name, follows.drive.name
-    );
-    Err(source.error_at("joint", &joint.name, Code::InvalidValue, message))
 }

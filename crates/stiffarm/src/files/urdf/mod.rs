@@ -28,6 +28,7 @@
 //! ```
 
 mod chain;
+mod limits;
 mod mesh;
 mod shapes;
 mod source;

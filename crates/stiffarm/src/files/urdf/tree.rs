@@ -77,13 +77,12 @@ impl<'a> Tree<'a> {
             .flat_map(|root| tree.all_below(root))
             .map(|(l, _)| l)
             .collect();
-        match tree.links().find(|link| !hung.contains(link)) {
-            None => Ok(tree),
-            Some(link) => {
-                let message = format!("The link \"{link}\" hangs on itself.");
-                Err(source.error_at("link", link, Code::Urdf, message))
-            }
+        let round = tree.links().find(|link| !hung.contains(link));
+        if let Some(link) = round {
+            let message = format!("The link \"{link}\" hangs on itself.");
+            return Err(source.error_at("link", link, Code::Urdf, message));
         }
+        Ok(tree)
     }
 
     /// A joint by its name.

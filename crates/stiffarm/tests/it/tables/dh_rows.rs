@@ -73,7 +73,7 @@ fn slips_have_their_places() {
         ("offset_deg,", "", Code::TableHeading, 1, None),
         (",low_deg", ",ignore_deg", Code::TableHeading, 1, Some(38)),
         ("A3,", "A1,", Code::Duplicate, 4, Some(1)),
-        ("1150.5", "1150,5", Code::DecimalComma, 4, Some(6)),
+        ("1150.5", "1150,5", Code::DecimalComma, 4, Some(4)),
         ("1150.5", "nan", Code::NotFinite, 4, Some(6)),
         ("1150.5", "", Code::TableRow, 4, Some(6)),
         ("1150.5", "1e7", Code::TableRow, 4, Some(6)),
