@@ -31,11 +31,41 @@ pub(crate) struct Work {
     torque_slopes: Vec<f64>,
 }
 
+/// A solid in a ball.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounded {
+    pub solid: Solid,
+    centre: Vector3<f64>,
+    radius: f64,
+}
+
+impl Bounded {
+    fn new(solid: Solid) -> Self {
+        let (centre, radius) = solid.ball();
+        Bounded {
+            solid,
+            centre,
+            radius,
+        }
+    }
+
+    /// A lower bound of the solid's distance from the segment from `a` to `b`.
+    pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        let along = b - a;
+        let length = along.norm_squared();
+        let t = match length > 0.0 {
+            true => ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        (self.centre - a - along * t).norm() - self.radius
+    }
+}
+
 /// Capsules and solids of all parts in the base frame.
 #[derive(Debug, Clone, Default)]
 struct Shapes {
     capsules: Vec<Capsule>,
-    solids: Vec<Solid>,
+    solids: Vec<Bounded>,
     /// Where the capsules and solids of each part begin.
     starts: Vec<(usize, usize)>,
 }
@@ -45,7 +75,7 @@ pub(super) struct Placed<'a> {
     pub frames: &'a Frames,
     scene: &'a Scene,
     capsules: &'a [Capsule],
-    solids: &'a [Solid],
+    solids: &'a [Bounded],
     starts: &'a [(usize, usize)],
 }
 
@@ -66,11 +96,11 @@ impl<'a> Placed<'a> {
         for part in &scene.parts {
             starts.push((capsules.len(), solids.len()));
             if part.carrier == Carrier::World {
-                solids.extend_from_slice(&part.solids);
+                solids.extend(part.solids.iter().map(|s| Bounded::new(*s)));
             } else {
                 let pose = part.carrier.pose(frames);
                 capsules.extend(part.capsules.iter().map(|c| c.placed(&pose)));
-                solids.extend(part.solids.iter().map(|s| s.placed(&pose)));
+                solids.extend(part.solids.iter().map(|s| Bounded::new(s.placed(&pose))));
             }
         }
         starts.push((capsules.len(), solids.len()));
@@ -91,7 +121,7 @@ impl<'a> Placed<'a> {
         &self.capsules[self.starts[part].0..self.starts[part + 1].0]
     }
 
-    pub fn solids(&self, part: usize) -> &[Solid] {
+    pub fn solids(&self, part: usize) -> &[Bounded] {
         &self.solids[self.starts[part].1..self.starts[part + 1].1]
     }
 
@@ -190,10 +220,17 @@ impl Scene {
             }
         }
         if let Some(sight) = &self.sight {
-            sight.visit(terms.measuring_points(), &placed, |margin, slope| {
-                each(at, margin, slope);
-                at += 1;
-            });
+            let least = 2 * sight.facings.len();
+            let nearest = (at..at + least).map(&enough).fold(0.0, f64::max);
+            sight.visit(
+                terms.measuring_points(),
+                &placed,
+                nearest,
+                |margin, slope| {
+                    each(at, margin, slope);
+                    at += 1;
+                },
+            );
         }
         if let Some(torque) = &self.torque {
             let n = torque.largest.len();

@@ -9,6 +9,8 @@ use nalgebra::{Unit, Vector3};
 
 /// Beams farther than this from every part are as good as clear \[m\].
 const CLEAR: f64 = 0.25;
+/// Where margins need not be told: room for the choice of the station \[m, rad\].
+const CHOICE: f64 = 0.02;
 
 /// Where a tracker stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +70,7 @@ impl Sight {
     pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
         let mut best: Option<(SeenFrom, f64)> = None;
         for station in 0..self.stations.len() {
-            let beams = self.beams(station, points, placed);
+            let beams = self.beams(station, points, placed, CLEAR);
             let seen = (0..points.len())
                 .filter(|i| beams[*i].margin() >= 0.0)
                 .collect();
@@ -99,11 +101,13 @@ impl Sight {
         &self,
         points: &[Vector3<f64>],
         placed: &Placed<'_>,
+        enough: f64,
         mut each: impl FnMut(f64, &Slope<'_>),
     ) {
+        let enough = (enough + CHOICE).min(CLEAR);
         let best = (0..self.stations.len())
             .map(|station| {
-                let beams = self.beams(station, points, placed);
+                let beams = self.beams(station, points, placed, enough);
                 let (needed, margin) = self.chosen(&beams);
                 (beams, needed, margin)
             })
@@ -134,7 +138,13 @@ impl Sight {
         (needed, worst)
     }
 
-    fn beams(&self, station: usize, points: &[Vector3<f64>], placed: &Placed<'_>) -> Vec<Beam> {
+    fn beams(
+        &self,
+        station: usize,
+        points: &[Vector3<f64>],
+        placed: &Placed<'_>,
+        clear: f64,
+    ) -> Vec<Beam> {
         let from = self.stations[station].position;
         points
             .iter()
@@ -144,7 +154,7 @@ impl Sight {
                     Some(facing) => incidence(point, &from, facing, placed.frames),
                     None => (f64::INFINITY, Slope::NONE),
                 },
-                clearance: self.beam_clearance(point, &from, placed),
+                clearance: self.beam_clearance(point, &from, placed, clear),
             })
             .collect()
     }
@@ -154,6 +164,7 @@ impl Sight {
         point: &Vector3<f64>,
         station: &Vector3<f64>,
         placed: &Placed<'_>,
+        clear: f64,
     ) -> (f64, Slope<'static>) {
         let line = Line {
             capsule: Capsule {
@@ -163,7 +174,7 @@ impl Sight {
             },
             moved_by: [placed.frames.joint_count(), 0],
         };
-        let mut best = (CLEAR, Slope::NONE);
+        let mut best = (clear, Slope::NONE);
         for part in 0..placed.part_count() {
             for solid in placed.solids(part) {
                 let (distance, slope) = line_to_solid(&line, solid, placed.moved_by(part), best.0);
