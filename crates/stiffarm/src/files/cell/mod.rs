@@ -12,6 +12,7 @@ mod elastic;
 mod example;
 mod instruments;
 mod keys;
+mod lists;
 mod load;
 mod own;
 mod raw;

@@ -1,6 +1,6 @@
 //! `[robot]` of a robot that is in no catalogue, as text.
 
-use super::template::{degrees, quoted, rows};
+use super::lists::{degrees, quoted, rows};
 use crate::model::kinematics::Frames;
 use crate::model::robot::{DhConvention, DhRobot, Robot};
 use crate::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};

@@ -2,6 +2,7 @@
 
 use super::convert::PAPER_VARIANCE_MM2;
 use super::example::{Example, comment, doubts, pendant};
+use super::lists::{degrees, quoted, rows};
 use super::own::{keys, reach};
 use crate::error::Result;
 use crate::files::check_name;
@@ -371,24 +372,6 @@ fn cell_name(robot: &str) -> String {
         Ok(()) => name,
         Err(_) => robot.to_string(),
     }
-}
-
-/// A list of degrees as TOML.
-pub(super) fn degrees(values: &[f64]) -> String {
-    let values: Vec<String> = values.iter().map(f64::to_string).collect();
-    format!("[{}]", values.join(", "))
-}
-
-/// A text as TOML; it has no control characters.
-pub(super) fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
-}
-
-/// Pairs as lines of TOML.
-pub(super) fn rows(rows: &[[f64; 2]]) -> String {
-    rows.iter()
-        .map(|row| format!("    {},\n", degrees(row)))
-        .collect()
 }
 
 fn limits_comment(robot: &Robot, entry: &CatalogueEntry) -> String {
