@@ -194,7 +194,12 @@ pub fn pairs(input: &Input) -> Verdict {
 /// The robot of a description's bytes, any text of which is one.
 fn described(bytes: &[u8]) -> Result<DhRobot> {
     let text = String::from_utf8_lossy(bytes);
-    read_urdf(&text, NAME, &UrdfOptions::default()).map(|read| read.robot)
+    // A finger hangs below the flange of the seed.
+    let options = UrdfOptions {
+        base: None,
+        tip: Some("tool0".to_string()),
+    };
+    read_urdf(&text, NAME, &options).map(|read| read.robot)
 }
 
 /// A robot is finite, and so is the one in the cell that is written for it.
