@@ -3,8 +3,8 @@
 
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::SeenFrom;
-use super::slope::Slope;
-use super::{Carrier, Scene};
+use super::slope::{Derivative, Slope};
+use super::{Carrier, Scene, Work};
 use crate::model::cell::LimitKind;
 use crate::model::kinematics::Frames;
 use crate::model::load::Load;
@@ -21,14 +21,6 @@ pub struct SceneMargin {
     pub subject: String,
     /// Margin \[m; rad for angles; share of the limit for torques\], negative when violated.
     pub margin: f64,
-}
-
-/// Room for the parts of one posture, used again for the next.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Work {
-    shapes: Shapes,
-    torques: Vec<f64>,
-    torque_slopes: Vec<f64>,
 }
 
 /// A solid in a ball.
@@ -49,6 +41,7 @@ impl Bounded {
         }
     }
 
+    #[inline]
     /// A lower bound of the solid's distance from the segment from `a` to `b`.
     pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
         let along = b - a;
@@ -63,7 +56,7 @@ impl Bounded {
 
 /// Capsules and solids of all parts in the base frame.
 #[derive(Debug, Clone, Default)]
-struct Shapes {
+pub(super) struct Shapes {
     capsules: Vec<Capsule>,
     solids: Vec<Bounded>,
     /// Where the capsules and solids of each part begin.
@@ -186,46 +179,78 @@ impl Scene {
         terms: &PostureTerms,
         work: &mut Work,
         enough: impl Fn(usize) -> f64,
-        mut each: impl FnMut(usize, f64, &Slope<'_>),
+        mut each: impl FnMut(usize, f64, Derivative<'_>),
     ) {
         let frames = terms.frames();
-        let placed = Placed::new(self, frames, &mut work.shapes);
+        let Work {
+            shapes,
+            torques,
+            torque_slope,
+            memory,
+        } = work;
+        if memory.remembers() {
+            let theta = frames.serial_angles();
+            let beams = self.sight.as_ref().map_or(0, |sight| sight.beam_count());
+            memory.arrive(theta, self.count(setup), beams);
+        }
+        let placed = Placed::new(self, frames, shapes);
         let mut at = 0;
         for pair in &self.pairs {
-            let (distance, slope) = pair.distance(&placed, enough(at) + self.clearance);
-            each(at, distance - self.clearance, &slope.unwrap_or(Slope::NONE));
+            let wanted = enough(at) + self.clearance;
+            let found = match memory.still(at, wanted) {
+                Some(least) => (least, None),
+                None => {
+                    let found = pair.distance(&placed, memory.ahead(wanted));
+                    memory.note(at, found.0);
+                    found
+                }
+            };
+            let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Touch);
+            each(at, found.0 - self.clearance, derivative);
             at += 1;
         }
         if let (Some(rope), Load::Rope { anchor, .. }) = (&self.rope, &setup.load) {
             let (p, n) = (terms.loading_point(), frames.joint_count());
             if let Some(clearance) = rope.clearance {
                 for part in 0..placed.part_count() {
-                    let mut best = (f64::INFINITY, None);
-                    let moved_by = (n, placed.moved_by(part));
-                    for solid in placed.solids(part) {
-                        let enough = best.0.min(enough(at) + clearance);
-                        let found = rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
-                        if found.0 < best.0 {
-                            best = found;
+                    let wanted = enough(at) + clearance;
+                    let found = match memory.still(at, wanted) {
+                        Some(least) => (least, None),
+                        None => {
+                            let enough = memory.ahead(wanted);
+                            let moved_by = (n, placed.moved_by(part));
+                            let mut best = (f64::INFINITY, None);
+                            for solid in placed.solids(part) {
+                                let enough = best.0.min(enough);
+                                let found =
+                                    rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
+                                if found.0 < best.0 {
+                                    best = found;
+                                }
+                            }
+                            memory.note(at, best.0);
+                            best
                         }
-                    }
-                    each(at, best.0 - clearance, &best.1.unwrap_or(Slope::NONE));
+                    };
+                    let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Slope);
+                    each(at, found.0 - clearance, derivative);
                     at += 1;
                 }
             }
             if let Some(cone) = &rope.cone {
                 let (margin, slope) = cone_margin(p, anchor, cone, n);
-                each(at, margin, &slope);
+                each(at, margin, Derivative::Slope(&slope));
                 at += 1;
             }
         }
         if let Some(sight) = &self.sight {
-            let least = 2 * sight.facings.len();
-            let nearest = (at..at + least).map(&enough).fold(0.0, f64::max);
+            let count = 2 * sight.facings.len();
+            let most = (at..at + count).map(&enough).fold(0.0, f64::max);
             sight.visit(
                 terms.measuring_points(),
                 &placed,
-                nearest,
+                memory,
+                most,
                 |margin, slope| {
                     each(at, margin, slope);
                     at += 1;
@@ -234,21 +259,19 @@ impl Scene {
         }
         if let Some(torque) = &self.torque {
             let n = torque.largest.len();
-            work.torques.resize(n, 0.0);
-            work.torque_slopes.resize(n * n, 0.0);
-            torque.torques(
-                setup,
-                terms,
-                &mut work.torques,
-                Some(&mut work.torque_slopes),
-            );
+            torques.resize(n, 0.0);
+            torque_slope.resize(n, 0.0);
+            torque.torques(setup, terms, torques);
             for (j, largest) in torque.largest.iter().enumerate() {
-                let share = -work.torques[j].signum() / largest;
-                let row = &mut work.torque_slopes[j * n..(j + 1) * n];
-                row.iter_mut().for_each(|s| *s *= share);
+                let margin = 1.0 - torques[j].abs() / largest;
                 let mut slope = Slope::NONE;
-                slope.by_joint = Some(row);
-                each(at, 1.0 - work.torques[j].abs() / largest, &slope);
+                if margin < enough(at) {
+                    torque.slope(setup, terms, j, torque_slope);
+                    let share = -torques[j].signum() / largest;
+                    torque_slope.iter_mut().for_each(|s| *s *= share);
+                    slope.by_joint = Some(torque_slope);
+                }
+                each(at, margin, Derivative::Slope(&slope));
                 at += 1;
             }
         }
@@ -290,7 +313,7 @@ impl Scene {
     pub fn torques(&self, setup: &Setup, terms: &PostureTerms) -> Option<Vec<f64>> {
         let torque = self.torque.as_ref()?;
         let mut torques = vec![0.0; torque.largest.len()];
-        torque.torques(setup, terms, &mut torques, None);
+        torque.torques(setup, terms, &mut torques);
         Some(torques)
     }
 

@@ -128,7 +128,10 @@ impl Solid {
                 pose,
                 half_length,
                 radius,
-            } => (pose.translation.vector, half_length.hypot(*radius)),
+            } => (
+                pose.translation.vector,
+                (half_length * half_length + radius * radius).sqrt(),
+            ),
             Solid::HalfSpace { point, .. } => (*point, f64::INFINITY),
         }
     }
