@@ -25,7 +25,7 @@ pub struct Target {
 }
 
 /// Every target.
-pub const ALL: [Target; 14] = [
+pub const ALL: [Target; 16] = [
     reader("cell", readers::make_cell, readers::cell),
     reader("postures", readers::make_postures, readers::postures),
     reader(
@@ -44,6 +44,8 @@ pub const ALL: [Target; 14] = [
         readers::make_registration,
         readers::registration,
     ),
+    reader("urdf", readers::make_urdf, readers::urdf),
+    reader("rows", readers::make_rows, readers::rows),
     reader("workbook", workbooks::make, workbooks::check),
     reader("workbook-bytes", workbooks::make_bytes, workbooks::check),
     Target {
@@ -78,6 +80,6 @@ const fn reader(
 
 /// The target of that name.
 pub fn named(name: &str) -> Option<&'static Target> {
-    static TARGETS: [Target; 14] = ALL;
+    static TARGETS: [Target; 16] = ALL;
     TARGETS.iter().find(|target| target.name == name)
 }

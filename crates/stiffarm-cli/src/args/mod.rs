@@ -1,6 +1,7 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
 mod fit;
+mod init;
 mod measured;
 mod path;
 mod pose;
@@ -9,6 +10,7 @@ mod simulate;
 mod values;
 mod work;
 
+pub use init::{DhChoice, InitArgs};
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::{PoseArgs, PoseFrame, PosePoint};
@@ -74,7 +76,7 @@ pub enum Command {
     Study(StudyArgs),
     /// Write a commented cell.toml, postures.csv and measurements.csv to start from
     #[command(after_help = examples::INIT)]
-    Init(InitArgs),
+    Init(Box<InitArgs>),
     /// Check a cell: joints the load cannot excite, suspicious units, limits no posture meets
     #[command(after_help = examples::CHECK)]
     Check(CheckArgs),
@@ -192,19 +194,6 @@ pub struct SplitArgs {
     /// Result of `register`: places raw readings in the base frame
     #[arg(long, value_name = "registration.json", requires = "measured")]
     pub registration: Option<String>,
-}
-
-#[derive(Debug, Args)]
-pub struct InitArgs {
-    /// Robot of the catalogue (`stiffarm robots` lists it)
-    #[arg(long, value_name = "NAME", default_value = "comau-nj165-3.0")]
-    pub robot: String,
-    /// Folder to write to; it is made if missing
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    pub output_dir: PathBuf,
-    /// Overwrite existing files
-    #[arg(long)]
-    pub force: bool,
 }
 
 #[derive(Debug, Args)]

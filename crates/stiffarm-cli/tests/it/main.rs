@@ -9,6 +9,7 @@ mod examples;
 mod fanuc;
 mod faults;
 mod hostile;
+mod init;
 mod interrupt;
 mod map;
 mod numbers;
