@@ -9,14 +9,17 @@ mod dh;
 mod entry;
 mod origin;
 mod published;
+mod shapes;
 
 pub use catalogue::{catalogue, find as find_in_catalogue};
 pub use dh::{DhConvention, DhRow};
 pub use entry::{CatalogueEntry, Doubt, DoubtAbout, JointStiffness};
+pub use shapes::LinkCapsule;
 
 use crate::error::{Code, Error, Result};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 use origin::Origin;
+use shapes::Shapes;
 
 /// Stands in for limits that nobody gave \[rad\].
 const UNKNOWN_LIMITS: [f64; 2] = [-std::f64::consts::TAU, std::f64::consts::TAU];
@@ -49,6 +52,7 @@ pub struct Robot {
     spring_mixing: Option<DMatrix<f64>>,
     gravity_direction: Vector3<f64>,
     origin: Origin,
+    shapes: Shapes,
 }
 
 impl Robot {
@@ -93,6 +97,7 @@ impl Robot {
             spring_mixing: None,
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
+            shapes: Shapes::default(),
         })
     }
 
@@ -210,6 +215,7 @@ impl Robot {
     pub fn with_base(mut self, pose: &Isometry3<f64>) -> Self {
         self.joints[0].placement = pose * self.joints[0].placement;
         self.origin.place(pose);
+        self.shapes.place(pose);
         self
     }
 

@@ -8,6 +8,7 @@ pub mod model;
 pub mod random;
 pub mod readings;
 pub mod runs;
+pub mod segments;
 
 use nalgebra::{DMatrix, Isometry3, Vector3};
 use proptest::test_runner::{Config, RngSeed};
