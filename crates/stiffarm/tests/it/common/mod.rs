@@ -4,6 +4,7 @@
 #![allow(dead_code, missing_docs)]
 
 pub mod groups;
+pub mod meshes;
 pub mod model;
 pub mod random;
 pub mod readings;

@@ -1,6 +1,11 @@
 //! Solids, their signed distances, and the nearest point of a segment.
 
 mod cover;
+mod fit;
+#[cfg(feature = "geometry")]
+mod mesh_distance;
+#[cfg(feature = "geometry")]
+mod mesh_files;
 
 use crate::common::cases;
 use crate::common::random::Dice;
