@@ -9,7 +9,7 @@ use crate::error::{Code, Error, Result};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
 use parry3d_f64::query;
-use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, Shape, TriMesh};
+use parry3d_f64::shape::{Ball, Cuboid, Cylinder, Segment, Shape, TriMesh};
 use parry3d_f64::transformation::try_convex_hull;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -102,14 +102,14 @@ impl MeshBody {
                 });
                 return Ok(heights.fold(f64::INFINITY, f64::min).max(0.0));
             }
-            // parry is exact for a ball, and microns off for a capsule without length.
+            // By their axes, which have corners: parry's distances of round shapes are microns off.
             Solid::Capsule(c) if c.a == c.b => (
                 Box::new(Ball::new(c.radius)),
                 Isometry3::translation(c.a.x, c.a.y, c.a.z),
                 c.a,
             ),
             Solid::Capsule(c) => (
-                Box::new(Capsule::new(vector(&c.a), vector(&c.b), c.radius)),
+                Box::new(Segment::new(vector(&c.a), vector(&c.b))),
                 Isometry3::identity(),
                 (c.a + c.b) * 0.5,
             ),
@@ -132,7 +132,11 @@ impl MeshBody {
                 )
             }
         };
-        let apart = apart(pose, &self.tree, &own, shape.as_ref())?;
+        let radius = match solid {
+            Solid::Capsule(c) if c.a != c.b => c.radius,
+            _ => 0.0,
+        };
+        let apart = (apart(pose, &self.tree, &own, shape.as_ref())? - radius).max(0.0);
         let inside =
             apart > 0.0 && self.contains(&pose.inverse_transform_point(&inner.into()).coords);
         Ok(if inside { 0.0 } else { apart })

@@ -50,7 +50,8 @@ proptest! {
         let expected = by_triangles(&mesh.placed(&frame), &solid);
         // The solid wholly inside the mesh is 0 apart, and the search says otherwise.
         if own > 0.0 || expected <= 0.0 {
-            prop_assert!((own - expected.max(0.0)).abs() < 1e-6, "{own} {expected} {solid:?}");
+            let tolerance = if matches!(solid, Solid::Cylinder { .. }) { 1e-5 } else { 1e-8 };
+            prop_assert!((own - expected.max(0.0)).abs() < tolerance, "{own} {expected} {solid:?}");
         }
     }
 
@@ -70,7 +71,7 @@ proptest! {
             true => 0.0,
             false => one_way.max(0.0),
         };
-        prop_assert!((own - expected).abs() < 1e-6, "{own} {expected}");
+        prop_assert!((own - expected).abs() < 1e-8, "{own} {expected}");
         let back = second.distance_to_mesh(&frames[1], first, &frames[0]).unwrap();
         prop_assert!((own - back).abs() < 1e-9);
     }

@@ -19,10 +19,10 @@ const GRID: f64 = 1e5;
 /// Rounds of adding the points that stick out.
 const ROUNDS: usize = 30;
 /// Directions of the half sphere that starts are taken from, and how much wider than necessary.
-const SPREAD: usize = 50;
+const SPREAD: usize = 80;
 const WIDTHS: [f64; 4] = [0.0, 0.03, 0.1, 0.25];
 /// Ends of searches that go on.
-const AGAIN: usize = 2;
+const AGAIN: usize = 4;
 /// Points added in a round.
 const ADDED: usize = 40;
 
@@ -35,7 +35,7 @@ const ADDED: usize = 40;
 pub(super) fn capsule_around(points: &[Vector3<f64>], effort: Effort) -> Capsule {
     let (directions, starts, evaluations) = match effort {
         Effort::Rough => (40, 1, 150),
-        Effort::Full => (250, 8, 600),
+        Effort::Full => (250, 12, 600),
     };
     let mut shell = outermost(points, directions);
     let mut axis = search(&shell, &starting_axes(&shell, starts), evaluations);
