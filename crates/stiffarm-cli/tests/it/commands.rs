@@ -417,6 +417,10 @@ fn schemas_describe_what_the_commands_print() {
     let lines = [
         ("result-check", "check"),
         (
+            "result-capsules",
+            "capsules builtin:spindle.obj --unit mm --tool",
+        ),
+        (
             "result-evaluate",
             "evaluate builtin:comau builtin:comau-group1",
         ),
