@@ -173,12 +173,12 @@ fn tables(meshes: &[Mesh], link: Option<usize>) -> String {
     for mesh in meshes {
         let said = wrapped(&format!("# {}: {}", mesh.mesh, mesh.said()), columns());
         let _ = writeln!(out, "{}", said.replace("\n", "\n#"));
-        for (i, capsule) in mesh.capsules.iter().enumerate() {
+        for capsule in &mesh.capsules {
             out += &match link {
                 Some(link) => format!("[[robot.shape]]\nlink = {link}\n"),
                 None => format!(
                     "[[tool.shape]]\nname = {}\nkind = \"capsule\"\n",
-                    quoted(&name(mesh, i))
+                    quoted(&name(mesh))
                 ),
             };
             let _ = writeln!(
@@ -194,15 +194,11 @@ fn tables(meshes: &[Mesh], link: Option<usize>) -> String {
     out + "\n"
 }
 
-/// `spindle`, or `spindle 2` where there are several.
-fn name(mesh: &Mesh, at: usize) -> String {
+/// Name of the mesh's file without its ending; shapes of one name are one part of the cell.
+fn name(mesh: &Mesh) -> String {
     let bare = mesh.mesh.rsplit(':').next().unwrap_or_default();
     let stem = Path::new(bare).file_stem().unwrap_or_default();
-    let stem = stem.to_string_lossy();
-    match mesh.capsules.len() {
-        1 => stem.into_owned(),
-        _ => format!("{stem} {}", at + 1),
-    }
+    stem.to_string_lossy().into_owned()
 }
 
 /// A basic string of TOML, which has the escapes of JSON.

@@ -37,7 +37,7 @@ fn table(named: &NamedCell, check: &CellCheck) -> String {
     out += &setup(&named.cell);
     out += &title("Joints");
     out += &joints(&named.cell, check);
-    if !named.cell.limits.is_empty() {
+    if !named.cell.is_unlimited() {
         let (within, of) = (check.postures_within_limits, check.postures_sampled);
         let _ = writeln!(
             out,

@@ -111,15 +111,9 @@ fn posture_remarks(cell: &Cell, postures: &[Posture]) -> Vec<String> {
         let Ok(terms) = PostureTerms::new(&cell.setup, &posture.q, None) else {
             continue;
         };
-        let smallest = cell.limits.smallest(&cell.setup, &terms);
+        let smallest = cell.margins().smallest(&terms);
         if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
-            remarks.push(format!(
-                "posture {}: its {} violates {} by {} mm",
-                posture.name,
-                margin.point,
-                margin.kind.describe(),
-                numbers::coarse_mm(-margin.margin)
-            ));
+            remarks.push(format!("posture {} {}", posture.name, margin.violation()));
         }
     }
     remarks

@@ -16,6 +16,7 @@ pub mod pose;
 pub mod posture;
 pub mod process;
 pub mod robot;
+pub mod scene;
 pub mod shape;
 pub mod stiffness;
 pub mod tool;

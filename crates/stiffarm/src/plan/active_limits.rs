@@ -8,7 +8,7 @@
 //! time of a selection.
 
 use crate::error::{Code, Error, Result};
-use crate::model::cell::Cell;
+use crate::model::cell::{Cell, Margins};
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise};
@@ -16,9 +16,15 @@ use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise}
 /// Margin kept from hard limits so that rounding never crosses them \[m\].
 pub(super) const LIMIT_GUARD: f64 = 5e-10;
 
+/// Shapes farther apart than this are far \[m\]: by how much is not asked.
+const FAR: f64 = 0.3;
+/// Of the scene's margins, which are many, those nearer than this are watched from the start \[m\].
+const SCENE_DISTANCE: f64 = 0.1;
+
 /// The limits that are constraints now, of one posture or of several.
 pub(super) struct ActiveLimits<'a> {
     cell: &'a Cell,
+    margins: Margins<'a>,
     /// Limits nearer than this become constraints \[m\].
     distance: f64,
     per_posture: usize,
@@ -36,9 +42,11 @@ impl<'a> ActiveLimits<'a> {
     /// The cell's load is only known by measurement.
     pub(super) fn new(cell: &'a Cell, distance: f64) -> Result<Self> {
         let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
-        let per_posture = cell.limits.count(&cell.setup);
+        let margins = cell.margins();
+        let per_posture = margins.count();
         Ok(ActiveLimits {
             cell,
+            margins,
             distance,
             per_posture,
             active: Vec::new(),
@@ -70,9 +78,8 @@ impl<'a> ActiveLimits<'a> {
         if self.terms.update(setup, q).is_err() {
             return f64::INFINITY;
         }
-        self.cell
-            .limits
-            .evaluate(setup, &self.terms, &mut self.values, None);
+        self.margins
+            .evaluate(&self.terms, FAR, &mut self.values, None);
         self.values.iter().fold(0.0, |v, m| v.max(-m))
     }
 
@@ -84,7 +91,12 @@ impl<'a> ActiveLimits<'a> {
         for (p, q) in angles.chunks_exact(self.cell.bounds.len()).enumerate() {
             self.violation_at(q);
             let near = self.values.iter().enumerate();
-            let near = near.filter(|(_, margin)| **margin < self.distance);
+            let points = self.margins.point_count();
+            let within = |l: usize| match l < points {
+                true => self.distance,
+                false => SCENE_DISTANCE.min(self.distance),
+            };
+            let near = near.filter(|(l, margin)| **margin < within(*l));
             self.active
                 .extend(near.map(|(l, _)| p * self.per_posture + l));
         }
@@ -113,12 +125,9 @@ impl<'a> ActiveLimits<'a> {
                 out.violation = f64::INFINITY;
                 return;
             }
-            self.cell.limits.evaluate(
-                setup,
-                &self.terms,
-                &mut self.values,
-                Some(&mut self.gradients),
-            );
+            let gradients = Some(&mut self.gradients[..]);
+            self.margins
+                .evaluate(&self.terms, FAR, &mut self.values, gradients);
             for margin in &self.values {
                 out.violation = out.violation.max(-margin);
             }

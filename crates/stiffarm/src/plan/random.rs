@@ -49,6 +49,7 @@ pub fn random_group(
 ) -> Result<Vec<Vec<f64>>> {
     let n = cell.setup.robot.joint_count();
     let mut rng = group_rng(seed, stream);
+    let mut margins = cell.margins();
     let bounds: Vec<[f64; 2]> = cell
         .bounds
         .iter()
@@ -67,11 +68,7 @@ pub fn random_group(
                     .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
                     .collect();
                 let terms = PostureTerms::new(&cell.setup, &q, None)?;
-                if cell
-                    .limits
-                    .smallest(&cell.setup, &terms)
-                    .is_none_or(|m| m.margin >= 0.0)
-                {
+                if margins.least(&terms) >= 0.0 {
                     return Ok(q);
                 }
             }

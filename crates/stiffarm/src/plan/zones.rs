@@ -216,6 +216,7 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
     };
     let (columns, rows) = (inside(MAPPED[0], &q2), inside(MAPPED[1], &q3));
     let mut within_limits = 0;
+    let mut margins = cell.margins();
     let mut grid: Vec<Vec<Option<Values>>> = Vec::with_capacity(steps);
     for (done, q3) in rows.iter().enumerate() {
         control.check()?;
@@ -224,8 +225,7 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
         for q2 in &columns {
             (q[MAPPED[0]], q[MAPPED[1]]) = (*q2, *q3);
             let terms = PostureTerms::new(&cell.setup, &q, None)?;
-            let smallest = cell.limits.smallest(&cell.setup, &terms);
-            let inside = smallest.is_none_or(|margin| margin.margin >= 0.0);
+            let inside = margins.least(&terms) >= 0.0;
             within_limits += usize::from(inside);
             row.push(match inside {
                 true => values(cell, &terms)?,

@@ -133,7 +133,7 @@ fn postures_outside_the_limits_have_no_values() {
         for column in 0..15 {
             let q = posture(&found, row, column);
             let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
-            let margin = cell.limits.smallest(&cell.setup, &terms).unwrap().margin;
+            let margin = cell.margins().smallest(&terms).unwrap().margin;
             let maps = [
                 &found.inverse_condition,
                 &found.translation_deviation,

@@ -42,9 +42,9 @@ pub(super) fn best_posture(
     // Infinite outside the limits.
     let at = |q: &[f64]| -> Result<f64> {
         let terms = PostureTerms::new(&cell.setup, q, None)?;
-        match cell.limits.smallest(&cell.setup, &terms) {
-            Some(limit) if limit.margin < 0.0 => Ok(f64::INFINITY),
-            _ => value(&terms),
+        match cell.margins().least(&terms) < 0.0 {
+            true => Ok(f64::INFINITY),
+            false => value(&terms),
         }
     };
     let mut best: Option<Candidate> = None;

@@ -6,6 +6,7 @@ use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawValidation};
 use super::robot;
+use super::scene::scene;
 use super::source::Source;
 use super::task::tasks;
 use super::work::work;
@@ -50,11 +51,14 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         Some(name) => source.name(name, "name")?,
         None => robot.name().to_string(),
     };
+    let setup = Setup { robot, tool, load };
+    let scene = scene(source, raw, &setup, &bounds)?;
     Ok(Cell {
         name,
-        setup: Setup { robot, tool, load },
+        setup,
         bounds,
         limits,
+        scene,
         noise,
         prior,
         elastic,

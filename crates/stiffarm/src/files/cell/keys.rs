@@ -1,9 +1,9 @@
 //! TOML syntax, unknown keys and values of the wrong kind, with their places.
 
 use super::raw::{
-    RawBounds, RawCell, RawElastic, RawForce, RawLimits, RawLoad, RawMilling, RawNoise, RawPoint,
-    RawPosture, RawRobot, RawSensor, RawSeries, RawStiffness, RawTask, RawTool, RawTracker,
-    RawUncertainty, RawValidation, RawWork,
+    RawBounds, RawCell, RawClearance, RawElastic, RawForce, RawLimits, RawLinkShape, RawLoad,
+    RawMilling, RawNoise, RawPoint, RawPosture, RawRobot, RawSensor, RawSeries, RawShape,
+    RawStation, RawStiffness, RawTask, RawTool, RawTracker, RawUncertainty, RawValidation, RawWork,
 };
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
@@ -26,15 +26,19 @@ struct Section {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [Section; 20] = [
+const SECTIONS: [Section; 25] = [
     Section { path: "", array: false, keys: keys_of::<RawCell> },
     Section { path: "robot", array: false, keys: keys_of::<RawRobot> },
+    Section { path: "robot.shape", array: true, keys: keys_of::<RawLinkShape> },
     Section { path: "bounds", array: false, keys: keys_of::<RawBounds> },
     Section { path: "tool", array: false, keys: keys_of::<RawTool> },
     Section { path: "tool.measuring_point", array: true, keys: keys_of::<RawPoint> },
     Section { path: "tool.series_compliance", array: false, keys: keys_of::<RawSeries> },
+    Section { path: "tool.shape", array: true, keys: keys_of::<RawShape> },
     Section { path: "load", array: false, keys: keys_of::<RawLoad> },
     Section { path: "limits", array: false, keys: keys_of::<RawLimits> },
+    Section { path: "obstacle", array: true, keys: keys_of::<RawShape> },
+    Section { path: "clearance", array: false, keys: keys_of::<RawClearance> },
     Section { path: "noise", array: false, keys: keys_of::<RawNoise> },
     Section { path: "stiffness", array: false, keys: keys_of::<RawStiffness> },
     Section { path: "elastic", array: false, keys: keys_of::<RawElastic> },
@@ -46,6 +50,7 @@ const SECTIONS: [Section; 20] = [
     Section { path: "work.milling", array: false, keys: keys_of::<RawMilling> },
     Section { path: "sensor", array: false, keys: keys_of::<RawSensor> },
     Section { path: "tracker", array: false, keys: keys_of::<RawTracker> },
+    Section { path: "tracker.station", array: true, keys: keys_of::<RawStation> },
     Section { path: "uncertainty", array: false, keys: keys_of::<RawUncertainty> },
 ];
 

@@ -15,6 +15,7 @@ mod keys;
 mod load;
 mod raw;
 mod robot;
+mod scene;
 #[cfg(feature = "schema")]
 mod schema;
 mod source;

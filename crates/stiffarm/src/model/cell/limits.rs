@@ -3,6 +3,7 @@
 //! Each limit is a margin in metres, positive inside, with its derivative, so
 //! that every optimiser can respect it during the search.
 
+use super::limit_kind::{LimitKind, LimitMargin};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use nalgebra::Vector3;
@@ -22,45 +23,6 @@ pub struct Limits {
     pub rope_length: Option<[f64; 2]>,
 }
 
-/// Which limit a margin belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LimitKind {
-    /// Side of the tool box.
-    ToolBox,
-    /// Floor.
-    Floor,
-    /// Keep-out cylinder about axis 1.
-    KeepOut,
-    /// Height of the wrist centre.
-    WristHeight,
-    /// Length of the rope.
-    RopeLength,
-}
-
-impl LimitKind {
-    /// Words for a message.
-    pub fn describe(self) -> &'static str {
-        match self {
-            LimitKind::ToolBox => "the box for tool points and flange",
-            LimitKind::Floor => "the floor",
-            LimitKind::KeepOut => "the keep-out cylinder about axis 1",
-            LimitKind::WristHeight => "the lowest height of the wrist centre",
-            LimitKind::RopeLength => "the rope's length",
-        }
-    }
-}
-
-/// Distance of one point to one limit, positive inside \[m\].
-#[derive(Debug, Clone, PartialEq)]
-pub struct LimitMargin {
-    /// The limit.
-    pub kind: LimitKind,
-    /// The point: `loading point`, a measuring point's name, `flange`, `wrist centre`, `rope`.
-    pub point: String,
-    /// Margin \[m\], negative when violated.
-    pub margin: f64,
-}
-
 /// Called with limit, subject, margin and a function that writes the margin's
 /// derivative with respect to θ.
 type Visitor<'a> = dyn FnMut(LimitKind, usize, f64, &dyn Fn(&mut [f64])) + 'a;
@@ -78,7 +40,7 @@ impl Limits {
     }
 
     /// Number of margins per posture.
-    pub fn count(&self, setup: &Setup) -> usize {
+    pub(crate) fn count(&self, setup: &Setup) -> usize {
         let tool_points = setup.tool.point_count() + 2;
         let mut count = 0;
         if self.tool_box.is_some() {
@@ -100,7 +62,7 @@ impl Limits {
     }
 
     /// All margins of one posture with their names, in a fixed order.
-    pub fn margins(&self, setup: &Setup, terms: &PostureTerms) -> Vec<LimitMargin> {
+    pub(crate) fn margins(&self, setup: &Setup, terms: &PostureTerms) -> Vec<LimitMargin> {
         let mut out = Vec::with_capacity(self.count(setup));
         let names = subject_names(setup);
         self.visit(setup, terms, &mut |kind, subject, margin, _| {
@@ -111,13 +73,6 @@ impl Limits {
             });
         });
         out
-    }
-
-    /// The smallest margin of one posture, `None` without limits.
-    pub fn smallest(&self, setup: &Setup, terms: &PostureTerms) -> Option<LimitMargin> {
-        self.margins(setup, terms)
-            .into_iter()
-            .min_by(|a, b| a.margin.total_cmp(&b.margin))
     }
 
     /// Writes the margins of one posture to `values` and, where asked, their
@@ -272,8 +227,10 @@ fn subject_names(setup: &Setup) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::cell::Margins;
     use crate::model::kinematics::Frames;
     use crate::model::robot::{DhConvention, DhRow, Robot};
+    use crate::model::scene::Scene;
     use crate::model::tool::{NamedPoint, Tool};
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
@@ -423,9 +380,13 @@ mod tests {
         assert!((ours - (distance - 0.35)).abs() < 1e-14);
         // The wrist centre is no tool point: it may leave the box.
         assert!(find(LimitKind::ToolBox, "wrist centre").is_empty());
-        let smallest = limits.smallest(&setup, &terms).unwrap();
+        let nothing = Scene::default();
+        let mut all = Margins::new(&setup, &limits, &nothing);
+        let smallest = all.smallest(&terms).unwrap();
         assert!(margins.iter().all(|m| m.margin >= smallest.margin));
-        assert!(Limits::default().smallest(&setup, &terms).is_none());
+        let none = Limits::default();
+        let mut all = Margins::new(&setup, &none, &nothing);
+        assert!(all.smallest(&terms).is_none());
     }
 
     #[test]

@@ -3,11 +3,15 @@
 //! Values only; reading and writing `cell.toml` is in [`crate::files::cell`].
 
 mod columns;
+mod limit_kind;
 mod limits;
+mod margins;
 mod task;
 
 pub use columns::Columns;
-pub use limits::{LimitKind, LimitMargin, Limits};
+pub use limit_kind::{LimitKind, LimitMargin, MarginUnit};
+pub use limits::Limits;
+pub use margins::Margins;
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
@@ -17,6 +21,7 @@ use crate::model::load::Load;
 use crate::model::observation::Setup;
 use crate::model::posture::Posture;
 use crate::model::robot::Robot;
+use crate::model::scene::Scene;
 use crate::model::tool::Tool;
 use crate::model::work::Work;
 
@@ -80,6 +85,8 @@ pub struct Cell {
     pub bounds: Vec<[f64; 2]>,
     /// Where tool points, flange and wrist may be, and the rope's length.
     pub limits: Limits,
+    /// Shapes that must not touch, beams that must not be hidden, torques that must not be exceeded.
+    pub scene: Scene,
     /// Measurement noise.
     pub noise: Noise,
     /// Prior joint stiffness k \[N·m/rad\], one per spring, where one is known.
@@ -132,6 +139,7 @@ impl Cell {
             bounds: robot.joints().iter().map(|joint| joint.limits).collect(),
             setup: Setup { robot, tool, load },
             limits: Limits::default(),
+            scene: Scene::default(),
             noise: Noise {
                 reading_variance: PAPER_VARIANCE,
                 readings_per_displacement: 1,

@@ -158,7 +158,7 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
                 .iter()
                 .map(|wrench| PostureTerms::new(setup, &q, wrench.as_ref()))
                 .collect::<Result<Vec<_>>>()?;
-            let smallest = cell.limits.smallest(setup, &terms[0]);
+            let smallest = cell.margins().smallest(&terms[0]);
             let violated = smallest.filter(|m| m.margin < 0.0).map(|m| m.kind);
             Ok(Sample { terms, violated })
         })
@@ -167,7 +167,7 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
 
 /// How many of the postures the limits leave.
 fn reach(cell: &Cell, sampled: &[Sample], within: usize, findings: &mut Vec<Finding>) {
-    if cell.limits.is_empty() {
+    if cell.is_unlimited() {
         if cell.setup.load != Load::Measured {
             findings.push(Finding::new(
                 "no-limits",
@@ -180,15 +180,8 @@ fn reach(cell: &Cell, sampled: &[Sample], within: usize, findings: &mut Vec<Find
         return;
     }
     let count = sampled.len();
-    let kinds = [
-        LimitKind::ToolBox,
-        LimitKind::Floor,
-        LimitKind::KeepOut,
-        LimitKind::WristHeight,
-        LimitKind::RopeLength,
-    ];
     let times = |kind: LimitKind| sampled.iter().filter(|s| s.violated == Some(kind)).count();
-    let worst = kinds
+    let worst = LimitKind::ALL
         .into_iter()
         .max_by_key(|kind| times(*kind))
         .unwrap_or(LimitKind::ToolBox);
@@ -246,7 +239,7 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
         let Ok(terms) = PostureTerms::new(setup, &posture.q, force.as_ref()) else {
             continue;
         };
-        let smallest = cell.limits.smallest(setup, &terms);
+        let smallest = cell.margins().smallest(&terms);
         if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
             findings.push(Finding::new(
                 "validation-outside-limits",

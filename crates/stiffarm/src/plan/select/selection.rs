@@ -147,7 +147,7 @@ pub fn smallest_margin<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Result<O
     let mut smallest: Option<f64> = None;
     for q in postures {
         let terms = PostureTerms::new(&cell.setup, q.as_ref(), None)?;
-        if let Some(margin) = cell.limits.smallest(&cell.setup, &terms) {
+        if let Some(margin) = cell.margins().smallest(&terms) {
             smallest = Some(smallest.map_or(margin.margin, |s| s.min(margin.margin)));
         }
     }
@@ -200,7 +200,7 @@ pub(super) fn no_result(
         )
         .hint("start from other postures, for example with the wrist bent");
     }
-    let limits = if cell.limits.is_empty() {
+    let limits = if cell.is_unlimited() {
         "the joint bounds"
     } else {
         "the cell's limits"

@@ -17,7 +17,7 @@
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::load::Wrench;
+use crate::model::load::{Load, Wrench};
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::group_rng;
@@ -159,7 +159,8 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
     let wanted = (CANDIDATES_EACH * count).clamp(CANDIDATES[0], CANDIDATES[1]);
     // The limits ask where points are; a load that only a measurement gives is no obstacle.
     let unloaded = Wrench::force(Vector3::zeros());
-    let mut margins = vec![0.0; cell.limits.count(setup)];
+    let mut margins = cell.margins();
+    let wrench = (setup.load == Load::Measured).then_some(unloaded);
     let mut rng = group_rng(seed, STREAM);
     let mut found = Vec::with_capacity(wanted);
     let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
@@ -175,9 +176,8 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
             .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
             .collect();
         terms.frames.update(&setup.robot, &q);
-        terms.fill(setup, Some(&unloaded))?;
-        cell.limits.evaluate(setup, &terms, &mut margins, None);
-        if margins.iter().all(|m| *m >= 0.0) {
+        // A rope without a direction is no posture to measure.
+        if terms.fill(setup, wrench.as_ref()).is_ok() && margins.least(&terms) >= 0.0 {
             found.push(q);
         }
     }

@@ -3,10 +3,11 @@
 use super::status::Status;
 use crate::error::Result;
 use crate::findings::length;
-use crate::model::cell::{Cell, LimitMargin, Limits};
+use crate::model::cell::{Cell, LimitKind, Limits, Margins};
 use crate::model::inverse::{InverseKinematics, Outcome};
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup};
+use crate::model::scene::Scene;
 use crate::model::tool::NamedPoint;
 use crate::units::rad_to_deg;
 use crate::work::predict::LoadedArm;
@@ -89,6 +90,8 @@ pub(super) struct Reach<'a> {
     setup: Setup,
     /// The cell's limits without the rope's length.
     limits: Limits,
+    /// Its shapes.
+    scene: Scene,
     flange_in_tip: Isometry3<f64>,
 }
 
@@ -110,6 +113,7 @@ impl<'a> Reach<'a> {
                 rope_length: None,
                 ..cell.limits.clone()
             },
+            scene: cell.scene.at_work(),
             flange_in_tip: arm.tip().inverse(),
         }
     }
@@ -188,36 +192,31 @@ impl<'a> Reach<'a> {
 
     /// The cell's limit that is violated most.
     pub(super) fn forbidden(&self, q: &[f64]) -> Result<Option<Refusal>> {
-        if self.limits.is_empty() {
+        if self.limits.is_empty() && self.scene.is_empty() {
             return Ok(None);
         }
         let unloaded = Wrench::force(Vector3::zeros());
         let terms = PostureTerms::new(&self.setup, q, Some(&unloaded))?;
-        let mut margins = vec![0.0; self.limits.count(&self.setup)];
-        self.limits
-            .evaluate(&self.setup, &terms, &mut margins, None);
-        if margins.iter().all(|margin| *margin >= 0.0) {
+        let mut margins = Margins::new(&self.setup, &self.limits, &self.scene);
+        if margins.least(&terms) >= 0.0 {
             return Ok(None);
         }
         // Names only for those that need words.
-        let smallest = self.limits.smallest(&self.setup, &terms);
+        let smallest = margins.smallest(&terms);
         let violated = smallest.filter(|margin| margin.margin < 0.0);
-        Ok(violated.map(
-            |LimitMargin {
-                 kind,
-                 point,
-                 margin,
-             }| Refusal {
-                status: Status::Forbidden,
-                reason: format!(
-                    "its {} violates {} by {}",
-                    point.strip_suffix(" tip").map_or(point.as_str(), |_| "tip"),
-                    kind.describe(),
-                    length(-margin)
-                ),
-                distance: Some(-margin),
-                excess: -margin,
+        Ok(violated.map(|violated| Refusal {
+            status: Status::Forbidden,
+            reason: match violated.kind {
+                LimitKind::Shapes => format!("it {}", violated.violation()),
+                _ => {
+                    let point = violated.point.as_str();
+                    let point = point.strip_suffix(" tip").map_or(point, |_| "tip");
+                    let by = length(-violated.margin);
+                    format!("its {point} violates {} by {by}", violated.kind.describe())
+                }
             },
-        ))
+            distance: Some(-violated.margin),
+            excess: -violated.margin,
+        }))
     }
 }

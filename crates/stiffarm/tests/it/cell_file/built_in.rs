@@ -75,12 +75,12 @@ fn the_default_cell_holds_the_published_values() -> Check {
     // The tasks' tool points down onto the table, inside the limits (the rope
     // is no part of the work).
     assert_eq!(cell.tasks, common::tasks());
-    let mut work = cell.limits.clone();
-    work.rope_length = None;
+    let mut work = cell.clone();
+    work.limits.rope_length = None;
     for task in &cell.tasks {
         let terms = PostureTerms::new(&cell.setup, &task.q, None)?;
         assert!(terms.frames().direction(&nalgebra::Vector3::z()).z < -0.85);
-        let margin = work.smallest(&cell.setup, &terms).ok_or("no limits")?;
+        let margin = work.margins().smallest(&terms).ok_or("no limits")?;
         assert!(margin.margin > 0.05, "{}: {margin:?}", task.name);
     }
     Ok(())
@@ -135,10 +135,7 @@ fn group_1_is_in_bounds_and_inside_the_limits() -> Check {
     for (posture, degrees) in group.iter().zip(degrees) {
         assert_eq!(posture.q, degrees.map(f64::to_radians));
         let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
-        let margin = cell
-            .limits
-            .smallest(&cell.setup, &terms)
-            .ok_or("no limits")?;
+        let margin = cell.margins().smallest(&terms).ok_or("no limits")?;
         smallest = smallest.min(margin.margin);
     }
     // "Group 1 satisfies it with 0.039 m to spare" (method, section 10).

@@ -53,10 +53,7 @@ fn templates_can_be_used_as_they_are() -> Check {
         let mut inside = 0;
         for q in some_postures(&cell) {
             let terms = PostureTerms::new(&cell.setup, &q, None)?;
-            let margin = cell
-                .limits
-                .smallest(&cell.setup, &terms)
-                .ok_or("no limits")?;
+            let margin = cell.margins().smallest(&terms).ok_or("no limits")?;
             inside += usize::from(margin.margin >= 0.0);
         }
         assert!(

@@ -120,6 +120,7 @@ pub fn reference_cell() -> Cell {
             .map(|b| [number(&b[0]).to_radians(), number(&b[1]).to_radians()])
             .collect(),
         limits: Limits::default(),
+        scene: Default::default(),
         // Table 3: level 2 is 9.23e-5 mm² per axis, counted once.
         noise: Noise {
             reading_variance: 9.23e-11,

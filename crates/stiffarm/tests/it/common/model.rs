@@ -169,6 +169,7 @@ impl Model {
             },
             bounds: vec![[-std::f64::consts::PI, std::f64::consts::PI]; self.rows.len()],
             limits: Limits::default(),
+            scene: Default::default(),
             noise: Noise {
                 reading_variance: self.sigma * self.sigma,
                 readings_per_displacement: 1,

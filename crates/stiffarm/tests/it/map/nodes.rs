@@ -108,13 +108,11 @@ fn allowed(cell: &Cell, pose: &Isometry3<f64>) -> Result<Vec<Vec<f64>>, Status> 
     if inside.is_empty() {
         return Err(Status::OutsideJointLimits);
     }
-    let mut limits = cell.limits.clone();
-    limits.rope_length = None;
+    let mut work = cell.clone();
+    work.limits.rope_length = None;
     let holds = |q: &Vec<f64>| {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
-        limits
-            .smallest(&cell.setup, &terms)
-            .is_none_or(|m| m.margin >= 0.0)
+        work.margins().least(&terms) >= 0.0
     };
     let allowed: Vec<_> = inside.into_iter().map(|b| b.q).filter(holds).collect();
     match allowed.is_empty() {

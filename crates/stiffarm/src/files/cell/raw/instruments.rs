@@ -1,6 +1,6 @@
 //! `[sensor]`, `[tracker]`, `[uncertainty]`.
 
-use super::{Number, Numbers, Text};
+use super::{At, Number, Numbers, RawStation, Text};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -56,6 +56,9 @@ pub(in crate::files::cell) struct RawTracker {
     pub range_um_per_m: Option<Number>,
     /// Standard deviation of each of the two angles of the beam, µrad.
     pub angle_urad: Option<Number>,
+    /// Places of the tracker: one of them must see the measuring points of a posture (default:
+    /// lines of sight are not looked at).
+    pub station: Option<At<Vec<At<RawStation>>>>,
 }
 
 /// Standard uncertainty of errors common to the whole experiment, before the readings say what they can.

@@ -6,10 +6,12 @@
 
 mod columns;
 mod instruments;
+mod scene;
 mod work;
 
 pub(super) use columns::{RawColumn, RawColumns};
 pub(super) use instruments::{RawSensor, RawTracker, RawUncertainty};
+pub(super) use scene::{RawClearance, RawLinkShape, RawShape, RawStation};
 pub(super) use work::{RawForce, RawMilling, RawWork};
 
 use serde::Deserialize;
@@ -69,6 +71,10 @@ pub(super) struct RawCell {
     pub load: Option<At<RawLoad>>,
     /// Where tool points, flange and wrist may be, base frame (default: anywhere).
     pub limits: Option<At<RawLimits>>,
+    /// What stands in the cell, base frame.
+    pub obstacle: Option<At<Vec<At<RawShape>>>>,
+    /// Distances that shapes, rope and beams keep.
+    pub clearance: Option<At<RawClearance>>,
     /// Measurement noise of a displacement.
     pub noise: Option<At<RawNoise>>,
     /// Joint stiffness known beforehand.
@@ -141,6 +147,12 @@ pub(super) struct RawRobot {
     /// Characteristic length L of the normalised Jacobian, mm (default: the length that
     /// minimises its condition number, computed when needed).
     pub characteristic_length_mm: Option<Number>,
+    /// Capsules around the links (default: the catalogue's).
+    pub shape: Option<At<Vec<At<RawLinkShape>>>>,
+    /// Largest torque of each joint under load and the tool's weight, either way, N·m. The arm's own weight
+    /// is not counted: give what is left for payload and process.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
+    pub torque_limits_nm: Option<Numbers>,
 }
 
 /// Bounds of the controller angles for choosing postures.
@@ -169,6 +181,13 @@ pub(super) struct RawTool {
     pub has_sensor: Option<At<bool>>,
     /// Known compliance of sensor and adapter between flange and reflectors.
     pub series_compliance: Option<At<RawSeries>>,
+    /// Shapes of the tool, flange axes.
+    pub shape: Option<At<Vec<At<RawShape>>>>,
+    /// Mass of the tool, kg: its weight counts against robot.torque_limits_nm.
+    pub mass_kg: Option<Number>,
+    /// Its centre of mass, flange axes, mm (default: the flange's origin).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub centre_of_mass_mm: Option<Numbers>,
 }
 
 /// A measuring point (reflector).
@@ -187,6 +206,11 @@ pub(super) struct RawPoint {
     /// Position in flange axes, mm.
     #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
     pub position_mm: Option<Numbers>,
+    /// Where the reflector looks, flange axes, any length (default: all round).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub axis: Option<Numbers>,
+    /// Largest angle between that axis and the tracker's beam, degrees (default: 30).
+    pub acceptance_deg: Option<Number>,
 }
 
 /// Compliance between flange and reflectors, lumped at one point, along the flange axes.

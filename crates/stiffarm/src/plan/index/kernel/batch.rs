@@ -52,6 +52,10 @@ pub(super) struct Batch {
     pub rope_force: Vec3,
     pub wrist: Vec3,
     pub wrist_force: Vec3,
+    // Forward: the scene's limits; derivatives of their penalty by θ, anchor and loading point (base axes).
+    pub scene_gradient: Vec<Lanes>,
+    pub scene_anchor: Vec3,
+    pub scene_loading: Vec3,
     // Reverse.
     /// Derivative of the index by the information, n × n by columns.
     pub adjoint: Vec<Lanes>,
@@ -72,7 +76,8 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    pub fn new(model: &Model) -> Self {
+    /// Room for `margins` margins of limits per posture.
+    pub fn new(model: &Model, margins: usize) -> Self {
         let n = model.joints;
         let (lanes, vec3, vec6) = (vec![ZERO; n], vec![ZERO3; n], vec![ZERO6; n]);
         Batch {
@@ -105,8 +110,8 @@ impl Batch {
             inverse_trace: ZERO,
             penalty_weight: 1.0,
             penalty_guard: 0.0,
-            multipliers: vec![ZERO; model.limit_count],
-            margins: vec![ZERO; model.limit_count],
+            multipliers: vec![ZERO; margins],
+            margins: vec![ZERO; margins],
             penalty: ZERO,
             violation: ZERO,
             limit_force: ZERO3,
@@ -115,6 +120,9 @@ impl Batch {
             rope_force: ZERO3,
             wrist: ZERO3,
             wrist_force: ZERO3,
+            scene_gradient: lanes.clone(),
+            scene_anchor: ZERO3,
+            scene_loading: ZERO3,
             adjoint: vec![ZERO; n * n],
             dexterity_weight: ZERO,
             tcp_adjoint: vec3.clone(),
@@ -127,6 +135,17 @@ impl Batch {
             gradient: lanes,
             anchor_gradient: ZERO3,
             loading_gradient: ZERO3,
+        }
+    }
+
+    /// Adds the derivatives of the scene's penalty to those of a reverse sweep.
+    pub fn add_scene(&mut self) {
+        for (sum, own) in self.gradient.iter_mut().zip(&self.scene_gradient) {
+            *sum += *own;
+        }
+        for axis in 0..3 {
+            self.anchor_gradient[axis] += self.scene_anchor[axis];
+            self.loading_gradient[axis] += self.scene_loading[axis];
         }
     }
 }

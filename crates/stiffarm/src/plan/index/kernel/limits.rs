@@ -173,7 +173,7 @@ mod tests {
         let ours: Vec<f64> = kernel.violations().collect();
         for (p, violation) in ours.iter().enumerate() {
             let terms = PostureTerms::new(&cell.setup, &angles(p), None).unwrap();
-            let smallest = cell.limits.smallest(&cell.setup, &terms).unwrap().margin;
+            let smallest = cell.margins().smallest(&terms).unwrap().margin;
             assert!((violation - (-smallest).max(0.0)).abs() < 1e-12);
         }
         assert!(ours.iter().any(|v| *v > 0.1));

@@ -18,6 +18,7 @@ mod lanes;
 mod limits;
 mod model;
 mod reverse;
+mod scene;
 
 pub(crate) use model::Wanted;
 
@@ -26,6 +27,7 @@ use crate::model::cell::Cell;
 use batch::Batch;
 use lanes::{Lanes, WIDTH};
 use model::{KernelLoad, Model};
+use scene::SceneKernel;
 
 /// A group of postures in lanes.
 #[derive(Debug, Clone)]
@@ -33,6 +35,8 @@ pub(crate) struct Kernel {
     model: Model,
     batches: Vec<Batch>,
     count: usize,
+    /// What shapes, beams and torques ask, where limits are wanted.
+    scene: Option<Box<SceneKernel>>,
 }
 
 impl Kernel {
@@ -42,11 +46,17 @@ impl Kernel {
     /// A load that only a measurement gives; k(J_N) with fewer than six joints.
     pub fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
         let model = Model::new(cell, wanted)?;
-        let batches = vec![Batch::new(&model); count.div_ceil(WIDTH)];
+        let scene = match wanted.limits {
+            true => SceneKernel::new(cell, count)?.map(Box::new),
+            false => None,
+        };
+        let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
+        let batches = vec![Batch::new(&model, margins); count.div_ceil(WIDTH)];
         Ok(Kernel {
             model,
             batches,
             count,
+            scene,
         })
     }
 
@@ -72,6 +82,15 @@ impl Kernel {
                 }
             }
             sweep_forward(&self.model, batch);
+            if self.model.limit_count == 0 {
+                batch.penalty = Lanes::splat(0.0);
+                batch.violation = Lanes::splat(0.0);
+            }
+            if let Some(scene) = &mut self.scene {
+                for lane in 0..(self.count - b * WIDTH).min(WIDTH) {
+                    scene.forward(batch, lane, b * WIDTH + lane, self.model.limit_count);
+                }
+            }
         }
     }
 
@@ -130,6 +149,9 @@ impl Kernel {
         gradient.fill(0.0);
         for b in 0..self.batches.len() {
             sweep_reverse(&self.model, &mut self.batches[b]);
+            if self.scene.is_some() {
+                self.batches[b].add_scene();
+            }
             let live = self.live(b);
             let batch = &self.batches[b];
             for (row, by_theta) in self.model.coupling.iter().zip(&batch.gradient) {
@@ -173,10 +195,16 @@ impl Kernel {
         if let KernelLoad::Rope { anchor, .. } = &mut self.model.load {
             *anchor = to;
         }
+        if let Some(scene) = &mut self.scene {
+            scene.set_anchor(to);
+        }
     }
 
     /// Moves the loading point \[m, flange axes\].
     pub fn set_loading_point(&mut self, to: [f64; 3]) {
+        if let Some(scene) = &mut self.scene {
+            scene.set_loading_point(to);
+        }
         let r = &self.model.flange_rotation;
         for i in 0..3 {
             self.model.loading_point[i] =
@@ -186,7 +214,7 @@ impl Kernel {
 
     /// Number of limits per posture.
     pub fn limit_count(&self) -> usize {
-        self.model.limit_count
+        self.batches.first().map_or(0, |batch| batch.margins.len())
     }
 
     /// Penalty of the limits of all postures.

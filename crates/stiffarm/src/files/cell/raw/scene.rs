@@ -1,0 +1,110 @@
+//! Shapes of links, tool and surroundings, what is asked of them, and the tracker's stations.
+
+use super::{At, Number, Numbers, Text};
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A capsule that contains (part of) a link: all points within a radius of a segment.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "LinkShape"))]
+#[serde(deny_unknown_fields)]
+pub(in crate::files::cell) struct RawLinkShape {
+    /// The link: 0 is the base, i moves with joint i.
+    #[cfg_attr(feature = "schema", schemars(required, with = "i64", range(min = 0)))]
+    pub link: Option<At<i64>>,
+    /// One end of the segment, mm: in the base frame for link 0, else in the frame of joint i after
+    /// its turn, that of the Denavit-Hartenberg row.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub from_mm: Option<Numbers>,
+    /// Its other end, mm.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub to_mm: Option<Numbers>,
+    /// The radius, mm.
+    #[cfg_attr(feature = "schema", schemars(required, with = "f64"))]
+    pub radius_mm: Option<Number>,
+}
+
+/// A shape: of the tool, in flange axes, or of something that stands in the cell, in the base frame.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Shape"))]
+#[serde(deny_unknown_fields)]
+pub(in crate::files::cell) struct RawShape {
+    /// Its name; shapes of one name are one thing.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub name: Option<Text>,
+    /// "box" (center_mm, size_mm, rpy_deg), "cylinder" or "capsule" (from_mm, to_mm, radius_mm; a
+    /// capsule has half spheres at its ends). What stands may also be a "floor" or a "ceiling" (z_mm) or a
+    /// "wall" (point_mm, normal).
+    #[cfg_attr(
+        feature = "schema",
+        schemars(required, extend("enum" = ["box", "cylinder", "capsule", "floor", "ceiling", "wall"]))
+    )]
+    pub kind: Option<Text>,
+    /// Centre of a box, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub center_mm: Option<Numbers>,
+    /// Size of a box along its own axes, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub size_mm: Option<Numbers>,
+    /// Roll, pitch, yaw of a box, degrees: turns about x, then y, then z of the frame it is given in
+    /// (default: none).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub rpy_deg: Option<Numbers>,
+    /// One end of the axis of a cylinder or capsule, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub from_mm: Option<Numbers>,
+    /// Its other end, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub to_mm: Option<Numbers>,
+    /// Radius of a cylinder or capsule, mm.
+    pub radius_mm: Option<Number>,
+    /// Height of a floor or a ceiling, mm.
+    pub z_mm: Option<Number>,
+    /// A point on a wall, mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub point_mm: Option<Numbers>,
+    /// Direction from a wall into the cell, any length.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub normal: Option<Numbers>,
+}
+
+/// Distances that shapes, rope and beams keep.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Clearance"))]
+#[serde(deny_unknown_fields)]
+pub(in crate::files::cell) struct RawClearance {
+    /// Distance kept between two shapes, mm (default: 20).
+    pub shapes_mm: Option<Number>,
+    /// Distance kept between the rope and every shape, mm (default: 20).
+    pub rope_mm: Option<Number>,
+    /// Lengths of the rope at the loading point and at the anchor that may touch what they are
+    /// fixed to, mm (default: [100, 100]).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
+    pub rope_free_mm: Option<Numbers>,
+    /// Axis of the loading device from the anchor outwards, base axes, any length; with rope_cone_deg.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub rope_axis: Option<Numbers>,
+    /// Largest angle between that axis and the rope, degrees.
+    pub rope_cone_deg: Option<Number>,
+    /// Distance kept between a tracker's beam and every shape, mm (default: 5).
+    pub sight_mm: Option<Number>,
+    /// How many measuring points one station must see (default: all).
+    pub visible_points: Option<At<i64>>,
+    /// Pairs of shapes, by name, that may come as near as they like.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[String; 2]>>"))]
+    pub ignore: Option<At<Vec<At<Vec<Text>>>>>,
+}
+
+/// A place of the tracker.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Station"))]
+#[serde(deny_unknown_fields)]
+pub(in crate::files::cell) struct RawStation {
+    /// Its name.
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub name: Option<Text>,
+    /// Where its beam goes out, base frame, mm.
+    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
+    pub position_mm: Option<Numbers>,
+}

@@ -1,0 +1,126 @@
+//! `[[robot.shape]]`, `[[tool.shape]]`, `[[obstacle]]`, `[clearance]`, `[[tracker.station]]`: what a
+//! posture must not touch and must not hide.
+
+mod rules;
+mod shape;
+
+use super::raw::{At, RawCell, RawLinkShape};
+use super::source::Source;
+use crate::error::{Code, Result};
+use crate::model::observation::Setup;
+use crate::model::robot::Robot;
+use crate::model::scene::{Carrier, Part, Scene, SceneParts};
+use crate::model::shape::{Capsule, Solid};
+use crate::units::mm_to_m;
+
+/// Distance kept between shapes where the cell says nothing \[mm\].
+const CLEARANCE_MM: f64 = 20.0;
+
+/// The scene of a cell whose robot, tool, load and bounds are read.
+pub(super) fn scene(
+    source: &Source<'_>,
+    raw: &RawCell,
+    setup: &Setup,
+    bounds: &[[f64; 2]],
+) -> Result<Scene> {
+    let mut parts = Vec::new();
+    let robot_table = raw.robot.as_ref().map(At::get);
+    let shapes = robot_table.and_then(|robot| robot.shape.as_ref());
+    let links = match shapes {
+        Some(shapes) => links(source, shapes, &setup.robot)?,
+        None => Vec::new(),
+    };
+    for (link, solids) in links {
+        parts.push(match link {
+            0 => Part::new("base", Carrier::World, solids),
+            i => Part::new(format!("link {i}"), Carrier::Link(i), solids),
+        });
+    }
+    let tool = raw.tool.as_ref().and_then(|tool| tool.get().shape.as_ref());
+    if let Some(shapes) = tool {
+        parts.extend(shape::parts(
+            source,
+            shapes,
+            "tool.shape",
+            Carrier::Flange,
+            &parts,
+        )?);
+    }
+    if let Some(shapes) = &raw.obstacle {
+        parts.extend(shape::parts(
+            source,
+            shapes,
+            "obstacle",
+            Carrier::World,
+            &parts,
+        )?);
+    }
+    let clearance = raw.clearance.as_ref().map(At::get);
+    let shapes_mm = match clearance.and_then(|table| table.shapes_mm.as_ref()) {
+        Some(value) => source.not_negative(value, "clearance.shapes_mm")?,
+        None => CLEARANCE_MM,
+    };
+    let has_parts = !parts.is_empty();
+    let scene = SceneParts {
+        parts,
+        clearance: mm_to_m(shapes_mm),
+        ignored: rules::ignored(source, clearance)?,
+        rope: rules::rope(source, clearance, setup, has_parts)?,
+        sight: rules::sight(source, raw, setup)?,
+        torque: rules::torque(source, raw, setup)?,
+    };
+    let scene = scene.build(&setup.robot, bounds).map_err(|error| {
+        let list = clearance.and_then(|table| table.ignore.as_ref());
+        match (list, error.code()) {
+            (Some(list), Code::UnknownName) => source.place(error, "clearance.ignore", list.span()),
+            _ => error,
+        }
+    })?;
+    rules::check_places(source, raw, setup, &scene)?;
+    Ok(scene)
+}
+
+/// Capsules by link, ascending.
+fn links(
+    source: &Source<'_>,
+    shapes: &At<Vec<At<RawLinkShape>>>,
+    robot: &Robot,
+) -> Result<Vec<(usize, Vec<Solid>)>> {
+    let n = robot.joint_count();
+    let mut links: Vec<(usize, Vec<Solid>)> = Vec::new();
+    for (i, entry) in shapes.get().iter().enumerate() {
+        let key = format!("robot.shape[{}]", i + 1);
+        let (raw, at) = (entry.get(), Some(entry.span()));
+        let hint = "give the link: 0 for the base, i for what moves with joint i";
+        let link_key = format!("{key}.link");
+        let link = source.required(&raw.link, &link_key, at.clone(), hint)?;
+        let number = usize::try_from(*link.get()).ok().filter(|link| *link <= n);
+        let number = number.ok_or_else(|| {
+            let message = format!(
+                "There is no link {}: the robot has links 0 to {n}.",
+                link.get()
+            );
+            source
+                .error(Code::InvalidValue, &link_key, link.span(), message)
+                .hint(hint)
+        })?;
+        let [a, b, radius] = [
+            format!("{key}.from_mm"),
+            format!("{key}.to_mm"),
+            format!("{key}.radius_mm"),
+        ];
+        let hint = "give both ends and the radius: from_mm, to_mm, radius_mm";
+        let from = source.vector(source.required(&raw.from_mm, &a, at.clone(), hint)?, &a)?;
+        let to = source.vector(source.required(&raw.to_mm, &b, at.clone(), hint)?, &b)?;
+        let size = source.positive(source.required(&raw.radius_mm, &radius, at, hint)?, &radius)?;
+        let capsule = Capsule::new(from.map(mm_to_m), to.map(mm_to_m), mm_to_m(size))
+            .map_err(|error| source.place(error, &key, entry.span()))?;
+        let solid = Solid::Capsule(capsule);
+        match links.iter_mut().find(|(link, _)| *link == number) {
+            Some((_, solids)) => solids.push(solid),
+            None => links.push((number, vec![solid])),
+        }
+    }
+    links.sort_by_key(|(link, _)| *link);
+    Ok(links)
+}

@@ -1,0 +1,138 @@
+//! The kinds of limits, and what is said where one is violated.
+
+use crate::units::rad_to_deg;
+
+/// Which limit a margin belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitKind {
+    /// Side of the tool box.
+    ToolBox,
+    /// Floor.
+    Floor,
+    /// Keep-out cylinder about axis 1.
+    KeepOut,
+    /// Height of the wrist centre.
+    WristHeight,
+    /// Length of the rope.
+    RopeLength,
+    /// Distance between two shapes.
+    Shapes,
+    /// Distance between the rope and a shape.
+    RopeClearance,
+    /// Cone in which the rope's loading device may pull.
+    RopeCone,
+    /// Angle between a reflector's axis and the tracker's beam.
+    Incidence,
+    /// Distance between the tracker's beam and a shape.
+    Sight,
+    /// Torque of a joint under load and tool weight.
+    Torque,
+}
+
+/// What a margin is measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MarginUnit {
+    /// Metres.
+    Length,
+    /// Radians.
+    Angle,
+    /// Share of the limit.
+    Share,
+}
+
+impl LimitKind {
+    /// All of them.
+    pub const ALL: [LimitKind; 11] = [
+        LimitKind::ToolBox,
+        LimitKind::Floor,
+        LimitKind::KeepOut,
+        LimitKind::WristHeight,
+        LimitKind::RopeLength,
+        LimitKind::Shapes,
+        LimitKind::RopeClearance,
+        LimitKind::RopeCone,
+        LimitKind::Incidence,
+        LimitKind::Sight,
+        LimitKind::Torque,
+    ];
+
+    /// Words for a message.
+    pub fn describe(self) -> &'static str {
+        match self {
+            LimitKind::ToolBox => "the box for tool points and flange",
+            LimitKind::Floor => "the floor",
+            LimitKind::KeepOut => "the keep-out cylinder about axis 1",
+            LimitKind::WristHeight => "the lowest height of the wrist centre",
+            LimitKind::RopeLength => "the rope's length",
+            LimitKind::Shapes => "the distance between shapes",
+            LimitKind::RopeClearance => "the distance between rope and shapes",
+            LimitKind::RopeCone => "the cone of the rope's loading device",
+            LimitKind::Incidence => "the reflectors' acceptance angle",
+            LimitKind::Sight => "the tracker's line of sight",
+            LimitKind::Torque => "the joints' torque",
+        }
+    }
+
+    /// What its margins are measured in.
+    pub fn unit(self) -> MarginUnit {
+        match self {
+            LimitKind::RopeCone | LimitKind::Incidence => MarginUnit::Angle,
+            LimitKind::Torque => MarginUnit::Share,
+            _ => MarginUnit::Length,
+        }
+    }
+}
+
+/// Distance to one limit, positive inside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitMargin {
+    /// The limit.
+    pub kind: LimitKind,
+    /// What it is about: `loading point`, a measuring point's name, `flange`, `wrist centre`, `rope`, two
+    /// shapes, a joint.
+    pub point: String,
+    /// Margin in the kind's [`unit`](LimitKind::unit) \[m, rad, share\], negative when violated.
+    pub margin: f64,
+}
+
+impl LimitMargin {
+    /// What is wrong where the margin is negative, as the end of a sentence about a posture: `has its flange 12 mm
+    /// beyond the floor`.
+    pub fn violation(&self) -> String {
+        let amount = self.amount(-self.margin);
+        match self.kind {
+            LimitKind::Shapes => format!("has {} {amount} too near each other", self.point),
+            LimitKind::RopeClearance => format!("has {} {amount} too near each other", self.point),
+            LimitKind::RopeCone => {
+                format!("pulls the rope {amount} beyond its loading device's cone")
+            }
+            LimitKind::Incidence => {
+                format!("turns {} {amount} beyond its acceptance angle", self.point)
+            }
+            LimitKind::Sight => format!(
+                "hides {}: a shape reaches {amount} too far into its beam",
+                self.point
+            ),
+            LimitKind::Torque => format!("loads {} {amount} beyond its largest torque", self.point),
+            _ => format!(
+                "has its {} {amount} beyond {}",
+                self.point,
+                self.kind.describe()
+            ),
+        }
+    }
+
+    /// The margin itself in words: `12 mm`, `3.1°`, `4 %`.
+    pub fn words(&self) -> String {
+        self.amount(self.margin)
+    }
+
+    fn amount(&self, value: f64) -> String {
+        match self.kind.unit() {
+            MarginUnit::Length if value.abs() < 0.00995 => format!("{:.1} mm", value * 1e3),
+            MarginUnit::Length => format!("{:.0} mm", value * 1e3),
+            MarginUnit::Angle => format!("{:.1}°", rad_to_deg(value)),
+            MarginUnit::Share => format!("{:.0} %", value * 1e2),
+        }
+    }
+}

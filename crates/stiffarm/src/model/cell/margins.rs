@@ -1,0 +1,120 @@
+//! All limits of a cell at one posture: those on points and those of the scene.
+
+use super::{Cell, LimitMargin, Limits};
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::scene::{Scene, Work};
+
+/// The limits of a cell, ready to be looked at posture by posture.
+#[derive(Debug, Clone)]
+pub struct Margins<'a> {
+    setup: &'a Setup,
+    limits: &'a Limits,
+    scene: &'a Scene,
+    work: Work,
+    point_count: usize,
+    count: usize,
+}
+
+impl Cell {
+    /// The cell's limits, ready to be looked at posture by posture.
+    pub fn margins(&self) -> Margins<'_> {
+        Margins::new(&self.setup, &self.limits, &self.scene)
+    }
+
+    /// True where nothing limits postures but their bounds.
+    pub fn is_unlimited(&self) -> bool {
+        self.limits.is_empty() && self.scene.is_empty()
+    }
+}
+
+impl<'a> Margins<'a> {
+    /// Limits on points and of the scene for this setup.
+    pub fn new(setup: &'a Setup, limits: &'a Limits, scene: &'a Scene) -> Self {
+        let point_count = limits.count(setup);
+        Margins {
+            setup,
+            limits,
+            scene,
+            work: Work::default(),
+            point_count,
+            count: point_count + scene.count(setup),
+        }
+    }
+
+    /// Number of margins per posture.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of those that are limits on points; they come first.
+    pub(crate) fn point_count(&self) -> usize {
+        self.point_count
+    }
+
+    /// All margins of one posture by name, in a fixed order.
+    pub fn named(&mut self, terms: &PostureTerms) -> Vec<LimitMargin> {
+        let mut margins = self.limits.margins(self.setup, terms);
+        let scene = self.scene.margins(self.setup, terms).into_iter();
+        margins.extend(scene.map(|m| LimitMargin {
+            kind: m.kind,
+            point: m.subject,
+            margin: m.margin,
+        }));
+        margins
+    }
+
+    /// The smallest margin of one posture, `None` without limits.
+    pub fn smallest(&mut self, terms: &PostureTerms) -> Option<LimitMargin> {
+        self.named(terms)
+            .into_iter()
+            .min_by(|a, b| a.margin.total_cmp(&b.margin))
+    }
+
+    /// The smallest margin of one posture, infinite without limits; 0 or more exactly
+    /// where every limit is met.
+    pub fn least(&mut self, terms: &PostureTerms) -> f64 {
+        let mut values = vec![0.0; self.point_count];
+        self.limits.evaluate(self.setup, terms, &mut values, None);
+        let mut least = values.iter().fold(f64::INFINITY, |l, v| l.min(*v));
+        // Far shapes need not be told exactly.
+        let enough = |_| 0.0;
+        self.scene
+            .visit(self.setup, terms, &mut self.work, enough, |_, margin, _| {
+                least = least.min(margin);
+            });
+        least
+    }
+
+    /// Writes the margins of one posture to `values` and, where asked, their derivatives with respect
+    /// to θ to `gradients` (row per margin, n long). Distances between shapes of `enough` and more
+    /// may be lower bounds, with a derivative of zero.
+    pub(crate) fn evaluate(
+        &mut self,
+        terms: &PostureTerms,
+        enough: f64,
+        values: &mut [f64],
+        mut gradients: Option<&mut [f64]>,
+    ) {
+        let n = self.setup.robot.joint_count();
+        let (points, rest) = values.split_at_mut(self.point_count);
+        let head = gradients
+            .as_deref_mut()
+            .map(|g| &mut g[..self.point_count * n]);
+        self.limits.evaluate(self.setup, terms, points, head);
+        let mut rows = gradients.map(|g| &mut g[self.point_count * n..]);
+        self.scene.visit(
+            self.setup,
+            terms,
+            &mut self.work,
+            |_| enough,
+            |at, margin, slope| {
+                rest[at] = margin;
+                if let Some(rows) = rows.as_deref_mut() {
+                    let row = &mut rows[at * n..(at + 1) * n];
+                    row.fill(0.0);
+                    slope.add_to(terms.frames(), 1.0, row);
+                }
+            },
+        );
+    }
+}

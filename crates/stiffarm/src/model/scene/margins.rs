@@ -1,0 +1,360 @@
+//! All margins of one posture, in a fixed order: pairs of parts, rope against parts, the rope's
+//! cone, beams (two per measuring point), torques.
+
+use super::rope::{cone_margin, rope_to_solid};
+use super::sight::SeenFrom;
+use super::slope::{Derivative, Slope};
+use super::{Carrier, Scene, Work};
+use crate::model::cell::LimitKind;
+use crate::model::kinematics::Frames;
+use crate::model::load::Load;
+use crate::model::observation::{PostureTerms, Setup};
+use crate::model::shape::{Capsule, Solid};
+use nalgebra::Vector3;
+
+/// A margin by what it is about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneMargin {
+    /// The limit.
+    pub kind: LimitKind,
+    /// Between which two parts, or of which point or joint.
+    pub subject: String,
+    /// Margin \[m; rad for angles; share of the limit for torques\], negative when violated.
+    pub margin: f64,
+}
+
+/// A solid in a ball.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounded {
+    pub solid: Solid,
+    centre: Vector3<f64>,
+    radius: f64,
+}
+
+impl Bounded {
+    fn new(solid: Solid) -> Self {
+        let (centre, radius) = solid.ball();
+        Bounded {
+            solid,
+            centre,
+            radius,
+        }
+    }
+
+    #[inline]
+    /// A lower bound of the solid's distance from the segment from `a` to `b`.
+    pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        let along = b - a;
+        let length = along.norm_squared();
+        let t = match length > 0.0 {
+            true => ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        (self.centre - a - along * t).norm() - self.radius
+    }
+}
+
+/// Capsules and solids of all parts in the base frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Shapes {
+    capsules: Vec<Capsule>,
+    solids: Vec<Bounded>,
+    /// Where the capsules and solids of each part begin.
+    starts: Vec<(usize, usize)>,
+}
+
+/// The parts where they are at one posture.
+pub(super) struct Placed<'a> {
+    pub frames: &'a Frames,
+    scene: &'a Scene,
+    capsules: &'a [Capsule],
+    solids: &'a [Bounded],
+    starts: &'a [(usize, usize)],
+}
+
+impl<'a> Placed<'a> {
+    pub fn of(scene: &'a Scene, frames: &'a Frames, work: &'a mut Work) -> Self {
+        Placed::new(scene, frames, &mut work.shapes)
+    }
+
+    fn new(scene: &'a Scene, frames: &'a Frames, shapes: &'a mut Shapes) -> Self {
+        let Shapes {
+            capsules,
+            solids,
+            starts,
+        } = shapes;
+        capsules.clear();
+        solids.clear();
+        starts.clear();
+        for part in &scene.parts {
+            starts.push((capsules.len(), solids.len()));
+            if part.carrier == Carrier::World {
+                solids.extend(part.solids.iter().map(|s| Bounded::new(*s)));
+            } else {
+                let pose = part.carrier.pose(frames);
+                capsules.extend(part.capsules.iter().map(|c| c.placed(&pose)));
+                solids.extend(part.solids.iter().map(|s| Bounded::new(s.placed(&pose))));
+            }
+        }
+        starts.push((capsules.len(), solids.len()));
+        Placed {
+            frames,
+            scene,
+            capsules,
+            solids,
+            starts,
+        }
+    }
+
+    pub fn part_count(&self) -> usize {
+        self.scene.parts.len()
+    }
+
+    pub fn capsules(&self, part: usize) -> &[Capsule] {
+        &self.capsules[self.starts[part].0..self.starts[part + 1].0]
+    }
+
+    pub fn solids(&self, part: usize) -> &[Bounded] {
+        &self.solids[self.starts[part].1..self.starts[part + 1].1]
+    }
+
+    pub fn moved_by(&self, part: usize) -> usize {
+        let carrier = self.scene.parts[part].carrier;
+        carrier.moved_by(self.frames.joint_count())
+    }
+}
+
+impl Scene {
+    /// Number of margins per posture.
+    pub fn count(&self, setup: &Setup) -> usize {
+        let mut count = self.pairs.len();
+        if let (Some(rope), Load::Rope { .. }) = (&self.rope, &setup.load) {
+            count += rope.clearance.map_or(0, |_| self.parts.len());
+            count += usize::from(rope.cone.is_some());
+        }
+        if let Some(sight) = &self.sight {
+            count += 2 * sight.facings.len();
+        }
+        if let Some(torque) = &self.torque {
+            count += torque.largest.len();
+        }
+        count
+    }
+
+    /// All margins of one posture with what they are about, in a fixed order.
+    pub fn margins(&self, setup: &Setup, terms: &PostureTerms) -> Vec<SceneMargin> {
+        let mut values = Vec::with_capacity(self.count(setup));
+        self.visit(
+            setup,
+            terms,
+            &mut Work::default(),
+            |_| f64::INFINITY,
+            |_, margin, _| {
+                values.push(margin);
+            },
+        );
+        self.subjects(setup)
+            .zip(values)
+            .map(|((kind, subject), margin)| SceneMargin {
+                kind,
+                subject,
+                margin,
+            })
+            .collect()
+    }
+
+    /// Which station sees which measuring points at this posture; `None` without stations.
+    pub fn seen(&self, terms: &PostureTerms) -> Option<SeenFrom> {
+        let sight = self.sight.as_ref()?;
+        let mut work = Work::default();
+        let placed = Placed::of(self, terms.frames(), &mut work);
+        Some(sight.seen(terms.measuring_points(), &placed))
+    }
+
+    /// Calls `each` with number, value and derivative of every margin. A distance between
+    /// shapes may be a lower bound, without derivative, where it is not below `enough` of its number.
+    pub(crate) fn visit(
+        &self,
+        setup: &Setup,
+        terms: &PostureTerms,
+        work: &mut Work,
+        enough: impl Fn(usize) -> f64,
+        mut each: impl FnMut(usize, f64, Derivative<'_>),
+    ) {
+        let frames = terms.frames();
+        let Work {
+            shapes,
+            torques,
+            torque_slope,
+            memory,
+        } = work;
+        if memory.remembers() {
+            let theta = frames.serial_angles();
+            let beams = self.sight.as_ref().map_or(0, |sight| sight.beam_count());
+            memory.arrive(theta, self.count(setup), beams);
+        }
+        let placed = Placed::new(self, frames, shapes);
+        let mut at = 0;
+        for pair in &self.pairs {
+            let wanted = enough(at) + self.clearance;
+            let found = match memory.still(at, wanted) {
+                Some(least) => (least, None),
+                None => {
+                    let found = pair.distance(&placed, memory.ahead(wanted));
+                    memory.note(at, found.0);
+                    found
+                }
+            };
+            let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Touch);
+            each(at, found.0 - self.clearance, derivative);
+            at += 1;
+        }
+        if let (Some(rope), Load::Rope { anchor, .. }) = (&self.rope, &setup.load) {
+            let (p, n) = (terms.loading_point(), frames.joint_count());
+            if let Some(clearance) = rope.clearance {
+                for part in 0..placed.part_count() {
+                    let wanted = enough(at) + clearance;
+                    let found = match memory.still(at, wanted) {
+                        Some(least) => (least, None),
+                        None => {
+                            let enough = memory.ahead(wanted);
+                            let moved_by = (n, placed.moved_by(part));
+                            let mut best = (f64::INFINITY, None);
+                            for solid in placed.solids(part) {
+                                let enough = best.0.min(enough);
+                                let found =
+                                    rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
+                                if found.0 < best.0 {
+                                    best = found;
+                                }
+                            }
+                            memory.note(at, best.0);
+                            best
+                        }
+                    };
+                    let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Slope);
+                    each(at, found.0 - clearance, derivative);
+                    at += 1;
+                }
+            }
+            if let Some(cone) = &rope.cone {
+                let (margin, slope) = cone_margin(p, anchor, cone, n);
+                each(at, margin, Derivative::Slope(&slope));
+                at += 1;
+            }
+        }
+        if let Some(sight) = &self.sight {
+            let count = 2 * sight.facings.len();
+            let most = (at..at + count).map(&enough).fold(0.0, f64::max);
+            sight.visit(
+                terms.measuring_points(),
+                &placed,
+                memory,
+                most,
+                |margin, slope| {
+                    each(at, margin, slope);
+                    at += 1;
+                },
+            );
+        }
+        if let Some(torque) = &self.torque {
+            let n = torque.largest.len();
+            torques.resize(n, 0.0);
+            torque_slope.resize(n, 0.0);
+            torque.torques(setup, terms, torques);
+            for (j, largest) in torque.largest.iter().enumerate() {
+                let margin = 1.0 - torques[j].abs() / largest;
+                let mut slope = Slope::NONE;
+                if margin < enough(at) {
+                    torque.slope(setup, terms, j, torque_slope);
+                    let share = -torques[j].signum() / largest;
+                    torque_slope.iter_mut().for_each(|s| *s *= share);
+                    slope.by_joint = Some(torque_slope);
+                }
+                each(at, margin, Derivative::Slope(&slope));
+                at += 1;
+            }
+        }
+    }
+
+    /// What each margin is about, in their order.
+    fn subjects<'a>(&'a self, setup: &'a Setup) -> impl Iterator<Item = (LimitKind, String)> + 'a {
+        let pairs = self.pairs.iter().map(|pair| {
+            let (a, b) = (self.name(pair.mover), self.name(pair.solid));
+            (LimitKind::Shapes, format!("{a} and {b}"))
+        });
+        let rope = match &setup.load {
+            Load::Rope { .. } => self.rope.as_ref(),
+            _ => None,
+        };
+        let touched = rope.filter(|rope| rope.clearance.is_some());
+        let touched = touched.into_iter().flat_map(|_| {
+            let parts = self.parts.iter();
+            parts.map(|part| (LimitKind::RopeClearance, format!("rope and {}", part.name)))
+        });
+        let cone = rope.and_then(|rope| rope.cone.as_ref());
+        let cone = cone.map(|_| (LimitKind::RopeCone, "rope".to_string()));
+        let points = setup.tool.measuring_points.iter();
+        let seen = self.sight.iter().flat_map(move |_| points.clone());
+        let seen = seen.flat_map(|point| {
+            let name = format!("measuring point {}", point.name);
+            [
+                (LimitKind::Incidence, name.clone()),
+                (LimitKind::Sight, name),
+            ]
+        });
+        let joints = setup.robot.joints().iter();
+        let torque = self.torque.iter().flat_map(move |_| joints.clone());
+        let torque = torque.map(|joint| (LimitKind::Torque, joint.name.clone()));
+        pairs.chain(touched).chain(cone).chain(seen).chain(torque)
+    }
+
+    /// Torques of load and tool weight at this posture \[N·m\], where they are limited.
+    pub fn torques(&self, setup: &Setup, terms: &PostureTerms) -> Option<Vec<f64>> {
+        let torque = self.torque.as_ref()?;
+        let mut torques = vec![0.0; torque.largest.len()];
+        torque.torques(setup, terms, &mut torques);
+        Some(torques)
+    }
+
+    /// The parts at this posture: name, and the capsules or solids in the base frame \[m\].
+    pub fn placed<'a>(&'a self, frames: &Frames) -> Vec<(&'a str, Vec<Solid>)> {
+        self.parts
+            .iter()
+            .map(|part| {
+                let pose = part.carrier.pose(frames);
+                let solids = part.solids.iter().map(|s| s.placed(&pose)).collect();
+                (part.name.as_str(), solids)
+            })
+            .collect()
+    }
+
+    /// Distance of a point of the tool (flange axes) from the tool's own shapes \[m\], negative
+    /// inside, with the name of the nearest; `None` without any.
+    pub fn depth_in_tool(&self, point: &Vector3<f64>) -> Option<(f64, &str)> {
+        let tools = self.parts.iter().filter(|part| part.is_tool());
+        tools
+            .flat_map(|part| {
+                part.solids
+                    .iter()
+                    .map(|s| (s.signed_distance(point).0, part.name.as_str()))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Distance of a point of the base frame from what stands in the cell \[m\], negative
+    /// inside, with the name of the nearest; `None` without any.
+    pub fn depth_in_surroundings(&self, point: &Vector3<f64>) -> Option<(f64, &str)> {
+        let standing = self
+            .parts
+            .iter()
+            .filter(|part| part.carrier == Carrier::World);
+        standing
+            .flat_map(|part| {
+                part.solids
+                    .iter()
+                    .map(|s| (s.signed_distance(point).0, part.name.as_str()))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}

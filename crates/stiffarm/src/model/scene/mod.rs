@@ -1,0 +1,131 @@
+//! What a posture must not touch and must not hide: the arm's own links, its tool, what
+//! stands around, the rope, the tracker's beams, and the torque a joint may carry.
+//!
+//! Each is a margin with its derivative by the joint angles, as the limits on points are
+//! ([`Limits`](crate::model::cell::Limits)), so every search respects it. Parts that move are capsules there
+//! (a box or a cylinder of the tool becomes capsules that contain it); what they meet is the solid itself.
+
+mod build;
+mod margins;
+mod pairs;
+mod part;
+mod rope;
+mod sight;
+mod slope;
+#[cfg(all(test, feature = "files"))]
+pub(crate) mod tests;
+mod torque;
+mod work;
+
+pub use build::SceneParts;
+pub use margins::SceneMargin;
+pub use part::{Carrier, Part};
+pub use rope::RopeRules;
+pub use sight::{Facing, SeenFrom, Sight, Station};
+pub use torque::TorqueLimits;
+pub(crate) use work::Work;
+
+use pairs::Pair;
+
+/// Shapes of arm, tool and surroundings with what is asked of them. Empty: nothing is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Scene {
+    parts: Vec<Part>,
+    /// Distance kept between two parts \[m\].
+    clearance: f64,
+    pairs: Vec<Pair>,
+    dropped: Vec<(usize, usize)>,
+    rope: Option<RopeRules>,
+    sight: Option<Sight>,
+    torque: Option<TorqueLimits>,
+}
+
+impl Scene {
+    /// True where nothing is asked.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+            && self.rope.is_none()
+            && self.sight.is_none()
+            && self.torque.is_none()
+    }
+
+    /// Parts of arm and tool, and what stands around.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Distance kept between two parts \[m\].
+    pub fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
+    /// Names of the two parts of each pair that is kept apart.
+    pub fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.pairs
+            .iter()
+            .map(|p| (self.name(p.mover), self.name(p.solid)))
+    }
+
+    /// Pairs that overlap in every posture, by how their shapes are drawn, and so are not kept apart.
+    pub fn dropped_pairs(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.dropped
+            .iter()
+            .map(|(a, b)| (self.name(*a), self.name(*b)))
+    }
+
+    /// What is asked of the rope.
+    pub fn rope(&self) -> Option<&RopeRules> {
+        self.rope.as_ref()
+    }
+
+    /// What is asked of the tracker's beams.
+    pub fn sight(&self) -> Option<&Sight> {
+        self.sight.as_ref()
+    }
+
+    /// What the joints may carry.
+    pub fn torque(&self) -> Option<&TorqueLimits> {
+        self.torque.as_ref()
+    }
+
+    /// What is left of it at work: shapes that must not touch. Rope, beams and the torque of the
+    /// experiment's load belong to the experiment.
+    #[must_use]
+    pub fn at_work(&self) -> Self {
+        Scene {
+            rope: None,
+            sight: None,
+            torque: None,
+            ..self.clone()
+        }
+    }
+
+    /// The same scene without what `kind` asks: what that costs a plan is the difference.
+    #[must_use]
+    pub fn without(&self, kind: crate::model::cell::LimitKind) -> Self {
+        use crate::model::cell::LimitKind as Kind;
+        let mut scene = self.clone();
+        match kind {
+            Kind::Shapes => scene.pairs.clear(),
+            Kind::RopeClearance | Kind::RopeCone => {
+                if let Some(rope) = &mut scene.rope {
+                    match kind {
+                        Kind::RopeCone => rope.cone = None,
+                        _ => rope.clearance = None,
+                    }
+                    if rope.cone.is_none() && rope.clearance.is_none() {
+                        scene.rope = None;
+                    }
+                }
+            }
+            Kind::Sight | Kind::Incidence => scene.sight = None,
+            Kind::Torque => scene.torque = None,
+            _ => {}
+        }
+        scene
+    }
+
+    fn name(&self, part: usize) -> &str {
+        &self.parts[part].name
+    }
+}

@@ -1,0 +1,68 @@
+//! Pairs of parts and the distance between them.
+
+use super::margins::{Bounded, Placed};
+use super::slope::Touch;
+use crate::model::shape::{Capsule, nearest_within};
+
+/// Two parts that are kept apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pair {
+    /// The part that moves, as capsules.
+    pub mover: usize,
+    /// The other, as solids.
+    pub solid: usize,
+}
+
+/// A line and how each end moves.
+pub(super) struct Line {
+    pub capsule: Capsule,
+    pub moved_by: [usize; 2],
+}
+
+/// Distance between a line's surface and a solid in the base frame, or a lower bound
+/// of it that is not below `enough`; with the derivative where it is exact.
+#[inline]
+pub(super) fn line_to_solid(
+    line: &Line,
+    solid: &Bounded,
+    solid_moved_by: usize,
+    enough: f64,
+) -> (f64, Option<Touch>) {
+    let Capsule { a, b, radius } = line.capsule;
+    let bound = solid.least_distance(&a, &b) - radius;
+    if bound >= enough {
+        return (bound, None);
+    }
+    let Some(at) = nearest_within(&solid.solid, &a, &b, enough + radius) else {
+        return (enough, None);
+    };
+    let touch = Touch {
+        ends: [a, b],
+        moved_by: line.moved_by,
+        solid_moved_by,
+        at,
+    };
+    (at.distance - radius, Some(touch))
+}
+
+impl Pair {
+    /// Distance between both parts, or a lower bound not below `enough`.
+    pub fn distance(&self, placed: &Placed<'_>, enough: f64) -> (f64, Option<Touch>) {
+        let mut best = (f64::INFINITY, None);
+        for capsule in placed.capsules(self.mover) {
+            let moved = placed.moved_by(self.mover);
+            let line = Line {
+                capsule: *capsule,
+                moved_by: [moved, moved],
+            };
+            for solid in placed.solids(self.solid) {
+                let enough = best.0.min(enough);
+                let found = line_to_solid(&line, solid, placed.moved_by(self.solid), enough);
+                if found.0 < best.0 {
+                    best = found;
+                }
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,74 @@
+//! A link, a shape of the tool, or something that stands in the cell.
+
+use crate::model::kinematics::Frames;
+use crate::model::shape::{Capsule, Solid, capsules_around};
+use nalgebra::Isometry3;
+
+/// What a part moves with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carrier {
+    /// Nothing: it stands in the base frame.
+    World,
+    /// Joint i, counted from 1: it is given in that joint's frame after its turn.
+    Link(usize),
+    /// The flange.
+    Flange,
+}
+
+impl Carrier {
+    /// Number of joints, from the base, that move it.
+    pub fn moved_by(self, joints: usize) -> usize {
+        match self {
+            Carrier::World => 0,
+            Carrier::Link(i) => i,
+            Carrier::Flange => joints,
+        }
+    }
+
+    /// Its frame in the base frame \[m\].
+    pub fn pose(self, frames: &Frames) -> Isometry3<f64> {
+        match self {
+            Carrier::World => Isometry3::identity(),
+            Carrier::Link(i) => frames.links()[i - 1],
+            Carrier::Flange => *frames.flange(),
+        }
+    }
+}
+
+/// Solids that move together under one name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Name in messages: `base`, `link 3`, `spindle`, `table`.
+    pub name: String,
+    /// What it moves with.
+    pub carrier: Carrier,
+    /// Its solids in the carrier's frame \[m\].
+    pub solids: Vec<Solid>,
+    /// Capsules that contain the solids, where it moves.
+    pub(super) capsules: Vec<Capsule>,
+}
+
+impl Part {
+    /// A part of these solids in the frame of `carrier` \[m\].
+    pub fn new(name: impl Into<String>, carrier: Carrier, solids: Vec<Solid>) -> Self {
+        let capsules = match carrier {
+            Carrier::World => Vec::new(),
+            _ => solids.iter().flat_map(capsules_around).collect(),
+        };
+        Part {
+            name: name.into(),
+            carrier,
+            solids,
+            capsules,
+        }
+    }
+
+    /// Capsules that contain the solids, in the carrier's frame; none for what stands.
+    pub fn capsules(&self) -> &[Capsule] {
+        &self.capsules
+    }
+
+    pub(super) fn is_tool(&self) -> bool {
+        self.carrier == Carrier::Flange
+    }
+}
