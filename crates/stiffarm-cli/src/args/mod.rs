@@ -1,5 +1,6 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
+mod capsules;
 mod fit;
 mod init;
 mod measured;
@@ -10,6 +11,7 @@ mod simulate;
 mod values;
 mod work;
 
+pub use capsules::{CapsulesArgs, MeshUnit};
 pub use init::{DhChoice, InitArgs};
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
@@ -36,7 +38,8 @@ use values::{count_or_none, number};
                   cells     builtin:comau (the default cell), builtin:comau-reference,\n            builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  \
                   postures  builtin:comau-group1\n  \
                   pairs     builtin:example-pairs\n  \
-                  paths     builtin:contour\n\n\
+                  paths     builtin:contour\n  \
+                  meshes    builtin:spindle.obj\n\n\
                   Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \
                   still printed), 2 bad input or usage, 3 a fault of the program, 130 interrupted (the best result \
                   so far is written)."
@@ -113,6 +116,9 @@ pub enum Command {
     /// Poses of postures as the robot's pendant shows them, and all postures of a pose
     #[command(after_help = examples::POSE)]
     Pose(PoseArgs),
+    /// Capsules around the meshes of a tool or a link, ready for cell.toml
+    #[command(after_help = examples::CAPSULES)]
+    Capsules(CapsulesArgs),
     /// The catalogue of robots, with sources and doubts
     #[command(after_help = examples::ROBOTS)]
     Robots(RobotsArgs),
@@ -313,6 +319,8 @@ pub enum SchemaChoice {
     ResultMapPlace,
     /// Output of `zones --json`
     ResultZones,
+    /// Output of `capsules --json`
+    ResultCapsules,
     /// Output of `pose --json`
     ResultPose,
     /// Output of `pose --from --json`

@@ -15,6 +15,8 @@
 pub mod builtin;
 pub mod cell;
 mod json;
+#[cfg(feature = "geometry")]
+pub mod mesh;
 mod names;
 pub mod registration;
 pub mod stiffness;

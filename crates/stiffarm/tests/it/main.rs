@@ -45,6 +45,7 @@ mod screening;
 mod screening_base;
 mod selection;
 mod servo;
+mod shapes;
 mod space_filling;
 mod study;
 mod systematic;

@@ -11,6 +11,7 @@ mod dh_robot;
 mod entry;
 mod origin;
 mod published;
+mod shapes;
 
 pub use axes::{AxisRows, JointAxis, rows_of_axes};
 pub use catalogue::{catalogue, find as find_in_catalogue};
@@ -19,10 +20,12 @@ pub use dh_robot::DhRobot;
 #[cfg(feature = "files")]
 pub(crate) use dh_robot::MOST_JOINTS;
 pub use entry::{CatalogueEntry, Doubt, DoubtAbout, JointStiffness};
+pub use shapes::LinkCapsule;
 
 use crate::error::{Code, Error, Result};
 use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion, Vector3};
 use origin::Origin;
+use shapes::Shapes;
 
 /// Stands in for limits that nobody gave \[rad\].
 const UNKNOWN_LIMITS: [f64; 2] = [-std::f64::consts::TAU, std::f64::consts::TAU];
@@ -55,6 +58,7 @@ pub struct Robot {
     spring_mixing: Option<DMatrix<f64>>,
     gravity_direction: Vector3<f64>,
     origin: Origin,
+    shapes: Shapes,
 }
 
 impl Robot {
@@ -99,6 +103,7 @@ impl Robot {
             spring_mixing: None,
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
+            shapes: Shapes::default(),
         })
     }
 
@@ -216,6 +221,7 @@ impl Robot {
     pub fn with_base(mut self, pose: &Isometry3<f64>) -> Self {
         self.joints[0].placement = pose * self.joints[0].placement;
         self.origin.place(pose);
+        self.shapes.place(pose);
         self
     }
 
