@@ -6,7 +6,7 @@ use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawValidation};
 use super::robot;
-use super::scene::scene;
+use super::scene::{scene, with_link_shapes};
 use super::source::Source;
 use super::task::tasks;
 use super::work::work;
@@ -30,6 +30,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let hint = "add a table [robot] with catalogue = \"…\" or dh_modified";
     let table = source.required(&raw.robot, "robot", None, hint)?;
     let (robot, entry) = robot::robot(source, table)?;
+    let robot = with_link_shapes(source, robot, table.get().shape.as_ref())?;
     let bounds = robot::bounds(source, raw.bounds.as_ref(), &robot)?;
     let characteristic_length = robot::characteristic_length(source, table)?;
     let sensor = sensor(source, raw.sensor.as_ref())?;

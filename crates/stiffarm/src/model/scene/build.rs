@@ -1,8 +1,8 @@
 //! From parts and rules to the pairs that are kept apart.
 
-use super::margins::Placed;
 use super::pairs::Pair;
-use super::{Carrier, Part, RopeRules, Scene, Sight, TorqueLimits, Work};
+use super::placed::{Placed, Shapes};
+use super::{Carrier, Part, RopeRules, Scene, Sight, TorqueLimits};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
@@ -108,7 +108,7 @@ impl Scene {
         };
         let mut always: Vec<bool> = self.pairs.iter().map(may_drop).collect();
         let mut frames = Frames::new(robot, &vec![0.0; n]);
-        let mut work = Work::default();
+        let mut work = Shapes::default();
         for sample in 0..SAMPLES {
             if !always.iter().any(|a| *a) {
                 break;
@@ -123,7 +123,7 @@ impl Scene {
                 })
                 .collect();
             frames.update(robot, &q);
-            let placed = Placed::of(self, &frames, &mut work);
+            let placed = Placed::new(&self.parts, &frames, &mut work);
             for (pair, always) in self.pairs.iter().zip(&mut always) {
                 *always = *always && pair.distance(&placed, f64::INFINITY).0 < 0.0;
             }

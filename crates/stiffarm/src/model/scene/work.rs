@@ -6,7 +6,7 @@
 //! depends on it.
 
 use super::Scene;
-use super::margins::Shapes;
+use super::placed::Shapes;
 use crate::model::kinematics::Frames;
 use crate::model::observation::Setup;
 
