@@ -10,6 +10,7 @@ mod examples;
 mod fanuc;
 mod faults;
 mod hostile;
+mod init;
 mod interrupt;
 mod map;
 mod numbers;

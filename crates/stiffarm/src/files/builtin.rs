@@ -13,11 +13,15 @@ use crate::model::robot::Robot;
 /// What stands before a built-in name where a file name could stand.
 pub const PREFIX: &str = "builtin:";
 
-const CELLS: [(&str, &str); 3] = [
+const CELLS: [(&str, &str); 4] = [
     ("comau", include_str!("../../data/cells/comau.toml")),
     (
         "comau-reference",
         include_str!("../../data/cells/comau-reference.toml"),
+    ),
+    (
+        "comau-shapes",
+        include_str!("../../data/cells/comau-shapes.toml"),
     ),
     (
         "fanuc-r2000ic",
@@ -112,7 +116,8 @@ pub fn cell(name: &str) -> Result<Cell> {
 }
 
 impl Cell {
-    /// A built-in cell, as [`cell`]: `comau`, `comau-reference`, `fanuc-r2000ic`.
+    /// A built-in cell, as [`cell`]: `comau`, `comau-reference`, `comau-shapes`,
+    /// `fanuc-r2000ic`.
     ///
     /// # Errors
     /// There is no built-in cell of this name.

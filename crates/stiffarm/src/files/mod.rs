@@ -21,5 +21,7 @@ mod names;
 pub mod registration;
 pub mod stiffness;
 pub mod table;
+#[cfg(feature = "urdf")]
+pub mod urdf;
 
 pub use names::check_name;

@@ -52,6 +52,7 @@ mod systematic;
 mod tables;
 mod task;
 mod total_uncertainty;
+mod urdf;
 mod validation;
 mod whole_experiment;
 mod work;
