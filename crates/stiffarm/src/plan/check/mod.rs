@@ -247,11 +247,9 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
                 Severity::Caution,
                 "validation.posture",
                 format!(
-                    "Validation posture {} violates {} with its {} by {:.0} mm.",
+                    "Validation posture {} {}.",
                     posture.name,
-                    margin.kind.describe(),
-                    margin.point,
-                    -margin.margin * 1e3
+                    margin.violation()
                 ),
             ));
         }
