@@ -13,6 +13,9 @@ const CLEAR: f64 = 0.25;
 /// Where margins need not be told: room for the choice of the station \[m, rad\].
 const CHOICE: f64 = 0.02;
 
+/// Rounding of a margin that a search has brought to zero.
+const SEEN: f64 = 1e-8;
+
 /// Where a tracker stands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Station {
@@ -75,7 +78,7 @@ impl Sight {
         for station in 0..self.stations.len() {
             let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
             let seen = (0..points.len())
-                .filter(|i| beams[*i].margin() >= 0.0)
+                .filter(|i| beams[*i].margin() >= -SEEN)
                 .collect();
             let (_, margin) = self.chosen(&beams);
             let here = SeenFrom {
