@@ -261,6 +261,8 @@ pub(super) struct RawLoad {
     pub kind: Option<Text>,
     /// Force of rope or weight, N.
     pub magnitude_n: Option<Number>,
+    /// Mass of a weight, kg, instead of magnitude_n; standard gravity is 9.80665 m/s².
+    pub mass_kg: Option<Number>,
     /// Anchor of the rope in the base frame, mm.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub anchor_mm: Option<Numbers>,
