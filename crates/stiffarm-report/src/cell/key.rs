@@ -1,0 +1,100 @@
+//! What the marks of a picture mean.
+
+use super::Looked;
+use super::things::{Things, What};
+use crate::figure::drawing::{DISTINCT_ITEMS, KeyEntry, Sample, Tone};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
+
+/// Most postures that are told one by one.
+const MOST: usize = 30;
+
+/// The entries, of what is drawn only.
+pub(super) fn key(
+    cell: &Cell,
+    looked: &[Looked<'_>],
+    shown: Option<usize>,
+    things: &Things,
+) -> Vec<KeyEntry> {
+    let has = |sample: Sample, tone: Tone, red: bool| {
+        things.things.iter().any(|thing| {
+            let same = match thing.what {
+                What::Solid(_) | What::Hull(_) => sample == Sample::Area,
+                What::Line(_) => sample == Sample::Line,
+                What::Arrow(_) => sample == Sample::Arrow,
+                What::Point(_) => sample == Sample::Point,
+                What::Level(_) => false,
+            };
+            same && thing.tone == tone && thing.caution == red
+        })
+    };
+    let (load, force) = match cell.setup.load {
+        Load::Weight { .. } => ("rope", "weight"),
+        _ => ("rope", "force"),
+    };
+    let rows: [(&str, Sample, Tone); 15] = [
+        ("arm", Sample::Area, Tone::Body),
+        ("from joint to joint", Sample::Line, Tone::Skeleton),
+        ("joint", Sample::Point, Tone::Skeleton),
+        ("tool", Sample::Area, Tone::Attached),
+        ("flange", Sample::Point, Tone::Attached),
+        ("loading point", Sample::Point, Tone::Pull),
+        (load, Sample::Line, Tone::Pull),
+        (force, Sample::Arrow, Tone::Pull),
+        ("anchor", Sample::Point, Tone::Fixed),
+        ("measuring point", Sample::Point, Tone::Target),
+        ("tracker station", Sample::Point, Tone::Ray),
+        ("beam", Sample::Line, Tone::Ray),
+        ("beam, hidden", Sample::Line, Tone::FaintRay),
+        ("obstacle", Sample::Area, Tone::Fixed),
+        ("floor, wall", Sample::Area, Tone::Ground),
+    ];
+    let entry = |label: &str, sample, tone, caution| KeyEntry {
+        label: label.to_string(),
+        sample,
+        tone,
+        caution,
+    };
+    let mut entries = Vec::new();
+    for (label, sample, tone) in rows {
+        for red in [false, true] {
+            // Red things of a kind that is there in its own colour, too, go without an entry.
+            let first = !red || !has(sample, tone, false);
+            if has(sample, tone, red) && first {
+                entries.push(entry(label, sample, tone, red));
+            }
+        }
+    }
+    let bound = |red| {
+        let mut things = things.things.iter();
+        things.any(|thing| thing.tone == Tone::Bound && thing.caution == red)
+    };
+    if bound(false) || bound(true) {
+        entries.push(entry("limit", Sample::Line, Tone::Bound, !bound(false)));
+    }
+    if things.things.iter().any(|thing| thing.caution) {
+        entries.push(entry("violates a limit", Sample::Area, Tone::Body, true));
+    }
+    let others: Vec<usize> = (0..looked.len()).filter(|n| Some(*n) != shown).collect();
+    let told = others.iter().filter(|n| **n < DISTINCT_ITEMS).take(MOST);
+    for number in told.clone() {
+        let label = format!("posture {}", looked[*number].posture.name);
+        entries.push(entry(
+            &label,
+            Sample::LineAndPoint,
+            Tone::Item(*number),
+            false,
+        ));
+    }
+    let rest = others.len() - told.count();
+    if rest > 0 {
+        let label = format!("{rest} more postures");
+        entries.push(entry(
+            &label,
+            Sample::Line,
+            Tone::Item(DISTINCT_ITEMS),
+            false,
+        ));
+    }
+    entries
+}
