@@ -15,6 +15,7 @@ pub struct Frames {
     origins: Vec<Vector3<f64>>,
     /// What moves with each joint, after its turn.
     links: Vec<Isometry3<f64>>,
+    theta: Vec<f64>,
     flange: Isometry3<f64>,
 }
 
@@ -59,6 +60,7 @@ impl Frames {
             axes: vec![Vector3::zeros(); n],
             origins: vec![Vector3::zeros(); n],
             links: vec![Isometry3::identity(); n],
+            theta: vec![0.0; n],
             flange: Isometry3::identity(),
         }
     }
@@ -77,6 +79,7 @@ impl Frames {
         let mut frame = Isometry3::identity();
         for (i, (joint, angle)) in robot.joints().iter().zip(theta).enumerate() {
             frame *= joint.placement;
+            self.theta[i] = angle;
             self.axes[i] = frame.rotation * Vector3::z();
             self.origins[i] = frame.translation.vector;
             frame.rotation *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
@@ -96,6 +99,11 @@ impl Frames {
     /// Pose of the flange in the base frame \[m\].
     pub fn flange(&self) -> &Isometry3<f64> {
         &self.flange
+    }
+
+    /// The serial angles θ \[rad\].
+    pub fn serial_angles(&self) -> &[f64] {
+        &self.theta
     }
 
     /// Frames that move with the joints: of each its own frame after its turn, in the base frame \[m\].

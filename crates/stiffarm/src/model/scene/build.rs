@@ -1,8 +1,8 @@
 //! From parts and rules to the pairs that are kept apart.
 
-use super::margins::{Placed, Work};
+use super::margins::Placed;
 use super::pairs::Pair;
-use super::{Carrier, Part, RopeRules, Scene, Sight, TorqueLimits};
+use super::{Carrier, Part, RopeRules, Scene, Sight, TorqueLimits, Work};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;

@@ -4,7 +4,7 @@
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::SeenFrom;
 use super::slope::Slope;
-use super::{Carrier, Scene};
+use super::{Carrier, Scene, Work};
 use crate::model::cell::LimitKind;
 use crate::model::kinematics::Frames;
 use crate::model::load::Load;
@@ -23,19 +23,41 @@ pub struct SceneMargin {
     pub margin: f64,
 }
 
-/// Room for the parts of one posture, used again for the next.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Work {
-    shapes: Shapes,
-    torques: Vec<f64>,
-    torque_slopes: Vec<f64>,
+/// A solid in a ball.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounded {
+    pub solid: Solid,
+    centre: Vector3<f64>,
+    radius: f64,
+}
+
+impl Bounded {
+    fn new(solid: Solid) -> Self {
+        let (centre, radius) = solid.ball();
+        Bounded {
+            solid,
+            centre,
+            radius,
+        }
+    }
+
+    /// A lower bound of the solid's distance from the segment from `a` to `b`.
+    pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        let along = b - a;
+        let length = along.norm_squared();
+        let t = match length > 0.0 {
+            true => ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        (self.centre - a - along * t).norm() - self.radius
+    }
 }
 
 /// Capsules and solids of all parts in the base frame.
 #[derive(Debug, Clone, Default)]
-struct Shapes {
+pub(super) struct Shapes {
     capsules: Vec<Capsule>,
-    solids: Vec<Solid>,
+    solids: Vec<Bounded>,
     /// Where the capsules and solids of each part begin.
     starts: Vec<(usize, usize)>,
 }
@@ -45,7 +67,7 @@ pub(super) struct Placed<'a> {
     pub frames: &'a Frames,
     scene: &'a Scene,
     capsules: &'a [Capsule],
-    solids: &'a [Solid],
+    solids: &'a [Bounded],
     starts: &'a [(usize, usize)],
 }
 
@@ -66,11 +88,11 @@ impl<'a> Placed<'a> {
         for part in &scene.parts {
             starts.push((capsules.len(), solids.len()));
             if part.carrier == Carrier::World {
-                solids.extend_from_slice(&part.solids);
+                solids.extend(part.solids.iter().map(|s| Bounded::new(*s)));
             } else {
                 let pose = part.carrier.pose(frames);
                 capsules.extend(part.capsules.iter().map(|c| c.placed(&pose)));
-                solids.extend(part.solids.iter().map(|s| s.placed(&pose)));
+                solids.extend(part.solids.iter().map(|s| Bounded::new(s.placed(&pose))));
             }
         }
         starts.push((capsules.len(), solids.len()));
@@ -91,7 +113,7 @@ impl<'a> Placed<'a> {
         &self.capsules[self.starts[part].0..self.starts[part + 1].0]
     }
 
-    pub fn solids(&self, part: usize) -> &[Solid] {
+    pub fn solids(&self, part: usize) -> &[Bounded] {
         &self.solids[self.starts[part].1..self.starts[part + 1].1]
     }
 
@@ -171,27 +193,60 @@ impl Scene {
         mut each: impl FnMut(usize, f64, &Slope<'_>),
     ) {
         let frames = terms.frames();
-        let placed = Placed::new(self, frames, &mut work.shapes);
+        let Work {
+            shapes,
+            torques,
+            torque_slope,
+            memory,
+        } = work;
+        if memory.remembers() {
+            let theta = frames.serial_angles();
+            let beams = self.sight.as_ref().map_or(0, |sight| sight.beam_count());
+            memory.arrive(theta, self.count(setup), beams);
+        }
+        let placed = Placed::new(self, frames, shapes);
         let mut at = 0;
         for pair in &self.pairs {
-            let (distance, slope) = pair.distance(&placed, enough(at) + self.clearance);
-            each(at, distance - self.clearance, &slope.unwrap_or(Slope::NONE));
+            let wanted = enough(at) + self.clearance;
+            let found = match memory.still(at, wanted) {
+                Some(least) => (least, None),
+                None => {
+                    let found = pair.distance(&placed, memory.ahead(wanted));
+                    memory.note(at, found.0);
+                    found
+                }
+            };
+            each(
+                at,
+                found.0 - self.clearance,
+                &found.1.unwrap_or(Slope::NONE),
+            );
             at += 1;
         }
         if let (Some(rope), Load::Rope { anchor, .. }) = (&self.rope, &setup.load) {
             let (p, n) = (terms.loading_point(), frames.joint_count());
             if let Some(clearance) = rope.clearance {
                 for part in 0..placed.part_count() {
-                    let mut best = (f64::INFINITY, None);
-                    let moved_by = (n, placed.moved_by(part));
-                    for solid in placed.solids(part) {
-                        let enough = best.0.min(enough(at) + clearance);
-                        let found = rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
-                        if found.0 < best.0 {
-                            best = found;
+                    let wanted = enough(at) + clearance;
+                    let found = match memory.still(at, wanted) {
+                        Some(least) => (least, None),
+                        None => {
+                            let enough = memory.ahead(wanted);
+                            let moved_by = (n, placed.moved_by(part));
+                            let mut best = (f64::INFINITY, None);
+                            for solid in placed.solids(part) {
+                                let enough = best.0.min(enough);
+                                let found =
+                                    rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
+                                if found.0 < best.0 {
+                                    best = found;
+                                }
+                            }
+                            memory.note(at, best.0);
+                            best
                         }
-                    }
-                    each(at, best.0 - clearance, &best.1.unwrap_or(Slope::NONE));
+                    };
+                    each(at, found.0 - clearance, &found.1.unwrap_or(Slope::NONE));
                     at += 1;
                 }
             }
@@ -202,28 +257,34 @@ impl Scene {
             }
         }
         if let Some(sight) = &self.sight {
-            sight.visit(terms.measuring_points(), &placed, |margin, slope| {
-                each(at, margin, slope);
-                at += 1;
-            });
+            let count = 2 * sight.facings.len();
+            let most = (at..at + count).map(&enough).fold(0.0, f64::max);
+            sight.visit(
+                terms.measuring_points(),
+                &placed,
+                memory,
+                most,
+                |margin, slope| {
+                    each(at, margin, slope);
+                    at += 1;
+                },
+            );
         }
         if let Some(torque) = &self.torque {
             let n = torque.largest.len();
-            work.torques.resize(n, 0.0);
-            work.torque_slopes.resize(n * n, 0.0);
-            torque.torques(
-                setup,
-                terms,
-                &mut work.torques,
-                Some(&mut work.torque_slopes),
-            );
+            torques.resize(n, 0.0);
+            torque_slope.resize(n, 0.0);
+            torque.torques(setup, terms, torques);
             for (j, largest) in torque.largest.iter().enumerate() {
-                let share = -work.torques[j].signum() / largest;
-                let row = &mut work.torque_slopes[j * n..(j + 1) * n];
-                row.iter_mut().for_each(|s| *s *= share);
+                let margin = 1.0 - torques[j].abs() / largest;
                 let mut slope = Slope::NONE;
-                slope.by_joint = Some(row);
-                each(at, 1.0 - work.torques[j].abs() / largest, &slope);
+                if margin < enough(at) {
+                    torque.slope(setup, terms, j, torque_slope);
+                    let share = -torques[j].signum() / largest;
+                    torque_slope.iter_mut().for_each(|s| *s *= share);
+                    slope.by_joint = Some(torque_slope);
+                }
+                each(at, margin, &slope);
                 at += 1;
             }
         }
@@ -265,7 +326,7 @@ impl Scene {
     pub fn torques(&self, setup: &Setup, terms: &PostureTerms) -> Option<Vec<f64>> {
         let torque = self.torque.as_ref()?;
         let mut torques = vec![0.0; torque.largest.len()];
-        torque.torques(setup, terms, &mut torques, None);
+        torque.torques(setup, terms, &mut torques);
         Some(torques)
     }
 

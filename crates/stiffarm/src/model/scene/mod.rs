@@ -15,14 +15,15 @@ mod slope;
 #[cfg(all(test, feature = "files"))]
 pub(crate) mod tests;
 mod torque;
+mod work;
 
 pub use build::SceneParts;
 pub use margins::SceneMargin;
-pub(crate) use margins::Work;
 pub use part::{Carrier, Part};
 pub use rope::RopeRules;
 pub use sight::{Facing, SeenFrom, Sight, Station};
 pub use torque::TorqueLimits;
+pub(crate) use work::Work;
 
 use pairs::Pair;
 

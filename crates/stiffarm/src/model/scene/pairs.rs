@@ -1,8 +1,8 @@
 //! Pairs of parts and the distance between them.
 
-use super::margins::Placed;
+use super::margins::{Bounded, Placed};
 use super::slope::Slope;
-use crate::model::shape::{Capsule, Solid, nearest};
+use crate::model::shape::{Capsule, nearest_within};
 
 /// Two parts that are kept apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,18 +24,18 @@ pub(super) struct Line {
 #[inline]
 pub(super) fn line_to_solid(
     line: &Line,
-    solid: &Solid,
+    solid: &Bounded,
     solid_moved_by: usize,
     enough: f64,
 ) -> (f64, Option<Slope<'static>>) {
     let Capsule { a, b, radius } = line.capsule;
-    // The signed distance grows by a metre per metre at most.
-    let middle = (a + b) * 0.5;
-    let bound = solid.signed_distance(&middle).0 - (b - a).norm() * 0.5 - radius;
+    let bound = solid.least_distance(&a, &b) - radius;
     if bound >= enough {
         return (bound, None);
     }
-    let at = nearest(solid, &a, &b);
+    let Some(at) = nearest_within(&solid.solid, &a, &b, enough + radius) else {
+        return (enough, None);
+    };
     let mut slope = Slope::NONE;
     let point = a + (b - a) * at.t;
     if line.moved_by[0] == line.moved_by[1] {

@@ -1,7 +1,8 @@
 //! What is asked of the rope.
 
+use super::margins::Bounded;
 use super::slope::Slope;
-use crate::model::shape::{Solid, nearest};
+use crate::model::shape::nearest_within;
 use nalgebra::{Unit, Vector3};
 
 /// What the rope must not touch, and the cone in which its loading device may pull.
@@ -21,7 +22,7 @@ pub(super) fn rope_to_solid(
     p: &Vector3<f64>,
     anchor: &Vector3<f64>,
     free: [f64; 2],
-    solid: &Solid,
+    solid: &Bounded,
     (moved_by, solid_moved_by): (usize, usize),
     enough: f64,
 ) -> (f64, Option<Slope<'static>>) {
@@ -31,11 +32,13 @@ pub(super) fn rope_to_solid(
     }
     let unit = (anchor - p) / length;
     let (a, b) = (p + unit * free[0], anchor - unit * free[1]);
-    let bound = solid.signed_distance(&((a + b) * 0.5)).0 - (b - a).norm() * 0.5;
+    let bound = solid.least_distance(&a, &b);
     if bound >= enough {
         return (bound, None);
     }
-    let at = nearest(solid, &a, &b);
+    let Some(at) = nearest_within(&solid.solid, &a, &b, enough) else {
+        return (enough, None);
+    };
     let s = free[0] + at.t * (length - free[0] - free[1]);
     let point = p + unit * s;
     // The point at a fixed share of the rope moves by the shares of its ends; at a free end it keeps

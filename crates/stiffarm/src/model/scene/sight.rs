@@ -3,12 +3,15 @@
 use super::margins::Placed;
 use super::pairs::{Line, line_to_solid};
 use super::slope::Slope;
+use super::work::Memory;
 use crate::model::kinematics::Frames;
 use crate::model::shape::Capsule;
 use nalgebra::{Unit, Vector3};
 
 /// Beams farther than this from every part are as good as clear \[m\].
 const CLEAR: f64 = 0.25;
+/// Where margins need not be told: room for the choice of the station \[m, rad\].
+const CHOICE: f64 = 0.02;
 
 /// Where a tracker stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +71,7 @@ impl Sight {
     pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
         let mut best: Option<(SeenFrom, f64)> = None;
         for station in 0..self.stations.len() {
-            let beams = self.beams(station, points, placed);
+            let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
             let seen = (0..points.len())
                 .filter(|i| beams[*i].margin() >= 0.0)
                 .collect();
@@ -114,11 +117,14 @@ impl Sight {
         &self,
         points: &[Vector3<f64>],
         placed: &Placed<'_>,
+        memory: &mut Memory,
+        enough: f64,
         mut each: impl FnMut(f64, &Slope<'_>),
     ) {
+        let enough = (enough + CHOICE).min(CLEAR);
         let best = (0..self.stations.len())
             .map(|station| {
-                let beams = self.beams(station, points, placed);
+                let beams = self.beams(station, points, placed, memory, enough);
                 let (needed, margin) = self.chosen(&beams);
                 (beams, needed, margin)
             })
@@ -149,19 +155,44 @@ impl Sight {
         (needed, worst)
     }
 
-    fn beams(&self, station: usize, points: &[Vector3<f64>], placed: &Placed<'_>) -> Vec<Beam> {
+    fn beams(
+        &self,
+        station: usize,
+        points: &[Vector3<f64>],
+        placed: &Placed<'_>,
+        memory: &mut Memory,
+        clear: f64,
+    ) -> Vec<Beam> {
         let from = self.stations[station].position;
-        points
-            .iter()
-            .zip(&self.facings)
-            .map(|(point, facing)| Beam {
+        let mut beams = Vec::with_capacity(points.len());
+        for (i, (point, facing)) in points.iter().zip(&self.facings).enumerate() {
+            let at = station * points.len() + i;
+            let clearance = match memory.beam_still(at, clear) {
+                Some(_) => (clear, Slope::NONE),
+                None => {
+                    let (found, slope) =
+                        self.beam_clearance(point, &from, placed, memory.ahead(clear));
+                    memory.note_beam(at, found);
+                    match found < clear {
+                        true => (found, slope),
+                        false => (clear, Slope::NONE),
+                    }
+                }
+            };
+            beams.push(Beam {
                 incidence: match facing {
                     Some(facing) => incidence(point, &from, facing, placed.frames),
                     None => (f64::INFINITY, Slope::NONE),
                 },
-                clearance: self.beam_clearance(point, &from, placed),
-            })
-            .collect()
+                clearance,
+            });
+        }
+        beams
+    }
+
+    /// Number of beams, from each station to each measuring point.
+    pub(super) fn beam_count(&self) -> usize {
+        self.stations.len() * self.facings.len()
     }
 
     fn beam_clearance(
@@ -169,6 +200,7 @@ impl Sight {
         point: &Vector3<f64>,
         station: &Vector3<f64>,
         placed: &Placed<'_>,
+        clear: f64,
     ) -> (f64, Slope<'static>) {
         let line = Line {
             capsule: Capsule {
@@ -178,7 +210,7 @@ impl Sight {
             },
             moved_by: [placed.frames.joint_count(), 0],
         };
-        let mut best = (CLEAR, Slope::NONE);
+        let mut best = (clear, Slope::NONE);
         for part in 0..placed.part_count() {
             for solid in placed.solids(part) {
                 let (distance, slope) = line_to_solid(&line, solid, placed.moved_by(part), best.0);

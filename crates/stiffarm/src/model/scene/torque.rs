@@ -17,56 +17,51 @@ pub struct TorqueLimits {
 }
 
 impl TorqueLimits {
-    /// Torques of load and tool weight \[N·m\], and their derivatives with respect to θ (row per
-    /// torque), where asked.
-    pub(super) fn torques(
-        &self,
-        setup: &Setup,
-        terms: &PostureTerms,
-        torques: &mut [f64],
-        slopes: Option<&mut [f64]>,
-    ) {
+    /// Torques of load and tool weight \[N·m\].
+    pub(super) fn torques(&self, setup: &Setup, terms: &PostureTerms, torques: &mut [f64]) {
         let frames = terms.frames();
-        let n = frames.joint_count();
         let weight = setup.robot.gravity_direction() * self.tool_weight;
         let centre = frames.point(&self.centre_of_mass);
         for (j, torque) in torques.iter_mut().enumerate() {
             // Γ = (J^f)ᵀ W, Eq. (4), and the tool's weight at its own point.
             *torque = terms.torque()[j] + frames.column(j, &centre).dot(&weight);
         }
-        let Some(slopes) = slopes else { return };
+    }
+
+    /// Derivative of joint `j`'s torque with respect to θ \[N·m/rad\].
+    pub(super) fn slope(&self, setup: &Setup, terms: &PostureTerms, j: usize, slope: &mut [f64]) {
+        let frames = terms.frames();
+        let weight = setup.robot.gravity_direction() * self.tool_weight;
+        let centre = frames.point(&self.centre_of_mass);
         let (force, moment) = (terms.wrench().force, terms.wrench().moment);
         let p = terms.loading_point();
-        for j in 0..n {
-            for k in 0..n {
-                // ∂c_j/∂θ_k = z_min × c_max.
-                let (low, high) = (j.min(k), j.max(k));
-                let turned =
-                    |point: &Vector3<f64>| frames.axes()[low].cross(&frames.column(high, point));
-                let mut slope = turned(p).dot(&force) + turned(&centre).dot(&weight);
-                let column = frames.column(j, p);
-                let axis = frames.axes()[k];
-                match &setup.load {
-                    Load::Rope { anchor, magnitude } => {
-                        let rope = anchor - p;
-                        let length = rope.norm();
-                        let unit = rope / length;
-                        let moved = frames.column(k, p);
-                        let change = (unit * unit.dot(&moved) - moved) * (magnitude / length);
-                        slope += column.dot(&change);
-                    }
-                    Load::Constant {
-                        axes: Axes::Tool, ..
-                    } => {
-                        slope += column.dot(&axis.cross(&force));
-                        slope += frames.axes()[j].dot(&axis.cross(&moment));
-                    }
-                    _ => {}
+        let column = frames.column(j, p);
+        for (k, slope) in slope.iter_mut().enumerate() {
+            // ∂c_j/∂θ_k = z_min × c_max.
+            let (low, high) = (j.min(k), j.max(k));
+            let turned =
+                |point: &Vector3<f64>| frames.axes()[low].cross(&frames.column(high, point));
+            *slope = turned(p).dot(&force) + turned(&centre).dot(&weight);
+            let axis = frames.axes()[k];
+            match &setup.load {
+                Load::Rope { anchor, magnitude } => {
+                    let rope = anchor - p;
+                    let length = rope.norm();
+                    let unit = rope / length;
+                    let moved = frames.column(k, p);
+                    let change = (unit * unit.dot(&moved) - moved) * (magnitude / length);
+                    *slope += column.dot(&change);
                 }
-                if k < j {
-                    slope += axis.cross(&frames.axes()[j]).dot(&moment);
+                Load::Constant {
+                    axes: Axes::Tool, ..
+                } => {
+                    *slope += column.dot(&axis.cross(&force));
+                    *slope += frames.axes()[j].dot(&axis.cross(&moment));
                 }
-                slopes[j * n + k] = slope;
+                _ => {}
+            }
+            if k < j {
+                *slope += axis.cross(&frames.axes()[j]).dot(&moment);
             }
         }
     }

@@ -13,6 +13,7 @@ mod signed_distance;
 
 pub use capsule::Capsule;
 pub use cover::{capsules_around, solids_around};
+pub(crate) use nearest::nearest_within;
 pub use nearest::{Nearest, nearest};
 
 use crate::error::{Code, Error, Result};
@@ -115,6 +116,20 @@ impl Solid {
                 point: pose.rotation * point + pose.translation.vector,
                 normal: pose.rotation * normal,
             },
+        }
+    }
+
+    /// A sphere that contains the solid: centre and radius, infinite for a half-space \[m\].
+    pub(crate) fn ball(&self) -> (Vector3<f64>, f64) {
+        match self {
+            Solid::Capsule(c) => ((c.a + c.b) * 0.5, (c.b - c.a).norm() * 0.5 + c.radius),
+            Solid::Block { pose, half } => (pose.translation.vector, half.norm()),
+            Solid::Cylinder {
+                pose,
+                half_length,
+                radius,
+            } => (pose.translation.vector, half_length.hypot(*radius)),
+            Solid::HalfSpace { point, .. } => (*point, f64::INFINITY),
         }
     }
 }

@@ -26,15 +26,7 @@ impl Solid {
             }
             Solid::Block { pose, half } => {
                 let local = pose.inverse_transform_point(&(*point).into()).coords;
-                let beyond = local.abs() - half;
-                let outside = beyond.sup(&Vector3::zeros());
-                let distance = outside.norm();
-                let (value, direction) = if distance > 0.0 {
-                    (distance, outside.component_mul(&signs(&local)) / distance)
-                } else {
-                    let face = beyond.imax();
-                    (beyond[face], Vector3::ith(face, sign(local[face])))
-                };
+                let (value, direction) = of_block(half, &local);
                 (value, pose.rotation * direction)
             }
             Solid::Cylinder {
@@ -43,21 +35,7 @@ impl Solid {
                 radius,
             } => {
                 let local = pose.inverse_transform_point(&(*point).into()).coords;
-                let across = local.x.hypot(local.y);
-                let outward = match across > 0.0 {
-                    true => Vector3::new(local.x / across, local.y / across, 0.0),
-                    false => Vector3::x(),
-                };
-                let up = Vector3::z() * sign(local.z);
-                let (side, end) = (across - radius, local.z.abs() - half_length);
-                let (value, direction) = if side > 0.0 && end > 0.0 {
-                    let distance = side.hypot(end);
-                    (distance, (outward * side + up * end) / distance)
-                } else if side > end {
-                    (side, outward)
-                } else {
-                    (end, up)
-                };
+                let (value, direction) = of_cylinder(*half_length, *radius, &local);
                 (value, pose.rotation * direction)
             }
             Solid::HalfSpace { point: on, normal } => {
@@ -67,12 +45,44 @@ impl Solid {
     }
 }
 
-fn sign(value: f64) -> f64 {
-    if value < 0.0 { -1.0 } else { 1.0 }
+/// Of a box with its centre and axes at the origin.
+pub(super) fn of_block(half: &Vector3<f64>, point: &Vector3<f64>) -> (f64, Vector3<f64>) {
+    let beyond = point.abs() - half;
+    let outside = beyond.sup(&Vector3::zeros());
+    let distance = outside.norm();
+    if distance > 0.0 {
+        (distance, outside.component_mul(&point.map(sign)) / distance)
+    } else {
+        let face = beyond.imax();
+        (beyond[face], Vector3::ith(face, sign(point[face])))
+    }
 }
 
-fn signs(v: &Vector3<f64>) -> Vector3<f64> {
-    v.map(sign)
+/// Of a cylinder about the z axis with its centre at the origin.
+pub(super) fn of_cylinder(
+    half_length: f64,
+    radius: f64,
+    point: &Vector3<f64>,
+) -> (f64, Vector3<f64>) {
+    let across = point.x.hypot(point.y);
+    let outward = match across > 0.0 {
+        true => Vector3::new(point.x / across, point.y / across, 0.0),
+        false => Vector3::x(),
+    };
+    let up = Vector3::z() * sign(point.z);
+    let (side, end) = (across - radius, point.z.abs() - half_length);
+    if side > 0.0 && end > 0.0 {
+        let distance = side.hypot(end);
+        (distance, (outward * side + up * end) / distance)
+    } else if side > end {
+        (side, outward)
+    } else {
+        (end, up)
+    }
+}
+
+fn sign(value: f64) -> f64 {
+    if value < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// A unit vector across `along`.

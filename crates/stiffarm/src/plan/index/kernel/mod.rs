@@ -47,7 +47,7 @@ impl Kernel {
     pub fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
         let model = Model::new(cell, wanted)?;
         let scene = match wanted.limits {
-            true => SceneKernel::new(cell)?.map(Box::new),
+            true => SceneKernel::new(cell, count)?.map(Box::new),
             false => None,
         };
         let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
@@ -88,7 +88,7 @@ impl Kernel {
             }
             if let Some(scene) = &mut self.scene {
                 for lane in 0..(self.count - b * WIDTH).min(WIDTH) {
-                    scene.forward(batch, lane, self.model.limit_count);
+                    scene.forward(batch, lane, b * WIDTH + lane, self.model.limit_count);
                 }
             }
         }

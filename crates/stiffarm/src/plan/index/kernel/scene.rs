@@ -18,14 +18,15 @@ pub(super) struct SceneKernel {
     setup: Setup,
     scene: Scene,
     terms: PostureTerms,
-    work: Work,
+    /// Room for each posture.
+    work: Vec<Work>,
     q: Vec<f64>,
     gradient: Vec<f64>,
 }
 
 impl SceneKernel {
     /// `None` where the cell's scene is empty.
-    pub fn new(cell: &Cell) -> Result<Option<Self>> {
+    pub fn new(cell: &Cell, postures: usize) -> Result<Option<Self>> {
         if cell.scene.is_empty() {
             return Ok(None);
         }
@@ -34,7 +35,7 @@ impl SceneKernel {
             setup: cell.setup.clone(),
             scene: cell.scene.clone(),
             terms: PostureTerms::new(&cell.setup, &q, None)?,
-            work: Work::default(),
+            work: vec![Work::remembering(&cell.scene, &cell.setup); postures],
             gradient: vec![0.0; q.len()],
             q,
         }))
@@ -49,14 +50,16 @@ impl SceneKernel {
         if let Load::Rope { anchor, .. } = &mut self.setup.load {
             *anchor = to.into();
         }
+        self.work.iter_mut().for_each(Work::forget);
     }
 
     pub fn set_loading_point(&mut self, to: [f64; 3]) {
         self.setup.tool.loading_point = to.into();
+        self.work.iter_mut().for_each(Work::forget);
     }
 
-    /// The margins of one lane, behind the `before` ones on points, their penalty and its derivatives.
-    pub fn forward(&mut self, batch: &mut Batch, lane: usize, before: usize) {
+    /// The margins of one lane, which holds that posture, behind the `before` ones on points, their penalty and its derivatives.
+    pub fn forward(&mut self, batch: &mut Batch, lane: usize, posture: usize, before: usize) {
         for (q, lanes) in self.q.iter_mut().zip(&batch.q) {
             *q = lanes.0[lane];
         }
@@ -80,7 +83,7 @@ impl SceneKernel {
             self.scene.visit(
                 &self.setup,
                 &self.terms,
-                &mut self.work,
+                &mut self.work[posture],
                 |at| guard + multipliers[at].0[lane] / weight,
                 |at, margin, slope| {
                     margins[at].0[lane] = margin;
@@ -167,6 +170,30 @@ mod tests {
                 "{k}: {} {expected}",
                 gradient[k]
             );
+        }
+    }
+
+    #[test]
+    fn what_is_remembered_changes_nothing() {
+        let cell = cell();
+        let group = postures(&cell, 6);
+        let mut flat: Vec<f64> = group.concat();
+        let mut kernel = Kernel::new(&cell, WANTED, group.len()).unwrap();
+        kernel.reset_penalty(40.0, 1e-3);
+        let mut gradients = [vec![0.0; flat.len()], vec![0.0; flat.len()]];
+        for step in 0..300 {
+            for (i, q) in flat.iter_mut().enumerate() {
+                *q += 0.05 * (0.7 * step as f64 + 1.9 * i as f64).sin();
+            }
+            kernel.forward(&flat);
+            kernel.reverse(&mut gradients[0]);
+            let mut fresh = Kernel::new(&cell, WANTED, group.len()).unwrap();
+            fresh.reset_penalty(40.0, 1e-3);
+            fresh.forward(&flat);
+            fresh.reverse(&mut gradients[1]);
+            assert_eq!(kernel.penalty(), fresh.penalty());
+            assert_eq!(kernel.violation(), fresh.violation());
+            assert_eq!(gradients[0], gradients[1]);
         }
     }
 }
