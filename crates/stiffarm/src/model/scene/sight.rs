@@ -103,7 +103,7 @@ impl Sight {
         points: &[Vector3<f64>],
         placed: &Placed<'_>,
     ) -> SeenFrom {
-        let beams = self.beams(station, points, placed);
+        let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
         let seen = (0..points.len()).filter(|i| beams[*i].margin() >= 0.0);
         SeenFrom {
             station,

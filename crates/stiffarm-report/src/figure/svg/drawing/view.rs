@@ -8,12 +8,14 @@ use crate::figure::svg::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use crate::figure::svg::plan::{NORMAL, SMALL, TICK_GAP};
 use crate::figure::svg::scale::{Extent, Kind};
 use crate::figure::svg::text;
-use crate::figure::svg::ticks::{self, Tick};
+use crate::figure::svg::ticks;
 
 const GRID: &str = "#ececec";
 const FRAME: &str = "#555555";
 /// Length of a tick mark.
 const TICK: f64 = 4.0;
+/// Extents beyond this, or narrower than its part, are none.
+const LARGEST: f64 = 1e9;
 /// Pixels between ticks to the right and up.
 const TICK_STEP: [f64; 2] = [58.0, 40.0];
 
@@ -28,13 +30,15 @@ pub(super) struct Placed<'a> {
 impl<'a> Placed<'a> {
     /// The view on `area`: its extent widened on one side, so that a unit is equally long in both directions.
     pub(super) fn new(view: &'a View, area: Rect) -> Self {
-        let extent = |[from, to]: [f64; 2]| Extent {
-            kind: Kind::Linear,
-            lo: from,
-            hi: match to > from && (to - from).is_finite() {
-                true => to,
-                false => from + 1.0,
-            },
+        let extent = |[from, to]: [f64; 2]| {
+            let size = from.abs().max(to.abs());
+            let sound = size < LARGEST && to - from > size / LARGEST;
+            let (lo, hi) = if sound { (from, to) } else { (0.0, 1.0) };
+            Extent {
+                kind: Kind::Linear,
+                lo,
+                hi,
+            }
         };
         let (x, y) = (extent(view.extent[0]), extent(view.extent[1]));
         let wide = (x.hi - x.lo) / area.w;
@@ -95,10 +99,9 @@ impl<'a> Placed<'a> {
             Shape::Line(points) => self.line(canvas, points, mark),
             Shape::Arrow([from, to]) => {
                 self.line(canvas, &[*from, *to], mark);
-                if let (Some(from), Some(to)) = (self.place(*from), self.place(*to)) {
-                    if self.area.contains(to) {
-                        head(canvas, from, to, ink::stroke(mark.tone, mark.caution));
-                    }
+                let ends = self.place(*from).zip(self.place(*to));
+                if let Some((from, to)) = ends.filter(|(_, to)| self.area.contains(*to)) {
+                    head(canvas, from, to, ink::stroke(mark.tone, mark.caution));
                 }
             }
             Shape::Point(at) => {
@@ -138,19 +141,29 @@ impl<'a> Placed<'a> {
         let x_ticks = ticks::ticks(&self.x, most(area.w, TICK_STEP[0]));
         let y_ticks = ticks::ticks(&self.y, most(area.h, TICK_STEP[1]));
         let (mut grid, mut marks) = (Vec::new(), Vec::new());
-        for Tick { value, text, .. } in &x_ticks {
-            let x = area.x + self.x.fraction(*value) * area.w;
+        for tick in &x_ticks {
+            let x = area.x + self.x.fraction(tick.value) * area.w;
             grid.push(vec![(x, area.y), (x, bottom)]);
             marks.push(vec![(x, bottom), (x, bottom + TICK)]);
             let at = (x, bottom + TICK_GAP + 0.8 * SMALL);
-            canvas.text(at, text, None, Font::new(SMALL, Anchor::Middle));
+            canvas.text(
+                at,
+                &tick.text,
+                tick.exponent.as_deref(),
+                Font::new(SMALL, Anchor::Middle),
+            );
         }
-        for Tick { value, text, .. } in &y_ticks {
-            let y = area.y + (1.0 - self.y.fraction(*value)) * area.h;
+        for tick in &y_ticks {
+            let y = area.y + (1.0 - self.y.fraction(tick.value)) * area.h;
             grid.push(vec![(area.x, y), (right, y)]);
             marks.push(vec![(area.x - TICK, y), (area.x, y)]);
             let at = (area.x - TICK_GAP, y + 0.36 * SMALL);
-            canvas.text(at, text, None, Font::new(SMALL, Anchor::End));
+            canvas.text(
+                at,
+                &tick.text,
+                tick.exponent.as_deref(),
+                Font::new(SMALL, Anchor::End),
+            );
         }
         canvas.path(&grid, Stroke::solid(GRID, 0.8));
         canvas.path(&marks, Stroke::solid(FRAME, 0.9));
@@ -158,7 +171,10 @@ impl<'a> Placed<'a> {
         let font = Font::new(NORMAL, Anchor::Middle);
         canvas.text(below, &x_axis.heading(), None, font);
         let widest = y_ticks.iter().map(|t| t.width(SMALL)).fold(0.0, f64::max);
-        let beside = (area.x - TICK_GAP - widest - 8.0, area.y + 0.5 * area.h);
+        let beside = (
+            (area.x - TICK_GAP - widest - 8.0).max(NORMAL),
+            area.y + 0.5 * area.h,
+        );
         canvas.text(beside, &y_axis.heading(), None, font.turned(-90.0));
     }
 }
