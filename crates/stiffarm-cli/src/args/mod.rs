@@ -215,7 +215,7 @@ pub struct CheckArgs {
     /// Draw the cell from the side, from above and in perspective, what violates a limit in red
     #[arg(long, value_name = "FILE.svg")]
     pub figure: Option<String>,
-    /// Postures to draw [default: the middle of the bounds, or a validation posture that meets the limits]
+    /// Postures to draw [default: the middle of the bounds, or where that violates a limit, one that does not]
     #[arg(long, value_name = "POSTURES.csv", requires = "figure")]
     pub postures: Option<String>,
     /// The posture to draw in full, among those of --postures or the validation postures; all: each

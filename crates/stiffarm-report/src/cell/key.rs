@@ -6,9 +6,6 @@ use crate::figure::drawing::{DISTINCT_ITEMS, KeyEntry, Sample, Tone};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 
-/// Most postures that are told one by one.
-const MOST: usize = 30;
-
 /// The entries, of what is drawn only.
 pub(super) fn key(
     cell: &Cell,
@@ -20,7 +17,7 @@ pub(super) fn key(
         things.things.iter().any(|thing| {
             let same = match thing.what {
                 What::Solid(_) | What::Hull(_) => sample == Sample::Area,
-                What::Line(_) => sample == Sample::Line,
+                What::Line(_) => matches!(sample, Sample::Line | Sample::LineAndPoint),
                 What::Arrow(_) => sample == Sample::Arrow,
                 What::Point(_) => sample == Sample::Point,
                 What::Level(_) => false,
@@ -28,18 +25,17 @@ pub(super) fn key(
             same && thing.tone == tone && thing.caution == red
         })
     };
-    let (load, force) = match cell.setup.load {
-        Load::Weight { .. } => ("rope", "weight"),
-        _ => ("rope", "force"),
+    let force = match cell.setup.load {
+        Load::Weight { .. } => "weight",
+        _ => "force",
     };
-    let rows: [(&str, Sample, Tone); 15] = [
+    let rows: [(&str, Sample, Tone); 14] = [
         ("arm", Sample::Area, Tone::Body),
-        ("from joint to joint", Sample::Line, Tone::Skeleton),
-        ("joint", Sample::Point, Tone::Skeleton),
+        ("joints", Sample::LineAndPoint, Tone::Skeleton),
         ("tool", Sample::Area, Tone::Attached),
         ("flange", Sample::Point, Tone::Attached),
         ("loading point", Sample::Point, Tone::Pull),
-        (load, Sample::Line, Tone::Pull),
+        ("rope", Sample::Line, Tone::Pull),
         (force, Sample::Arrow, Tone::Pull),
         ("anchor", Sample::Point, Tone::Fixed),
         ("measuring point", Sample::Point, Tone::Target),
@@ -76,7 +72,7 @@ pub(super) fn key(
         entries.push(entry("violates a limit", Sample::Area, Tone::Body, true));
     }
     let others: Vec<usize> = (0..looked.len()).filter(|n| Some(*n) != shown).collect();
-    let told = others.iter().filter(|n| **n < DISTINCT_ITEMS).take(MOST);
+    let told = others.iter().filter(|n| **n < DISTINCT_ITEMS);
     for number in told.clone() {
         let label = format!("posture {}", looked[*number].posture.name);
         entries.push(entry(

@@ -21,8 +21,11 @@ use stiffarm::model::posture::Posture;
 use stiffarm::nalgebra::Vector3;
 use things::Things;
 
-/// Name of the posture of a cell without postures.
-const MIDDLE: &str = "middle of the bounds";
+/// Names of postures of a cell without postures.
+const MIDDLE: &str = "the middle of the bounds";
+const NEAR_MIDDLE: &str = "a posture near the middle of the bounds";
+/// Postures around the middle of the bounds that are tried.
+const TRIED: u32 = 2048;
 /// Most postures whose violations are told one by one.
 const MOST_TOLD: usize = 4;
 
@@ -53,28 +56,46 @@ impl Looked<'_> {
     /// What sentences are about.
     fn subject(&self) -> String {
         match self.posture.name.as_str() {
-            MIDDLE => format!("The {MIDDLE}"),
+            MIDDLE => "The middle of the bounds".to_string(),
+            NEAR_MIDDLE => "The posture".to_string(),
             name => format!("Posture {name}"),
         }
     }
 }
 
 /// The posture that shows a cell without a plan: the middle of its bounds; where that violates a
-/// limit, the first validation posture that does not.
+/// limit, the first validation posture that does not, else the first such posture as one looks
+/// farther and farther around the middle. Where all violate a limit, the middle after all.
 ///
 /// # Errors
 /// Terms that cannot be computed in the middle of the bounds.
 pub fn usual_posture(cell: &Cell) -> Result<Posture> {
-    let middle = Posture {
-        name: MIDDLE.to_string(),
-        q: cell.bounds.iter().map(|[a, b]| 0.5 * (a + b)).collect(),
+    let meets = |posture: &Posture| look(cell, posture).is_ok_and(|one| one.least() >= 0.0);
+    let named = |name: &str, q: Vec<f64>| Posture {
+        name: name.to_string(),
+        q,
     };
+    let bounds = &cell.bounds;
+    let middle = named(MIDDLE, bounds.iter().map(|[a, b]| 0.5 * (a + b)).collect());
     if look(cell, &middle)?.least() >= 0.0 {
         return Ok(middle);
     }
-    let mut others = cell.validation.iter();
-    let fits = others.find(|p| look(cell, p).is_ok_and(|looked| looked.least() >= 0.0));
-    Ok(fits.cloned().unwrap_or(middle))
+    if let Some(fits) = cell.validation.iter().find(|p| meets(p)) {
+        return Ok(fits.clone());
+    }
+    // Powers of the root of x^(n+1) = x + 1: their multiples spread evenly in n dimensions (Roberts).
+    let dimensions = bounds.len() as f64 + 1.0;
+    let root = (0..40).fold(1.5_f64, |x, _| (1.0 + x).powf(1.0 / dimensions));
+    let around = (1..=TRIED).map(|i| {
+        let reach = f64::from(i) / f64::from(TRIED);
+        let q = bounds.iter().enumerate().map(|(j, [a, b])| {
+            let share = (f64::from(i) / root.powf(j as f64 + 1.0)).fract() - 0.5;
+            0.5 * (a + b) + (b - a) * share * reach
+        });
+        named(NEAR_MIDDLE, q.collect())
+    });
+    let mut around = around.filter(|posture| meets(posture));
+    Ok(around.next().unwrap_or(middle))
 }
 
 /// Draws a cell at these postures.
@@ -174,7 +195,7 @@ fn notes(looked: &[Looked<'_>], shown: Option<usize>, full: Full) -> Vec<Note> {
         _ => "",
     };
     notes.push(Note::plain(match (one.posture.name.as_str(), count) {
-        (MIDDLE, _) => format!("Drawn at the {MIDDLE}."),
+        (MIDDLE | NEAR_MIDDLE, _) => format!("Drawn at {}.", one.posture.name),
         (name, 1) => format!("Drawn at posture {name}."),
         (name, _) => format!("In full: posture {name} of {count}{why}. The others as lines."),
     }));

@@ -206,15 +206,25 @@ fn each_posture_has_its_own_mark_and_entry() {
 
 #[test]
 fn the_usual_posture_meets_the_limits_where_one_does() {
-    assert_eq!(
-        usual_posture(&plain()).unwrap().name,
-        "middle of the bounds"
-    );
+    let meets = |cell: &Cell, p: &Posture| margins(cell, p).1.iter().all(|m| m.margin >= 0.0);
+    let middle = "the middle of the bounds";
+    assert_eq!(usual_posture(&plain()).unwrap().name, middle);
     let mut cell = plain();
-    cell.limits.floor = Some(1.5);
+    cell.limits.wrist_height = Some(1.9);
+    cell.validation.clear();
+    let near = usual_posture(&cell).unwrap();
+    assert_eq!(near.name, "a posture near the middle of the bounds");
+    assert!(meets(&cell, &near));
+    assert_eq!(drawn(&cell, &near).caution_count(), 0);
+    let mut own = near.clone();
+    own.name = "V2".into();
+    let mut low = own.clone();
+    low.q[1] += 1.0;
+    assert!(!meets(&cell, &low));
+    cell.validation = vec![low, own.clone()];
+    assert_eq!(usual_posture(&cell).unwrap(), own);
+    cell.limits.floor = Some(9.0);
     let usual = usual_posture(&cell).unwrap();
-    let meets = |p: &Posture| margins(&cell, p).1.iter().all(|m| m.margin >= 0.0);
-    let fits = cell.validation.iter().find(|p| meets(p));
-    let expected = fits.map_or("middle of the bounds", |p| p.name.as_str());
-    assert_eq!(usual.name, expected);
+    assert_eq!(usual.name, middle);
+    assert!(drawn(&cell, &usual).caution_count() > 0);
 }

@@ -2,7 +2,7 @@
 
 use super::ink;
 use super::view::head;
-use crate::figure::drawing::{KeyEntry, Sample};
+use crate::figure::drawing::{KeyEntry, Sample, Tone};
 use crate::figure::svg::canvas::{Anchor, Canvas, Font, Point};
 use crate::figure::svg::text;
 
@@ -15,9 +15,14 @@ const GAP: f64 = 6.0;
 /// Height of one row.
 const ROW: f64 = 17.0;
 
-/// The entries and where they go.
+/// The entries and where they go: things, and below them numbered items.
 pub(super) struct Key<'a> {
-    entries: &'a [KeyEntry],
+    blocks: [Block<'a>; 2],
+}
+
+/// Entries in columns of one width.
+struct Block<'a> {
+    entries: Vec<&'a KeyEntry>,
     columns: usize,
     width: f64,
 }
@@ -25,12 +30,36 @@ pub(super) struct Key<'a> {
 impl<'a> Key<'a> {
     /// As many columns as fit into `width`.
     pub(super) fn of(entries: &'a [KeyEntry], width: f64) -> Self {
+        let (items, things) = entries
+            .iter()
+            .partition(|entry| matches!(entry.tone, Tone::Item(_)));
+        Key {
+            blocks: [Block::of(things, width), Block::of(items, width)],
+        }
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        self.blocks.iter().map(Block::height).sum()
+    }
+
+    /// Draws the key with its upper left corner at `at`.
+    pub(super) fn draw(&self, canvas: &mut Canvas, at: Point) {
+        let mut top = at.1;
+        for block in &self.blocks {
+            block.draw(canvas, (at.0, top));
+            top += block.height();
+        }
+    }
+}
+
+impl<'a> Block<'a> {
+    fn of(entries: Vec<&'a KeyEntry>, width: f64) -> Self {
         let widest = entries
             .iter()
             .map(|entry| SAMPLE + GAP + text::width(&entry.label, SIZE) + 10.0)
             .fold(60.0, f64::max);
         let columns = ((width / widest) as usize).clamp(1, 4);
-        Key {
+        Block {
             entries,
             columns,
             width: width / columns as f64,
@@ -41,12 +70,11 @@ impl<'a> Key<'a> {
         self.entries.len().div_ceil(self.columns)
     }
 
-    pub(super) fn height(&self) -> f64 {
+    fn height(&self) -> f64 {
         self.rows() as f64 * ROW
     }
 
-    /// Draws the key with its upper left corner at `at`.
-    pub(super) fn draw(&self, canvas: &mut Canvas, at: Point) {
+    fn draw(&self, canvas: &mut Canvas, at: Point) {
         let rows = self.rows().max(1);
         for (i, entry) in self.entries.iter().enumerate() {
             let left = at.0 + (i / rows) as f64 * self.width;
