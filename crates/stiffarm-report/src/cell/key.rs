@@ -84,7 +84,7 @@ pub(super) fn key(
     }
     let rest = others.len() - told.count();
     if rest > 0 {
-        let label = format!("{rest} more postures");
+        let label = format!("{rest} more");
         entries.push(entry(
             &label,
             Sample::Line,

@@ -11,8 +11,8 @@ use stiffarm::nalgebra::{Unit, Vector3};
 
 /// Room around what must be seen, as a share of its size.
 const ROOM: f64 = 0.04;
-/// The arm's axes lie within its shapes: so much farther than they are \[m\].
-const WITHIN: f64 = 0.3;
+/// The arm's axes lie within its shapes: so much farther than they are, as a share of the scene.
+const WITHIN: f64 = 0.08;
 /// Arrows shorter than this share of the scene are left out.
 const SHORT: f64 = 0.02;
 const MM: f64 = 1e3;
@@ -82,7 +82,7 @@ impl Draws<'_> {
             What::Solid(Solid::HalfSpace { .. }) | What::Level(_) => f64::NEG_INFINITY,
             What::Solid(solid) => self.camera.nearness(&mean(&corner_points(solid))),
             What::Hull(points) => self.camera.nearness(&mean(points)),
-            What::Line(points) => self.camera.nearness(&mean(points)) - WITHIN,
+            What::Line(points) => self.camera.nearness(&mean(points)) - WITHIN * self.stage.size(),
             What::Arrow([p, _]) | What::Point(p) => self.camera.nearness(p),
         }
     }

@@ -17,7 +17,7 @@ const TICK: f64 = 4.0;
 /// Extents beyond this, or narrower than its part, are none.
 const LARGEST: f64 = 1e9;
 /// Pixels between ticks to the right and up.
-const TICK_STEP: [f64; 2] = [58.0, 40.0];
+const TICK_STEP: [f64; 2] = [50.0, 40.0];
 
 /// A view and where it goes.
 pub(super) struct Placed<'a> {
