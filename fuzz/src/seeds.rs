@@ -28,11 +28,15 @@ pub enum Kind {
     Stiffness,
     /// A saved registration.
     Registration,
+    /// A robot description.
+    Urdf,
+    /// Denavit–Hartenberg rows.
+    Rows,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 10] = [
+    pub const ALL: [Kind; 12] = [
         Kind::Cell,
         Kind::Postures,
         Kind::Displacements,
@@ -43,6 +47,8 @@ impl Kind {
         Kind::Path,
         Kind::Stiffness,
         Kind::Registration,
+        Kind::Urdf,
+        Kind::Rows,
     ];
 }
 
@@ -105,6 +111,8 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     for name in ["axes", "forces", "straight", "near-poses", "poses"] {
         add(Kind::Path, input(&format!("{name}.csv")));
     }
+    add(Kind::Rows, input("rows.csv"));
+    add(Kind::Urdf, input("arm.urdf"));
     for name in ["without-angles", "wrong-sign"] {
         add(Kind::Displacements, input(&format!("{name}.csv")));
     }

@@ -114,6 +114,13 @@ pub const POSE: &str = "Examples:
   All postures that hold the poses, full turns included:
   $ stiffarm pose builtin:comau --from poses.csv --convention kuka \\
       --output all.csv";
+pub const CAPSULES: &str = "Examples:
+  How many capsules, how large; then as tables of the tool for cell.toml:
+  $ stiffarm capsules builtin:spindle.obj --unit mm
+  $ stiffarm capsules builtin:spindle.obj --unit mm --most 3 --tool
+
+  Of what is mounted on link 3, in the frame of joint 3:
+  $ stiffarm capsules builtin:spindle.obj --unit mm --link 3";
 pub const ROBOTS: &str = "Examples:
   $ stiffarm robots
   $ stiffarm robots comau-nj165-3.0";

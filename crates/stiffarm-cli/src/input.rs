@@ -218,7 +218,8 @@ fn read_builtin(name: &str) -> Result<Vec<u8>> {
     let text = builtin::cell_text(name)
         .or_else(|| builtin::postures_text(name))
         .or_else(|| builtin::pairs_text(name))
-        .or_else(|| builtin::path_text(name));
+        .or_else(|| builtin::path_text(name))
+        .or_else(|| builtin::mesh_text(name));
     text.map(|text| text.as_bytes().to_vec()).ok_or_else(|| {
         let known: Vec<String> = builtin::names()
             .iter()

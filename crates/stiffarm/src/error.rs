@@ -21,6 +21,8 @@ pub enum Code {
     Encoding,
     /// The text is not valid TOML.
     TomlSyntax,
+    /// A robot description (URDF) that cannot be read.
+    Urdf,
     /// A key that the format does not know.
     UnknownKey,
     /// A key that must be there and is not.
@@ -71,12 +73,13 @@ pub enum Code {
 
 impl Code {
     /// Every code, in the order of the documentation.
-    pub const ALL: [Code; 28] = [
+    pub const ALL: [Code; 29] = [
         Code::FileRead,
         Code::FileWrite,
         Code::FileExists,
         Code::Encoding,
         Code::TomlSyntax,
+        Code::Urdf,
         Code::UnknownKey,
         Code::MissingKey,
         Code::WrongType,
@@ -127,6 +130,10 @@ impl Code {
             ),
             Code::Encoding => ("encoding", "The text is not valid UTF-8."),
             Code::TomlSyntax => ("toml-syntax", "The cell file is not valid TOML."),
+            Code::Urdf => (
+                "urdf",
+                "A URDF cannot be read: not XML, or an element is missing or wrong.",
+            ),
             Code::UnknownKey => (
                 "unknown-key",
                 "The cell file has a key the format does not know.",

@@ -17,7 +17,7 @@ use stiffarm::files::table::{read_measurements, read_path, read_postures, write_
 
 /// Command lines that end soon; files by the names of [`FILES`], `out.…` is written.
 /// After `|` the schema of their object.
-const LINES: [&str; 40] = [
+const LINES: [&str; 41] = [
     "check cell.toml | check",
     "check cell.toml --figure out.svg | check",
     "check builtin:comau --postures postures.csv --figure out.svg | check",
@@ -57,6 +57,7 @@ const LINES: [&str; 40] = [
     "map cell.toml prior --plane z=800 --steps 3 --output-dir folder | map",
     "map cell.toml prior --place builtin:contour --steps 2 --refine 0 | map-place",
     "zones cell.toml --steps 3 --output-dir folder | zones",
+    "capsules builtin:spindle.obj --unit mm --most 1 | capsules",
     "study cell.toml --runs 1 --starts 0 --output-dir folder | study",
 ];
 

@@ -1,6 +1,7 @@
 //! What is fuzzed: each reader, and the command.
 
 mod commands;
+mod meshes;
 mod readers;
 mod workbooks;
 
@@ -25,7 +26,7 @@ pub struct Target {
 }
 
 /// Every target.
-pub const ALL: [Target; 14] = [
+pub const ALL: [Target; 17] = [
     reader("cell", readers::make_cell, readers::cell),
     reader("postures", readers::make_postures, readers::postures),
     reader(
@@ -44,6 +45,9 @@ pub const ALL: [Target; 14] = [
         readers::make_registration,
         readers::registration,
     ),
+    reader("urdf", readers::make_urdf, readers::urdf),
+    reader("rows", readers::make_rows, readers::rows),
+    reader("mesh", meshes::make, meshes::check),
     reader("workbook", workbooks::make, workbooks::check),
     reader("workbook-bytes", workbooks::make_bytes, workbooks::check),
     Target {
@@ -78,6 +82,6 @@ const fn reader(
 
 /// The target of that name.
 pub fn named(name: &str) -> Option<&'static Target> {
-    static TARGETS: [Target; 14] = ALL;
+    static TARGETS: [Target; 17] = ALL;
     TARGETS.iter().find(|target| target.name == name)
 }

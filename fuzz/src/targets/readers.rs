@@ -10,15 +10,18 @@ use std::fmt::Debug;
 use std::sync::OnceLock;
 use stiffarm::estimate::clamped::ClampedPosture;
 use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell_bytes;
+use stiffarm::files::cell::{parse_cell_bytes, template_of};
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::{
-    read_clamped, read_measurements, read_pairs, read_path, read_poses, read_postures,
-    write_clamped, write_displacements, write_path, write_poses, write_postures, write_readings,
+    read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses,
+    read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
+    write_readings,
 };
+use stiffarm::files::urdf::{UrdfOptions, read_urdf};
 use stiffarm::model::measurement::Measurements;
 use stiffarm::model::pose::Convention;
+use stiffarm::model::robot::{DhConvention, DhRobot};
 use stiffarm::{Cell, Posture, Result};
 
 /// A name for messages.
@@ -71,6 +74,8 @@ makers! {
     make_path, Path, Table;
     make_stiffness, Stiffness, Json;
     make_registration, Registration, Json;
+    make_urdf, Urdf, Json;
+    make_rows, Rows, Table;
 }
 
 /// The bytes of a file.
@@ -128,6 +133,8 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
         }
         Kind::Stiffness => read_stiffness(file, NAME, cell).is_ok(),
         Kind::Registration => read_registration(file, NAME).is_ok(),
+        Kind::Urdf => described(file).is_ok(),
+        Kind::Rows => read_dh_rows(file, NAME, NAME, DhConvention::Modified).is_ok(),
     };
     std::panic::catch_unwind(read).unwrap_or(true)
 }
@@ -182,6 +189,44 @@ pub fn clamped(input: &Input) -> Verdict {
 /// The table of pairs.
 pub fn pairs(input: &Input) -> Verdict {
     judged(&read_pairs(bytes(input), NAME))
+}
+
+/// The robot of a description's bytes, any text of which is one.
+fn described(bytes: &[u8]) -> Result<DhRobot> {
+    let text = String::from_utf8_lossy(bytes);
+    // A finger hangs below the flange of the seed.
+    let options = UrdfOptions {
+        base: None,
+        tip: Some("tool0".to_string()),
+    };
+    read_urdf(&text, NAME, &options).map(|read| read.robot)
+}
+
+/// A robot is finite, and so is the one in the cell that is written for it.
+fn judged_robot(read: &Result<DhRobot>) -> Verdict {
+    if let Ok(robot) = read {
+        judged(&robot.robot())?;
+        match template_of(robot, NAME) {
+            Ok(text) => judged(&parse_cell_bytes(text.as_bytes(), NAME))?,
+            Err(error) => error_is_sound(&error).map(|()| false)?,
+        };
+    }
+    judged(read)
+}
+
+/// A robot description.
+pub fn urdf(input: &Input) -> Verdict {
+    judged_robot(&described(bytes(input)))
+}
+
+/// Denavit–Hartenberg rows.
+pub fn rows(input: &Input) -> Verdict {
+    judged_robot(&read_dh_rows(
+        bytes(input),
+        NAME,
+        NAME,
+        DhConvention::Standard,
+    ))
 }
 
 /// A table of poses: the first convention that takes it is judged, and gives it

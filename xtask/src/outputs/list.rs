@@ -199,7 +199,7 @@ mod tests {
         let all = calls(&format!("{COMMANDS}{FANUC}")).unwrap();
         let begins = |name: &str| all.iter().any(|c| !c.is_wrong && c.words[0] == name);
         for name in "study init check select evaluate simulate register identify validate predict compensate map zones \
-                     robots schema completions man docs"
+                     capsules robots schema completions man docs"
             .split(' ')
         {
             assert!(begins(name), "{name}");

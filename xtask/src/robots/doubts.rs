@@ -40,7 +40,7 @@ const DOUBTS: &[(&str, &[(About, &str)])] = &[
              pendant z points out of the flange, so orientations differ by a quarter turn.",
         )],
     ),
-    // Capsules and meshes are not part of the catalogue.
+    // A remark on the capsules, see `capsules`.
     ("Collision mesh", &[]),
     (
         "Dimensions look measured from CAD",

@@ -9,11 +9,11 @@ const STIFFNESS: &[(&str, &str)] = &[("kuka_kr500_r2800_2", "KR500_STIFFNESS")];
 /// A transform closer to whole quarter turns than this is one [-].
 const NOISE: f64 = 1e-12;
 
-/// The entry of the robot `name`.
+/// The fields of the robot `name`, all but its capsules.
 ///
 /// # Errors
 /// A key that is missing or holds something else.
-pub fn text(name: &str, robot: &Json, urdf: &str) -> Result<String, String> {
+pub fn fields(name: &str, robot: &Json, urdf: &str) -> Result<String, String> {
     let brand = string(robot, &["brand"])?;
     let model = string(robot, &["model"])?;
     let remark = string(robot, &["pendant_note"])?;
@@ -95,23 +95,21 @@ pub fn text(name: &str, robot: &Json, urdf: &str) -> Result<String, String> {
             line(format!("{field}: {pose:?},"));
         }
     }
-    Ok(format!(
-        "    CatalogueEntry {{\n{out}        ..CatalogueEntry::UNKNOWN\n    }},\n"
-    ))
+    Ok(out)
 }
 
-fn at<'j>(robot: &'j Json, path: &[&str]) -> Result<&'j Json, String> {
+pub(super) fn at<'j>(robot: &'j Json, path: &[&str]) -> Result<&'j Json, String> {
     let found = path.iter().try_fold(robot, |json, key| json.get(key));
     found.ok_or_else(|| format!("{} is missing", path.join(".")))
 }
 
-fn string<'j>(robot: &'j Json, path: &[&str]) -> Result<&'j str, String> {
+pub(super) fn string<'j>(robot: &'j Json, path: &[&str]) -> Result<&'j str, String> {
     at(robot, path)?
         .text()
         .ok_or_else(|| format!("{} is no text", path.join(".")))
 }
 
-fn numbers(robot: &Json, path: &[&str]) -> Result<Vec<f64>, String> {
+pub(super) fn numbers(robot: &Json, path: &[&str]) -> Result<Vec<f64>, String> {
     at(robot, path)?
         .numbers()
         .ok_or_else(|| format!("{} is no list of numbers", path.join(".")))
@@ -155,7 +153,7 @@ fn degrees(rad: f64) -> f64 {
 }
 
 /// Metres as the shortest millimetres that mean the same to 1e-9 mm.
-fn millimetres(m: f64) -> f64 {
+pub(super) fn millimetres(m: f64) -> f64 {
     rounded(1e3 * m, 1e9)
 }
 

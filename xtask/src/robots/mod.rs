@@ -1,8 +1,9 @@
 //! `cargo xtask robots FOLDER`: the catalogue's data file from descriptions of robots.
 //!
-//! FOLDER holds `robots_catalogue.json` and `urdf/NAME.urdf`. A robot is added there; nothing here knows one by name
+//! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added there; nothing here knows one by name
 //! except what other sources say of it (`ELSEWHERE` in `doubts`).
 
+mod capsules;
 mod doubts;
 mod entry;
 mod json;
@@ -23,6 +24,8 @@ const HEADING: &str = "\
 // rows: alpha [deg], a [mm], d [mm], offset [deg] of modified (Craig) Denavit-Hartenberg rows, one per joint.
 // coupling: C of theta = offset + C q as (row, column, factor), counted from 0; q are the pendant's angles.
 // limits_deg: of the pendant's angles. speeds_deg_s: largest joint speeds. Empty where not known.
+// capsules: link, both ends, radius [mm]; of link 0 in the base frame, of link i in the frame that row i ends in.
+// ignored_pairs: links that are no neighbours whose capsules overlap always, or overlap where the links never collide.
 // base, flange, controller_base: x, y, z [mm] and turns about fixed x, then y, then z [deg].
 &[
 ";
@@ -52,23 +55,30 @@ pub fn run(workspace: &Workspace, folder: &Path, check: bool) -> Result<(), Fail
 
 /// The data file of the robots in `folder`.
 fn generated(folder: &Path) -> Result<String, Failure> {
-    let path = folder.join("robots_catalogue.json");
-    let wrong = |message: String| {
+    let wrong = |path: &Path, message: String| {
         Failure::usage(
             format!("{}: {message}", path.display()),
             "name the folder of the robots, for example ../shared/reference/robots",
         )
     };
-    let text = std::fs::read_to_string(&path).map_err(|e| wrong(e.to_string()))?;
-    let Json::Object(robots) = Json::parse(&text).map_err(wrong)? else {
-        return Err(wrong("no object of robots".to_string()));
+    let read = |name: &str| -> Result<Json, Failure> {
+        let path = folder.join(name);
+        let text = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e.to_string()))?;
+        Json::parse(&text).map_err(|e| wrong(&path, e))
     };
+    let Json::Object(robots) = read("robots_catalogue.json")? else {
+        return Err(wrong(folder, "no object of robots".to_string()));
+    };
+    let (capsules, distances) = (read("capsules.json")?, read("distances.json")?);
     let mut out = HEADING.to_string();
     for (name, robot) in &robots {
-        let urdf = folder.join("urdf").join(format!("{name}.urdf"));
-        let urdf = std::fs::read_to_string(&urdf)
-            .map_err(|e| wrong(format!("{}: {e}", urdf.display())))?;
-        out += &entry::text(name, robot, &urdf).map_err(|e| wrong(format!("{name}: {e}")))?;
+        let path = folder.join("urdf").join(format!("{name}.urdf"));
+        let urdf = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e.to_string()))?;
+        let fields = entry::fields(name, robot, &urdf)
+            .and_then(|own| Ok(own + &capsules::fields(name, &capsules, &distances)?))
+            .map_err(|e| wrong(folder, format!("{name}: {e}")))?;
+        out +=
+            &format!("    CatalogueEntry {{\n{fields}        ..CatalogueEntry::UNKNOWN\n    }},\n");
     }
     Ok(out + "]\n")
 }

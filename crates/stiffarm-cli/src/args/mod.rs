@@ -1,6 +1,8 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
+mod capsules;
 mod fit;
+mod init;
 mod measured;
 mod path;
 mod pose;
@@ -9,6 +11,8 @@ mod simulate;
 mod values;
 mod work;
 
+pub use capsules::{CapsulesArgs, MeshUnit};
+pub use init::{DhChoice, InitArgs};
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::{PoseArgs, PoseFrame, PosePoint};
@@ -31,10 +35,11 @@ use values::{count_or_none, number};
     propagate_version = true,
     max_term_width = 100,
     after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
-                  cells     builtin:comau (the default cell), builtin:comau-reference, builtin:fanuc-r2000ic\n  \
+                  cells     builtin:comau (the default cell), builtin:comau-reference,\n            builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  \
                   postures  builtin:comau-group1\n  \
                   pairs     builtin:example-pairs\n  \
-                  paths     builtin:contour\n\n\
+                  paths     builtin:contour\n  \
+                  meshes    builtin:spindle.obj\n\n\
                   Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \
                   still printed), 2 bad input or usage, 3 a fault of the program, 130 interrupted (the best result \
                   so far is written)."
@@ -74,7 +79,7 @@ pub enum Command {
     Study(StudyArgs),
     /// Write a commented cell.toml, postures.csv and measurements.csv to start from
     #[command(after_help = examples::INIT)]
-    Init(InitArgs),
+    Init(Box<InitArgs>),
     /// Check a cell: joints the load cannot excite, suspicious units, limits no posture meets
     #[command(after_help = examples::CHECK)]
     Check(CheckArgs),
@@ -111,6 +116,9 @@ pub enum Command {
     /// Poses of postures as the robot's pendant shows them, and all postures of a pose
     #[command(after_help = examples::POSE)]
     Pose(PoseArgs),
+    /// Capsules around the meshes of a tool or a link, ready for cell.toml
+    #[command(after_help = examples::CAPSULES)]
+    Capsules(CapsulesArgs),
     /// The catalogue of robots, with sources and doubts
     #[command(after_help = examples::ROBOTS)]
     Robots(RobotsArgs),
@@ -192,19 +200,6 @@ pub struct SplitArgs {
     /// Result of `register`: places raw readings in the base frame
     #[arg(long, value_name = "registration.json", requires = "measured")]
     pub registration: Option<String>,
-}
-
-#[derive(Debug, Args)]
-pub struct InitArgs {
-    /// Robot of the catalogue (`stiffarm robots` lists it)
-    #[arg(long, value_name = "NAME", default_value = "comau-nj165-3.0")]
-    pub robot: String,
-    /// Folder to write to; it is made if missing
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    pub output_dir: PathBuf,
-    /// Overwrite existing files
-    #[arg(long)]
-    pub force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -337,6 +332,8 @@ pub enum SchemaChoice {
     ResultMapPlace,
     /// Output of `zones --json`
     ResultZones,
+    /// Output of `capsules --json`
+    ResultCapsules,
     /// Output of `pose --json`
     ResultPose,
     /// Output of `pose --from --json`

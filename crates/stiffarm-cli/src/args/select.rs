@@ -24,6 +24,9 @@ pub struct SelectArgs {
     /// Also say whether another prior stiffness, or errors of postures and tool points, would change the plan
     #[arg(long)]
     pub sensitivity: bool,
+    /// Also say what each kind of limit costs: the index of the best plan without it
+    #[arg(long, conflicts_with_all = ["from", "curve"])]
+    pub prices: bool,
     /// Do not compute how good any plan could be (for expected-error, d and task)
     #[arg(long)]
     pub no_certificate: bool,

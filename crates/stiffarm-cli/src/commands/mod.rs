@@ -1,5 +1,6 @@
 //! One file per command: read, call the library, write.
 
+pub mod capsules;
 pub mod check;
 pub mod compensate;
 pub mod completions;

@@ -1,8 +1,8 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    check, compensate, evaluate, identify, map, pose, predict, register, select, simulate, study,
-    validate, zones,
+    capsules, check, compensate, evaluate, identify, map, pose, predict, register, select,
+    simulate, study, validate, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
@@ -59,6 +59,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMap => of::<map::Options, StiffnessMap>("map"),
         SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
+        SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
         SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
         SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
         SchemaChoice::ResultStudyMeasured => {

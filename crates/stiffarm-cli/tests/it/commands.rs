@@ -354,6 +354,14 @@ fn robots() {
     assert_eq!(robot["controller_base_mm_deg"][2], 450.0);
     assert_eq!(robot["dh_deg_mm_mm_deg"][1][1], 150.0);
     assert_eq!(robot["doubts"][0]["about"], "limits");
+    let value = folder.json("robots ur5e");
+    let robot = &value["result"]["robots"][0];
+    assert_eq!(robot["capsules"][0]["link"], 0);
+    assert!(robot["capsules"][0]["radius_mm"].as_f64().unwrap() > 50.0);
+    // Frames of the rows lie beyond those of the joints by d1, 162.5 mm.
+    assert_eq!(robot["dh_deg_mm_mm_deg"][0][2], 162.5);
+    let said = folder.ok("robots abb-irb2400-12-155");
+    assert!(said.contains("The levers of the parallelogram"), "{said}");
 }
 
 /// A robot with doubts says them wherever its numbers are used, once.
@@ -408,6 +416,10 @@ fn schemas_describe_what_the_commands_print() {
     );
     let lines = [
         ("result-check", "check"),
+        (
+            "result-capsules",
+            "capsules builtin:spindle.obj --unit mm --tool",
+        ),
         (
             "result-evaluate",
             "evaluate builtin:comau builtin:comau-group1",

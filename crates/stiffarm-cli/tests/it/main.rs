@@ -1,6 +1,7 @@
 //! All tests of the crate in one binary; a file per subject.
 
 mod behaviour;
+mod capsules;
 mod clamped;
 mod commands;
 mod edges;
@@ -9,6 +10,7 @@ mod examples;
 mod fanuc;
 mod faults;
 mod hostile;
+mod init;
 mod interrupt;
 mod map;
 mod numbers;

@@ -1,5 +1,5 @@
-//! Built-in cells, posture groups, point pairs and paths: `builtin:comau`,
-//! `builtin:comau-group1`, `builtin:example-pairs`, `builtin:contour`.
+//! Built-in cells, posture groups, point pairs, paths and meshes: `builtin:comau`,
+//! `builtin:comau-group1`, `builtin:example-pairs`, `builtin:contour`, `builtin:spindle.obj`.
 //!
 //! The files lie in `data/cells`, sources in their comments.
 
@@ -13,11 +13,15 @@ use crate::model::robot::Robot;
 /// What stands before a built-in name where a file name could stand.
 pub const PREFIX: &str = "builtin:";
 
-const CELLS: [(&str, &str); 3] = [
+const CELLS: [(&str, &str); 4] = [
     ("comau", include_str!("../../data/cells/comau.toml")),
     (
         "comau-reference",
         include_str!("../../data/cells/comau-reference.toml"),
+    ),
+    (
+        "comau-shapes",
+        include_str!("../../data/cells/comau-shapes.toml"),
     ),
     (
         "fanuc-r2000ic",
@@ -36,6 +40,9 @@ const PAIRS: [(&str, &str); 1] = [(
 )];
 
 const PATHS: [(&str, &str); 1] = [("contour", include_str!("../../data/cells/contour.csv"))];
+
+/// A mesh keeps the ending that says which kind it is.
+const MESHES: [(&str, &str); 1] = [("spindle.obj", include_str!("../../data/cells/spindle.obj"))];
 
 /// Names of the built-in cells; the first is the default cell.
 pub fn cell_names() -> Vec<&'static str> {
@@ -57,9 +64,21 @@ pub fn path_names() -> Vec<&'static str> {
     PATHS.iter().map(|(name, _)| *name).collect()
 }
 
+/// Names of the built-in meshes.
+pub fn mesh_names() -> Vec<&'static str> {
+    MESHES.iter().map(|(name, _)| *name).collect()
+}
+
 /// All built-in names, cells first.
 pub fn names() -> Vec<&'static str> {
-    [cell_names(), postures_names(), pairs_names(), path_names()].concat()
+    [
+        cell_names(),
+        postures_names(),
+        pairs_names(),
+        path_names(),
+        mesh_names(),
+    ]
+    .concat()
 }
 
 /// Text of a built-in `cell.toml`; `name` without [`PREFIX`].
@@ -82,6 +101,11 @@ pub fn path_text(name: &str) -> Option<&'static str> {
     text(&PATHS, name)
 }
 
+/// Text of a built-in mesh; `name` without [`PREFIX`].
+pub fn mesh_text(name: &str) -> Option<&'static str> {
+    text(&MESHES, name)
+}
+
 /// A built-in cell; `name` without [`PREFIX`].
 ///
 /// # Errors
@@ -92,7 +116,8 @@ pub fn cell(name: &str) -> Result<Cell> {
 }
 
 impl Cell {
-    /// A built-in cell, as [`cell`]: `comau`, `comau-reference`, `fanuc-r2000ic`.
+    /// A built-in cell, as [`cell`]: `comau`, `comau-reference`, `comau-shapes`,
+    /// `fanuc-r2000ic`.
     ///
     /// # Errors
     /// There is no built-in cell of this name.

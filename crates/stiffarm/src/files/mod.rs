@@ -15,9 +15,13 @@
 pub mod builtin;
 pub mod cell;
 mod json;
+#[cfg(feature = "geometry")]
+pub mod mesh;
 mod names;
 pub mod registration;
 pub mod stiffness;
 pub mod table;
+#[cfg(feature = "urdf")]
+pub mod urdf;
 
 pub use names::check_name;

@@ -1,9 +1,10 @@
 //! Random initial groups, reproducible from a seed.
 
-use crate::error::{Code, Error, Result};
+use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::numerics::streams::group_rng;
+use crate::plan::feasibility::nothing_meets;
 use rand::RngExt;
 
 /// Half-width of the wrist angles of a hand-picked-like group: 30°.
@@ -72,14 +73,7 @@ pub fn random_group(
                     return Ok(q);
                 }
             }
-            Err(Error::new(
-                Code::InvalidValue,
-                format!(
-                    "None of {MAX_DRAWS} random postures within the bounds meets the cell's limits."
-                ),
-            )
-            .key("limits")
-            .hint("check the limits' frame (robot base) and unit (mm)"))
+            Err(nothing_meets(cell, MAX_DRAWS))
         })
         .collect()
 }

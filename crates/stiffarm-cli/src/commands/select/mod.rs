@@ -6,6 +6,7 @@ mod certificate;
 pub mod curve;
 pub mod drop;
 mod job;
+mod limits;
 mod load;
 mod plan;
 pub mod planned;

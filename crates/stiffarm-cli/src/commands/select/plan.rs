@@ -12,8 +12,8 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::{GroupEvaluation, evaluate};
 use stiffarm::plan::select::{
-    GlobalOptions, LocalOptions, Selection, Sensitivity, SensitivityOptions, repeats, select_from,
-    select_watched, sensitivity,
+    GlobalOptions, LocalOptions, Selection, Sensitivity, SensitivityOptions, limit_prices, repeats,
+    select_from, select_watched, sensitivity,
 };
 
 /// Iterations of a local search unless their number is given.
@@ -43,7 +43,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let max_iterations = args.existing.max_iterations.unwrap_or(MAX_ITERATIONS);
 
     let progress = Progress::new(session, "selecting postures");
-    let (selection, cell, selected, bounds, sensitivity) =
+    let (selection, cell, selected, bounds, sensitivity, prices) =
         progress.watch(|control| -> Result<_> {
             let selection = match &initial {
                 Some(group) => {
@@ -71,7 +71,19 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
                 true => examine(job, &cell, &selected, control)?,
                 false => None,
             };
-            Ok((selection, cell, selected, bounds, examined))
+            let prices = match args.prices && !control.stopped() {
+                true => {
+                    let value = selection.value;
+                    let quiet = Control {
+                        progress: None,
+                        ..control
+                    };
+                    let found = limit_prices(&cell, job.index, count, &global, value, quiet)?;
+                    (!control.stopped()).then_some(found)
+                }
+                false => None,
+            };
+            Ok((selection, cell, selected, bounds, examined, prices))
         })?;
     drop(progress);
 
@@ -112,6 +124,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         joint_efficiencies: bounds.joints,
         certificate_missing: bounds.missing,
         sensitivity,
+        prices,
         selection,
         findings: job.findings(),
     };
@@ -129,6 +142,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         load: load::options(&global.load),
         certificate: initial.is_none() && !args.no_certificate,
         sensitivity: args.sensitivity,
+        prices: args.prices,
         characteristic_length_m: cell.characteristic_length,
     };
     let planned = Planned {

@@ -9,7 +9,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::certificate::{Certificate, JointEfficiency};
 use stiffarm::plan::index::GroupEvaluation;
-use stiffarm::plan::select::{LoadDesign, Selection, Sensitivity};
+use stiffarm::plan::select::{LimitPrice, LoadDesign, Selection, Sensitivity};
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
@@ -30,6 +30,8 @@ pub struct Options {
     pub certificate: bool,
     /// Whether the plan's sensitivity was wanted.
     pub sensitivity: bool,
+    /// Whether the prices of the limits were wanted.
+    pub prices: bool,
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
 }
@@ -59,6 +61,8 @@ pub struct Plan {
     pub certificate_missing: Option<String>,
     /// Whether wrong assumptions would change the plan; `null` unless asked for.
     pub sensitivity: Option<Sensitivity>,
+    /// What each kind of limit costs, the dearest first; `null` unless asked for.
+    pub prices: Option<Vec<LimitPrice>>,
     /// What to distrust about the robot of the catalogue.
     pub findings: Vec<Finding>,
 }

@@ -3,7 +3,7 @@
 use super::certificate::{efficient, loose, sentence};
 use super::job::{Job, postures_text, shown};
 use super::planned::Planned;
-use super::{load, sensitivity};
+use super::{limits, load, sensitivity};
 use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
 use crate::commands::{posture_remarks, posture_table};
 use crate::numbers::{coarse_mm, percent, significant};
@@ -46,9 +46,11 @@ pub fn plan(job: &Job<'_>, planned: &Planned<'_>) -> String {
     }
     out += &title("Postures");
     out += &postures(job, planned);
+    out += &limits::nearest(planned.cell, &planned.plan.posture_names, &selection.limits);
     if planned.cell.prior.is_some() {
         out += &deviations(planned);
     }
+    out += &limits::prices(planned);
     match &plan.sensitivity {
         Some(found) => out += &sensitivity::table(found),
         None if job.args.sensitivity => out += "\nsensitivity: stopped before it was known\n",

@@ -1,7 +1,8 @@
 //! Tool, load and limits of a template: those of a robot of 3 m reach, scaled.
 
-use crate::model::robot::{CatalogueEntry, DoubtAbout, Robot};
+use crate::model::robot::{DoubtAbout, Robot};
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
 
 /// Reach that the example was made for, and the one from which on it fits as it is \[m\].
 const REACH: f64 = 3.0;
@@ -26,16 +27,22 @@ pub(super) struct Example {
 }
 
 impl Example {
-    pub(super) fn of(entry: &CatalogueEntry, robot: &Robot) -> Self {
-        let lengths = match entry.reach_m() {
+    /// For a robot of this reach \[m\] and payload \[kg\], where known.
+    pub(super) fn new(reach: Option<f64>, payload: Option<f64>, robot: &Robot) -> Self {
+        let lengths = match reach {
             Some(reach) if reach < LARGE => reach / REACH,
             _ => 1.0,
         };
-        let forces = match entry.payload_kg() {
+        let forces = match payload {
             Some(kg) => (SHARE * kg * GRAVITY / FORCE).min(1.0),
             None => lengths * lengths,
         };
         let own = robot.flange().rotation.inverse();
+        // The flange lies where the last axis leads out of the wrist.
+        let own = match robot.flange().translation.z < -1e-3 {
+            true => own * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI),
+            false => own,
+        };
         // A turn about z changes nothing that an example needs.
         let is_outward = (own * Vector3::z()).z > 0.999;
         let turn = if is_outward {
@@ -83,13 +90,16 @@ impl Example {
     }
 
     /// Joint stiffness of a robot of 165 kg payload, scaled as the torque that bends a
-    /// robot of this size by the same angle, two digits \[N·m/rad\].
-    pub(super) fn prior(&self) -> [f64; 6] {
-        PRIOR.map(|k| {
+    /// robot of this size by the same angle, two digits, one per joint \[N·m/rad\].
+    pub(super) fn prior(&self, joints: usize) -> Vec<f64> {
+        let last = PRIOR[PRIOR.len() - 1];
+        let all = PRIOR.into_iter().chain(std::iter::repeat(last));
+        let scaled = |k: f64| {
             let scaled = k * self.forces * self.lengths;
             let digit = 10f64.powf(scaled.log10().floor() - 1.0);
             (scaled / digit).round() * digit
-        })
+        };
+        all.take(joints).map(scaled).collect()
     }
 
     /// Says that the numbers were scaled, where they were.
@@ -143,7 +153,7 @@ pub(super) fn doubts(robot: &Robot) -> String {
 }
 
 /// A sentence as comment lines.
-fn comment(sentence: &str) -> String {
+pub(super) fn comment(sentence: &str) -> String {
     let mut out = String::new();
     let mut line = "#".to_string();
     for word in sentence.split(' ') {

@@ -12,12 +12,15 @@ mod elastic;
 mod example;
 mod instruments;
 mod keys;
+mod lists;
 mod load;
+mod own;
 mod raw;
 mod robot;
 mod scene;
 #[cfg(feature = "schema")]
 mod schema;
+mod sheets;
 mod source;
 mod task;
 mod template;
@@ -25,7 +28,8 @@ mod work;
 
 #[cfg(feature = "schema")]
 pub use schema::cell_schema;
-pub use template::{measurements_template, postures_template, template};
+pub use sheets::{measurements_template, postures_template};
+pub use template::{template, template_of};
 
 use crate::error::Result;
 use crate::files::table::decode;

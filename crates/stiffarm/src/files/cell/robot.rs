@@ -5,7 +5,7 @@ use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::robot::{CatalogueEntry, DhConvention, DhRow, Robot, find_in_catalogue};
 use crate::units::{deg_to_rad, mm_to_m, rad_to_shortest_deg};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3};
 
 /// The robot, and its catalogue entry where it comes from there.
 pub(super) fn robot(
@@ -15,6 +15,22 @@ pub(super) fn robot(
     let raw = table.get();
     let (mut robot, entry) = chain(source, table)?;
     let n = robot.joint_count();
+    if let Some(tilts) = &raw.tilts_deg {
+        let key = "robot.tilts_deg";
+        if raw.dh_modified.is_none() {
+            let message = "Tilts go with rows of dh_modified, which are not given.";
+            return Err(source.error(Code::Conflict, key, tilts.span(), message));
+        }
+        let tilts_read = source.numbers(tilts, key, n, "one per joint")?;
+        let tilts_read: Vec<f64> = tilts_read.into_iter().map(deg_to_rad).collect();
+        robot = robot
+            .with_tilts(&tilts_read)
+            .map_err(|e| source.place(e, key, tilts.span()))?;
+    }
+    let flange = ["robot.flange_xyz_mm", "robot.flange_rpy_deg"];
+    if let Some(pose) = pose(source, [&raw.flange_xyz_mm, &raw.flange_rpy_deg], flange)? {
+        robot = robot.with_flange(&pose);
+    }
     if let Some(name) = &raw.name {
         robot = robot.with_name(source.name(name, "robot.name")?);
     }
@@ -119,24 +135,33 @@ fn dh_row(source: &Source<'_>, row: &Numbers, key: &str) -> Result<DhRow> {
 
 /// Pose of the robot's own base frame in the cell's base frame, where given.
 fn base(source: &Source<'_>, raw: &RawRobot) -> Result<Option<Isometry3<f64>>> {
-    let mut origin = Vector3::zeros();
-    if let Some(height) = &raw.base_z_mm {
-        if let Some(xyz) = &raw.base_xyz_mm {
-            let message =
-                "The height of the base is given twice: robot.base_z_mm is there already.";
-            return Err(source
-                .error(Code::Conflict, "robot.base_xyz_mm", xyz.span(), message)
-                .hint("keep base_xyz_mm alone; its third number is the height"));
-        }
-        origin.z = mm_to_m(source.number(height, "robot.base_z_mm")?);
-    }
+    let keys = ["robot.base_xyz_mm", "robot.base_rpy_deg"];
+    let given = pose(source, [&raw.base_xyz_mm, &raw.base_rpy_deg], keys)?;
+    let Some(height) = &raw.base_z_mm else {
+        return Ok(given);
+    };
     if let Some(xyz) = &raw.base_xyz_mm {
-        origin = source.vector(xyz, "robot.base_xyz_mm")?.map(mm_to_m);
+        let message = "The height of the base is given twice: robot.base_z_mm is there already.";
+        return Err(source
+            .error(Code::Conflict, keys[0], xyz.span(), message)
+            .hint("keep base_xyz_mm alone; its third number is the height"));
     }
-    let mut rotation = UnitQuaternion::identity();
-    if let Some(rpy) = &raw.base_rpy_deg {
-        rotation = source.rotation(rpy, "robot.base_rpy_deg")?;
-    }
+    let mut pose = given.unwrap_or_default();
+    pose.translation.z = mm_to_m(source.number(height, "robot.base_z_mm")?);
+    Ok((pose != Isometry3::identity()).then_some(pose))
+}
+
+/// A pose as origin [mm] and roll, pitch, yaw [deg] under `keys`; none where it changes
+/// nothing.
+fn pose(
+    source: &Source<'_>,
+    [xyz, rpy]: [&Option<Numbers>; 2],
+    keys: [&str; 2],
+) -> Result<Option<Isometry3<f64>>> {
+    let xyz = xyz.as_ref().map(|xyz| source.vector(xyz, keys[0]));
+    let origin = xyz.transpose()?.unwrap_or_default().map(mm_to_m);
+    let rpy = rpy.as_ref().map(|rpy| source.rotation(rpy, keys[1]));
+    let rotation = rpy.transpose()?.unwrap_or_default();
     let pose = Isometry3::from_parts(Translation3::from(origin), rotation);
     Ok((pose != Isometry3::identity()).then_some(pose))
 }

@@ -1,12 +1,13 @@
 //! Commented files to start from: what `stiffarm init` writes.
 
 use super::convert::PAPER_VARIANCE_MM2;
-use super::example::{Example, doubts, pendant};
+use super::example::{Example, comment, doubts, pendant};
+use super::lists::{degrees, quoted, rows};
+use super::own::{keys, reach};
 use crate::error::Result;
-use crate::files::table::{SheetOptions, reading_sheet, write_postures};
-use crate::model::cell::Cell;
-use crate::model::posture::Posture;
-use crate::model::robot::{CatalogueEntry, Robot, find_in_catalogue};
+use crate::files::check_name;
+use crate::findings::visible;
+use crate::model::robot::{CatalogueEntry, DhRobot, JointStiffness, Robot, find_in_catalogue};
 use crate::units::rad_to_shortest_deg;
 
 /// A commented `cell.toml` for a robot of the catalogue, ready to be read by
@@ -20,29 +21,103 @@ use crate::units::rad_to_shortest_deg;
 pub fn template(robot_key: &str) -> Result<String> {
     let entry = find_in_catalogue(robot_key)?;
     let robot = entry.robot()?;
-    let example = Example::of(entry, &robot);
+    let example = Example::new(entry.reach_m(), entry.payload_kg(), &robot);
+    let frames = format!(
+        "# Angles are those on the pendant. Base frame: the robot's own, z up along axis 1,\n\
+         # x to the front with joint 1 at 0 degrees. Flange axes: those of the last frame of\n\
+         # the robot's kinematics, {out} out of the flange. Forces act on the robot.\n\
+         {pendant}{made}",
+        out = example.outward(),
+        pendant = pendant(&robot),
+        made = example.sentence(),
+    );
+    let keys = format!(
+        "# `stiffarm robots` lists the catalogue. A robot of your own instead: one row\n\
+         # [alpha_deg, a_mm, d_mm, offset_deg] per joint in dh_modified or dh_standard,\n\
+         # theta_from_q for signs and couplings of the controller's angles, limits_deg.\n\
+         catalogue = \"{}\"\n\
+         # The machine's limits of the controller angles, if yours differ:\n\
+         {}\n",
+        entry.key,
+        limits_comment(&robot, entry)
+    );
+    Ok(text(&Start {
+        name: entry.name,
+        frames,
+        doubts: doubts(&robot),
+        keys,
+        bounds: start_bounds(entry, &robot),
+        stiffness: entry.stiffness,
+        is_upright: true,
+        joints: robot.joint_count(),
+        example,
+    }))
+}
+
+/// A commented `cell.toml` as [`template`] for a robot that is in no catalogue;
+/// `origin` says in a sentence or two where it comes from and what its angles are.
+/// The rows are written to 1e-11° and 1e-10 mm. Tool, load and limits are scaled with
+/// the robot's reach.
+///
+/// # Errors
+/// What [`DhRobot::robot`] refuses.
+pub fn template_of(robot: &DhRobot, origin: &str) -> Result<String> {
+    let chain = robot.robot()?;
+    let example = Example::new(Some(reach(&chain)), None, &chain);
+    let axis = chain.joints()[0].placement.rotation * nalgebra::Vector3::z();
+    let is_upright = axis.z.abs() > 0.999;
+    let out = example.outward();
+    let frames = format!(
+        "{}# Flange axes: {out} out of the flange. Forces act on the robot.\n{}",
+        comment(&visible(origin)),
+        example.sentence()
+    );
+    Ok(text(&Start {
+        name: &robot.name,
+        frames,
+        doubts: String::new(),
+        keys: keys(robot),
+        bounds: narrowed(&chain),
+        stiffness: &[],
+        is_upright,
+        joints: chain.joint_count(),
+        example,
+    }))
+}
+
+/// What differs from robot to robot.
+struct Start<'a> {
+    name: &'a str,
+    /// Comments on angles and frames.
+    frames: String,
+    /// Comments on what to distrust.
+    doubts: String,
+    /// The keys of `[robot]` that say which it is.
+    keys: String,
+    /// Bounds to start from \[deg\].
+    bounds: Vec<[f64; 2]>,
+    stiffness: &'a [JointStiffness],
+    /// Axis 1 stands upright in the base frame, as the example's limits have it.
+    is_upright: bool,
+    joints: usize,
+    example: Example,
+}
+
+fn text(start: &Start<'_>) -> String {
+    let example = &start.example;
     let (point, length, force) = (
         |xyz: [i32; 3]| example.point(xyz),
         |mm: i32| example.length(mm),
         |n: i32| example.force(n),
     );
-    Ok(format!(
+    format!(
         r#"# Cell of {name} for stiffarm. Every key carries its unit: _mm, _deg, _n, ….
-# Angles are those on the pendant. Base frame: the robot's own, z up along axis 1,
-# x to the front with joint 1 at 0 degrees. Flange axes: those of the last frame of
-# the robot's kinematics, {out} out of the flange. Forces act on the robot.
-{pendant}{made}# Replace what is marked EDIT.
+{frames}# Replace what is marked EDIT.
 {doubts}format = 1
-name = "{name} cell"  # EDIT
+name = {quoted}  # EDIT
 
 [robot]
-# `stiffarm robots` lists the catalogue. A robot of your own instead: one row
-# [alpha_deg, a_mm, d_mm, offset_deg] per joint in dh_modified or dh_standard,
-# theta_from_q for signs and couplings of the controller's angles, limits_deg.
-catalogue = "{key}"
-# The machine's limits of the controller angles, if yours differ:
-{limits_comment}
-# Gravity in base axes; [0, 0, 1] for a robot hanging from the ceiling with its base frame.
+{keys}# Gravity in base axes; [0, 0, 1] for a robot hanging from the ceiling with its base frame.
 down = [0, 0, -1]
 
 [bounds]
@@ -98,12 +173,12 @@ anchor_mm = [{anchor}, 0, 0]  # EDIT: the rope's fixed end, base frame
 [limits]
 # Where postures may bring the robot, base frame; leave out what does not apply. EDIT
 # Box for loading point, measuring points and flange:
-box_min_mm = [{near}, -{side}, {low}]
-box_max_mm = [{far}, {side}, {far}]
+{limit}box_min_mm = [{near}, -{side}, {low}]
+{limit}box_max_mm = [{far}, {side}, {far}]
 # Radius about axis 1 that these points and the wrist centre stay out of:
-keep_out_radius_mm = {near}
+{limit}keep_out_radius_mm = {near}
 # Lowest z of the wrist centre:
-wrist_height_mm = {low}
+{limit}wrist_height_mm = {low}
 # Shortest and longest rope:
 rope_length_mm = [{short}, {long}]
 # Lowest z of loading point, measuring points and flange, where there is no box:
@@ -215,11 +290,12 @@ posture_common_mm = 0
 # k_re_n_per_mm = 20
 # k_ae_n_per_mm = 0
 "#,
-        name = entry.name,
-        out = example.outward(),
-        made = example.sentence(),
-        doubts = doubts(&robot),
-        pendant = pendant(&robot),
+        name = start.name,
+        quoted = quoted(&cell_name(start.name)),
+        frames = start.frames,
+        doubts = start.doubts,
+        keys = start.keys,
+        limit = if start.is_upright { "" } else { "# " },
         loading = point([200, 0, 250]),
         p1 = point([150, 0, 200]),
         p2 = point([0, 150, 200]),
@@ -237,72 +313,10 @@ posture_common_mm = 0
         long = length(3400),
         piece = length(1500),
         piece_height = length(600),
-        key = entry.key,
-        limits_comment = limits_comment(&robot, entry),
-        bounds = bounds(entry, &robot),
+        bounds = rows(&start.bounds),
         variance = PAPER_VARIANCE_MM2,
-        stiffness = stiffness(entry, &example),
-        middle = degrees(&middle(entry, &robot)),
-    ))
-}
-
-/// A posture table to fill in: the heading and one commented example.
-pub fn postures_template(robot: &Robot) -> String {
-    let q: Vec<f64> = robot
-        .joints()
-        .iter()
-        .map(|joint| {
-            ((joint.limits[0] + joint.limits[1]) / 2.0)
-                .to_degrees()
-                .round()
-                .to_radians()
-        })
-        .collect();
-    let table = write_postures(&[Posture {
-        name: "P1".to_string(),
-        q,
-    }]);
-    let (heading, example) = table.split_once('\n').unwrap_or((&table, ""));
-    format!(
-        "# Controller angles in degrees; one row per posture. For example:\n# {}\n{heading}\n",
-        example.trim_end()
-    )
-}
-
-/// A table of raw readings to fill in: the heading, what its columns mean, and
-/// commented example rows of one posture.
-pub fn measurements_template(cell: &Cell) -> String {
-    let example = Posture {
-        name: "P1".to_string(),
-        q: cell
-            .bounds
-            .iter()
-            .map(|b| ((b[0] + b[1]) / 2.0).to_degrees().round().to_radians())
-            .collect(),
-    };
-    let options = SheetOptions::default();
-    let sheet = reading_sheet(std::slice::from_ref(&example), &options, cell);
-    let (heading, rows) = sheet.split_once('\n').unwrap_or((&sheet, ""));
-    let forces = heading.contains("fx_n");
-    let force = if cell.sensor.is_some() {
-        "# fx_n … mz_nm: as the sensor reports them in this state; its pose and sign are in cell.toml\n"
-    } else if forces {
-        "# fx_n fy_n fz_n: force on the robot in this state, base axes\n"
-    } else {
-        "# The force comes from the cell's load; for several loads add load_n, or fx_n fy_n fz_n\n"
-    };
-    let rows: String = rows.lines().map(|row| format!("# {row}\n")).collect();
-    format!(
-        "# One row per posture, load state, point and reading.\n\
-         # state: unloaded, then loaded (or up-250, up-500, down-250, …); preload: a light load to\n\
-         #   measure from; unloaded-2: unloaded once more, for the drift\n\
-         # point: a measuring point of the cell; base, base-2, …: a reflector on the robot's base\n\
-         # x_mm y_mm z_mm: position as the tracker gave it, in the tracker's axes\n\
-         {force}\
-         # time_s: when it was read; may stay empty\n\
-         # q1_deg …: angles that the controller shows in this state\n\
-         # Repeat a row to record a repeated reading. For example:\n\
-         {rows}{heading}\n"
+        stiffness = stiffness(start),
+        middle = degrees(&middle(&start.bounds)),
     )
 }
 
@@ -321,33 +335,43 @@ fn start_bounds(entry: &CatalogueEntry, robot: &Robot) -> Vec<[f64; 2]> {
         ];
         return table_1.map(|range| range.map(f64::from)).to_vec();
     }
+    narrowed(robot)
+}
+
+fn narrowed(robot: &Robot) -> Vec<[f64; 2]> {
     let joints = robot.joints().iter().enumerate();
     joints
         .map(|(j, joint)| {
             let [low, high] = joint.limits.map(rad_to_shortest_deg);
             let turn: f64 = if j == 0 { 90.0 } else { 180.0 };
-            [low.max(-turn), high.min(turn)]
+            let inside = [low.max(-turn), high.min(turn)];
+            // A joint may have its range elsewhere.
+            if inside[0] < inside[1] {
+                inside
+            } else {
+                [low, high]
+            }
         })
         .collect()
 }
 
-fn middle(entry: &CatalogueEntry, robot: &Robot) -> Vec<f64> {
-    start_bounds(entry, robot)
-        .iter()
-        .map(|[low, high]| ((low + high) / 2.0).round())
-        .collect()
+fn middle(bounds: &[[f64; 2]]) -> Vec<f64> {
+    let middles = bounds.iter().map(|[low, high]| {
+        let middle = (low + high) / 2.0;
+        Some(middle.round())
+            .filter(|m| (low..=high).contains(&m))
+            .unwrap_or(middle)
+    });
+    middles.collect()
 }
 
-fn degrees(values: &[f64]) -> String {
-    let values: Vec<String> = values.iter().map(f64::to_string).collect();
-    format!("[{}]", values.join(", "))
-}
-
-fn bounds(entry: &CatalogueEntry, robot: &Robot) -> String {
-    let rows = start_bounds(entry, robot);
-    rows.iter()
-        .map(|row| format!("    {},\n", degrees(row)))
-        .collect()
+/// A name for the cell that is no longer than names may be.
+fn cell_name(robot: &str) -> String {
+    let name = format!("{robot} cell");
+    match check_name(&name) {
+        Ok(()) => name,
+        Err(_) => robot.to_string(),
+    }
 }
 
 fn limits_comment(robot: &Robot, entry: &CatalogueEntry) -> String {
@@ -364,11 +388,11 @@ fn limits_comment(robot: &Robot, entry: &CatalogueEntry) -> String {
     format!("# limits_deg = [{}]{doubt}", rows.join(", "))
 }
 
-fn stiffness(entry: &CatalogueEntry, example: &Example) -> String {
+fn stiffness(start: &Start<'_>) -> String {
     let intro = "[stiffness]\n\
                  # Joint stiffness known beforehand: weighs the joints against each other when\n\
                  # postures are chosen. Orders of magnitude suffice.\n";
-    match entry.stiffness.first() {
+    match start.stiffness.first() {
         Some(set) => {
             let doubt = if set.verified { "" } else { " (unverified)" };
             let values: Vec<String> = set.values.iter().map(f64::to_string).collect();
@@ -379,7 +403,12 @@ fn stiffness(entry: &CatalogueEntry, example: &Example) -> String {
             )
         }
         None => {
-            let values: Vec<String> = example.prior().iter().map(f64::to_string).collect();
+            let values: Vec<String> = start
+                .example
+                .prior(start.joints)
+                .iter()
+                .map(f64::to_string)
+                .collect();
             format!(
                 "{intro}# Nothing is published for this robot; a robot of 165 kg payload as a guess, scaled\n\
                  # with force and reach to a smaller one: EDIT\n\

@@ -27,6 +27,7 @@
 
 mod clamped;
 mod columns;
+mod dh;
 mod displacements;
 mod grid;
 mod heading;
@@ -46,6 +47,7 @@ pub use clamped::{read_clamped, write_clamped};
 pub(crate) use columns::own_heading;
 #[cfg(feature = "schema")]
 pub(crate) use columns::own_headings;
+pub use dh::read_dh_rows;
 pub use displacements::read_displacements;
 pub use measurements::{holds_measurements, read_measurements};
 pub use pairs::read_pairs;

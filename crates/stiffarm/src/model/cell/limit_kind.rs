@@ -1,9 +1,12 @@
 //! The kinds of limits, and what is said where one is violated.
 
 use crate::units::rad_to_deg;
+use serde::Serialize;
 
 /// Which limit a margin belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum LimitKind {
     /// Side of the tool box.
     ToolBox,

@@ -25,6 +25,19 @@ pub struct DhRow {
     pub offset: f64,
 }
 
+impl DhRow {
+    /// The frame that the row ends in, in the frame of its joint after the turn \[m\].
+    pub(super) fn after_turn(&self, convention: DhConvention) -> Isometry3<f64> {
+        match convention {
+            DhConvention::Modified => Isometry3::translation(0.0, 0.0, self.d),
+            DhConvention::Standard => Isometry3::from_parts(
+                Translation3::new(self.a, 0.0, self.d),
+                UnitQuaternion::from_axis_angle(&Vector3::x_axis(), self.alpha),
+            ),
+        }
+    }
+}
+
 /// Placements of the joints and the flange in the last joint's frame.
 pub(super) fn chain(
     convention: DhConvention,
@@ -46,19 +59,14 @@ pub(super) fn chain(
                 ),
             ));
         }
-        let about_x = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), row.alpha);
-        let along_z = Translation3::new(0.0, 0.0, row.d);
-        match convention {
+        placements.push(match convention {
             DhConvention::Modified => {
-                let before = about_x * Translation3::new(row.a, 0.0, 0.0);
-                placements.push(pending * before);
-                pending = Isometry3::from_parts(along_z, UnitQuaternion::identity());
+                let about_x = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), row.alpha);
+                pending * (about_x * Translation3::new(row.a, 0.0, 0.0))
             }
-            DhConvention::Standard => {
-                placements.push(pending);
-                pending = Isometry3::from_parts(Translation3::new(row.a, 0.0, row.d), about_x);
-            }
-        }
+            DhConvention::Standard => pending,
+        });
+        pending = row.after_turn(convention);
     }
     Ok((placements, pending))
 }

@@ -1,5 +1,6 @@
 //! What the catalogue holds of a robot.
 
+use super::shapes::{CapsuleRow, from_row};
 use super::{DhConvention, DhRow, Robot};
 use crate::error::Result;
 use crate::units::{deg_to_rad, mm_to_m};
@@ -98,6 +99,12 @@ pub struct CatalogueEntry {
     pub(super) flange: [f64; 6],
     /// The controller's base frame in the robot's.
     pub(super) controller_base: [f64; 6],
+    /// Capsules around the links.
+    pub(super) capsules: &'static [CapsuleRow],
+    /// Pairs of links whose capsules overlap though the links do not collide.
+    pub(super) ignored_pairs: &'static [(usize, usize)],
+    /// What the capsules leave out or make too large; empty where nothing is known.
+    pub capsules_remark: &'static str,
 }
 
 /// Six numbers of an entry as a pose \[m\].
@@ -131,9 +138,12 @@ impl CatalogueEntry {
         base: [0.0; 6],
         flange: [0.0; 6],
         controller_base: [0.0; 6],
+        capsules: &[],
+        ignored_pairs: &[],
+        capsules_remark: "",
     };
 
-    /// The robot's chain, with its doubts and its controller's base frame.
+    /// The robot's chain, with its doubts, its controller's base frame and the capsules around its links.
     ///
     /// # Errors
     /// None for the entries of the catalogue; the type is that of any robot.
@@ -155,7 +165,13 @@ impl CatalogueEntry {
                 robot.with_limits(&limits)?
             }
         };
+        let capsules = self.capsules.iter().map(|capsule| {
+            let row = capsule.0.checked_sub(1).and_then(|at| rows.get(at));
+            let frame = row.map_or_else(Isometry3::identity, |r| r.after_turn(self.convention));
+            from_row(capsule, &frame)
+        });
         Ok(robot
+            .with_link_capsules(capsules.collect(), self.ignored_pairs.to_vec())?
             .with_brand(self.brand)
             .with_controller_base(&pose(self.controller_base))
             .with_doubts(self.doubts))

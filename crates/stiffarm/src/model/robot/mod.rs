@@ -4,19 +4,28 @@
 //! robot becomes one chain: each joint turns about the z axis of its own frame,
 //! placed by a fixed transform in the frame of the joint before it.
 
+mod axes;
 mod catalogue;
 mod dh;
+mod dh_robot;
 mod entry;
 mod origin;
 mod published;
+mod shapes;
 
+pub use axes::{AxisRows, JointAxis, rows_of_axes};
 pub use catalogue::{catalogue, find as find_in_catalogue};
 pub use dh::{DhConvention, DhRow};
+pub use dh_robot::DhRobot;
+#[cfg(feature = "files")]
+pub(crate) use dh_robot::MOST_JOINTS;
 pub use entry::{CatalogueEntry, Doubt, DoubtAbout, JointStiffness};
+pub use shapes::LinkCapsule;
 
 use crate::error::{Code, Error, Result};
-use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
+use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion, Vector3};
 use origin::Origin;
+use shapes::Shapes;
 
 /// Stands in for limits that nobody gave \[rad\].
 const UNKNOWN_LIMITS: [f64; 2] = [-std::f64::consts::TAU, std::f64::consts::TAU];
@@ -49,6 +58,7 @@ pub struct Robot {
     spring_mixing: Option<DMatrix<f64>>,
     gravity_direction: Vector3<f64>,
     origin: Origin,
+    shapes: Shapes,
 }
 
 impl Robot {
@@ -93,6 +103,7 @@ impl Robot {
             spring_mixing: None,
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
+            shapes: Shapes::default(),
         })
     }
 
@@ -210,6 +221,7 @@ impl Robot {
     pub fn with_base(mut self, pose: &Isometry3<f64>) -> Self {
         self.joints[0].placement = pose * self.joints[0].placement;
         self.origin.place(pose);
+        self.shapes.place(pose);
         self
     }
 
@@ -218,6 +230,28 @@ impl Robot {
     pub fn with_flange(mut self, pose: &Isometry3<f64>) -> Self {
         self.flange *= pose;
         self
+    }
+
+    /// Tilts each joint's axis about the y axis of its frame by β \[rad\], after
+    /// TransX(a) of a modified row and before RotZ(θ): the fifth number of Hayati
+    /// & Mirmirani (1985, doi:10.1002/rob.4620020406) for axes that are nearly parallel.
+    ///
+    /// # Errors
+    /// Wrong number of tilts, or one that is not finite.
+    pub fn with_tilts(mut self, tilts: &[f64]) -> Result<Self> {
+        let n = self.joint_count();
+        if tilts.len() != n {
+            let message = format!("{} tilts for {n} joints.", tilts.len());
+            return Err(Error::new(Code::Dimension, message));
+        }
+        if tilts.iter().any(|tilt| !tilt.is_finite()) {
+            let message = "The tilt of an axis is not finite.";
+            return Err(Error::new(Code::NotFinite, message));
+        }
+        for (joint, tilt) in self.joints.iter_mut().zip(tilts) {
+            joint.placement *= UnitQuaternion::from_axis_angle(&Vector3::y_axis(), *tilt);
+        }
+        Ok(self)
     }
 
     fn check_square(&self, what: &str, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>> {

@@ -3,7 +3,7 @@
 
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::SeenFrom;
-use super::slope::Slope;
+use super::slope::{Derivative, Slope};
 use super::{Carrier, Scene, Work};
 use crate::model::cell::LimitKind;
 use crate::model::kinematics::Frames;
@@ -41,6 +41,7 @@ impl Bounded {
         }
     }
 
+    #[inline]
     /// A lower bound of the solid's distance from the segment from `a` to `b`.
     pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
         let along = b - a;
@@ -190,7 +191,7 @@ impl Scene {
         terms: &PostureTerms,
         work: &mut Work,
         enough: impl Fn(usize) -> f64,
-        mut each: impl FnMut(usize, f64, &Slope<'_>),
+        mut each: impl FnMut(usize, f64, Derivative<'_>),
     ) {
         let frames = terms.frames();
         let Work {
@@ -216,11 +217,8 @@ impl Scene {
                     found
                 }
             };
-            each(
-                at,
-                found.0 - self.clearance,
-                &found.1.unwrap_or(Slope::NONE),
-            );
+            let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Touch);
+            each(at, found.0 - self.clearance, derivative);
             at += 1;
         }
         if let (Some(rope), Load::Rope { anchor, .. }) = (&self.rope, &setup.load) {
@@ -246,13 +244,14 @@ impl Scene {
                             best
                         }
                     };
-                    each(at, found.0 - clearance, &found.1.unwrap_or(Slope::NONE));
+                    let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Slope);
+                    each(at, found.0 - clearance, derivative);
                     at += 1;
                 }
             }
             if let Some(cone) = &rope.cone {
                 let (margin, slope) = cone_margin(p, anchor, cone, n);
-                each(at, margin, &slope);
+                each(at, margin, Derivative::Slope(&slope));
                 at += 1;
             }
         }
@@ -284,7 +283,7 @@ impl Scene {
                     torque_slope.iter_mut().for_each(|s| *s *= share);
                     slope.by_joint = Some(torque_slope);
                 }
-                each(at, margin, &slope);
+                each(at, margin, Derivative::Slope(&slope));
                 at += 1;
             }
         }

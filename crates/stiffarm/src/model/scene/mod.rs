@@ -118,7 +118,12 @@ impl Scene {
                     }
                 }
             }
-            Kind::Sight | Kind::Incidence => scene.sight = None,
+            Kind::Sight => scene.sight = None,
+            Kind::Incidence => {
+                if let Some(sight) = &mut scene.sight {
+                    sight.facings.fill(None);
+                }
+            }
             Kind::Torque => scene.torque = None,
             _ => {}
         }

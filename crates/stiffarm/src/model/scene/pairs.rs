@@ -1,7 +1,7 @@
 //! Pairs of parts and the distance between them.
 
 use super::margins::{Bounded, Placed};
-use super::slope::Slope;
+use super::slope::Touch;
 use crate::model::shape::{Capsule, nearest_within};
 
 /// Two parts that are kept apart.
@@ -27,7 +27,7 @@ pub(super) fn line_to_solid(
     solid: &Bounded,
     solid_moved_by: usize,
     enough: f64,
-) -> (f64, Option<Slope<'static>>) {
+) -> (f64, Option<Touch>) {
     let Capsule { a, b, radius } = line.capsule;
     let bound = solid.least_distance(&a, &b) - radius;
     if bound >= enough {
@@ -36,21 +36,18 @@ pub(super) fn line_to_solid(
     let Some(at) = nearest_within(&solid.solid, &a, &b, enough + radius) else {
         return (enough, None);
     };
-    let mut slope = Slope::NONE;
-    let point = a + (b - a) * at.t;
-    if line.moved_by[0] == line.moved_by[1] {
-        slope.push(point, at.direction, line.moved_by[0]);
-    } else {
-        slope.push(a, at.direction * (1.0 - at.t), line.moved_by[0]);
-        slope.push(b, at.direction * at.t, line.moved_by[1]);
-    }
-    slope.push(point, -at.direction, solid_moved_by);
-    (at.distance - radius, Some(slope))
+    let touch = Touch {
+        ends: [a, b],
+        moved_by: line.moved_by,
+        solid_moved_by,
+        at,
+    };
+    (at.distance - radius, Some(touch))
 }
 
 impl Pair {
     /// Distance between both parts, or a lower bound not below `enough`.
-    pub fn distance(&self, placed: &Placed<'_>, enough: f64) -> (f64, Option<Slope<'static>>) {
+    pub fn distance(&self, placed: &Placed<'_>, enough: f64) -> (f64, Option<Touch>) {
         let mut best = (f64::INFINITY, None);
         for capsule in placed.capsules(self.mover) {
             let moved = placed.moved_by(self.mover);

@@ -2,7 +2,7 @@
 
 use super::margins::Placed;
 use super::pairs::{Line, line_to_solid};
-use super::slope::Slope;
+use super::slope::{Derivative, Slope, Touch};
 use super::work::Memory;
 use crate::model::kinematics::Frames;
 use crate::model::shape::Capsule;
@@ -47,13 +47,15 @@ pub struct Sight {
 /// How well one station sees one measuring point.
 #[derive(Debug, Clone, Copy)]
 struct Beam {
-    incidence: (f64, Slope<'static>),
-    clearance: (f64, Slope<'static>),
+    incidence: f64,
+    clearance: f64,
+    /// What it comes near to.
+    touch: Option<Touch>,
 }
 
 impl Beam {
     fn margin(&self) -> f64 {
-        self.incidence.0.min(self.clearance.0)
+        self.incidence.min(self.clearance)
     }
 }
 
@@ -112,33 +114,50 @@ impl Sight {
     }
 
     /// Two margins per measuring point, incidence and clearance \[rad, m\], of the station that sees
-    /// best; infinite for points that need not be seen.
+    /// best, or of the first that sees well enough; infinite for points that need not be seen.
     pub(super) fn visit(
         &self,
         points: &[Vector3<f64>],
         placed: &Placed<'_>,
         memory: &mut Memory,
         enough: f64,
-        mut each: impl FnMut(f64, &Slope<'_>),
+        mut each: impl FnMut(f64, Derivative<'_>),
     ) {
-        let enough = (enough + CHOICE).min(CLEAR);
-        let best = (0..self.stations.len())
-            .map(|station| {
-                let beams = self.beams(station, points, placed, memory, enough);
-                let (needed, margin) = self.chosen(&beams);
-                (beams, needed, margin)
-            })
-            .reduce(|a, b| if b.2 > a.2 { b } else { a });
-        let Some((beams, needed, _)) = best else {
+        let clear = (enough + CHOICE).min(CLEAR);
+        let mut best: Option<(usize, Vec<Beam>, Vec<bool>, f64)> = None;
+        for station in 0..self.stations.len() {
+            let beams = self.beams(station, points, placed, memory, clear);
+            let (needed, margin) = self.chosen(&beams);
+            if best.as_ref().is_none_or(|best| margin > best.3) {
+                best = Some((station, beams, needed, margin));
+            }
+            // Another one need not see better.
+            if margin >= enough && enough.is_finite() {
+                break;
+            }
+        }
+        let Some((station, beams, needed, _)) = best else {
             return;
         };
-        for (beam, needed) in beams.iter().zip(needed) {
-            for (value, slope) in [&beam.incidence, &beam.clearance] {
-                match needed {
-                    true => each(*value, slope),
-                    false => each(f64::INFINITY, &Slope::NONE),
-                }
+        let from = self.stations[station].position;
+        for (i, beam) in beams.iter().enumerate() {
+            if !needed[i] {
+                each(f64::INFINITY, Derivative::Zero);
+                each(f64::INFINITY, Derivative::Zero);
+                continue;
             }
+            match &self.facings[i] {
+                Some(facing) if beam.incidence < enough => {
+                    let slope = incidence(&points[i], &from, facing, placed.frames).1;
+                    each(beam.incidence, Derivative::Slope(&slope));
+                }
+                _ => each(beam.incidence, Derivative::Zero),
+            }
+            let touch = beam.touch.as_ref();
+            each(
+                beam.clearance,
+                touch.map_or(Derivative::Zero, Derivative::Touch),
+            );
         }
     }
 
@@ -167,24 +186,25 @@ impl Sight {
         let mut beams = Vec::with_capacity(points.len());
         for (i, (point, facing)) in points.iter().zip(&self.facings).enumerate() {
             let at = station * points.len() + i;
-            let clearance = match memory.beam_still(at, clear) {
-                Some(_) => (clear, Slope::NONE),
+            let (clearance, touch) = match memory.beam_still(at, clear) {
+                Some(_) => (clear, None),
                 None => {
-                    let (found, slope) =
-                        self.beam_clearance(point, &from, placed, memory.ahead(clear));
+                    let (found, touch) =
+                        self.beam_clearance(point, &from, placed, memory.beam_ahead(clear));
                     memory.note_beam(at, found);
                     match found < clear {
-                        true => (found, slope),
-                        false => (clear, Slope::NONE),
+                        true => (found, touch),
+                        false => (clear, None),
                     }
                 }
             };
             beams.push(Beam {
                 incidence: match facing {
-                    Some(facing) => incidence(point, &from, facing, placed.frames),
-                    None => (f64::INFINITY, Slope::NONE),
+                    Some(facing) => incidence(point, &from, facing, placed.frames).0,
+                    None => f64::INFINITY,
                 },
                 clearance,
+                touch,
             });
         }
         beams
@@ -201,7 +221,7 @@ impl Sight {
         station: &Vector3<f64>,
         placed: &Placed<'_>,
         clear: f64,
-    ) -> (f64, Slope<'static>) {
+    ) -> (f64, Option<Touch>) {
         let line = Line {
             capsule: Capsule {
                 a: *point,
@@ -210,12 +230,12 @@ impl Sight {
             },
             moved_by: [placed.frames.joint_count(), 0],
         };
-        let mut best = (clear, Slope::NONE);
+        let mut best = (clear, None);
         for part in 0..placed.part_count() {
             for solid in placed.solids(part) {
-                let (distance, slope) = line_to_solid(&line, solid, placed.moved_by(part), best.0);
-                if let (true, Some(slope)) = (distance < best.0, slope) {
-                    best = (distance, slope);
+                let found = line_to_solid(&line, solid, placed.moved_by(part), best.0);
+                if found.0 < best.0 {
+                    best = found;
                 }
             }
         }

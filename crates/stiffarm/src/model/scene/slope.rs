@@ -1,6 +1,7 @@
 //! The derivative of a margin by the joint angles, as forces on points that move.
 
 use crate::model::kinematics::Frames;
+use crate::model::shape::Nearest;
 use nalgebra::Vector3;
 
 /// A force on a point that moves with the first `moved_by` joints: the derivative of a margin by
@@ -55,7 +56,7 @@ impl<'a> Slope<'a> {
     }
 
     /// Adds `factor` times the derivative with respect to θ.
-    pub(crate) fn add_to(&self, frames: &Frames, factor: f64, gradient: &mut [f64]) {
+    fn add_to(&self, frames: &Frames, factor: f64, gradient: &mut [f64]) {
         if let Some(own) = self.by_joint {
             for (g, d) in gradient.iter_mut().zip(own) {
                 *g += factor * d;
@@ -73,9 +74,60 @@ impl<'a> Slope<'a> {
             *g += factor * axis.dot(&moment);
         }
     }
+}
+
+/// Where a line comes nearest to a solid: enough to tell how their distance changes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch {
+    /// Ends of the line.
+    pub(super) ends: [Vector3<f64>; 2],
+    /// Number of joints that move each end.
+    pub(super) moved_by: [usize; 2],
+    /// Number of joints that move the solid.
+    pub(super) solid_moved_by: usize,
+    pub(super) at: Nearest,
+}
+
+impl Touch {
+    fn slope(&self) -> Slope<'static> {
+        let ([a, b], at) = (self.ends, &self.at);
+        let mut slope = Slope::NONE;
+        let point = a + (b - a) * at.t;
+        if self.moved_by[0] == self.moved_by[1] {
+            slope.push(point, at.direction, self.moved_by[0]);
+        } else {
+            slope.push(a, at.direction * (1.0 - at.t), self.moved_by[0]);
+            slope.push(b, at.direction * at.t, self.moved_by[1]);
+        }
+        slope.push(point, -at.direction, self.solid_moved_by);
+        slope
+    }
+}
+
+/// The derivative of a margin, worked out where it is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Derivative<'a> {
+    /// None, or not asked for.
+    Zero,
+    Touch(&'a Touch),
+    Slope(&'a Slope<'a>),
+}
+
+impl Derivative<'_> {
+    /// Adds `factor` times the derivative with respect to θ.
+    pub(crate) fn add_to(&self, frames: &Frames, factor: f64, gradient: &mut [f64]) {
+        match self {
+            Derivative::Zero => {}
+            Derivative::Touch(touch) => touch.slope().add_to(frames, factor, gradient),
+            Derivative::Slope(slope) => slope.add_to(frames, factor, gradient),
+        }
+    }
 
     /// Derivatives by the rope's anchor and by the loading point, base axes.
     pub(crate) fn by_load(&self) -> (Vector3<f64>, Vector3<f64>) {
-        (self.by_anchor, self.by_loading_point)
+        match self {
+            Derivative::Slope(slope) => (slope.by_anchor, slope.by_loading_point),
+            _ => (Vector3::zeros(), Vector3::zeros()),
+        }
     }
 }

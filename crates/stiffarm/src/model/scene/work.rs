@@ -12,6 +12,7 @@ use crate::model::observation::Setup;
 
 /// How much farther than asked distances are told, so that they last for some steps \[m\].
 const AHEAD: f64 = 0.3;
+const BEAM_AHEAD: f64 = 0.1;
 
 /// Room for one posture.
 #[derive(Debug, Clone, Default)]
@@ -102,6 +103,14 @@ impl Memory {
         match self.reach.is_empty() {
             true => enough,
             false => enough + AHEAD,
+        }
+    }
+
+    /// The same of a beam, which always begins near the tool.
+    pub fn beam_ahead(&self, enough: f64) -> f64 {
+        match self.reach.is_empty() {
+            true => enough,
+            false => enough + BEAM_AHEAD,
         }
     }
 

@@ -8,11 +8,19 @@
 
 mod capsule;
 mod cover;
+mod fit;
+mod mesh;
+#[cfg(feature = "geometry")]
+mod mesh_distance;
 mod nearest;
 mod signed_distance;
 
 pub use capsule::Capsule;
 pub use cover::{capsules_around, solids_around};
+pub use fit::capsules_of_mesh;
+pub use mesh::TriangleMesh;
+#[cfg(feature = "geometry")]
+pub use mesh_distance::{MeshBody, hull_volume};
 pub(crate) use nearest::nearest_within;
 pub use nearest::{Nearest, nearest};
 
@@ -128,7 +136,10 @@ impl Solid {
                 pose,
                 half_length,
                 radius,
-            } => (pose.translation.vector, half_length.hypot(*radius)),
+            } => (
+                pose.translation.vector,
+                (half_length * half_length + radius * radius).sqrt(),
+            ),
             Solid::HalfSpace { point, .. } => (*point, f64::INFINITY),
         }
     }

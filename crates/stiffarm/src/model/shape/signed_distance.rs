@@ -64,7 +64,7 @@ pub(super) fn of_cylinder(
     radius: f64,
     point: &Vector3<f64>,
 ) -> (f64, Vector3<f64>) {
-    let across = point.x.hypot(point.y);
+    let across = (point.x * point.x + point.y * point.y).sqrt();
     let outward = match across > 0.0 {
         true => Vector3::new(point.x / across, point.y / across, 0.0),
         false => Vector3::x(),
@@ -72,7 +72,7 @@ pub(super) fn of_cylinder(
     let up = Vector3::z() * sign(point.z);
     let (side, end) = (across - radius, point.z.abs() - half_length);
     if side > 0.0 && end > 0.0 {
-        let distance = side.hypot(end);
+        let distance = (side * side + end * end).sqrt();
         (distance, (outward * side + up * end) / distance)
     } else if side > end {
         (side, outward)

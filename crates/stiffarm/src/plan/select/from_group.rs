@@ -1,7 +1,7 @@
 //! Local selection from an initial group.
 
 use super::search::Search;
-use super::selection::{Selection, check_bounds, no_result, smallest_margin};
+use super::selection::{Selection, check_bounds, limits_of, no_result, smallest_length};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
@@ -86,6 +86,7 @@ pub fn select_from<Q: AsRef<[f64]>>(
         .indices
         .get(index)
         .ok_or_else(|| no_result(cell, index, &evaluation, solution.termination))?;
+    let limits = limits_of(cell, &group)?;
     Ok(Selection {
         index,
         value,
@@ -98,7 +99,8 @@ pub fn select_from<Q: AsRef<[f64]>>(
         evaluations: solution.evaluations,
         iterations: solution.iterations,
         stationarity: solution.stationarity,
-        smallest_margin_m: smallest_margin(cell, &group)?,
+        smallest_margin_m: smallest_length(&limits),
+        limits,
         load: None,
         group,
     })

@@ -8,6 +8,7 @@ mod from_group;
 mod global;
 mod load_design;
 mod posture_value;
+mod price;
 mod search;
 mod selection;
 mod sensitivity;
@@ -21,6 +22,7 @@ pub use from_group::select_from;
 pub use global::{GlobalOptions, RoundReport, select, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
 pub use posture_value::{Dropped, PostureValue, drop_postures, evaluations as drop_evaluations};
+pub use price::{LimitPrice, limit_prices};
 pub use selection::{Selection, repeats, smallest_margin};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,

@@ -7,6 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Termination;
+use crate::plan::feasibility::PostureLimits;
 use crate::plan::index::{GroupEvaluation, Index};
 use serde::Serialize;
 
@@ -55,8 +56,11 @@ pub struct Selection {
     /// First-order optimality: ∞-norm of the projected gradient of the
     /// Lagrangian of ln(index) \[1/rad\] at the last iterate.
     pub stationarity: Option<f64>,
-    /// Smallest margin to a limit of the cell \[m\], `None` without limits.
+    /// Smallest margin to a limit of the cell that is a length \[m\], `None` without such limits.
     pub smallest_margin_m: Option<f64>,
+    /// How near each selected posture comes to the cell's limits; empty without limits.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limits: Vec<PostureLimits>,
     /// The load, where it was chosen together with the postures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<DesignedLoad>,
@@ -125,7 +129,27 @@ pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
     }
 }
 
-/// Smallest margin of a group to the cell's limits \[m\], `None` without limits.
+/// How near each posture comes to the cell's limits; empty without limits.
+pub(super) fn limits_of<Q: AsRef<[f64]>>(cell: &Cell, group: &[Q]) -> Result<Vec<PostureLimits>> {
+    if cell.is_unlimited() {
+        return Ok(Vec::new());
+    }
+    group
+        .iter()
+        .map(|q| PostureLimits::new(cell, q.as_ref()))
+        .collect()
+}
+
+/// The smallest margin of a length among them \[m\].
+pub(super) fn smallest_length(limits: &[PostureLimits]) -> Option<f64> {
+    limits
+        .iter()
+        .filter_map(PostureLimits::smallest_m)
+        .reduce(f64::min)
+}
+
+/// Smallest margin of a group to the cell's limits \[m; rad for angles, share of the limit for torques\],
+/// `None` without limits; not negative exactly where all are met.
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {

@@ -21,6 +21,7 @@ use crate::model::load::{Load, Wrench};
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::group_rng;
+use crate::plan::feasibility::nothing_meets;
 use nalgebra::Vector3;
 use rand::RngExt;
 use std::f64::consts::TAU;
@@ -183,6 +184,9 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
     }
     if found.len() >= count {
         return Ok(found);
+    }
+    if found.is_empty() {
+        return Err(nothing_meets(cell, MAX_DRAWS));
     }
     let message = format!(
         "Only {} of {MAX_DRAWS} random postures within the bounds meet the cell's limits, and {count} are wanted.",

@@ -4,10 +4,12 @@
 #![allow(dead_code, missing_docs)]
 
 pub mod groups;
+pub mod meshes;
 pub mod model;
 pub mod random;
 pub mod readings;
 pub mod runs;
+pub mod segments;
 
 use nalgebra::{DMatrix, Isometry3, Vector3};
 use proptest::test_runner::{Config, RngSeed};

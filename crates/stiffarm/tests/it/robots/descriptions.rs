@@ -5,12 +5,12 @@ use serde_json::Value;
 use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
-fn folder() -> PathBuf {
+pub(super) fn folder() -> PathBuf {
     let folder = std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder");
     Path::new(&folder).join("robots")
 }
 
-fn described() -> Vec<(&'static CatalogueEntry, String, Value)> {
+pub(super) fn described() -> Vec<(&'static CatalogueEntry, String, Value)> {
     let text = std::fs::read_to_string(folder().join("robots_catalogue.json")).unwrap();
     let Value::Object(robots) = serde_json::from_str(&text).unwrap() else {
         panic!("an object");
@@ -20,7 +20,7 @@ fn described() -> Vec<(&'static CatalogueEntry, String, Value)> {
     robots.into_iter().map(|(n, v)| (entry(&n), n, v)).collect()
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
+pub(super) fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().unwrap();
     list.iter().map(|v| v.as_f64().unwrap()).collect()
 }
@@ -31,7 +31,7 @@ fn rows(value: &Value) -> Vec<Vec<f64>> {
 
 /// The pendant's angles of the description's, q_urdf = M q + offset, M without
 /// an inverse at hand: solved from the first joint on, as M is lower triangular.
-fn pendant(robot: &Value, urdf: &[f64]) -> Vec<f64> {
+pub(super) fn pendant(robot: &Value, urdf: &[f64]) -> Vec<f64> {
     let m = rows(&robot["pendant_to_urdf"]["M"]);
     let offset = numbers(&robot["pendant_to_urdf"]["offset_rad"]);
     let mut q: Vec<f64> = Vec::new();

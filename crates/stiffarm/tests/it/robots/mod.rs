@@ -2,6 +2,7 @@
 
 mod descriptions;
 mod poses;
+mod shapes;
 
 use crate::common;
 

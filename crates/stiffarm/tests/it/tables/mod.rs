@@ -3,6 +3,7 @@
 
 #![cfg(feature = "files")]
 
+mod dh_rows;
 mod round_trip;
 mod slips;
 

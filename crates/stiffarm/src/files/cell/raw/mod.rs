@@ -116,6 +116,19 @@ pub(super) struct RawRobot {
     /// T = RotZ(theta) TransZ(d) TransX(a) RotX(alpha).
     #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 4]>>"))]
     pub dh_standard: Option<NumberRows>,
+    /// Turn of each joint's axis about the y axis of its frame, between TransX(a) and
+    /// RotZ(theta) of dh_modified, degrees: for axes that are nearly parallel to the one
+    /// before, where a common normal would lie far away (default: zeros).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
+    pub tilts_deg: Option<Numbers>,
+    /// Origin of the flange in the last frame of the rows (of a catalogue robot: in the
+    /// catalogue's flange), mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub flange_xyz_mm: Option<Numbers>,
+    /// Roll, pitch, yaw of the flange in that frame, degrees: turns about its x, then y,
+    /// then z axis, which stay.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub flange_rpy_deg: Option<Numbers>,
     /// Name of the robot in tables and reports.
     pub name: Option<Text>,
     /// Names of the joints, base to flange (default: "joint 1", "joint 2", …).

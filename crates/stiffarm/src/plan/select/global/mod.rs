@@ -23,7 +23,7 @@ mod plan;
 mod polish;
 mod pool;
 
-use super::selection::{Selection, check_bounds, no_result, smallest_margin};
+use super::selection::{Selection, check_bounds, limits_of, no_result, smallest_length};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
@@ -363,6 +363,7 @@ impl<'a> Global<'a> {
             .indices
             .get(self.index)
             .ok_or_else(|| no_result(&cell, self.index, &evaluation, termination))?;
+        let limits = limits_of(&cell, &group)?;
         Ok(Selection {
             index: self.index,
             value,
@@ -375,7 +376,8 @@ impl<'a> Global<'a> {
             evaluations,
             iterations,
             stationarity,
-            smallest_margin_m: smallest_margin(&cell, &group)?,
+            smallest_margin_m: smallest_length(&limits),
+            limits,
             load: (!self.options.load.is_empty()).then(|| cell.setup.clone().into()),
             group,
         })

@@ -1,10 +1,11 @@
 //! Candidate postures inside bounds and limits, drawn once per selection, with
 //! their information and k(J_N).
 
-use crate::error::{Code, Error, Result};
+use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::numerics::streams::candidate_rng;
+use crate::plan::feasibility::nothing_meets;
 use crate::plan::index::kernel::{Kernel, Wanted};
 use rand::RngExt;
 
@@ -79,15 +80,7 @@ impl Pool {
             }
         }
         if pool.len() == 0 {
-            return Err(Error::new(
-                Code::InvalidValue,
-                format!(
-                    "None of {drawn} random postures within the bounds meets the cell's limits, nor could one be \
-                     moved inside them."
-                ),
-            )
-            .key("limits")
-            .hint("check the limits' frame (robot base) and unit (mm)"));
+            return Err(nothing_meets(cell, drawn));
         }
         Ok(pool)
     }

@@ -1,15 +1,17 @@
 //! `stiffarm robots`: the catalogue.
 
+mod describe;
+
 use crate::args::RobotsArgs;
 use crate::numbers::{NONE, significant, stiffness};
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{Align, Table, title, yellow};
+use describe::{Robot, describe};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::model::robot::{CatalogueEntry, DhConvention, catalogue, find_in_catalogue};
-use stiffarm::units::{m_to_shortest_mm, rad_to_shortest_deg, roll_pitch_yaw};
+use stiffarm::model::robot::{CatalogueEntry, catalogue, find_in_catalogue};
 
 #[derive(Serialize)]
 struct Options<'a> {
@@ -19,55 +21,6 @@ struct Options<'a> {
 #[derive(Serialize)]
 struct Robots {
     robots: Vec<Robot>,
-}
-
-#[derive(Serialize)]
-struct Robot {
-    key: &'static str,
-    brand: &'static str,
-    name: &'static str,
-    payload_kg: Option<f64>,
-    payload_source: Option<&'static str>,
-    reach_mm: Option<f64>,
-    reach_source: Option<&'static str>,
-    joint_count: usize,
-    /// `modified` (Craig) or `standard`.
-    dh_convention: &'static str,
-    /// α, a, d, offset.
-    dh_deg_mm_mm_deg: Vec<[f64; 4]>,
-    /// C of θ = offset + C q.
-    theta_from_q: Vec<Vec<f64>>,
-    /// Frame 0 of the rows in the base frame: x, y, z, turns about x, then y, then z.
-    base_mm_deg: [f64; 6],
-    /// The flange in the last frame of the rows.
-    flange_mm_deg: [f64; 6],
-    /// The controller's base frame in the base frame.
-    controller_base_mm_deg: [f64; 6],
-    /// How the pendant's angles are known.
-    pendant: &'static str,
-    /// `null` where they are not known.
-    limits_deg: Option<Vec<[f64; 2]>>,
-    /// `null` where they are not known.
-    speeds_deg_per_s: Option<&'static [f64]>,
-    source: &'static str,
-    file: &'static str,
-    commit: &'static str,
-    licence: &'static str,
-    doubts: Vec<Doubt>,
-    stiffness: Vec<Stiffness>,
-}
-
-#[derive(Serialize)]
-struct Doubt {
-    about: &'static str,
-    sentence: &'static str,
-}
-
-#[derive(Serialize)]
-struct Stiffness {
-    values_nm_per_rad: &'static [f64],
-    source: &'static str,
-    verified: bool,
 }
 
 /// Lists the catalogue, or one robot in full.
@@ -106,72 +59,6 @@ fn by_brand() -> Vec<&'static CatalogueEntry> {
     let mut entries: Vec<&CatalogueEntry> = catalogue().iter().collect();
     entries.sort_by_key(|entry| brands.iter().position(|brand| *brand == entry.brand));
     entries
-}
-
-fn describe(entry: &CatalogueEntry) -> Result<Robot> {
-    let robot = entry.robot()?;
-    let limits = robot
-        .joints()
-        .iter()
-        .map(|j| j.limits.map(rad_to_shortest_deg))
-        .collect();
-    let stiffness = entry.stiffness.iter().map(|set| Stiffness {
-        values_nm_per_rad: set.values,
-        source: set.source,
-        verified: set.verified,
-    });
-    let rows = entry.dh_rows();
-    let rows = rows.iter().map(|row| {
-        [
-            rad_to_shortest_deg(row.alpha),
-            m_to_shortest_mm(row.a),
-            m_to_shortest_mm(row.d),
-            rad_to_shortest_deg(row.offset),
-        ]
-    });
-    let coupling = robot.coupling().row_iter();
-    let doubts = entry.doubts.iter().map(|doubt| Doubt {
-        about: doubt.about.as_str(),
-        sentence: doubt.sentence,
-    });
-    Ok(Robot {
-        key: entry.key,
-        brand: entry.brand,
-        name: entry.name,
-        payload_kg: entry.payload_kg(),
-        payload_source: entry.payload.map(|(_, source)| source),
-        reach_mm: entry.reach_m().map(m_to_shortest_mm),
-        reach_source: entry.reach.map(|(_, source)| source),
-        joint_count: robot.joint_count(),
-        dh_convention: match entry.convention {
-            DhConvention::Modified => "modified",
-            DhConvention::Standard => "standard",
-        },
-        dh_deg_mm_mm_deg: rows.collect(),
-        theta_from_q: coupling.map(|row| row.iter().copied().collect()).collect(),
-        base_mm_deg: six(&entry.base()),
-        flange_mm_deg: six(&entry.flange()),
-        controller_base_mm_deg: six(robot.controller_base()),
-        pendant: entry.pendant,
-        limits_deg: entry.has_limits().then_some(limits),
-        speeds_deg_per_s: (!entry.speeds_deg_s.is_empty()).then_some(entry.speeds_deg_s),
-        source: entry.source,
-        file: entry.file,
-        commit: entry.commit,
-        licence: entry.licence,
-        doubts: doubts.collect(),
-        stiffness: stiffness.collect(),
-    })
-}
-
-/// A pose as x, y, z \[mm\] and turns about fixed x, then y, then z \[deg\].
-fn six(pose: &nalgebra::Isometry3<f64>) -> [f64; 6] {
-    let p = &pose.translation.vector;
-    let [x, y, z] = [p.x, p.y, p.z].map(|v| m_to_shortest_mm(v) + 0.0);
-    // To 1e-9 deg: the turns went through a quaternion.
-    let angle = |rad: f64| (rad.to_degrees() * 1e9).round() / 1e9 + 0.0;
-    let [a, b, c] = roll_pitch_yaw(&pose.rotation).map(angle);
-    [x, y, z, a, b, c]
 }
 
 fn all(robots: &[Robot]) -> String {
@@ -261,6 +148,8 @@ fn one(robot: &Robot) -> String {
     }
     out += &title("Kinematics");
     out += &kinematics(robot);
+    out += &title("Shapes of the links");
+    out += &shapes(robot);
     out += &title("Joint stiffness [N·m/rad]");
     out += &stiffness_sets(robot);
     out += &title("Limits and speeds of the pendant's angles");
@@ -326,6 +215,29 @@ fn kinematics(robot: &Robot) -> String {
         out += &said("pendant", robot.pendant);
     }
     out
+}
+
+fn shapes(robot: &Robot) -> String {
+    let sentence = match robot.capsules.len() {
+        0 => "none known".to_string(),
+        count => {
+            let pairs = robot.capsules_ignored_pairs.iter();
+            let pairs: Vec<String> = pairs.map(|(i, j)| format!("{i}-{j}")).collect();
+            let ignored = match pairs.is_empty() {
+                true => String::new(),
+                false => format!(
+                    "; those of links {} may overlap, as those of neighbours",
+                    pairs.join(", ")
+                ),
+            };
+            format!(
+                "{count} capsules around links 0 to {}{ignored}. {} Tool, hoses and cables are in none.",
+                robot.joint_count, robot.capsules_remark
+            )
+            .replace(".  ", ". ")
+        }
+    };
+    wrapped(&sentence, columns()) + "\n"
 }
 
 /// One row of C in words: `offset - q2 - q3`.

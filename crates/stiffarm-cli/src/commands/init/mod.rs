@@ -1,35 +1,39 @@
 //! `stiffarm init`: files to start from.
 
+mod robot;
+mod xacro;
+
 use super::wrapped_line;
 use crate::args::InitArgs;
 use crate::files::{Target, make_folder, write_all};
 use crate::output::Exit;
 use crate::session::Session;
+use robot::{Chain, Options, start};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::files::cell::{measurements_template, parse_cell, postures_template, template};
+use stiffarm::files::cell::{measurements_template, parse_cell, postures_template};
 use stiffarm::findings::Finding;
 use stiffarm::plan::check::robot_doubts;
-
-#[derive(Serialize)]
-struct Options<'a> {
-    robot: &'a str,
-}
 
 #[derive(Serialize)]
 struct Written {
     robot: String,
     files: Vec<&'static str>,
+    /// Which chain of a URDF was taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chain: Option<Chain>,
     /// What to distrust about the robot.
     findings: Vec<Finding>,
 }
 
 /// Writes the three files.
 pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
-    let text = template(&args.robot)?;
+    let start = start(session, args)?;
+    let (text, line) = (start.text, start.line);
     let cell = parse_cell(&text, "cell.toml")?;
     let robot = cell.setup.robot.name().to_string();
-    let findings = robot_doubts(&cell.setup.robot);
+    let mut findings = robot_doubts(&cell.setup.robot);
+    findings.extend(start.findings);
     let files = [
         ("cell.toml", text),
         ("postures.csv", postures_template(&cell.setup.robot)),
@@ -57,15 +61,16 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
         let doubts: String = findings.iter().map(|f| wrapped_line(f) + "\n").collect();
         format!(
             "cell of {robot} to start from:\n{}\
-             {doubts}Edit what cell.toml marks EDIT, then run `stiffarm check {}`.\n",
+             {line}{doubts}Edit what cell.toml marks EDIT, then run `stiffarm check {}`.\n",
             files.concat(),
             shown("cell.toml")
         )
     };
-    let options = Options { robot: &args.robot };
+    let options = Options::of(args);
     let result = Written {
         robot: robot.clone(),
         files: names.clone(),
+        chain: start.chain,
         findings: findings.clone(),
     };
     session.show(&session.envelope("init", None, options, result), table)?;

@@ -1,0 +1,65 @@
+//! Options of `init`.
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::PathBuf;
+use stiffarm::model::robot::DhConvention;
+
+#[derive(Debug, Args)]
+pub struct InitArgs {
+    /// Robot of the catalogue (`stiffarm robots` lists it)
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "comau-nj165-3.0",
+        conflicts_with_all = ["urdf", "dh"]
+    )]
+    pub robot: String,
+    /// Robot of a URDF; a .xacro file is expanded where the program xacro is found
+    #[arg(long, value_name = "FILE", conflicts_with = "dh")]
+    pub urdf: Option<String>,
+    /// Link whose frame is the base frame [default: the root of the tree]
+    #[arg(long, value_name = "LINK", requires = "urdf")]
+    pub base: Option<String>,
+    /// Link whose frame is the flange [default: the only end of the tree, else tool0 or flange]
+    #[arg(long, value_name = "LINK", requires = "urdf")]
+    pub tip: Option<String>,
+    /// Package of meshes, or a folder that holds it; may be given several times
+    #[arg(long, value_name = "DIR", requires = "urdf")]
+    pub package_dir: Vec<PathBuf>,
+    /// Leave the collision geometry of the URDF, and look for no meshes
+    #[arg(long, requires = "urdf")]
+    pub no_shapes: bool,
+    /// Robot of a table of your own rows: joint, alpha_deg, a_mm, d_mm, offset_deg; low_deg,
+    /// high_deg and sign (1 or -1) where wanted
+    #[arg(long, value_name = "ROWS.csv")]
+    pub dh: Option<String>,
+    /// Convention of these rows
+    #[arg(long, value_name = "NAME", default_value = "modified", requires = "dh")]
+    pub dh_convention: DhChoice,
+    /// Folder to write to; it is made if missing
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub output_dir: PathBuf,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Conventions of Denavit–Hartenberg rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DhChoice {
+    /// Craig: turn about x, shift along x, turn about z, shift along z
+    Modified,
+    /// Turn about z, shift along z, shift along x, turn about x
+    Standard,
+}
+
+impl From<DhChoice> for DhConvention {
+    fn from(choice: DhChoice) -> Self {
+        match choice {
+            DhChoice::Modified => DhConvention::Modified,
+            DhChoice::Standard => DhConvention::Standard,
+        }
+    }
+}

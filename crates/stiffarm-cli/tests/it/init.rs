@@ -1,0 +1,199 @@
+//! `init` with a robot of one's own: URDF, xacro and rows.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use support::{Folder, command};
+
+/// An arm whose elbow joint follows the shoulder, on a base of its own, with nearly
+/// parallel axes 2 and 3 and a finger beside the chain.
+const ARM: &str = include_str!("../../../../xtask/inputs/arm.urdf");
+
+const ROWS: &str = include_str!("../../../../xtask/inputs/rows.csv");
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let slip = |from: &str, to: &str| {
+        assert!(ARM.contains(from), "{from}");
+        ARM.replace(from, to)
+    };
+    folder.write("arm.urdf", ARM);
+    folder.write("malformed.urdf", slip("</robot>", ""));
+    folder.write(
+        "unclosed.urdf",
+        slip("<link name=\"tool0\"/>", "<link name=\"tool0\">"),
+    );
+    folder.write(
+        "inverted.urdf",
+        slip(
+            "lower=\"-1.2\" upper=\"1.5\"",
+            "lower=\"1.5\" upper=\"-1.2\"",
+        ),
+    );
+    folder.write(
+        "prismatic.urdf",
+        slip("\"J4\" type=\"continuous\"", "\"J4\" type=\"prismatic\""),
+    );
+    folder.write(
+        "coupled.urdf",
+        slip(
+            "<parent link=\"coupler\"/>",
+            "<origin xyz=\"0.2 0 0\"/><parent link=\"coupler\"/>",
+        ),
+    );
+    folder.write(
+        "two-tips.urdf",
+        slip("<parent link=\"tool0\"/>", "<parent link=\"forearm\"/>").replace("tool0", "hand"),
+    );
+    folder.write(
+        "commands.urdf",
+        slip("xyz=\"0 0 0.5\"", "xyz=\"0 0 ${height}\""),
+    );
+    folder.write("arm.urdf.xacro", ARM);
+    folder.write("rows.csv", ROWS);
+    folder.write("no-column.csv", ROWS.replace(",d_mm", ",b_mm"));
+    folder.write("no-d.csv", "joint,alpha_deg,a_mm,offset_deg\nA1,0,0,0\n");
+    folder.write("not-finite.csv", ROWS.replace("1150", "inf"));
+    folder.write("sign.csv", ROWS.replace("185,-1", "185,0"));
+    folder
+}
+
+#[test]
+fn an_arm_of_a_urdf_gets_a_cell_that_works() {
+    let folder = folder();
+    let line = "init --urdf arm.urdf --no-shapes --tip tool0 --output-dir cell";
+    let printed = folder.run(line).transcript(line).replace('\\', "/");
+    let cell = folder.read("cell/cell.toml");
+    let (head, _) = cell.split_once("[tool]").unwrap();
+    assert_snapshot!(format!("{printed}\n{head}"));
+    folder.ok("check cell/cell.toml");
+    assert!(folder.read("cell/measurements.csv").contains("q4_deg"));
+    // The meshes are where a package is.
+    std::fs::create_dir_all(folder.path("pkg/own_arm/meshes")).unwrap();
+    folder.write("pkg/own_arm/meshes/base.stl", "solid");
+    let found =
+        folder.json("init --urdf arm.urdf --tip tool0 --package-dir pkg --output-dir other");
+    assert_eq!(found["result"]["chain"]["shapes"], 2);
+    assert_eq!(found["result"]["chain"]["base_link"], "world");
+    assert_eq!(found["options"]["urdf"], "arm.urdf");
+    assert_eq!(folder.read("other/cell.toml"), cell);
+    // Standard input is a URDF, too.
+    let ran = folder.run_with(
+        "init --urdf - --no-shapes --tip tool0 --output-dir stdin",
+        ARM.as_bytes(),
+    );
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+}
+
+#[test]
+fn rows_of_ones_own_get_a_cell_that_works() {
+    let folder = folder();
+    let line = "init --dh rows.csv --output-dir cell";
+    let printed = folder.run(line).transcript(line).replace('\\', "/");
+    let cell = folder.read("cell/cell.toml");
+    let (head, _) = cell.split_once("[tool]").unwrap();
+    assert_snapshot!(format!("{printed}\n{head}"));
+    folder.ok("check cell/cell.toml");
+    // It is the arm of the catalogue with these rows.
+    folder.ok("init --robot kuka-kr210-r2700-2 --output-dir catalogue");
+    folder.write(
+        "p.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\np,10,-60,50,40,30,20\n",
+    );
+    let pose = |cell: &str| {
+        let line = format!("pose {cell} p.csv --convention matrix");
+        folder.json(&line)["result"]["postures"][0]["flange"].clone()
+    };
+    assert_eq!(pose("cell/cell.toml"), pose("catalogue/cell.toml"));
+    folder.ok("init --dh rows.csv --dh-convention standard --output-dir standard");
+    assert!(
+        folder
+            .read("standard/cell.toml")
+            .contains("dh_standard = [")
+    );
+}
+
+#[test]
+fn wrong_descriptions_are_answered_with_place_and_hint() {
+    let folder = folder();
+    let before = folder.names();
+    let mut report = String::new();
+    for line in [
+        "init --urdf arm.urdf --tip hand",
+        "init --urdf arm.urdf --base tool --tip tool0",
+        "init --urdf arm.urdf --base tool0 --tip base",
+        "init --urdf arm.urdf --tip tool0",
+        "init --urdf arm.urdf --tip tool0 --package-dir nowhere",
+        "init --urdf prismatic.urdf --tip tool0 --no-shapes",
+        "init --urdf coupled.urdf --tip tool0 --no-shapes",
+        "init --urdf inverted.urdf --tip tool0 --no-shapes",
+        "init --urdf two-tips.urdf --no-shapes",
+        "init --urdf malformed.urdf",
+        "init --urdf unclosed.urdf",
+        "init --urdf commands.urdf",
+        "init --urdf rows.csv",
+        "init --urdf nothing.urdf",
+        "init --urdf arm.urdf --robot ur5e",
+        "init --urdf arm.urdf --dh rows.csv",
+        "init --tip tool0",
+        "init --dh no-column.csv",
+        "init --dh no-d.csv",
+        "init --dh not-finite.csv",
+        "init --dh sign.csv",
+        "init --dh arm.urdf",
+    ] {
+        let ran = folder.run(line);
+        assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+        assert_eq!(ran.out, "", "{line} printed a part of a result");
+        report += &ran.transcript(line).replace("-- standard error\n", "");
+        report.push('\n');
+    }
+    assert_eq!(folder.names(), before);
+    assert_snapshot!(report.replace('\\', "/"));
+}
+
+/// The command where only the programs of `bin` are found.
+fn with_programs(folder: &Folder, line: &str) -> (Option<i32>, String) {
+    let mut run = command(&folder.path("."));
+    run.env("PATH", folder.path("bin"));
+    let output = run.args(line.split_whitespace()).output().unwrap();
+    (
+        output.status.code(),
+        String::from_utf8(output.stderr).unwrap(),
+    )
+}
+
+#[test]
+fn without_xacro_it_says_how_to_get_it() {
+    let folder = folder();
+    let (code, said) = with_programs(&folder, "init --urdf arm.urdf.xacro --output-dir cell");
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("pip install xacro"), "{said}");
+    assert!(said.contains("xacro FILE > robot.urdf"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn xacro_is_run_where_it_is_found_and_its_errors_are_passed_on() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    std::fs::create_dir_all(folder.path("bin")).unwrap();
+    let program = |script: &str| {
+        folder.write("bin/xacro", format!("#!/bin/sh\n{script}\n"));
+        let mode = std::fs::Permissions::from_mode(0o755);
+        std::fs::set_permissions(folder.path("bin/xacro"), mode).unwrap();
+    };
+    let line = "init --urdf arm.urdf.xacro --tip tool0 --no-shapes --output-dir cell";
+    program("while read -r line; do echo \"$line\"; done < \"$1\"");
+    let (code, said) = with_programs(&folder, line);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        folder
+            .read("cell/cell.toml")
+            .contains("from arm.urdf.xacro:")
+    );
+    program("echo 'No such file or directory: materials.xacro' >&2; exit 2");
+    let (code, said) = with_programs(&folder, &line.replace("cell", "other"));
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("materials.xacro"), "{said}");
+}

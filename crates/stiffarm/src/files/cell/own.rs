@@ -1,0 +1,138 @@
+//! `[robot]` of a robot that is in no catalogue, as text.
+
+use super::lists::{degrees, quoted, rows};
+use crate::model::kinematics::Frames;
+use crate::model::robot::{DhConvention, DhRobot, Robot};
+use crate::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
+use nalgebra::{DMatrix, Isometry3, UnitQuaternion};
+use sobol_burley::sample;
+use std::f64::consts::PI;
+
+/// Decimals of angles \[deg\] and lengths \[mm\] of rows and frames: far below 1e-9 m at
+/// the flange, and above the rounding of the kinematics.
+const DEG_DECIMALS: f64 = 1e11;
+const MM_DECIMALS: f64 = 1e10;
+/// Cosine of the pitch below which roll and yaw are one.
+const LOCKED: f64 = 1e-12;
+/// Postures from which the reach is taken.
+const SAMPLES: u32 = 256;
+
+/// Largest distance of the flange from axis 1 among postures spread over the limits \[m\].
+pub(super) fn reach(robot: &Robot) -> f64 {
+    let distance = |i: u32| {
+        let joints = (0..).zip(robot.joints());
+        let q: Vec<f64> = joints
+            .map(|(j, joint)| {
+                let [low, high] = joint.limits.map(|limit| limit.clamp(-PI, PI));
+                low + (high - low) * f64::from(sample(i, j % 256, 0))
+            })
+            .collect();
+        let frames = Frames::new(robot, &q);
+        let out = frames.flange().translation.vector - frames.origins()[0];
+        out.cross(&frames.axes()[0]).norm()
+    };
+    (0..SAMPLES).map(distance).fold(0.1, f64::max)
+}
+
+/// The keys that say which robot it is, each on lines of its own.
+pub(super) fn keys(robot: &DhRobot) -> String {
+    let names: Vec<String> = robot.joint_names.iter().map(|name| quoted(name)).collect();
+    let (key, form) = match robot.convention {
+        DhConvention::Modified => (
+            "dh_modified",
+            "# Modified (Craig) Denavit-Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg]:\n\
+             # RotX(alpha) TransX(a) RotZ(theta) TransZ(d), theta = offset + q.\n",
+        ),
+        DhConvention::Standard => (
+            "dh_standard",
+            "# Standard Denavit-Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg]:\n\
+             # RotZ(theta) TransZ(d) TransX(a) RotX(alpha), theta = offset + q.\n",
+        ),
+    };
+    let mut out = format!(
+        "name = {}\njoint_names = [{}]\n{form}{key} = [\n",
+        quoted(&robot.name),
+        names.join(", ")
+    );
+    for row in &robot.rows {
+        let numbers = [deg(row.alpha), mm(row.a), mm(row.d), deg(row.offset)];
+        out += &format!("    {},\n", degrees(&numbers));
+    }
+    out += "]\n";
+    let tilts: Vec<f64> = robot.tilts.iter().map(|tilt| deg(*tilt)).collect();
+    if tilts.iter().any(|tilt| *tilt != 0.0) {
+        out += "# Turn of each axis about y of its frame, between TransX(a) and RotZ(theta), for axes\n\
+                # that are nearly parallel to the one before.\n";
+        out += &format!("tilts_deg = {}\n", degrees(&tilts));
+    }
+    out += &pose(&robot.base, "base", "Frame 0 of the rows in the base frame");
+    out += &pose(
+        &robot.flange,
+        "flange",
+        "The flange in the last frame of the rows",
+    );
+    if robot.coupling != DMatrix::identity(robot.rows.len(), robot.rows.len()) {
+        out += "# C of theta = offset + C q.\ntheta_from_q = [\n";
+        for row in robot.coupling.row_iter() {
+            let row: Vec<f64> = row.iter().copied().collect();
+            out += &format!("    {},\n", degrees(&row));
+        }
+        out += "]\n";
+    }
+    match &robot.limits {
+        Some(limits) => {
+            let limits: Vec<[f64; 2]> = limits
+                .iter()
+                .map(|limits| limits.map(rad_to_shortest_deg))
+                .collect();
+            let limits = rows(&limits);
+            out += &format!(
+                "# The machine's limits of the controller angles.\nlimits_deg = [\n{limits}]\n"
+            );
+        }
+        None => {
+            out += "# The machine's limits of the controller angles, [low, high] per joint: EDIT\n# limits_deg = [[-180, 180]]\n"
+        }
+    }
+    out
+}
+
+/// The keys of a pose, none for one that changes nothing.
+fn pose(pose: &Isometry3<f64>, name: &str, what: &str) -> String {
+    let xyz: [f64; 3] = pose.translation.vector.map(mm).into();
+    let rpy = turns(&pose.rotation).map(deg);
+    let mut out = String::new();
+    for (key, numbers) in [("xyz_mm", xyz), ("rpy_deg", rpy)] {
+        if numbers != [0.0; 3] {
+            out += &format!("{name}_{key} = {}\n", degrees(&numbers));
+        }
+    }
+    match out.is_empty() {
+        true => out,
+        false => format!("# {what}; turns about fixed x, then y, then z.\n{out}"),
+    }
+}
+
+/// Roll, pitch, yaw \[rad\]; where only the sum or difference of roll and yaw is determined,
+/// no roll.
+fn turns(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
+    let [roll, pitch, yaw] = roll_pitch_yaw(rotation);
+    if pitch.cos() > LOCKED {
+        return [roll, pitch, yaw];
+    }
+    let r = rotation.to_rotation_matrix();
+    [0.0, pitch, (-r[(0, 1)]).atan2(r[(1, 1)])]
+}
+
+/// Degrees of a turn, rounded; never −0, and 180 for −180.
+fn deg(rad: f64) -> f64 {
+    match (rad_to_deg(rad) * DEG_DECIMALS).round() / DEG_DECIMALS + 0.0 {
+        -180.0 => 180.0,
+        degrees => degrees,
+    }
+}
+
+/// Millimetres, rounded; never −0.
+fn mm(m: f64) -> f64 {
+    (m_to_mm(m) * MM_DECIMALS).round() / MM_DECIMALS + 0.0
+}

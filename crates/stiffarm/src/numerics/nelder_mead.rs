@@ -1,0 +1,101 @@
+//! The smallest value of a function without derivatives.
+//!
+//! Nelder and Mead, "A simplex method for function minimization", 1965, doi:10.1093/comjnl/7.4.308,
+//! with their coefficients.
+
+/// Minimises `value` from `start` with first steps of `step`, in at most `evaluations` of the
+/// function; the best point found. A value that is not finite counts as infinite.
+pub(crate) fn nelder_mead<const N: usize>(
+    mut value: impl FnMut(&[f64; N]) -> f64,
+    start: [f64; N],
+    step: f64,
+    evaluations: usize,
+) -> ([f64; N], f64) {
+    let mut count = 0;
+    let mut at = |x: &[f64; N]| {
+        count += 1;
+        let value = value(x);
+        (if value.is_nan() { f64::INFINITY } else { value }, count)
+    };
+    let mut simplex: Vec<([f64; N], f64)> = Vec::with_capacity(N + 1);
+    simplex.push((start, at(&start).0));
+    for i in 0..N {
+        let mut corner = start;
+        corner[i] += step;
+        simplex.push((corner, at(&corner).0));
+    }
+    loop {
+        // A stable sort: the same path for the same function.
+        simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let (best, worst) = (simplex[0], simplex[N]);
+        let mut middle = [0.0; N];
+        for (corner, _) in &simplex[..N] {
+            for (m, c) in middle.iter_mut().zip(corner) {
+                *m += c / N as f64;
+            }
+        }
+        let along = |t: f64| -> [f64; N] {
+            std::array::from_fn(|i| middle[i] + t * (worst.0[i] - middle[i]))
+        };
+        let (reflected, mut spent) = at(&along(-1.0));
+        let replacement = if reflected < best.1 {
+            let expanded = at(&along(-2.0));
+            spent = expanded.1;
+            match expanded.0 < reflected {
+                true => Some((along(-2.0), expanded.0)),
+                false => Some((along(-1.0), reflected)),
+            }
+        } else if reflected < simplex[N - 1].1 {
+            Some((along(-1.0), reflected))
+        } else {
+            let t = if reflected < worst.1 { -0.5 } else { 0.5 };
+            let contracted = at(&along(t));
+            spent = contracted.1;
+            (contracted.0 < worst.1.min(reflected)).then(|| (along(t), contracted.0))
+        };
+        match replacement {
+            Some(corner) => simplex[N] = corner,
+            None => {
+                for corner in &mut simplex[1..] {
+                    let shrunk = std::array::from_fn(|i| 0.5 * (corner.0[i] + best.0[i]));
+                    let (value, now) = at(&shrunk);
+                    *corner = (shrunk, value);
+                    spent = now;
+                }
+            }
+        }
+        let spread = simplex[N].1 - simplex[0].1;
+        if spent >= evaluations || spread <= 1e-12 * simplex[0].1.abs() {
+            simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+            return simplex[0];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_valley_of_rosenbrock() {
+        let (x, value) = nelder_mead(
+            |[x, y]| (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2),
+            [-1.2, 1.0],
+            0.5,
+            2000,
+        );
+        assert!(value < 1e-12, "{value:e}");
+        assert!((x[0] - 1.0).abs() < 1e-5 && (x[1] - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_avoided() {
+        let (x, _) = nelder_mead(
+            |[x]| (x - 2.0).abs() + (x - 1.0).sqrt() * 0.0,
+            [3.0],
+            0.5,
+            500,
+        );
+        assert!((x[0] - 2.0).abs() < 1e-6);
+    }
+}

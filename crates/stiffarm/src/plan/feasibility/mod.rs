@@ -1,0 +1,110 @@
+//! How near postures come to the limits of a cell, and what leaves none.
+
+mod obstruction;
+
+pub(crate) use obstruction::nothing_meets;
+pub use obstruction::{Obstruction, obstruction};
+
+use crate::error::Result;
+use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};
+use crate::model::observation::PostureTerms;
+use serde::Serialize;
+
+/// How near one posture comes to the limits.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PostureLimits {
+    /// Of each kind of limit that the cell has, the smallest margin.
+    pub nearest: Vec<NearestLimit>,
+    /// The tracker's station that sees most, where stations are given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub station: Option<String>,
+    /// Names of the measuring points that it sees.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub visible_points: Vec<String>,
+    /// Torques of load and tool weight, serial joints \[N·m\], where they are limited.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub torques_nm: Vec<f64>,
+}
+
+/// The smallest margin to the limits of one kind: positive inside.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct NearestLimit {
+    /// Kind of limit.
+    pub kind: LimitKind,
+    /// What comes nearest: two shapes, a point, a joint.
+    pub subject: String,
+    /// Margin of a length \[m\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin_m: Option<f64>,
+    /// Margin of an angle \[rad\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin_rad: Option<f64>,
+    /// Margin as a share of the limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin_share: Option<f64>,
+}
+
+impl From<&LimitMargin> for NearestLimit {
+    fn from(margin: &LimitMargin) -> Self {
+        let of = |unit| (margin.kind.unit() == unit).then_some(margin.margin);
+        NearestLimit {
+            kind: margin.kind,
+            subject: margin.point.clone(),
+            margin_m: of(MarginUnit::Length),
+            margin_rad: of(MarginUnit::Angle),
+            margin_share: of(MarginUnit::Share),
+        }
+    }
+}
+
+impl PostureLimits {
+    /// Margins at the posture `q` (controller angles, rad).
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub fn new(cell: &Cell, q: &[f64]) -> Result<Self> {
+        let terms = PostureTerms::new(&cell.setup, q, None)?;
+        let named = cell.margins().named(&terms);
+        let of_kind = |kind: LimitKind| {
+            let own = named
+                .iter()
+                .filter(|m| m.kind == kind && m.margin.is_finite());
+            own.min_by(|a, b| a.margin.total_cmp(&b.margin))
+        };
+        let seen = cell.scene.seen(&terms);
+        let station = seen.as_ref().zip(cell.scene.sight());
+        let points = &cell.setup.tool.measuring_points;
+        Ok(PostureLimits {
+            nearest: LimitKind::ALL
+                .into_iter()
+                .filter_map(of_kind)
+                .map(NearestLimit::from)
+                .collect(),
+            station: station.map(|(seen, sight)| sight.stations[seen.station].name.clone()),
+            visible_points: seen
+                .map(|seen| {
+                    seen.points
+                        .iter()
+                        .map(|p| points[*p].name.clone())
+                        .collect()
+                })
+                .unwrap_or_default(),
+            torques_nm: cell.scene.torques(&cell.setup, &terms).unwrap_or_default(),
+        })
+    }
+
+    /// The nearest limit of a kind.
+    pub fn of(&self, kind: LimitKind) -> Option<&NearestLimit> {
+        self.nearest.iter().find(|n| n.kind == kind)
+    }
+
+    /// The smallest margin of a length \[m\].
+    pub fn smallest_m(&self) -> Option<f64> {
+        self.nearest
+            .iter()
+            .filter_map(|n| n.margin_m)
+            .reduce(f64::min)
+    }
+}

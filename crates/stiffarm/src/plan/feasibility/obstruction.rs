@@ -1,0 +1,158 @@
+//! Which limits leave no posture, or few.
+
+use crate::error::{Code, Error, Result};
+use crate::findings::list;
+use crate::model::cell::{Cell, LimitKind};
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::PostureTerms;
+use nalgebra::Vector3;
+use sobol_burley::sample;
+
+/// Postures spread over the bounds.
+const SAMPLES: u32 = 4096;
+
+/// What stands in the way of postures spread over the bounds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obstruction {
+    /// Postures looked at.
+    pub sampled: usize,
+    /// How many meet every limit.
+    pub feasible: usize,
+    /// For each kind of limit that the cell has: how many postures violate it, the most first.
+    pub violated: Vec<(LimitKind, usize)>,
+    /// The fewest kinds whose absence would leave postures, one or two of them, and how many.
+    pub relief: Option<(Vec<LimitKind>, usize)>,
+}
+
+/// Looks at postures spread evenly over the bounds; the same cell always gives the same result.
+///
+/// # Errors
+/// Bounds whose number differs from the joints', or that are not finite.
+pub fn obstruction(cell: &Cell) -> Result<Obstruction> {
+    let force = (cell.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
+    let mut margins = cell.margins();
+    let mut masks = Vec::with_capacity(SAMPLES as usize);
+    for i in 0..SAMPLES {
+        let q: Vec<f64> = (0..)
+            .zip(&cell.bounds)
+            .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(i, j % 256, j / 256)))
+            .collect();
+        let terms = PostureTerms::new(&cell.setup, &q, force.as_ref())?;
+        let mut mask = 0_u32;
+        for margin in margins.named(&terms) {
+            if margin.margin < 0.0 {
+                mask |= bit(margin.kind);
+            }
+        }
+        masks.push(mask);
+    }
+    let kinds = cell.limit_kinds();
+    let count = |allowed: u32| masks.iter().filter(|mask| **mask & !allowed == 0).count();
+    let mut violated: Vec<(LimitKind, usize)> = kinds
+        .iter()
+        .map(|kind| {
+            (
+                *kind,
+                masks.iter().filter(|mask| **mask & bit(*kind) != 0).count(),
+            )
+        })
+        .collect();
+    violated.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let best = |sets: Vec<Vec<LimitKind>>| {
+        let counted = sets.into_iter().map(|set| {
+            let allowed = set.iter().fold(0, |mask, kind| mask | bit(*kind));
+            let left = count(allowed);
+            (set, left)
+        });
+        counted
+            .filter(|(_, left)| *left > 0)
+            .max_by_key(|(_, left)| *left)
+    };
+    let feasible = count(0);
+    let relief = match feasible {
+        0 => best(kinds.iter().map(|kind| vec![*kind]).collect()).or_else(|| {
+            let pairs = kinds.iter().enumerate();
+            best(
+                pairs
+                    .flat_map(|(i, a)| kinds[i + 1..].iter().map(|b| vec![*a, *b]))
+                    .collect(),
+            )
+        }),
+        _ => None,
+    };
+    Ok(Obstruction {
+        sampled: masks.len(),
+        feasible,
+        violated,
+        relief,
+    })
+}
+
+fn bit(kind: LimitKind) -> u32 {
+    let at = LimitKind::ALL.iter().position(|k| *k == kind).unwrap_or(0);
+    1 << at
+}
+
+impl Obstruction {
+    /// What stands in the way, in a sentence or two.
+    pub fn words(&self) -> String {
+        let share = |count: usize| format!("{:.0} %", 100.0 * count as f64 / self.sampled as f64);
+        let most: Vec<String> = self
+            .violated
+            .iter()
+            .take(3)
+            .filter(|(_, count)| *count > 0)
+            .map(|(kind, count)| format!("{} ({})", kind.describe(), share(*count)))
+            .collect();
+        if most.is_empty() {
+            return format!(
+                "All of {} postures spread over the bounds meet the limits.",
+                self.sampled
+            );
+        }
+        let mut out = format!(
+            "Of {} postures spread over the bounds {} meet every limit; violated most often: {}.",
+            self.sampled,
+            match self.feasible {
+                0 => "none".to_string(),
+                count => count.to_string(),
+            },
+            most.join(", ")
+        );
+        match &self.relief {
+            Some((kinds, left)) => {
+                let names: Vec<&str> = kinds.iter().map(|kind| kind.describe()).collect();
+                let verb = match left {
+                    1 => "posture would do",
+                    _ => "postures would do",
+                };
+                out += &format!(" Without {} {left} {verb}.", list(&names));
+            }
+            None if self.feasible == 0 => {
+                out += " Leaving out any two kinds of limits would not help."
+            }
+            None => {}
+        }
+        out
+    }
+}
+
+/// The error where no posture meets the limits after `tried` attempts.
+pub(crate) fn nothing_meets(cell: &Cell, tried: usize) -> Error {
+    let tried =
+        format!("None of {tried} random postures within the bounds meets the cell's limits.");
+    let message = match obstruction(cell) {
+        Ok(found) => format!("{tried} {}", found.words()),
+        Err(_) => tried,
+    };
+    let hint = match cell.scene.is_empty() {
+        true => "check the limits' frame (robot base) and unit (mm)",
+        false => {
+            "relax what stands in the way: check frames (base, flange) and units (mm) of limits, shapes and stations, \
+                  or move anchor, station or obstacle"
+        }
+    };
+    Error::new(Code::InvalidValue, message)
+        .key("limits")
+        .hint(hint)
+}

@@ -1,0 +1,55 @@
+//! What each kind of limit costs a plan.
+
+use super::{GlobalOptions, select};
+use crate::error::Result;
+use crate::model::cell::{Cell, LimitKind};
+use crate::numerics::control::Control;
+use crate::plan::index::Index;
+use serde::Serialize;
+
+/// A plan without one kind of limit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LimitPrice {
+    /// The kind of limit that is left out.
+    pub kind: LimitKind,
+    /// The index of the best plan found without it.
+    pub value: f64,
+    /// What the limit costs: the share by which the index with it is worse.
+    pub price: f64,
+}
+
+/// The best plan found without each kind of limit that the cell has, by the same search; `value` is
+/// that of the plan with all of them. A limit that costs nothing is met by the plan without it, or by one as
+/// good.
+///
+/// # Errors
+/// As [`select`].
+pub fn limit_prices(
+    cell: &Cell,
+    index: Index,
+    count: usize,
+    options: &GlobalOptions,
+    value: f64,
+    control: Control<'_>,
+) -> Result<Vec<LimitPrice>> {
+    let mut prices = Vec::new();
+    for kind in cell.limit_kinds() {
+        if control.stopped() {
+            break;
+        }
+        let free = cell.without_limit(kind);
+        let found = select(&free, index, count, options, control)?;
+        let price = match index.larger_is_better() {
+            true => found.value / value - 1.0,
+            false => value / found.value - 1.0,
+        };
+        prices.push(LimitPrice {
+            kind,
+            value: found.value,
+            price,
+        });
+    }
+    prices.sort_by(|a, b| b.price.total_cmp(&a.price));
+    Ok(prices)
+}

@@ -1,0 +1,279 @@
+//! Meshes of files.
+
+use crate::common::meshes::{box_mesh, l_mesh};
+use crate::common::random::Dice;
+use crate::common::runs::runs;
+use nalgebra::Vector3;
+use std::fmt::Write;
+use std::path::Path;
+use stiffarm::files::mesh::{parse_mesh, read_mesh};
+use stiffarm::model::shape::TriangleMesh;
+
+fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
+    let mut out = vec![b' '; 80];
+    out.extend((mesh.triangles.len() as u32).to_le_bytes());
+    for corners in mesh.corners() {
+        out.extend([0; 12]);
+        for v in corners.iter().flatten() {
+            out.extend((*v as f32).to_le_bytes());
+        }
+        out.extend([0; 2]);
+    }
+    out
+}
+
+fn ascii_stl(mesh: &TriangleMesh) -> Vec<u8> {
+    let mut out = "solid part\n".to_string();
+    for corners in mesh.corners() {
+        out += "facet normal 0 0 0\n  outer loop\n";
+        for v in corners {
+            writeln!(out, "    vertex {:e} {:e} {:e}", v.x, v.y, v.z).unwrap();
+        }
+        out += "  endloop\nendfacet\n";
+    }
+    (out + "endsolid part\n").into_bytes()
+}
+
+fn obj(mesh: &TriangleMesh) -> Vec<u8> {
+    let mut out = "# a part\nmtllib none.mtl\no part\n".to_string();
+    for v in &mesh.vertices {
+        writeln!(out, "v {} {} {}", v.x, v.y, v.z).unwrap();
+    }
+    for [a, b, c] in &mesh.triangles {
+        writeln!(out, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    out.into_bytes()
+}
+
+/// The mesh in a node that is moved by 10 along x, within one turned by 90° about z, in millimetres.
+fn collada(mesh: &TriangleMesh, unit: &str) -> Vec<u8> {
+    let numbers: Vec<String> = mesh.vertices.iter().flatten().map(f64::to_string).collect();
+    let corners: Vec<String> = mesh
+        .triangles
+        .iter()
+        .flatten()
+        .map(usize::to_string)
+        .collect();
+    format!(
+        r##"<?xml version="1.0" encoding="utf-8"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset>{unit}<up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="part"><mesh>
+<source id="p"><float_array id="pa" count="{}">{}</float_array>
+<technique_common><accessor source="#pa" count="{}" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="{}"><input semantic="VERTEX" source="#v" offset="0"/><p>{}</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="scene"><node id="outer"><rotate>0 0 1 90</rotate>
+<node id="inner"><translate>10 0 0</translate><instance_geometry url="#part"/></node></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#scene"/></scene></COLLADA>"##,
+        numbers.len(),
+        numbers.join(" "),
+        mesh.vertices.len(),
+        mesh.triangles.len(),
+        corners.join(" "),
+    )
+    .into_bytes()
+}
+
+/// The same corners of the same triangles, to the digits of the file.
+fn same(a: &TriangleMesh, b: &TriangleMesh, tolerance: f64) {
+    assert_eq!(a.triangles.len(), b.triangles.len());
+    for (own, other) in a.corners().flatten().zip(b.corners().flatten()) {
+        assert!((own - other).norm() < tolerance, "{own} {other}");
+    }
+}
+
+#[test]
+fn each_kind_is_read() {
+    let mesh = l_mesh();
+    for (name, bytes) in [
+        ("part.stl", binary_stl(&mesh)),
+        ("part.STL", ascii_stl(&mesh)),
+        ("part.obj", obj(&mesh)),
+    ] {
+        let read = parse_mesh(&bytes, name, 1.0).unwrap();
+        same(&read, &mesh, 1e-7);
+        // Two bars share two corners.
+        assert_eq!(read.vertices.len(), 14, "{name}: corners are shared");
+        let small = parse_mesh(&bytes, name, 1e-3).unwrap();
+        assert!((small.extent() - mesh.extent() * 1e-3).norm() < 1e-10);
+    }
+    let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    assert_eq!(parse_mesh(square, "a.obj", 1.0).unwrap().triangles.len(), 2);
+}
+
+#[test]
+fn nodes_and_units_of_collada_count() {
+    let mesh = box_mesh(Vector3::zeros(), Vector3::new(3.0, 2.0, 1.0));
+    let read = |unit: &str| parse_mesh(&collada(&mesh, unit), "part.dae", 1.0).unwrap();
+    let mut expected = mesh.clone();
+    for v in &mut expected.vertices {
+        // Moved first, then turned.
+        *v = Vector3::new(-v.y, v.x + 10.0, v.z);
+    }
+    same(&read(""), &expected, 1e-5);
+    expected.vertices.iter_mut().for_each(|v| *v *= 0.01);
+    same(&read("<unit meter=\"0.01\" name=\"cm\"/>"), &expected, 1e-7);
+}
+
+/// A part placed twice is there twice; polygons with several inputs are cut into triangles.
+#[test]
+fn parts_of_collada_are_placed_as_often_as_it_says() {
+    let mesh = box_mesh(Vector3::zeros(), Vector3::new(3.0, 2.0, 1.0));
+    let dae = String::from_utf8(collada(&mesh, "")).unwrap();
+    let placed = r##"<instance_geometry url="#part"/>"##;
+    let twice = format!("{placed}<node><scale>2 1 1</scale>{placed}</node>");
+    let read = parse_mesh(dae.replace(placed, &twice).as_bytes(), "a.dae", 1.0).unwrap();
+    assert_eq!(read.triangles.len(), 24);
+    assert!((read.extent() - Vector3::new(2.0, 6.0, 1.0)).norm() < 1e-12);
+    let (head, rest) = dae.split_once("<triangles").unwrap();
+    let (_, tail) = rest.split_once("</triangles>").unwrap();
+    let list = r##"<polylist count="2"><input semantic="NORMAL" source="#n" offset="0"/>
+        <input semantic="VERTEX" source="#v" offset="1"/><vcount>4 3</vcount>
+        <p>0 0 0 1 0 3 0 2 7 4 7 5 7 6</p></polylist>"##;
+    let read = parse_mesh(format!("{head}{list}{tail}").as_bytes(), "a.dae", 1.0).unwrap();
+    assert_eq!(read.triangles.len(), 3);
+}
+
+#[test]
+fn what_is_no_mesh_is_refused() {
+    let mesh = l_mesh();
+    let refused = |bytes: &[u8], name: &str, said: &str| {
+        let error = parse_mesh(bytes, name, 1.0).unwrap_err();
+        assert!(error.message().contains(said), "{error}");
+        assert_eq!(error.place().file.as_deref(), Some(name));
+        assert!(error.hint_text().is_some(), "{error}");
+    };
+    let stl = binary_stl(&mesh);
+    refused(&stl, "part.step", "does not end in .stl");
+    refused(&stl, "part", "does not end in .stl");
+    refused(b"", "a.stl", "too short");
+    refused(
+        &stl[..stl.len() - 50],
+        "a.stl",
+        "says 24 triangles and has bytes for 23",
+    );
+    let ascii = ascii_stl(&mesh);
+    refused(&ascii[..ascii.len() / 2], "a.stl", "no endsolid");
+    refused(b"solid a\nendsolid a\n", "a.stl", "");
+    refused(b"v 0 0 0\nv 1 0 0\nv 1 1 0\n", "a.obj", "no triangles");
+    refused(b"v 0 0 0\nf 1 2 3\n", "a.obj", "");
+    refused(b"<a>", "a.dae", "in COLLADA");
+    let dae = String::from_utf8(collada(&mesh, "")).unwrap();
+    refused(
+        dae.replace("#part", "#other").as_bytes(),
+        "a.dae",
+        "no \"#other\"",
+    );
+    refused(
+        dae.replace("<p>0", "<p>99").as_bytes(),
+        "a.dae",
+        "corner that is not there",
+    );
+    refused(
+        dae.replace("<p>0", "<p>0.5").as_bytes(),
+        "a.dae",
+        "corner that is not there",
+    );
+    refused(
+        dae.replace("<p>0 ", "<p>").as_bytes(),
+        "a.dae",
+        "no triangle",
+    );
+    let lookat = dae
+        .replace("<rotate>", "<lookat>")
+        .replace("</rotate>", "</lookat>");
+    refused(lookat.as_bytes(), "a.dae", "<lookat>");
+    let circle = r##"<instance_node url="#outer"/><translate>"##;
+    refused(
+        dae.replace("<translate>", circle).as_bytes(),
+        "a.dae",
+        "circle",
+    );
+    refused(&[0xff, 0xfe, b'<'], "a.dae", "UTF-8");
+    let mut nan = mesh.clone();
+    nan.vertices[3].y = f64::NAN;
+    refused(&binary_stl(&nan), "a.stl", "not finite");
+    assert!(parse_mesh(&stl, "a.stl", 0.0).is_err());
+    assert!(parse_mesh(&stl, "a.stl", f64::NAN).is_err());
+    let missing = read_mesh(Path::new("no-such.stl"), 1.0).unwrap_err();
+    assert!(missing.message().contains("no such file"), "{missing}");
+    assert!(missing.hint_text().is_some());
+    assert!(
+        read_mesh(Path::new("."), 1.0)
+            .unwrap_err()
+            .message()
+            .contains("folder")
+    );
+}
+
+#[test]
+fn millimetres_read_as_metres_are_noticed() {
+    let mesh = box_mesh(Vector3::zeros(), Vector3::new(2345.0, 300.0, 200.0));
+    let error = parse_mesh(&binary_stl(&mesh), "link.stl", 1.0).unwrap_err();
+    assert_eq!(
+        error.message(),
+        "The mesh is 2,345 m across: probably its unit is mm."
+    );
+    assert_eq!(error.hint_text(), Some("give `unit = \"mm\"`"));
+    assert!(parse_mesh(&binary_stl(&mesh), "link.stl", 1e-3).is_ok());
+}
+
+/// Changed, cut and lengthened files are read or refused; nothing stops the program, and what is
+/// read is a mesh.
+#[test]
+fn broken_files_never_stop_the_program() {
+    let mut dice = Dice::new(9);
+    let mesh = box_mesh(Vector3::zeros(), Vector3::new(0.3, 0.2, 0.1));
+    let files = [
+        ("a.stl", binary_stl(&mesh)),
+        ("b.stl", ascii_stl(&mesh)),
+        ("c.obj", obj(&mesh)),
+        ("d.dae", collada(&mesh, "<unit meter=\"0.01\"/>")),
+    ];
+    // What stops the reader of the format is caught, and need not be told.
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..runs(4000) {
+        let (name, bytes) = &files[round as usize % files.len()];
+        let mut bytes = bytes.clone();
+        for _ in 0..1 + dice.below(4) {
+            let at = dice.below(bytes.len());
+            match dice.below(5) {
+                0 => bytes[at] = dice.below(256) as u8,
+                1 => bytes[at] = b"0123456789-/#\"<> \n"[dice.below(18)],
+                2 => {
+                    bytes.remove(at);
+                }
+                3 => bytes.truncate(at.max(1)),
+                _ => {
+                    let end = (at + dice.below(80)).min(bytes.len());
+                    let part = bytes[at..end].to_vec();
+                    let to = dice.below(bytes.len());
+                    bytes.splice(to..to, part);
+                }
+            }
+        }
+        match parse_mesh(&bytes, name, 1e-3) {
+            Ok(mesh) => {
+                read += 1;
+                assert!(mesh.vertices.iter().flatten().all(|v| v.is_finite()));
+                assert!(
+                    mesh.triangles
+                        .iter()
+                        .flatten()
+                        .all(|v| *v < mesh.vertices.len())
+                );
+            }
+            Err(error) => {
+                refused += 1;
+                assert!(!error.message().is_empty());
+            }
+        }
+    }
+    std::panic::set_hook(hook);
+    assert!(read > 100 && refused > 100, "{read} {refused}");
+}

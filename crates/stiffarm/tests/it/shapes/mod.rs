@@ -1,0 +1,221 @@
+//! Solids, their signed distances, and the nearest point of a segment.
+
+mod cover;
+mod fit;
+#[cfg(feature = "geometry")]
+mod mesh_distance;
+#[cfg(feature = "geometry")]
+mod mesh_files;
+
+use crate::common::cases;
+use crate::common::random::Dice;
+use crate::common::segments::segments_apart;
+use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+use stiffarm::model::shape::{Capsule, Solid, nearest};
+
+fn pose(dice: &mut Dice) -> Isometry3<f64> {
+    let turn = Unit::new_unchecked(dice.direction());
+    Isometry3::from_parts(
+        Translation3::from(dice.vector(1.0)),
+        UnitQuaternion::from_axis_angle(&turn, dice.between(-3.0, 3.0)),
+    )
+}
+
+fn capsule(dice: &mut Dice) -> Capsule {
+    let a = dice.vector(1.0);
+    let b = match dice.chance(0.2) {
+        true => a,
+        false => dice.vector(1.0),
+    };
+    Capsule::new(a, b, dice.between(0.02, 0.5)).unwrap()
+}
+
+fn solid(dice: &mut Dice) -> Solid {
+    match dice.below(4) {
+        0 => Solid::Capsule(capsule(dice)),
+        1 => {
+            let size = Vector3::from_fn(|_, _| dice.between(0.05, 1.5));
+            Solid::block(pose(dice), size).unwrap()
+        }
+        2 => {
+            let (from, to) = (dice.vector(1.0), dice.vector(1.0));
+            Solid::cylinder(from, to, dice.between(0.05, 0.8)).unwrap()
+        }
+        _ => Solid::HalfSpace {
+            point: dice.vector(1.0),
+            normal: Unit::new_unchecked(dice.direction()),
+        },
+    }
+}
+
+/// Distance of a point outside from the nearest point of the solid, which is found by clamping
+/// coordinates instead of by distances from faces.
+fn distance_outside(solid: &Solid, point: &Vector3<f64>) -> f64 {
+    match solid {
+        Solid::Capsule(c) => segments_apart([c.a, c.b], [*point, *point]) - c.radius,
+        Solid::HalfSpace { point: on, normal } => (point - on).dot(normal),
+        Solid::Block { pose, half } => {
+            let local = pose.inverse() * nalgebra::Point3::from(*point);
+            let clamped = local.coords.inf(half).sup(&-half);
+            (local.coords - clamped).norm()
+        }
+        Solid::Cylinder {
+            pose,
+            half_length,
+            radius,
+        } => {
+            let local = (pose.inverse() * nalgebra::Point3::from(*point)).coords;
+            let flat = local.xy();
+            let inside = flat * (radius / flat.norm()).min(1.0);
+            let nearest = Vector3::new(
+                inside.x,
+                inside.y,
+                local.z.clamp(-half_length, *half_length),
+            );
+            (local - nearest).norm()
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(400))]
+
+    /// Outside, the distance to the nearest point; everywhere 1-Lipschitz, convex along any line
+    /// and grown by its own direction.
+    #[test]
+    fn signed_distances_are_distances(seed: u64) {
+        let mut dice = Dice::new(seed);
+        let solid = solid(&mut dice);
+        let (p, q) = (dice.vector(2.0), dice.vector(2.0));
+        let ((at_p, direction), (at_q, _)) = (solid.signed_distance(&p), solid.signed_distance(&q));
+        if at_p > 0.0 {
+            prop_assert!((at_p - distance_outside(&solid, &p)).abs() < 1e-12);
+        }
+        prop_assert!((direction.norm() - 1.0).abs() < 1e-12);
+        prop_assert!((at_p - at_q).abs() <= (p - q).norm() + 1e-12);
+        let t = dice.between(0.0, 1.0);
+        let (between, _) = solid.signed_distance(&(p + (q - p) * t));
+        prop_assert!(between <= at_p + (at_q - at_p) * t + 1e-12, "convex");
+        // A convex function lies above its tangents.
+        prop_assert!(at_q >= at_p + direction.dot(&(q - p)) - 1e-12, "supported");
+        // Out of a solid it goes on for as far as it says.
+        if at_p < 0.0 {
+            let out = p - direction * at_p;
+            prop_assert!(solid.signed_distance(&out).0.abs() < 1e-12);
+        }
+    }
+
+    /// The direction is the gradient, where there is one.
+    #[test]
+    fn directions_are_gradients(seed: u64) {
+        let mut dice = Dice::new(seed);
+        let (solid, p) = (solid(&mut dice), dice.vector(2.0));
+        let (value, direction) = solid.signed_distance(&p);
+        let h = 1e-6;
+        for axis in 0..3 {
+            let step = Vector3::ith(axis, h);
+            let (up, down) = (solid.signed_distance(&(p + step)).0, solid.signed_distance(&(p - step)).0);
+            // Between two faces the gradient jumps: there both sides differ.
+            let kink = (up - value) - (value - down);
+            if kink.abs() < 1e-8 {
+                prop_assert!(((up - down) / (2.0 * h) - direction[axis]).abs() < 1e-2 * h.sqrt() + kink.abs() / h);
+            }
+        }
+    }
+
+    /// A solid that moves with a point keeps its distance.
+    #[test]
+    fn distances_move_with_the_frame(seed: u64) {
+        let mut dice = Dice::new(seed);
+        let (solid, p, frame) = (solid(&mut dice), dice.vector(2.0), pose(&mut dice));
+        let (value, direction) = solid.signed_distance(&p);
+        let (again, turned) = solid.placed(&frame).signed_distance(&(frame * nalgebra::Point3::from(p)).coords);
+        prop_assert!((value - again).abs() < 1e-12);
+        prop_assert!((frame.rotation * direction - turned).norm() < 1e-7 || value.abs() < 1e-9 || value < 0.0);
+    }
+
+    /// The point of a segment with the smallest signed distance, against golden sections.
+    #[test]
+    fn the_nearest_point_of_a_segment(seed: u64) {
+        let mut dice = Dice::new(seed);
+        let solid = solid(&mut dice);
+        let a = dice.vector(2.0);
+        let b = match dice.below(4) {
+            0 => a,
+            // Along an axis of the solid, where a box has whole faces as near.
+            1 => match &solid {
+                Solid::Block { pose, .. } => a + pose.rotation * Vector3::x() * dice.between(-2.0, 2.0),
+                Solid::Cylinder { pose, .. } => a + pose.rotation * Vector3::z() * dice.between(-2.0, 2.0),
+                Solid::Capsule(c) => a + (c.b - c.a) * dice.between(-2.0, 2.0),
+                Solid::HalfSpace { normal, .. } => a + normal.cross(&dice.vector(1.0)),
+            },
+            _ => dice.vector(2.0),
+        };
+        let found = nearest(&solid, &a, &b);
+        prop_assert!((0.0..=1.0).contains(&found.t));
+        let point = a + (b - a) * found.t;
+        // Shorter than a unit only where two faces are as near.
+        prop_assert!(found.direction.norm() < 1.0 + 1e-12);
+        prop_assert!((found.direction.norm() - 1.0).abs() < 1e-12 || found.distance < 0.0);
+        prop_assert!((solid.signed_distance(&point).0 - found.distance).abs() < 1e-9);
+        let at = |t: f64| solid.signed_distance(&(a + (b - a) * t)).0;
+        let (mut low, mut high) = (0.0, 1.0);
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        for _ in 0..90 {
+            let (left, right) = (high - golden * (high - low), low + golden * (high - low));
+            match at(left) < at(right) {
+                true => high = right,
+                false => low = left,
+            }
+        }
+        let expected = at(low).min(at(high)).min(at(0.0)).min(at(1.0));
+        prop_assert!((found.distance - expected).abs() < 1e-9, "{} {}", found.distance, expected);
+        // The convex function lies above its tangent there: what a linearised limit is built on.
+        for t in [0.0, 0.5, 1.0] {
+            let other = a + (b - a) * t;
+            let tangent = found.distance + found.direction.dot(&(other - point));
+            prop_assert!(at(t) >= tangent - 1e-9);
+        }
+    }
+
+    /// Two segments, parallel, crossing, touching and of no length among them.
+    #[test]
+    fn two_segments(seed: u64) {
+        let mut dice = Dice::new(seed);
+        let (a, b) = (dice.vector(1.0), dice.vector(1.0));
+        let along = b - a;
+        let scale = dice.between(-1.5, 1.5);
+        let (c, d) = match dice.below(6) {
+            0 => { let c = dice.vector(1.0); (c, c + along * scale) }
+            1 => (a + along * dice.between(-2.0, 2.0), a + along * dice.between(-2.0, 2.0)),
+            2 => { let middle = a + along * 0.4; let v = dice.vector(0.5); (middle - v, middle + v) }
+            3 => { let c = dice.vector(1.0); (c, c) }
+            4 => { let c = dice.vector(1.0); (c, c + along + dice.vector(1e-7)) }
+            _ => (dice.vector(1.0), dice.vector(1.0)),
+        };
+        let expected = segments_apart([a, b], [c, d]);
+        let capsule = Solid::Capsule(Capsule { a: c, b: d, radius: 0.1 });
+        let found = nearest(&capsule, &a, &b);
+        prop_assert!((found.distance + 0.1 - expected).abs() < 1e-9, "{} {}", found.distance + 0.1, expected);
+        prop_assert!((found.direction.norm() - 1.0).abs() < 1e-9);
+        // Both ways round the same.
+        let back = nearest(&Solid::Capsule(Capsule { a, b, radius: 0.1 }), &c, &d);
+        prop_assert!((found.distance - back.distance).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn shapes_without_a_size_are_refused() {
+    let (o, x) = (Vector3::zeros(), Vector3::x());
+    assert!(Capsule::new(o, o, 0.1).is_ok(), "a sphere");
+    assert!(Capsule::new(o, x, 0.0).is_err());
+    assert!(Capsule::new(o, x, f64::INFINITY).is_err());
+    assert!(Capsule::new(o, x * f64::NAN, 0.1).is_err());
+    assert!(Solid::cylinder(o, o, 0.1).is_err());
+    assert!(Solid::cylinder(o, x, -0.1).is_err());
+    assert!(Solid::cylinder(o, x * f64::NAN, 0.1).is_err());
+    assert!(Solid::block(Isometry3::identity(), Vector3::new(1.0, 0.0, 1.0)).is_err());
+    let down = Solid::cylinder(o, -Vector3::z(), 0.1).unwrap();
+    assert!((down.signed_distance(&Vector3::new(0.0, 0.0, -0.5)).0 + 0.1).abs() < 1e-12);
+}

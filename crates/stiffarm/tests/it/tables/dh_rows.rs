@@ -1,0 +1,93 @@
+//! Tables of Denavit–Hartenberg rows.
+
+use super::*;
+use stiffarm::Code;
+use stiffarm::files::cell::template_of;
+use stiffarm::files::table::read_dh_rows;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::robot::{DhConvention, DhRobot, DhRow, Robot};
+use stiffarm::units::deg_to_rad;
+
+const ROWS: &str = "joint,alpha_deg,a_mm,d_mm,offset_deg,low_deg,high_deg,sign\n\
+                    A1,0,0,645,0,-185,185,-1\n\
+                    A2,-90,330,0,0,-140,-5,1\n\
+                    A3,0,1150.5,0,-90,-120,168,1\n";
+
+fn read(text: &str, convention: DhConvention) -> stiffarm::Result<DhRobot> {
+    read_dh_rows(text.as_bytes(), "rows.csv", "mine", convention)
+}
+
+#[test]
+fn rows_become_a_robot() {
+    let read = read(ROWS, DhConvention::Modified).unwrap();
+    let robot = read.robot().unwrap();
+    let names: Vec<&str> = robot.joints().iter().map(|j| j.name.as_str()).collect();
+    assert_eq!((robot.name(), names), ("mine", vec!["A1", "A2", "A3"]));
+    assert_eq!(robot.joints()[1].limits, [-140.0, -5.0].map(deg_to_rad));
+    assert_eq!(robot.coupling().diagonal().as_slice(), [-1.0, 1.0, 1.0]);
+    let row = |alpha: f64, a: f64, d: f64, offset: f64| DhRow {
+        alpha: deg_to_rad(alpha),
+        a,
+        d,
+        offset: deg_to_rad(offset),
+    };
+    let rows = [
+        row(0.0, 0.0, 0.645, 0.0),
+        row(-90.0, 0.33, 0.0, 0.0),
+        row(0.0, 1.1505, 0.0, -90.0),
+    ];
+    assert_eq!(read.rows, rows);
+}
+
+#[test]
+fn other_units_decimal_commas_and_missing_columns_are_the_same_robot() {
+    let european =
+        "joint;alpha_rad;a_m;d_m;offset_deg\nA1;0;0;0,645;0\nA2;-1,5707963267948966;0,33;0;0\n";
+    let plain = "offset_deg,joint,d_mm,a_mm,alpha_deg\n0,A1,645,0,0\n0,A2,0,330,-90\n";
+    for convention in [DhConvention::Modified, DhConvention::Standard] {
+        let found = read(european, convention).unwrap();
+        assert_eq!(found, read(plain, convention).unwrap());
+        assert_eq!(found.limits, None);
+        let robot = found.robot().unwrap();
+        assert!(robot.limits_are_unknown());
+        let own = Robot::from_dh(
+            "mine",
+            convention,
+            &found.rows,
+            nalgebra::Isometry3::identity(),
+        );
+        let q = [0.3, -0.4];
+        let flange = |robot: &Robot| Frames::new(robot, &q).flange().to_homogeneous();
+        assert_eq!(flange(&robot), flange(&own.unwrap()));
+        // And in the written cell.
+        let text = template_of(&found, "Rows.").unwrap();
+        let cell = parse_cell(&text, "cell.toml").unwrap();
+        assert!((flange(&robot) - flange(&cell.setup.robot)).amax() < 1e-14);
+    }
+}
+
+#[test]
+fn slips_have_their_places() {
+    for (from, to, code, line, column) in [
+        ("alpha_deg", "alpha", Code::TableHeading, 1, Some(7)),
+        ("offset_deg,", "", Code::TableHeading, 1, None),
+        (",low_deg", ",ignore_deg", Code::TableHeading, 1, Some(38)),
+        ("A3,", "A1,", Code::Duplicate, 4, Some(1)),
+        ("1150.5", "1150,5", Code::DecimalComma, 4, Some(4)),
+        ("1150.5", "nan", Code::NotFinite, 4, Some(6)),
+        ("1150.5", "", Code::TableRow, 4, Some(6)),
+        ("1150.5", "1e7", Code::TableRow, 4, Some(6)),
+        ("-185,185,-1", "-185,185,2", Code::InvalidValue, 2, Some(23)),
+        ("-140,-5", "-5,-140", Code::InvalidValue, 3, Some(19)),
+        ("A3", "=A3", Code::TableRow, 4, Some(1)),
+    ] {
+        assert!(ROWS.contains(from), "{from}");
+        let error = read(&ROWS.replacen(from, to, 1), DhConvention::Modified).unwrap_err();
+        let place = error.place();
+        assert_eq!(
+            (error.code(), place.line, place.column),
+            (code, Some(line), column),
+            "{error}"
+        );
+    }
+}
