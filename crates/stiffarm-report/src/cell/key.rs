@@ -6,11 +6,11 @@ use crate::figure::drawing::{DISTINCT_ITEMS, KeyEntry, Sample, Tone};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 
-/// The entries, of what is drawn only.
+/// The entries, of what is drawn only; `others` are postures drawn as lines, the same ones together.
 pub(super) fn key(
     cell: &Cell,
     looked: &[Looked<'_>],
-    shown: Option<usize>,
+    others: &[Vec<usize>],
     things: &Things,
 ) -> Vec<KeyEntry> {
     let has = |sample: Sample, tone: Tone, red: bool| {
@@ -71,20 +71,27 @@ pub(super) fn key(
     if things.things.iter().any(|thing| thing.caution) {
         entries.push(entry("violates a limit", Sample::Area, Tone::Body, true));
     }
-    let others: Vec<usize> = (0..looked.len()).filter(|n| Some(*n) != shown).collect();
-    let told = others.iter().filter(|n| **n < DISTINCT_ITEMS);
-    for number in told.clone() {
-        let label = format!("posture {}", looked[*number].posture.name);
+    let (told, rest): (Vec<&Vec<usize>>, Vec<&Vec<usize>>) =
+        others.iter().partition(|same| same[0] < DISTINCT_ITEMS);
+    for same in told {
+        let names: Vec<&str> = same
+            .iter()
+            .map(|n| looked[*n].posture.name.as_str())
+            .collect();
+        let label = match names.len() {
+            1 => format!("posture {}", names[0]),
+            _ => format!("postures {}", names.join(", ")),
+        };
         entries.push(entry(
             &label,
             Sample::LineAndPoint,
-            Tone::Item(*number),
+            Tone::Item(same[0]),
             false,
         ));
     }
-    let rest = others.len() - told.count();
-    if rest > 0 {
-        let label = format!("{rest} more");
+    if !rest.is_empty() {
+        let count: usize = rest.iter().map(|same| same.len()).sum();
+        let label = format!("{count} more");
         entries.push(entry(
             &label,
             Sample::Line,

@@ -19,6 +19,7 @@ use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
 use stiffarm::nalgebra::Vector3;
+use stiffarm::plan::select::repeats;
 use things::Things;
 
 /// Names of postures of a cell without postures.
@@ -123,10 +124,10 @@ pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Dra
     let mut things = Things::default();
     let from = shown.map_or(stage.centre(), |number| *all[number].loading_point());
     things.add_surroundings(cell, &stage, &cautions, from);
-    for (number, one) in looked.iter().enumerate() {
-        if Some(number) != shown {
-            things.add_other(number, &one.terms, one.least() < 0.0);
-        }
+    let others = others(postures, shown);
+    for same in &others {
+        let red = same.iter().any(|number| looked[*number].least() < 0.0);
+        things.add_other(same[0], &all[same[0]], red);
     }
     if let Some(number) = shown {
         things.add_shown(cell, &stage, &looked[number].terms, &cautions);
@@ -149,7 +150,7 @@ pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Dra
         ),
         view::view("in perspective", None, &perspective, &stage, &things),
     ];
-    let notes = notes(&looked, shown, full);
+    let notes = notes(&looked, shown, &others, full);
     let told: Vec<&str> = notes.iter().map(|note| note.text.as_str()).collect();
     Ok(Drawing {
         id: "cell".into(),
@@ -160,8 +161,24 @@ pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Dra
         ),
         notes,
         views,
-        key: key::key(cell, &looked, shown, &things),
+        key: key::key(cell, &looked, &others, &things),
     })
+}
+
+/// The postures beside the one in full, those together that are the same.
+fn others(postures: &[Posture], shown: Option<usize>) -> Vec<Vec<usize>> {
+    let repeated = repeats(postures);
+    let group = |number: usize| {
+        let mut groups = repeated.iter();
+        let found = groups.find(|same| same.contains(&number));
+        found.cloned().unwrap_or_else(|| vec![number])
+    };
+    let groups = (0..postures.len()).map(|number| (number, group(number)));
+    let first = groups.filter(|(number, same)| same.first() == Some(number));
+    let groups = first.map(|(_, same)| same);
+    groups
+        .filter(|same| shown.is_none_or(|shown| !same.contains(&shown)))
+        .collect()
 }
 
 fn look<'a>(cell: &Cell, posture: &'a Posture) -> Result<Looked<'a>> {
@@ -178,7 +195,12 @@ fn look<'a>(cell: &Cell, posture: &'a Posture) -> Result<Looked<'a>> {
 }
 
 /// What stands below the picture: which posture it shows, and what its limits say.
-fn notes(looked: &[Looked<'_>], shown: Option<usize>, full: Full) -> Vec<Note> {
+fn notes(
+    looked: &[Looked<'_>],
+    shown: Option<usize>,
+    others: &[Vec<usize>],
+    full: Full,
+) -> Vec<Note> {
     let mut notes = Vec::new();
     let count = looked.len();
     let Some(one) = shown.and_then(|number| looked.get(number)) else {
@@ -189,6 +211,12 @@ fn notes(looked: &[Looked<'_>], shown: Option<usize>, full: Full) -> Vec<Note> {
         notes.extend(notes_of_all(looked));
         return notes;
     };
+    // Neither in full nor beside it: the same as the one in full.
+    let drawn_apart = |number: &usize| others.iter().any(|same| same.contains(number));
+    let same: Vec<&str> = (0..count)
+        .filter(|number| Some(*number) != shown && !drawn_apart(number))
+        .map(|number| looked[number].posture.name.as_str())
+        .collect();
     let why = match full {
         Full::Tightest if one.least() < 0.0 => ", the one that violates its limits most",
         Full::Tightest if one.least().is_finite() => ", the one with the least room",
@@ -197,7 +225,13 @@ fn notes(looked: &[Looked<'_>], shown: Option<usize>, full: Full) -> Vec<Note> {
     notes.push(Note::plain(match (one.posture.name.as_str(), count) {
         (MIDDLE | NEAR_MIDDLE, _) => format!("Drawn at {}.", one.posture.name),
         (name, 1) => format!("Drawn at posture {name}."),
-        (name, _) => format!("In full: posture {name} of {count}{why}. The others as lines."),
+        (name, _) if same.is_empty() => {
+            format!("In full: posture {name} of {count}{why}. The others as lines.")
+        }
+        (name, _) => format!(
+            "In full: posture {name} of {count}{why}; the same as {}. The others as lines.",
+            same.join(", ")
+        ),
     }));
     let violated = sentences(&one.subject(), &one.margins);
     match (violated.is_empty(), least_room(&one.margins)) {

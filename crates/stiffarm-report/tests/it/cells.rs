@@ -205,6 +205,24 @@ fn each_posture_has_its_own_mark_and_entry() {
 }
 
 #[test]
+fn the_same_postures_are_drawn_once_and_named_together() {
+    let cell = plain();
+    let mut postures = spread(&cell, 5);
+    postures[3].q = postures[1].q.clone();
+    postures[4].q = postures[0].q.clone();
+    let drawing = cell_drawing(&cell, &postures, Full::Number(4)).unwrap();
+    let labels: Vec<&str> = drawing.key.iter().map(|e| e.label.as_str()).collect();
+    assert!(
+        labels.ends_with(&["postures 2, 4", "posture 3"]),
+        "{labels:?}"
+    );
+    assert_eq!(
+        drawing.notes[0].text,
+        "In full: posture 5 of 5; the same as 1. The others as lines."
+    );
+}
+
+#[test]
 fn the_usual_posture_meets_the_limits_where_one_does() {
     let meets = |cell: &Cell, p: &Posture| margins(cell, p).1.iter().all(|m| m.margin >= 0.0);
     let middle = "the middle of the bounds";
