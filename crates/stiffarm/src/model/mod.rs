@@ -8,6 +8,7 @@ pub mod implausible;
 pub mod instruments;
 pub mod inverse;
 pub mod kinematics;
+pub mod limit;
 pub mod load;
 pub mod measurement;
 pub mod observation;

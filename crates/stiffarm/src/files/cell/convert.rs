@@ -6,7 +6,7 @@ use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawValidation};
 use super::robot;
-use super::scene::scene;
+use super::scene::{scene, with_link_shapes};
 use super::source::Source;
 use super::task::tasks;
 use super::work::work;
@@ -19,7 +19,7 @@ use crate::model::observation::Setup;
 use crate::model::posture::Posture;
 use crate::model::robot::{CatalogueEntry, Robot};
 use crate::model::tool::{NamedPoint, SeriesCompliance, Tool};
-use crate::units::{mm_to_m, mm2_to_m2};
+use crate::units::{mm_to_m, mm2_to_m2, um_to_m};
 use nalgebra::Vector3;
 
 /// Variance of the tracker of Zhang et al. 2021, Section IV.A \[mm²\].
@@ -30,6 +30,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let hint = "add a table [robot] with catalogue = \"…\" or dh_modified";
     let table = source.required(&raw.robot, "robot", None, hint)?;
     let (robot, entry) = robot::robot(source, table)?;
+    let robot = with_link_shapes(source, robot, table.get().shape.as_ref())?;
     let bounds = robot::bounds(source, raw.bounds.as_ref(), &robot)?;
     let characteristic_length = robot::characteristic_length(source, table)?;
     let sensor = sensor(source, raw.sensor.as_ref())?;
@@ -234,6 +235,14 @@ fn noise(source: &Source<'_>, table: Option<&At<RawNoise>>) -> Result<Noise> {
     };
     if let Some(variance) = &raw.variance_mm2 {
         noise.reading_variance = mm2_to_m2(source.positive(variance, "noise.variance_mm2")?);
+    }
+    if let Some(std) = &raw.std_um {
+        if raw.variance_mm2.is_some() {
+            let message = "The noise is given twice: variance_mm2 is there already.";
+            let error = source.error(Code::Conflict, "noise.std_um", std.span(), message);
+            return Err(error.hint("keep one of variance_mm2 and std_um"));
+        }
+        noise.reading_variance = um_to_m(source.positive(std, "noise.std_um")?).powi(2);
     }
     if let Some(readings) = &raw.readings_per_displacement {
         noise.readings_per_displacement = match readings.get() {

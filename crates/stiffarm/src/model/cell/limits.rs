@@ -3,7 +3,7 @@
 //! Each limit is a margin in metres, positive inside, with its derivative, so
 //! that every optimiser can respect it during the search.
 
-use super::limit_kind::{LimitKind, LimitMargin};
+use crate::model::limit::{LimitKind, LimitMargin};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use nalgebra::Vector3;

@@ -3,13 +3,12 @@
 //! Values only; reading and writing `cell.toml` is in [`crate::files::cell`].
 
 mod columns;
-mod limit_kind;
 mod limits;
 mod margins;
 mod task;
 
+pub use crate::model::limit::{LimitKind, LimitMargin, MarginUnit};
 pub use columns::Columns;
-pub use limit_kind::{LimitKind, LimitMargin, MarginUnit};
 pub use limits::Limits;
 pub use margins::Margins;
 pub use task::{Task, task_matrix, task_rows};

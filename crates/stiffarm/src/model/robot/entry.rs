@@ -165,13 +165,13 @@ impl CatalogueEntry {
                 robot.with_limits(&limits)?
             }
         };
-        let capsules = self.capsules.iter().map(|capsule| {
-            let row = capsule.0.checked_sub(1).and_then(|at| rows.get(at));
-            let frame = row.map_or_else(Isometry3::identity, |r| r.after_turn(self.convention));
-            from_row(capsule, &frame)
-        });
+        let capsules = self
+            .capsules
+            .iter()
+            .map(|capsule| from_row(capsule, &robot.row_frame(capsule.0)));
+        let capsules = capsules.collect();
         Ok(robot
-            .with_link_capsules(capsules.collect(), self.ignored_pairs.to_vec())?
+            .with_link_capsules(capsules, self.ignored_pairs.to_vec())?
             .with_brand(self.brand)
             .with_controller_base(&pose(self.controller_base))
             .with_doubts(self.doubts))

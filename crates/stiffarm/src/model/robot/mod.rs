@@ -59,6 +59,8 @@ pub struct Robot {
     gravity_direction: Vector3<f64>,
     origin: Origin,
     shapes: Shapes,
+    /// The frame that each row ends in, in that of its joint after the turn.
+    row_ends: Vec<Isometry3<f64>>,
 }
 
 impl Robot {
@@ -104,6 +106,7 @@ impl Robot {
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
             shapes: Shapes::default(),
+            row_ends: rows.iter().map(|row| row.after_turn(convention)).collect(),
         })
     }
 

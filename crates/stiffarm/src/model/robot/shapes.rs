@@ -34,6 +34,13 @@ impl Shapes {
 }
 
 impl Robot {
+    /// The frame that the Denavit–Hartenberg row of link i ends in, T_1 … T_i, in the frame of joint i
+    /// after its turn \[m\]; the base frame itself for link 0.
+    pub fn row_frame(&self, link: usize) -> Isometry3<f64> {
+        let row = link.checked_sub(1).and_then(|at| self.row_ends.get(at));
+        row.copied().unwrap_or_default()
+    }
+
     /// Sets the capsules around the links, and pairs of links whose capsules may
     /// overlap though nothing collides there. Neighbours (i, i + 1) always may;
     /// they need not be among the pairs.

@@ -1,8 +1,8 @@
 //! From parts and rules to the pairs that are kept apart.
 
-use super::margins::Placed;
 use super::pairs::Pair;
-use super::{Carrier, Part, RopeRules, Scene, Sight, TorqueLimits, Work};
+use super::placed::{Placed, Shapes};
+use super::{Carrier, Part, RopeRules, Scene, Sight, TorqueLimits};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
@@ -29,8 +29,8 @@ pub struct SceneParts {
 
 impl SceneParts {
     /// Finds the pairs to be kept apart. Links next to each other are not, nor what stands, nor the
-    /// shapes of the tool among themselves. Two parts of arm and tool that overlap in every posture
-    /// within `bounds` \[rad\] do so because their shapes are drawn large: they are left out, and the scene says so. So is
+    /// shapes of the tool among themselves. Two parts of arm and tool that are too near in every posture
+    /// within `bounds` \[rad\] are so because their shapes are drawn large: they are left out, and the scene says so. So is
     /// the first link with what stands around it.
     ///
     /// # Errors
@@ -97,9 +97,10 @@ impl SceneParts {
 }
 
 impl Scene {
-    /// Leaves out pairs that overlap in every posture.
+    /// Leaves out pairs that are too near in every posture.
     fn drop_overlapping(&mut self, robot: &Robot, bounds: &[[f64; 2]]) {
         let (parts, n) = (&self.parts, robot.joint_count());
+        let clearance = self.clearance;
         let may_drop = |pair: &Pair| {
             let (a, b) = (&parts[pair.mover], &parts[pair.solid]);
             let stands = |part: &Part| part.carrier == Carrier::World && part.name != "base";
@@ -108,7 +109,7 @@ impl Scene {
         };
         let mut always: Vec<bool> = self.pairs.iter().map(may_drop).collect();
         let mut frames = Frames::new(robot, &vec![0.0; n]);
-        let mut work = Work::default();
+        let mut work = Shapes::default();
         for sample in 0..SAMPLES {
             if !always.iter().any(|a| *a) {
                 break;
@@ -123,9 +124,9 @@ impl Scene {
                 })
                 .collect();
             frames.update(robot, &q);
-            let placed = Placed::of(self, &frames, &mut work);
+            let placed = Placed::new(&self.parts, &frames, &mut work);
             for (pair, always) in self.pairs.iter().zip(&mut always) {
-                *always = *always && pair.distance(&placed, f64::INFINITY).0 < 0.0;
+                *always = *always && pair.distance(&placed, f64::INFINITY).0 < clearance;
             }
         }
         let mut kept = Vec::with_capacity(self.pairs.len());

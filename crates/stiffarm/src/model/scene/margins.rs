@@ -1,15 +1,16 @@
 //! All margins of one posture, in a fixed order: pairs of parts, rope against parts, the rope's
 //! cone, beams (two per measuring point), torques.
 
+use super::placed::Placed;
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::SeenFrom;
 use super::slope::{Derivative, Slope};
 use super::{Carrier, Scene, Work};
-use crate::model::cell::LimitKind;
 use crate::model::kinematics::Frames;
+use crate::model::limit::LimitKind;
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
-use crate::model::shape::{Capsule, Solid};
+use crate::model::shape::Solid;
 use nalgebra::Vector3;
 
 /// A margin by what it is about.
@@ -21,107 +22,6 @@ pub struct SceneMargin {
     pub subject: String,
     /// Margin \[m; rad for angles; share of the limit for torques\], negative when violated.
     pub margin: f64,
-}
-
-/// A solid in a ball.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Bounded {
-    pub solid: Solid,
-    centre: Vector3<f64>,
-    radius: f64,
-}
-
-impl Bounded {
-    fn new(solid: Solid) -> Self {
-        let (centre, radius) = solid.ball();
-        Bounded {
-            solid,
-            centre,
-            radius,
-        }
-    }
-
-    #[inline]
-    /// A lower bound of the solid's distance from the segment from `a` to `b`.
-    pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-        let along = b - a;
-        let length = along.norm_squared();
-        let t = match length > 0.0 {
-            true => ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0),
-            false => 0.0,
-        };
-        (self.centre - a - along * t).norm() - self.radius
-    }
-}
-
-/// Capsules and solids of all parts in the base frame.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Shapes {
-    capsules: Vec<Capsule>,
-    solids: Vec<Bounded>,
-    /// Where the capsules and solids of each part begin.
-    starts: Vec<(usize, usize)>,
-}
-
-/// The parts where they are at one posture.
-pub(super) struct Placed<'a> {
-    pub frames: &'a Frames,
-    scene: &'a Scene,
-    capsules: &'a [Capsule],
-    solids: &'a [Bounded],
-    starts: &'a [(usize, usize)],
-}
-
-impl<'a> Placed<'a> {
-    pub fn of(scene: &'a Scene, frames: &'a Frames, work: &'a mut Work) -> Self {
-        Placed::new(scene, frames, &mut work.shapes)
-    }
-
-    fn new(scene: &'a Scene, frames: &'a Frames, shapes: &'a mut Shapes) -> Self {
-        let Shapes {
-            capsules,
-            solids,
-            starts,
-        } = shapes;
-        capsules.clear();
-        solids.clear();
-        starts.clear();
-        for part in &scene.parts {
-            starts.push((capsules.len(), solids.len()));
-            if part.carrier == Carrier::World {
-                solids.extend(part.solids.iter().map(|s| Bounded::new(*s)));
-            } else {
-                let pose = part.carrier.pose(frames);
-                capsules.extend(part.capsules.iter().map(|c| c.placed(&pose)));
-                solids.extend(part.solids.iter().map(|s| Bounded::new(s.placed(&pose))));
-            }
-        }
-        starts.push((capsules.len(), solids.len()));
-        Placed {
-            frames,
-            scene,
-            capsules,
-            solids,
-            starts,
-        }
-    }
-
-    pub fn part_count(&self) -> usize {
-        self.scene.parts.len()
-    }
-
-    pub fn capsules(&self, part: usize) -> &[Capsule] {
-        &self.capsules[self.starts[part].0..self.starts[part + 1].0]
-    }
-
-    pub fn solids(&self, part: usize) -> &[Bounded] {
-        &self.solids[self.starts[part].1..self.starts[part + 1].1]
-    }
-
-    pub fn moved_by(&self, part: usize) -> usize {
-        let carrier = self.scene.parts[part].carrier;
-        carrier.moved_by(self.frames.joint_count())
-    }
 }
 
 impl Scene {
@@ -167,7 +67,7 @@ impl Scene {
     pub fn seen(&self, terms: &PostureTerms) -> Option<SeenFrom> {
         let sight = self.sight.as_ref()?;
         let mut work = Work::default();
-        let placed = Placed::of(self, terms.frames(), &mut work);
+        let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
         Some(sight.seen(terms.measuring_points(), &placed))
     }
 
@@ -177,7 +77,7 @@ impl Scene {
             return Vec::new();
         };
         let mut work = Work::default();
-        let placed = Placed::of(self, terms.frames(), &mut work);
+        let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
         (0..sight.stations.len())
             .map(|station| sight.seen_by(station, terms.measuring_points(), &placed))
             .collect()
@@ -205,15 +105,16 @@ impl Scene {
             let beams = self.sight.as_ref().map_or(0, |sight| sight.beam_count());
             memory.arrive(theta, self.count(setup), beams);
         }
-        let placed = Placed::new(self, frames, shapes);
+        let placed = Placed::new(&self.parts, frames, shapes);
         let mut at = 0;
         for pair in &self.pairs {
             let wanted = enough(at) + self.clearance;
-            let found = match memory.still(at, wanted) {
+            let travel = memory.between(placed.moved_by(pair.mover), placed.moved_by(pair.solid));
+            let found = match memory.still(at, travel, wanted) {
                 Some(least) => (least, None),
                 None => {
                     let found = pair.distance(&placed, memory.ahead(wanted));
-                    memory.note(at, found.0);
+                    memory.note(at, travel, found.0);
                     found
                 }
             };
@@ -226,7 +127,8 @@ impl Scene {
             if let Some(clearance) = rope.clearance {
                 for part in 0..placed.part_count() {
                     let wanted = enough(at) + clearance;
-                    let found = match memory.still(at, wanted) {
+                    let travel = memory.between(0, n) + memory.between(0, placed.moved_by(part));
+                    let found = match memory.still(at, travel, wanted) {
                         Some(least) => (least, None),
                         None => {
                             let enough = memory.ahead(wanted);
@@ -240,7 +142,7 @@ impl Scene {
                                     best = found;
                                 }
                             }
-                            memory.note(at, best.0);
+                            memory.note(at, travel, best.0);
                             best
                         }
                     };
@@ -368,5 +270,116 @@ impl Scene {
                     .map(|s| (s.signed_distance(point).0, part.name.as_str()))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
+
+#[cfg(all(test, feature = "files"))]
+mod tests {
+    use super::*;
+    use crate::files::cell::parse_cell;
+    use crate::model::cell::Cell;
+    use std::collections::BTreeMap;
+
+    /// The default cell with everything a scene can ask.
+    fn cell() -> Cell {
+        parse_cell(
+            include_str!("../../../tests/cells/comau-shapes.toml"),
+            "cell.toml",
+        )
+        .unwrap()
+    }
+
+    /// Postures spread over the bounds.
+    fn postures(cell: &Cell, count: usize) -> Vec<Vec<f64>> {
+        let angle = |p: usize, j: usize, b: &[f64; 2]| {
+            let share = 0.5 + 0.5 * (1.7 * p as f64 + 2.3 * j as f64).sin();
+            b[0] + share * (b[1] - b[0])
+        };
+        (0..count)
+            .map(|p| {
+                cell.bounds
+                    .iter()
+                    .enumerate()
+                    .map(|(j, b)| angle(p, j, b))
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// Margins and derivatives at serial angles.
+    fn at(cell: &Cell, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let setup = &cell.setup;
+        let n = theta.len();
+        let count = cell.scene.count(setup);
+        let mut terms = PostureTerms::new(setup, &vec![0.0; n], None).unwrap();
+        terms.frames = Frames::at_serial_angles(&setup.robot, theta);
+        terms.fill(setup, None).unwrap();
+        let (mut values, mut gradients) = (vec![0.0; count], vec![0.0; count * n]);
+        cell.scene.visit(
+            setup,
+            &terms,
+            &mut Work::default(),
+            |_| f64::INFINITY,
+            |i, margin, slope| {
+                values[i] = margin;
+                slope.add_to(terms.frames(), 1.0, &mut gradients[i * n..(i + 1) * n]);
+            },
+        );
+        (values, gradients)
+    }
+
+    #[test]
+    fn derivatives_of_margins_are_those_of_differences() {
+        let cell = cell();
+        let n = 6;
+        let mut compared = BTreeMap::new();
+        for q in postures(&cell, 40) {
+            let theta = cell.setup.robot.serial_angles(&q);
+            let theta: Vec<f64> = theta.iter().copied().collect();
+            let (values, gradients) = at(&cell, &theta);
+            let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+            let named = cell.scene.margins(&cell.setup, &terms);
+            assert_eq!(named.len(), values.len());
+            for k in 0..n {
+                let difference = |step: f64| -> Vec<f64> {
+                    let moved = |by: f64| {
+                        let mut theta = theta.clone();
+                        theta[k] += by;
+                        at(&cell, &theta).0
+                    };
+                    let (after, before) = (moved(step), moved(-step));
+                    after
+                        .iter()
+                        .zip(&before)
+                        .map(|(a, b)| (a - b) / (2.0 * step))
+                        .collect()
+                };
+                let (coarse, fine) = (difference(2e-5), difference(1e-5));
+                for l in 0..values.len() {
+                    if !values[l].is_finite() {
+                        continue;
+                    }
+                    let expected = (4.0 * fine[l] - coarse[l]) / 3.0;
+                    // Where the nearest feature changes within the step, differences say nothing.
+                    if (fine[l] - coarse[l]).abs() > 1e-6 {
+                        continue;
+                    }
+                    let ours = gradients[l * n + k];
+                    assert!(
+                        (ours - expected).abs() < 2e-7 * (1.0 + expected.abs()),
+                        "{:?} of {}, joint {k}: {ours} {expected} at {}",
+                        named[l].kind,
+                        named[l].subject,
+                        values[l]
+                    );
+                    *compared.entry(format!("{:?}", named[l].kind)).or_insert(0) +=
+                        usize::from(ours != 0.0);
+                }
+            }
+        }
+        for kind in &LimitKind::ALL[5..] {
+            let count = compared.get(&format!("{kind:?}")).copied().unwrap_or(0);
+            assert!(count > 50, "{kind:?}: {count}");
+        }
     }
 }

@@ -9,11 +9,10 @@ mod build;
 mod margins;
 mod pairs;
 mod part;
+mod placed;
 mod rope;
 mod sight;
 mod slope;
-#[cfg(all(test, feature = "files"))]
-pub(crate) mod tests;
 mod torque;
 mod work;
 
@@ -66,7 +65,7 @@ impl Scene {
             .map(|p| (self.name(p.mover), self.name(p.solid)))
     }
 
-    /// Pairs that overlap in every posture, by how their shapes are drawn, and so are not kept apart.
+    /// Pairs that are too near in every posture, by how their shapes are drawn, and so are not kept apart.
     pub fn dropped_pairs(&self) -> impl Iterator<Item = (&str, &str)> {
         self.dropped
             .iter()
@@ -102,8 +101,8 @@ impl Scene {
 
     /// The same scene without what `kind` asks: what that costs a plan is the difference.
     #[must_use]
-    pub fn without(&self, kind: crate::model::cell::LimitKind) -> Self {
-        use crate::model::cell::LimitKind as Kind;
+    pub fn without(&self, kind: crate::model::limit::LimitKind) -> Self {
+        use crate::model::limit::LimitKind as Kind;
         let mut scene = self.clone();
         match kind {
             Kind::Shapes => scene.pairs.clear(),

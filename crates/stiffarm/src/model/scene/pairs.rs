@@ -1,6 +1,6 @@
 //! Pairs of parts and the distance between them.
 
-use super::margins::{Bounded, Placed};
+use super::placed::{Bounded, Placed};
 use super::slope::Touch;
 use crate::model::shape::{Capsule, nearest_within};
 

@@ -1,6 +1,7 @@
 //! A link, a shape of the tool, or something that stands in the cell.
 
 use crate::model::kinematics::Frames;
+use crate::model::robot::Robot;
 use crate::model::shape::{Capsule, Solid, capsules_around};
 use nalgebra::Isometry3;
 
@@ -63,6 +64,31 @@ impl Part {
         }
     }
 
+    /// The links of a robot that have capsules: `base`, `link 1`, `link 2`, ….
+    pub fn of_links(robot: &Robot) -> Vec<Self> {
+        let link = |link: usize| {
+            let own = robot.link_capsules().iter().filter(move |c| c.link == link);
+            own.map(|c| Solid::Capsule(c.capsule)).collect::<Vec<_>>()
+        };
+        let all = (0..=robot.joint_count()).map(|i| (i, link(i)));
+        all.filter(|(_, solids)| !solids.is_empty())
+            .map(|(i, solids)| match i {
+                0 => Part::new(link_name(0), Carrier::World, solids),
+                i => Part::new(link_name(i), Carrier::Link(i), solids),
+            })
+            .collect()
+    }
+
+    /// Names of links whose capsules may overlap though the links do not collide.
+    pub fn ignored_links(robot: &Robot) -> Vec<(String, String)> {
+        let known = |i: usize| robot.link_capsules().iter().any(|c| c.link == i);
+        let pairs = robot.ignored_pairs().iter();
+        pairs
+            .filter(|(i, j)| known(*i) && known(*j))
+            .map(|(i, j)| (link_name(*i), link_name(*j)))
+            .collect()
+    }
+
     /// Capsules that contain the solids, in the carrier's frame; none for what stands.
     pub fn capsules(&self) -> &[Capsule] {
         &self.capsules
@@ -70,5 +96,12 @@ impl Part {
 
     pub(super) fn is_tool(&self) -> bool {
         self.carrier == Carrier::Flange
+    }
+}
+
+fn link_name(link: usize) -> String {
+    match link {
+        0 => "base".to_string(),
+        i => format!("link {i}"),
     }
 }

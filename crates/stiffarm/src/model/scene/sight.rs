@@ -1,7 +1,7 @@
 //! Lines of sight from tracker stations to measuring points.
 
-use super::margins::Placed;
 use super::pairs::{Line, line_to_solid};
+use super::placed::Placed;
 use super::slope::{Derivative, Slope, Touch};
 use super::work::Memory;
 use crate::model::kinematics::Frames;
@@ -186,18 +186,17 @@ impl Sight {
         let mut beams = Vec::with_capacity(points.len());
         for (i, (point, facing)) in points.iter().zip(&self.facings).enumerate() {
             let at = station * points.len() + i;
-            let (clearance, touch) = match memory.beam_still(at, clear) {
-                Some(_) => (clear, None),
-                None => {
-                    let (found, touch) =
-                        self.beam_clearance(point, &from, placed, memory.beam_ahead(clear));
-                    memory.note_beam(at, found);
-                    match found < clear {
-                        true => (found, touch),
-                        false => (clear, None),
-                    }
+            // The tool is always near; what else is near changes slowly.
+            let (mut clearance, mut touch) = self.beam_clearance(point, &from, placed, true, clear);
+            let travel = 2.0 * memory.between(0, placed.frames.joint_count());
+            if memory.beam_still(at, travel, clear).is_none() {
+                let ahead = memory.ahead(clear);
+                let (found, other) = self.beam_clearance(point, &from, placed, false, ahead);
+                memory.note_beam(at, travel, found);
+                if found < clearance {
+                    (clearance, touch) = (found, other);
                 }
-            };
+            }
             beams.push(Beam {
                 incidence: match facing {
                     Some(facing) => incidence(point, &from, facing, placed.frames).0,
@@ -215,11 +214,13 @@ impl Sight {
         self.stations.len() * self.facings.len()
     }
 
+    /// Of the beam to the parts of the tool, or to all others.
     fn beam_clearance(
         &self,
         point: &Vector3<f64>,
         station: &Vector3<f64>,
         placed: &Placed<'_>,
+        of_tool: bool,
         clear: f64,
     ) -> (f64, Option<Touch>) {
         let line = Line {
@@ -231,7 +232,7 @@ impl Sight {
             moved_by: [placed.frames.joint_count(), 0],
         };
         let mut best = (clear, None);
-        for part in 0..placed.part_count() {
+        for part in (0..placed.part_count()).filter(|part| placed.is_tool(*part) == of_tool) {
             for solid in placed.solids(part) {
                 let found = line_to_solid(&line, solid, placed.moved_by(part), best.0);
                 if found.0 < best.0 {

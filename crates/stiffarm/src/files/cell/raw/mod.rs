@@ -304,6 +304,8 @@ pub(super) struct RawLimits {
 pub(super) struct RawNoise {
     /// Variance of one tracker reading per axis, mm² (default: 9.23e-5, the paper's tracker).
     pub variance_mm2: Option<Number>,
+    /// Standard deviation of one tracker reading per axis, µm: the same said otherwise.
+    pub std_um: Option<Number>,
     /// Readings behind one displacement: 1 as the paper counts (default), 2 for the
     /// difference of a loaded and an unloaded reading.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = [1, 2])))]

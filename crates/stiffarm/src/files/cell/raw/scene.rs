@@ -13,8 +13,8 @@ pub(in crate::files::cell) struct RawLinkShape {
     /// The link: 0 is the base, i moves with joint i.
     #[cfg_attr(feature = "schema", schemars(required, with = "i64", range(min = 0)))]
     pub link: Option<At<i64>>,
-    /// One end of the segment, mm: in the base frame for link 0, else in the frame of joint i after
-    /// its turn, that of the Denavit-Hartenberg row.
+    /// One end of the segment, mm: in the base frame for link 0, else in the frame that
+    /// Denavit-Hartenberg row i ends in, T_1 ... T_i.
     #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
     pub from_mm: Option<Numbers>,
     /// Its other end, mm.

@@ -8,9 +8,9 @@ use super::raw::{At, RawCell, RawLinkShape};
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::observation::Setup;
-use crate::model::robot::Robot;
+use crate::model::robot::{LinkCapsule, Robot};
 use crate::model::scene::{Carrier, Part, Scene, SceneParts};
-use crate::model::shape::{Capsule, Solid};
+use crate::model::shape::Capsule;
 use crate::units::mm_to_m;
 
 /// Distance kept between shapes where the cell says nothing \[mm\].
@@ -23,19 +23,7 @@ pub(super) fn scene(
     setup: &Setup,
     bounds: &[[f64; 2]],
 ) -> Result<Scene> {
-    let mut parts = Vec::new();
-    let robot_table = raw.robot.as_ref().map(At::get);
-    let shapes = robot_table.and_then(|robot| robot.shape.as_ref());
-    let links = match shapes {
-        Some(shapes) => links(source, shapes, &setup.robot)?,
-        None => Vec::new(),
-    };
-    for (link, solids) in links {
-        parts.push(match link {
-            0 => Part::new("base", Carrier::World, solids),
-            i => Part::new(format!("link {i}"), Carrier::Link(i), solids),
-        });
-    }
+    let mut parts = Part::of_links(&setup.robot);
     let tool = raw.tool.as_ref().and_then(|tool| tool.get().shape.as_ref());
     if let Some(shapes) = tool {
         parts.extend(shape::parts(
@@ -64,7 +52,10 @@ pub(super) fn scene(
     let scene = SceneParts {
         parts,
         clearance: mm_to_m(shapes_mm),
-        ignored: rules::ignored(source, clearance)?,
+        ignored: rules::ignored(source, clearance)?
+            .into_iter()
+            .chain(Part::ignored_links(&setup.robot))
+            .collect(),
         rope: rules::rope(source, clearance, setup, has_parts)?,
         sight: rules::sight(source, raw, setup)?,
         torque: rules::torque(source, raw, setup)?,
@@ -80,14 +71,17 @@ pub(super) fn scene(
     Ok(scene)
 }
 
-/// Capsules by link, ascending.
-fn links(
+/// The robot with the capsules of `[[robot.shape]]`, where there are any, instead of the catalogue's.
+pub(super) fn with_link_shapes(
     source: &Source<'_>,
-    shapes: &At<Vec<At<RawLinkShape>>>,
-    robot: &Robot,
-) -> Result<Vec<(usize, Vec<Solid>)>> {
+    robot: Robot,
+    shapes: Option<&At<Vec<At<RawLinkShape>>>>,
+) -> Result<Robot> {
+    let Some(shapes) = shapes else {
+        return Ok(robot);
+    };
     let n = robot.joint_count();
-    let mut links: Vec<(usize, Vec<Solid>)> = Vec::new();
+    let mut capsules = Vec::new();
     for (i, entry) in shapes.get().iter().enumerate() {
         let key = format!("robot.shape[{}]", i + 1);
         let (raw, at) = (entry.get(), Some(entry.span()));
@@ -104,23 +98,19 @@ fn links(
                 .error(Code::InvalidValue, &link_key, link.span(), message)
                 .hint(hint)
         })?;
-        let [a, b, radius] = [
-            format!("{key}.from_mm"),
-            format!("{key}.to_mm"),
-            format!("{key}.radius_mm"),
-        ];
+        let [a, b, radius] = ["from_mm", "to_mm", "radius_mm"].map(|name| format!("{key}.{name}"));
         let hint = "give both ends and the radius: from_mm, to_mm, radius_mm";
         let from = source.vector(source.required(&raw.from_mm, &a, at.clone(), hint)?, &a)?;
         let to = source.vector(source.required(&raw.to_mm, &b, at.clone(), hint)?, &b)?;
         let size = source.positive(source.required(&raw.radius_mm, &radius, at, hint)?, &radius)?;
         let capsule = Capsule::new(from.map(mm_to_m), to.map(mm_to_m), mm_to_m(size))
             .map_err(|error| source.place(error, &key, entry.span()))?;
-        let solid = Solid::Capsule(capsule);
-        match links.iter_mut().find(|(link, _)| *link == number) {
-            Some((_, solids)) => solids.push(solid),
-            None => links.push((number, vec![solid])),
-        }
+        capsules.push(LinkCapsule {
+            link: number,
+            capsule: capsule.placed(&robot.row_frame(number)),
+        });
     }
-    links.sort_by_key(|(link, _)| *link);
-    Ok(links)
+    robot
+        .with_link_capsules(capsules, Vec::new())
+        .map_err(|error| source.place(error, "robot.shape", shapes.span()))
 }

@@ -112,8 +112,9 @@ impl SceneKernel {
 
 #[cfg(all(test, feature = "files"))]
 mod tests {
+    use crate::files::cell::parse_cell;
+    use crate::model::cell::Cell;
     use crate::model::observation::PostureTerms;
-    use crate::model::scene::tests::{cell, postures};
     use crate::plan::index::kernel::{Kernel, Wanted};
 
     const WANTED: Wanted<'_> = Wanted {
@@ -121,6 +122,32 @@ mod tests {
         information: None,
         limits: true,
     };
+
+    /// The default cell with everything a scene can ask.
+    fn cell() -> Cell {
+        parse_cell(
+            include_str!("../../../../tests/cells/comau-shapes.toml"),
+            "cell.toml",
+        )
+        .unwrap()
+    }
+
+    /// Postures spread over the bounds.
+    fn postures(cell: &Cell, count: usize) -> Vec<Vec<f64>> {
+        let angle = |p: usize, j: usize, b: &[f64; 2]| {
+            let share = 0.5 + 0.5 * (1.7 * p as f64 + 2.3 * j as f64).sin();
+            b[0] + share * (b[1] - b[0])
+        };
+        (0..count)
+            .map(|p| {
+                cell.bounds
+                    .iter()
+                    .enumerate()
+                    .map(|(j, b)| angle(p, j, b))
+                    .collect()
+            })
+            .collect()
+    }
 
     #[test]
     fn the_search_sees_the_same_violations() {

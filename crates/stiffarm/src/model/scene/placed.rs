@@ -1,0 +1,107 @@
+//! The parts of a scene where they are at one posture.
+
+use super::part::{Carrier, Part};
+use crate::model::kinematics::Frames;
+use crate::model::shape::{Capsule, Solid};
+use nalgebra::Vector3;
+
+/// A solid in a ball.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounded {
+    pub solid: Solid,
+    centre: Vector3<f64>,
+    radius: f64,
+}
+
+impl Bounded {
+    fn new(solid: Solid) -> Self {
+        let (centre, radius) = solid.ball();
+        Bounded {
+            solid,
+            centre,
+            radius,
+        }
+    }
+
+    #[inline]
+    /// A lower bound of the solid's distance from the segment from `a` to `b`.
+    pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        let along = b - a;
+        let length = along.norm_squared();
+        let t = match length > 0.0 {
+            true => ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        (self.centre - a - along * t).norm() - self.radius
+    }
+}
+
+/// Capsules and solids of all parts in the base frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Shapes {
+    capsules: Vec<Capsule>,
+    solids: Vec<Bounded>,
+    /// Where the capsules and solids of each part begin.
+    starts: Vec<(usize, usize)>,
+}
+
+/// The parts where they are at one posture.
+pub(super) struct Placed<'a> {
+    pub frames: &'a Frames,
+    parts: &'a [Part],
+    capsules: &'a [Capsule],
+    solids: &'a [Bounded],
+    starts: &'a [(usize, usize)],
+}
+
+impl<'a> Placed<'a> {
+    pub fn new(parts: &'a [Part], frames: &'a Frames, shapes: &'a mut Shapes) -> Self {
+        let Shapes {
+            capsules,
+            solids,
+            starts,
+        } = shapes;
+        capsules.clear();
+        solids.clear();
+        starts.clear();
+        for part in parts {
+            starts.push((capsules.len(), solids.len()));
+            if part.carrier == Carrier::World {
+                solids.extend(part.solids.iter().map(|s| Bounded::new(*s)));
+            } else {
+                let pose = part.carrier.pose(frames);
+                capsules.extend(part.capsules.iter().map(|c| c.placed(&pose)));
+                solids.extend(part.solids.iter().map(|s| Bounded::new(s.placed(&pose))));
+            }
+        }
+        starts.push((capsules.len(), solids.len()));
+        Placed {
+            frames,
+            parts,
+            capsules,
+            solids,
+            starts,
+        }
+    }
+
+    pub fn part_count(&self) -> usize {
+        self.parts.len()
+    }
+
+    pub fn capsules(&self, part: usize) -> &[Capsule] {
+        &self.capsules[self.starts[part].0..self.starts[part + 1].0]
+    }
+
+    pub fn solids(&self, part: usize) -> &[Bounded] {
+        &self.solids[self.starts[part].1..self.starts[part + 1].1]
+    }
+
+    pub fn is_tool(&self, part: usize) -> bool {
+        self.parts[part].is_tool()
+    }
+
+    pub fn moved_by(&self, part: usize) -> usize {
+        let carrier = self.parts[part].carrier;
+        carrier.moved_by(self.frames.joint_count())
+    }
+}
