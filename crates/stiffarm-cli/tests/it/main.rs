@@ -15,6 +15,7 @@ mod interrupt;
 mod map;
 mod numbers;
 mod outputs;
+mod pictures;
 mod pose;
 mod register;
 mod saved;
