@@ -362,7 +362,9 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
     let work = work(&cell, &mut dice, 10);
     let run = |model: &IdentifiedCompliance, options: CompensateOptions| {
         let found = compensate(&cell, model, &work, &options, Control::default()).unwrap();
-        let codes: Vec<String> = found.findings.iter().map(|f| f.code.clone()).collect();
+        // The work's random postures may leave the cell's limits, which is another matter.
+        let codes = found.findings.iter().map(|f| f.code.clone());
+        let codes: Vec<String> = codes.filter(|code| code != "forbidden").collect();
         (found, codes)
     };
     let (sure, codes) = run(&model, CompensateOptions::default());
