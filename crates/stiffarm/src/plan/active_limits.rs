@@ -15,6 +15,8 @@ use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise}
 
 /// Margin kept from hard limits so that rounding never crosses them \[m\].
 pub(super) const LIMIT_GUARD: f64 = 5e-10;
+/// The same of the scene's margins, which have kinks at which a search ends less exactly \[m, rad\].
+const SCENE_GUARD: f64 = 1e-5;
 
 /// Of the scene's margins, which are many, those nearer than this are watched from the start \[m\];
 /// by how much others are farther is not asked.
@@ -134,7 +136,11 @@ impl<'a> ActiveLimits<'a> {
             while let Some((w, limit)) = next.next_if(|(_, limit)| **limit < end) {
                 let l = limit - p * self.per_posture;
                 let at = before + w;
-                out.margins[at] = self.values[l] - LIMIT_GUARD;
+                let guard = match l < self.margins.point_count() {
+                    true => LIMIT_GUARD,
+                    false => SCENE_GUARD,
+                };
+                out.margins[at] = self.values[l] - guard;
                 let offset = at * variables + p * n;
                 setup.robot.gradient_to_controller(
                     &self.gradients[l * n..(l + 1) * n],
