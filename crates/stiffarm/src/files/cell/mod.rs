@@ -29,7 +29,7 @@ mod work;
 #[cfg(feature = "schema")]
 pub use schema::cell_schema;
 pub use sheets::{measurements_template, postures_template};
-pub use template::{template, template_of};
+pub use template::{template, template_of, template_with_shapes};
 
 use crate::error::Result;
 use crate::files::table::decode;
