@@ -1,11 +1,11 @@
 //! Reading: files, standard input, built-in files.
 
-use crate::identity::{FileId, of_stdin};
+use crate::identity::{FileId, folder_of, of_stdin};
 use crate::session::{Input, Session};
 use std::io::Read;
 use std::path::Path;
 use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell_bytes;
+use stiffarm::files::cell::parse_cell_bytes_with;
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::table::{holds_measurements, read_measurements, read_postures, sha256_hex};
 use stiffarm::findings::visible;
@@ -36,14 +36,33 @@ impl NamedCell {
 }
 
 impl Session {
-    /// Reads a cell.
+    /// Reads a cell with the meshes that it names. Those of a file count from its folder, of a
+    /// built-in cell they are built in, of standard input they count from the working folder.
     ///
     /// # Errors
     /// A file that cannot be read, or anything wrong with the cell.
     pub fn read_cell(&self, from: &str) -> Result<NamedCell> {
         let (name, bytes) = self.read("cell", from)?;
+        let folder = folder_of(Path::new(from));
+        let read = |file: &str| {
+            let role = format!("cell mesh {file}");
+            let mesh = match from.starts_with(builtin::PREFIX) || file.starts_with(builtin::PREFIX)
+            {
+                true => {
+                    let name = file.strip_prefix(builtin::PREFIX).unwrap_or(file);
+                    self.read(&role, &format!("{}{name}", builtin::PREFIX))
+                }
+                false => self.read_path(&role, &folder.join(file)),
+            };
+            mesh.map(|(_, bytes)| bytes)
+                .map_err(|error| match error.code() {
+                    // What it says of files to start from is no help here.
+                    Code::FileRead => Error::new(Code::FileRead, error.message()),
+                    _ => error,
+                })
+        };
         Ok(NamedCell {
-            cell: parse_cell_bytes(&bytes, &name)?,
+            cell: parse_cell_bytes_with(&bytes, &name, &read)?,
             name,
         })
     }

@@ -2,6 +2,7 @@
 
 mod behaviour;
 mod capsules;
+mod cell_mesh;
 mod clamped;
 mod commands;
 mod edges;
