@@ -16,6 +16,7 @@ mod interrupt;
 mod map;
 mod numbers;
 mod outputs;
+mod own_robot;
 mod pose;
 mod register;
 mod saved;
