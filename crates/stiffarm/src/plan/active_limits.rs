@@ -16,9 +16,8 @@ use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise}
 /// Margin kept from hard limits so that rounding never crosses them \[m\].
 pub(super) const LIMIT_GUARD: f64 = 5e-10;
 
-/// Shapes farther apart than this are far \[m\]: by how much is not asked.
-const FAR: f64 = 0.3;
-/// Of the scene's margins, which are many, those nearer than this are watched from the start \[m\].
+/// Of the scene's margins, which are many, those nearer than this are watched from the start \[m\];
+/// by how much others are farther is not asked.
 const SCENE_DISTANCE: f64 = 0.1;
 
 /// The limits that are constraints now, of one posture or of several.
@@ -42,7 +41,7 @@ impl<'a> ActiveLimits<'a> {
     /// The cell's load is only known by measurement.
     pub(super) fn new(cell: &'a Cell, distance: f64) -> Result<Self> {
         let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
-        let margins = cell.margins();
+        let margins = cell.margins().remembering();
         let per_posture = margins.count();
         Ok(ActiveLimits {
             cell,
@@ -79,7 +78,7 @@ impl<'a> ActiveLimits<'a> {
             return f64::INFINITY;
         }
         self.margins
-            .evaluate(&self.terms, FAR, &mut self.values, None);
+            .evaluate(&self.terms, SCENE_DISTANCE, &mut self.values, None);
         self.values.iter().fold(0.0, |v, m| v.max(-m))
     }
 
@@ -127,7 +126,7 @@ impl<'a> ActiveLimits<'a> {
             }
             let gradients = Some(&mut self.gradients[..]);
             self.margins
-                .evaluate(&self.terms, FAR, &mut self.values, gradients);
+                .evaluate(&self.terms, SCENE_DISTANCE, &mut self.values, gradients);
             for margin in &self.values {
                 out.violation = out.violation.max(-margin);
             }

@@ -14,6 +14,9 @@ pub const MM: f64 = 1e-3;
 /// Square metres per square millimetre.
 pub const MM2: f64 = 1e-6;
 
+/// Standard gravity \[m/s²\].
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
 /// Millimetres to metres.
 pub fn mm_to_m(mm: f64) -> f64 {
     // The division rounds once: 773 mm is the number nearest to 0.773 m.

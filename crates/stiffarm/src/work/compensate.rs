@@ -29,6 +29,7 @@ use crate::numerics::control::Control;
 use crate::numerics::information::svd::svd;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
+use crate::work::at_work::forbidden;
 use crate::work::predict::{Bands, LoadedArm, TipBand, motion};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -269,6 +270,9 @@ pub fn compensate(
     out.findings.extend(implausible::process(cell));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
+    let commands = out.points.iter().map(|p| p.command.as_slice());
+    let found = forbidden(cell, arm.tip(), postures.iter().zip(commands))?;
+    out.findings.extend(found);
     Ok(out)
 }
 

@@ -19,7 +19,7 @@ use crate::model::observation::Setup;
 use crate::model::posture::Posture;
 use crate::model::robot::{CatalogueEntry, Robot};
 use crate::model::tool::{NamedPoint, SeriesCompliance, Tool};
-use crate::units::{mm_to_m, mm2_to_m2};
+use crate::units::{mm_to_m, mm2_to_m2, um_to_m};
 use nalgebra::Vector3;
 
 /// Variance of the tracker of Zhang et al. 2021, Section IV.A \[mm²\].
@@ -235,6 +235,14 @@ fn noise(source: &Source<'_>, table: Option<&At<RawNoise>>) -> Result<Noise> {
     };
     if let Some(variance) = &raw.variance_mm2 {
         noise.reading_variance = mm2_to_m2(source.positive(variance, "noise.variance_mm2")?);
+    }
+    if let Some(std) = &raw.std_um {
+        if raw.variance_mm2.is_some() {
+            let message = "The noise is given twice: variance_mm2 is there already.";
+            let error = source.error(Code::Conflict, "noise.std_um", std.span(), message);
+            return Err(error.hint("keep one of variance_mm2 and std_um"));
+        }
+        noise.reading_variance = um_to_m(source.positive(std, "noise.std_um")?).powi(2);
     }
     if let Some(readings) = &raw.readings_per_displacement {
         noise.readings_per_displacement = match readings.get() {

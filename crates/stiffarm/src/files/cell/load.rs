@@ -5,14 +5,14 @@ use super::source::Source;
 use crate::error::{Code, Result, did_you_mean};
 use crate::model::load::{Axes, Load, Wrench};
 use crate::model::robot::Robot;
-use crate::units::mm_to_m;
+use crate::units::{STANDARD_GRAVITY, mm_to_m};
 use nalgebra::Vector3;
 use std::ops::Range;
 
 /// The kinds of load, and the keys that each of them has beside `kind`.
 const KINDS: [(&str, &[&str]); 4] = [
     ("rope", &["magnitude_n", "anchor_mm"]),
-    ("weight", &["magnitude_n"]),
+    ("weight", &["magnitude_n", "mass_kg"]),
     ("wrench", &["force_n", "moment_nm", "axes"]),
     ("measured", &[]),
 ];
@@ -41,7 +41,7 @@ pub(super) fn load(
     match *name {
         "rope" => rope(source, table),
         "weight" => Ok(Load::Weight {
-            magnitude: magnitude(source, table)?,
+            magnitude: weight(source, table)?,
             direction: *robot.gravity_direction(),
         }),
         "wrench" => wrench(source, table),
@@ -56,7 +56,8 @@ fn refuse_foreign_keys(
     kind: &str,
     keys: &[&str],
 ) -> Result<()> {
-    let given: [(&str, Option<Range<usize>>); 5] = [
+    let given: [(&str, Option<Range<usize>>); 6] = [
+        ("mass_kg", raw.mass_kg.as_ref().map(At::span)),
         ("magnitude_n", raw.magnitude_n.as_ref().map(At::span)),
         ("anchor_mm", raw.anchor_mm.as_ref().map(At::span)),
         ("force_n", raw.force_n.as_ref().map(At::span)),
@@ -85,6 +86,21 @@ fn magnitude(source: &Source<'_>, table: &At<RawLoad>) -> Result<f64> {
     let hint = "give the force in newtons: magnitude_n = 500";
     let value = source.required(&table.get().magnitude_n, key, Some(table.span()), hint)?;
     source.positive(value, key)
+}
+
+/// The force of a weight, given as such or by its mass.
+fn weight(source: &Source<'_>, table: &At<RawLoad>) -> Result<f64> {
+    let raw = table.get();
+    let Some(mass) = &raw.mass_kg else {
+        return magnitude(source, table);
+    };
+    let key = "load.mass_kg";
+    if raw.magnitude_n.is_some() {
+        let message = "The weight is given twice: magnitude_n is there already.";
+        let error = source.error(Code::Conflict, key, mass.span(), message);
+        return Err(error.hint("keep one of magnitude_n and mass_kg"));
+    }
+    Ok(source.positive(mass, key)? * STANDARD_GRAVITY)
 }
 
 fn rope(source: &Source<'_>, table: &At<RawLoad>) -> Result<Load> {

@@ -8,6 +8,7 @@ use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{MeasuredPosture, WrenchColumns};
 use crate::numerics::information::{Svd, svd};
+use crate::units::STANDARD_GRAVITY;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -283,7 +284,7 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
     let off = |ratio: f64| (ratio - 1.0).abs() > MAGNITUDE;
     if off(typical) {
         let units = [
-            (1.0 / 9.80665, "in kilograms"),
+            (1.0 / STANDARD_GRAVITY, "in kilograms"),
             (1.0 / 4.44822, "in pounds"),
             (1e-3, "in kilonewtons"),
             (1e3, "in millinewtons"),

@@ -79,6 +79,13 @@ impl<'a> Margins<'a> {
         }
     }
 
+    /// The same for a posture that moves by small steps: distances that were large are not looked at
+    /// again before the arm may have made them small.
+    pub(crate) fn remembering(mut self) -> Self {
+        self.work = Work::remembering(self.scene, self.setup);
+        self
+    }
+
     /// Number of margins per posture.
     pub fn count(&self) -> usize {
         self.count

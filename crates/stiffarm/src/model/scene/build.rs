@@ -29,8 +29,8 @@ pub struct SceneParts {
 
 impl SceneParts {
     /// Finds the pairs to be kept apart. Links next to each other are not, nor what stands, nor the
-    /// shapes of the tool among themselves. Two parts of arm and tool that overlap in every posture
-    /// within `bounds` \[rad\] do so because their shapes are drawn large: they are left out, and the scene says so. So is
+    /// shapes of the tool among themselves. Two parts of arm and tool that are too near in every posture
+    /// within `bounds` \[rad\] are so because their shapes are drawn large: they are left out, and the scene says so. So is
     /// the first link with what stands around it.
     ///
     /// # Errors
@@ -97,9 +97,10 @@ impl SceneParts {
 }
 
 impl Scene {
-    /// Leaves out pairs that overlap in every posture.
+    /// Leaves out pairs that are too near in every posture.
     fn drop_overlapping(&mut self, robot: &Robot, bounds: &[[f64; 2]]) {
         let (parts, n) = (&self.parts, robot.joint_count());
+        let clearance = self.clearance;
         let may_drop = |pair: &Pair| {
             let (a, b) = (&parts[pair.mover], &parts[pair.solid]);
             let stands = |part: &Part| part.carrier == Carrier::World && part.name != "base";
@@ -125,7 +126,7 @@ impl Scene {
             frames.update(robot, &q);
             let placed = Placed::new(&self.parts, &frames, &mut work);
             for (pair, always) in self.pairs.iter().zip(&mut always) {
-                *always = *always && pair.distance(&placed, f64::INFINITY).0 < 0.0;
+                *always = *always && pair.distance(&placed, f64::INFINITY).0 < clearance;
             }
         }
         let mut kept = Vec::with_capacity(self.pairs.len());

@@ -97,11 +97,12 @@ impl Scene {
         let mut at = 0;
         for pair in &self.pairs {
             let wanted = enough(at) + self.clearance;
-            let found = match memory.still(at, wanted) {
+            let travel = memory.between(placed.moved_by(pair.mover), placed.moved_by(pair.solid));
+            let found = match memory.still(at, travel, wanted) {
                 Some(least) => (least, None),
                 None => {
                     let found = pair.distance(&placed, memory.ahead(wanted));
-                    memory.note(at, found.0);
+                    memory.note(at, travel, found.0);
                     found
                 }
             };
@@ -114,7 +115,8 @@ impl Scene {
             if let Some(clearance) = rope.clearance {
                 for part in 0..placed.part_count() {
                     let wanted = enough(at) + clearance;
-                    let found = match memory.still(at, wanted) {
+                    let travel = memory.between(0, n) + memory.between(0, placed.moved_by(part));
+                    let found = match memory.still(at, travel, wanted) {
                         Some(least) => (least, None),
                         None => {
                             let enough = memory.ahead(wanted);
@@ -128,7 +130,7 @@ impl Scene {
                                     best = found;
                                 }
                             }
-                            memory.note(at, best.0);
+                            memory.note(at, travel, best.0);
                             best
                         }
                     };

@@ -96,6 +96,10 @@ impl<'a> Placed<'a> {
         &self.solids[self.starts[part].1..self.starts[part + 1].1]
     }
 
+    pub fn is_tool(&self, part: usize) -> bool {
+        self.parts[part].is_tool()
+    }
+
     pub fn moved_by(&self, part: usize) -> usize {
         let carrier = self.parts[part].carrier;
         carrier.moved_by(self.frames.joint_count())

@@ -13,6 +13,9 @@ const CLEAR: f64 = 0.25;
 /// Where margins need not be told: room for the choice of the station \[m, rad\].
 const CHOICE: f64 = 0.02;
 
+/// Rounding of a margin that a search has brought to zero.
+const SEEN: f64 = 1e-8;
+
 /// Where a tracker stands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Station {
@@ -75,7 +78,7 @@ impl Sight {
         for station in 0..self.stations.len() {
             let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
             let seen = (0..points.len())
-                .filter(|i| beams[*i].margin() >= 0.0)
+                .filter(|i| beams[*i].margin() >= -SEEN)
                 .collect();
             let (_, margin) = self.chosen(&beams);
             let here = SeenFrom {
@@ -171,18 +174,17 @@ impl Sight {
         let mut beams = Vec::with_capacity(points.len());
         for (i, (point, facing)) in points.iter().zip(&self.facings).enumerate() {
             let at = station * points.len() + i;
-            let (clearance, touch) = match memory.beam_still(at, clear) {
-                Some(_) => (clear, None),
-                None => {
-                    let (found, touch) =
-                        self.beam_clearance(point, &from, placed, memory.beam_ahead(clear));
-                    memory.note_beam(at, found);
-                    match found < clear {
-                        true => (found, touch),
-                        false => (clear, None),
-                    }
+            // The tool is always near; what else is near changes slowly.
+            let (mut clearance, mut touch) = self.beam_clearance(point, &from, placed, true, clear);
+            let travel = 2.0 * memory.between(0, placed.frames.joint_count());
+            if memory.beam_still(at, travel, clear).is_none() {
+                let ahead = memory.ahead(clear);
+                let (found, other) = self.beam_clearance(point, &from, placed, false, ahead);
+                memory.note_beam(at, travel, found);
+                if found < clearance {
+                    (clearance, touch) = (found, other);
                 }
-            };
+            }
             beams.push(Beam {
                 incidence: match facing {
                     Some(facing) => incidence(point, &from, facing, placed.frames).0,
@@ -200,11 +202,13 @@ impl Sight {
         self.stations.len() * self.facings.len()
     }
 
+    /// Of the beam to the parts of the tool, or to all others.
     fn beam_clearance(
         &self,
         point: &Vector3<f64>,
         station: &Vector3<f64>,
         placed: &Placed<'_>,
+        of_tool: bool,
         clear: f64,
     ) -> (f64, Option<Touch>) {
         let line = Line {
@@ -216,7 +220,7 @@ impl Sight {
             moved_by: [placed.frames.joint_count(), 0],
         };
         let mut best = (clear, None);
-        for part in 0..placed.part_count() {
+        for part in (0..placed.part_count()).filter(|part| placed.is_tool(*part) == of_tool) {
             for solid in placed.solids(part) {
                 let found = line_to_solid(&line, solid, placed.moved_by(part), best.0);
                 if found.0 < best.0 {

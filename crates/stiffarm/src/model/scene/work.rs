@@ -12,7 +12,6 @@ use crate::model::observation::Setup;
 
 /// How much farther than asked distances are told, so that they last for some steps \[m\].
 const AHEAD: f64 = 0.3;
-const BEAM_AHEAD: f64 = 0.1;
 
 /// Room for one posture.
 #[derive(Debug, Clone, Default)]
@@ -48,7 +47,10 @@ pub(super) struct Memory {
     /// Most that any point moves by a turn of each joint \[m/rad\]; empty where nothing is remembered.
     reach: Vec<f64>,
     last: Vec<f64>,
-    travel: f64,
+    /// How far each joint, alone, may have moved any point so far \[m\].
+    turned: Vec<f64>,
+    /// Their sums: over the joints before each, and over all.
+    travel: Vec<f64>,
     known: Vec<Known>,
     beams: Vec<Known>,
 }
@@ -78,24 +80,37 @@ impl Memory {
         }
         if self.last.is_empty() {
             self.last.extend_from_slice(theta);
+            self.turned.resize(theta.len(), 0.0);
+            self.travel.resize(theta.len() + 1, 0.0);
         }
-        let turns = theta.iter().zip(&mut self.last).zip(&self.reach);
-        for ((now, last), reach) in turns {
-            self.travel += (now - *last).abs() * reach;
-            *last = *now;
+        let mut sum = 0.0;
+        for (k, now) in theta.iter().enumerate() {
+            self.turned[k] += (now - self.last[k]).abs() * self.reach[k];
+            self.last[k] = *now;
+            sum += self.turned[k];
+            self.travel[k + 1] = sum;
         }
         self.known.resize(margins, UNKNOWN);
         self.beams.resize(beams, UNKNOWN);
     }
 
-    /// A lower bound of distance `at`, where it is still known to be `enough` or more.
-    pub fn still(&self, at: usize, enough: f64) -> Option<f64> {
-        still(self.known.get(at)?, self.travel, enough)
+    /// How far two things may have moved against each other so far that the first `low` and the first
+    /// `high` joints move \[m\]: the joints before both do not count.
+    pub fn between(&self, low: usize, high: usize) -> f64 {
+        match self.travel.get(low.max(high)) {
+            Some(most) => most - self.travel[low.min(high)],
+            None => 0.0,
+        }
+    }
+
+    /// A lower bound of distance `at`, where it is still known to be `enough` or more after this travel.
+    pub fn still(&self, at: usize, travel: f64, enough: f64) -> Option<f64> {
+        still(self.known.get(at)?, travel, enough)
     }
 
     /// The same of a beam's clearance.
-    pub fn beam_still(&self, at: usize, enough: f64) -> Option<f64> {
-        still(self.beams.get(at)?, self.travel, enough)
+    pub fn beam_still(&self, at: usize, travel: f64, enough: f64) -> Option<f64> {
+        still(self.beams.get(at)?, travel, enough)
     }
 
     /// How far a distance is to be told so that it lasts.
@@ -106,36 +121,21 @@ impl Memory {
         }
     }
 
-    /// The same of a beam, which always begins near the tool.
-    pub fn beam_ahead(&self, enough: f64) -> f64 {
-        match self.reach.is_empty() {
-            true => enough,
-            false => enough + BEAM_AHEAD,
-        }
-    }
-
-    pub fn note(&mut self, at: usize, distance: f64) {
+    pub fn note(&mut self, at: usize, travel: f64, distance: f64) {
         if let Some(known) = self.known.get_mut(at) {
-            *known = Known {
-                distance,
-                travel: self.travel,
-            };
+            *known = Known { distance, travel };
         }
     }
 
-    pub fn note_beam(&mut self, at: usize, distance: f64) {
+    pub fn note_beam(&mut self, at: usize, travel: f64, distance: f64) {
         if let Some(known) = self.beams.get_mut(at) {
-            *known = Known {
-                distance,
-                travel: self.travel,
-            };
+            *known = Known { distance, travel };
         }
     }
 }
 
 fn still(known: &Known, travel: f64, enough: f64) -> Option<f64> {
-    // Both sides of a distance may have moved.
-    let least = known.distance - 2.0 * (travel - known.travel);
+    let least = known.distance - (travel - known.travel);
     (least >= enough).then_some(least)
 }
 

@@ -12,7 +12,7 @@ mod work;
 pub use excitation::JointExcitation;
 
 use crate::error::Result;
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, list};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, check_angles};
@@ -90,6 +90,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     slips::check(cell, &mut findings);
     work::check(cell, &mut findings);
     setup(cell, &mut findings);
+    shapes(cell, &mut findings);
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok(CellCheck {
         findings,
@@ -246,14 +247,45 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
                 Severity::Caution,
                 "validation.posture",
                 format!(
-                    "Validation posture {} violates {} with its {} by {:.0} mm.",
+                    "Validation posture {} {}.",
                     posture.name,
-                    margin.kind.describe(),
-                    margin.point,
-                    -margin.margin * 1e3
+                    margin.violation()
                 ),
             ));
         }
+    }
+}
+
+/// What of the shapes is not looked at.
+fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
+    let dropped: Vec<String> = cell
+        .scene
+        .dropped_pairs()
+        .map(|(a, b)| format!("{a} and {b}"))
+        .collect();
+    if !dropped.is_empty() {
+        let dropped: Vec<&str> = dropped.iter().map(String::as_str).collect();
+        findings.push(Finding::new(
+            "pairs-left-out",
+            Severity::Note,
+            "clearance.shapes_mm",
+            format!(
+                "These come nearer than {:.0} mm in every posture, because their shapes are drawn large, and are not kept \
+                 apart: {}.",
+                cell.scene.clearance() * 1e3,
+                list(&dropped)
+            ),
+        ));
+    }
+    let known = !cell.setup.robot.link_capsules().is_empty();
+    if !cell.scene.parts().is_empty() && !known {
+        findings.push(Finding::new(
+            "no-link-shapes",
+            Severity::Caution,
+            "robot.shape",
+            "The robot's links have no shapes: only tool, rope and beams are kept away from what stands in the cell. Give \
+             [[robot.shape]]; stiffarm capsules makes them from meshes.",
+        ));
     }
 }
 

@@ -3,15 +3,12 @@
 use super::status::Status;
 use crate::error::Result;
 use crate::findings::length;
-use crate::model::cell::{Cell, LimitKind, Limits, Margins};
+use crate::model::cell::Cell;
 use crate::model::inverse::{InverseKinematics, Outcome};
-use crate::model::load::Wrench;
-use crate::model::observation::{PostureTerms, Setup};
-use crate::model::scene::Scene;
-use crate::model::tool::NamedPoint;
 use crate::units::rad_to_deg;
+use crate::work::at_work::AtWork;
 use crate::work::predict::LoadedArm;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 
 /// Deflections that differ by less than this share are equal: the two postures
 /// of a wrist bend alike but for rounding.
@@ -86,34 +83,17 @@ pub(super) struct Reach<'a> {
     pub arm: &'a LoadedArm,
     pub inverse: InverseKinematics,
     pub characteristic_length: Option<f64>,
-    /// The cell's tool points with the tip among them.
-    setup: Setup,
-    /// The cell's limits without the rope's length.
-    limits: Limits,
-    /// Its shapes.
-    scene: Scene,
+    at_work: AtWork,
     flange_in_tip: Isometry3<f64>,
 }
 
 impl<'a> Reach<'a> {
     pub(super) fn new(cell: &Cell, arm: &'a LoadedArm) -> Self {
-        let mut setup = cell.setup.clone();
-        if cell.work.tip.is_some() {
-            setup.tool.measuring_points.push(NamedPoint {
-                name: "tip".to_string(),
-                position: arm.tip().translation.vector,
-            });
-        }
         Reach {
             arm,
             inverse: InverseKinematics::new(arm.robot()),
             characteristic_length: cell.characteristic_length,
-            setup,
-            limits: Limits {
-                rope_length: None,
-                ..cell.limits.clone()
-            },
-            scene: cell.scene.at_work(),
+            at_work: AtWork::new(cell, arm.tip()),
             flange_in_tip: arm.tip().inverse(),
         }
     }
@@ -192,29 +172,9 @@ impl<'a> Reach<'a> {
 
     /// The cell's limit that is violated most.
     pub(super) fn forbidden(&self, q: &[f64]) -> Result<Option<Refusal>> {
-        if self.limits.is_empty() && self.scene.is_empty() {
-            return Ok(None);
-        }
-        let unloaded = Wrench::force(Vector3::zeros());
-        let terms = PostureTerms::new(&self.setup, q, Some(&unloaded))?;
-        let mut margins = Margins::new(&self.setup, &self.limits, &self.scene);
-        if margins.least(&terms) >= 0.0 {
-            return Ok(None);
-        }
-        // Names only for those that need words.
-        let smallest = margins.smallest(&terms);
-        let violated = smallest.filter(|margin| margin.margin < 0.0);
-        Ok(violated.map(|violated| Refusal {
+        Ok(self.at_work.violated(q)?.map(|violated| Refusal {
             status: Status::Forbidden,
-            reason: match violated.kind {
-                LimitKind::Shapes => format!("it {}", violated.violation()),
-                _ => {
-                    let point = violated.point.as_str();
-                    let point = point.strip_suffix(" tip").map_or(point, |_| "tip");
-                    let by = length(-violated.margin);
-                    format!("its {point} violates {} by {by}", violated.kind.describe())
-                }
-            },
+            reason: AtWork::words(&violated),
             distance: Some(-violated.margin),
             excess: -violated.margin,
         }))

@@ -12,6 +12,7 @@ use crate::model::path::LoadedPosture;
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
+use crate::work::at_work::forbidden;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -168,6 +169,8 @@ pub fn predict(
     out.findings.extend(implausible::process(cell));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
+    let angles = postures.iter().map(|p| (p, p.q.as_slice()));
+    out.findings.extend(forbidden(cell, arm.tip(), angles)?);
     Ok(out)
 }
 

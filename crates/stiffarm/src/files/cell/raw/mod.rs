@@ -261,6 +261,8 @@ pub(super) struct RawLoad {
     pub kind: Option<Text>,
     /// Force of rope or weight, N.
     pub magnitude_n: Option<Number>,
+    /// Mass of a weight, kg, instead of magnitude_n; standard gravity is 9.80665 m/s².
+    pub mass_kg: Option<Number>,
     /// Anchor of the rope in the base frame, mm.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub anchor_mm: Option<Numbers>,
@@ -304,6 +306,8 @@ pub(super) struct RawLimits {
 pub(super) struct RawNoise {
     /// Variance of one tracker reading per axis, mm² (default: 9.23e-5, the paper's tracker).
     pub variance_mm2: Option<Number>,
+    /// Standard deviation of one tracker reading per axis, µm: the same said otherwise.
+    pub std_um: Option<Number>,
     /// Readings behind one displacement: 1 as the paper counts (default), 2 for the
     /// difference of a loaded and an unloaded reading.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = [1, 2])))]

@@ -7,7 +7,7 @@ use crate::files::cell::source::Source;
 use crate::model::load::Load;
 use crate::model::observation::Setup;
 use crate::model::scene::{Facing, RopeRules, Scene, Sight, Station, TorqueLimits};
-use crate::units::{deg_to_rad, mm_to_m};
+use crate::units::{STANDARD_GRAVITY, deg_to_rad, mm_to_m};
 use nalgebra::Vector3;
 
 /// Distance kept between rope and shapes where the cell says nothing \[mm\].
@@ -18,8 +18,6 @@ const FREE_MM: [f64; 2] = [100.0, 100.0];
 const SIGHT_MM: f64 = 5.0;
 /// Acceptance angle of a corner-cube reflector to either side of its axis \[deg\].
 const ACCEPTANCE_DEG: f64 = 30.0;
-/// Standard gravity \[m/s²\].
-const GRAVITY: f64 = 9.80665;
 
 /// Pairs that may come as near as they like.
 pub(super) fn ignored(
@@ -228,7 +226,7 @@ pub(super) fn torque(
     };
     Ok(Some(TorqueLimits {
         largest,
-        tool_weight: mass * GRAVITY,
+        tool_weight: mass * STANDARD_GRAVITY,
         centre_of_mass: centre,
     }))
 }

@@ -175,7 +175,7 @@ impl<'a> Global<'a> {
             index,
             count,
             options,
-            schedule: Schedule::new(index, count),
+            schedule: Schedule::new(index, count, !cell.scene.is_empty()),
             pool: Pool::new(cell, wanted, options.seed)?,
             chains: vec![chain; CHAINS],
             best: None,
