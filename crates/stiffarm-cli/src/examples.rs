@@ -9,10 +9,18 @@ pub const INIT: &str = "Examples:
   $ stiffarm init --robot fanuc-r2000ic-165f --output-dir my-cell";
 pub const CHECK: &str = "Examples:
   $ stiffarm check
-  $ stiffarm check cell.toml";
+  $ stiffarm check cell.toml
+
+  The cell as a picture, what violates a limit in red; at postures of a plan:
+  $ stiffarm check cell.toml --figure cell.svg
+  $ stiffarm check builtin:comau --postures builtin:comau-group1 --posture 3 \\
+      --figure group1.svg";
 pub const SELECT: &str = "Examples:
   Six postures and a sheet for the readings; a plan to keep takes no --rounds:
   $ stiffarm select cell.toml --rounds 4 --output plan.csv --sheet readings.csv
+
+  The plan as a picture of the cell at its postures:
+  $ stiffarm select cell.toml -n 3 --rounds 1 --no-certificate --figure plan.svg
 
   The next best posture beside those of a plan, and the one least worth its time:
   $ stiffarm select cell.toml --given plan.csv --add 1 --output next.csv

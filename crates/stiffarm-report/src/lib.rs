@@ -9,6 +9,7 @@
 //! [`figure`] is generic: it knows nothing of stiffarm. The other modules turn
 //! stiffarm's results into figures and tables.
 
+mod cell;
 pub mod figure;
 mod map;
 mod path;
@@ -16,7 +17,9 @@ mod placement;
 pub mod study;
 mod zones;
 
-pub use figure::svg::{render_svg, series_colour};
+pub use cell::{Full, cell_drawing, usual_posture};
+pub use figure::drawing::Drawing;
+pub use figure::svg::{render_drawing, render_svg, series_colour};
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};
 

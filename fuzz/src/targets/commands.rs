@@ -17,9 +17,10 @@ use stiffarm::files::table::{read_measurements, read_path, read_postures, write_
 
 /// Command lines that end soon; files by the names of [`FILES`], `out.…` is written.
 /// After `|` the schema of their object.
-const LINES: [&str; 40] = [
+const LINES: [&str; 41] = [
     "check cell.toml | check",
-    "check cell.toml | check",
+    "check cell.toml --figure out.svg | check",
+    "check builtin:comau --postures postures.csv --figure out.svg | check",
     "evaluate cell.toml postures.csv | evaluate",
     "evaluate builtin:comau postures.csv | evaluate",
     "select cell.toml -n 3 --rounds 1 --output out.csv --sheet out-sheet.csv | select",
@@ -343,6 +344,8 @@ fn outputs_are_read(scratch: &Scratch, words: &[String], given: &str) -> Result<
         "folder/study.md",
         "folder/map.svg",
         "folder/zones.svg",
+        "folder/cell.svg",
+        "out.svg",
     ] {
         if let Some(text) = text(name) {
             oracle::text_is_finite(&text, given).map_err(|fault| format!("{name}: {fault}"))?;

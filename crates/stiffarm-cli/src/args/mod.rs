@@ -207,6 +207,19 @@ pub struct CheckArgs {
     /// Cell file
     #[arg(default_value = "builtin:comau")]
     pub cell: String,
+    /// Draw the cell from the side, from above and in perspective, what violates a limit in red
+    #[arg(long, value_name = "FILE.svg")]
+    pub figure: Option<String>,
+    /// Postures to draw [default: the middle of the bounds, or where that violates a limit, one that does not]
+    #[arg(long, value_name = "POSTURES.csv", requires = "figure")]
+    pub postures: Option<String>,
+    /// The posture to draw in full, among those of --postures or the validation postures; all: each
+    /// as a line [default: the one with the least room]
+    #[arg(long, value_name = "NAME|all", requires = "figure")]
+    pub posture: Option<String>,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Debug, Args)]

@@ -121,6 +121,9 @@ pub struct OutputArgs {
     /// Write a sheet for the readings, pre-filled per posture, load state and point
     #[arg(long, value_name = "measurements.csv", conflicts_with = "curve")]
     pub sheet: Option<String>,
+    /// Draw the cell at the postures, the one with the least room in full
+    #[arg(long, value_name = "FILE.svg", conflicts_with = "curve")]
+    pub figure: Option<String>,
     /// Load states of the sheet, in the order in which they are taken, for example
     /// preload,up-250,up-500,down-250; an unloaded state comes first [default: loaded]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "sheet")]

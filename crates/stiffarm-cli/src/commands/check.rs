@@ -2,32 +2,88 @@
 
 use super::finding_line;
 use crate::args::CheckArgs;
+use crate::files::{only_target, write_all};
 use crate::input::NamedCell;
 use crate::numbers::{NONE, coarse_mm, mm, optional, significant, stiffness};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Table, green, title};
 use std::fmt::Write;
-use stiffarm::Result;
 use stiffarm::model::cell::{Cell, Limits, Noise};
 use stiffarm::model::load::{Axes, Load, Wrench};
+use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::{CellCheck, check};
 use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
+use stiffarm::{Code, Error, Result};
+use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
+
+/// Value of `--posture` that draws none in full.
+const ALL: &str = "all";
 
 /// A check has no options.
 #[derive(serde::Serialize, schemars::JsonSchema)]
 pub struct Options {}
 
-/// Checks the cell.
+/// Checks the cell, and draws it where that is asked for.
 pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
+    let target = only_target(session, args.figure.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
+    let (postures, full) = match &target {
+        Some(_) => pictured(session, args, &named.cell)?,
+        None => (Vec::new(), Full::None),
+    };
     let result = check(&named.cell)?;
     let exit = Exit::finding(result.is_serious());
-    session.show(
-        &session.envelope("check", None, Options {}, &result),
-        || table(&named, &result),
-    )?;
+    let on_stdout = target.as_ref().is_some_and(|target| target.is_stdout());
+    let mut written = String::new();
+    if let Some(target) = target {
+        let drawing = cell_drawing(&named.cell, &postures, full)?;
+        write_all(session, &[(target, render_drawing(&drawing))])?;
+        if let (false, Some(name)) = (session.has_failed() || on_stdout, &args.figure) {
+            let notes = drawing.notes.iter().map(|note| format!("{}\n", note.text));
+            written = format!(
+                "{}{}wrote {name}\n",
+                title("Picture"),
+                notes.collect::<String>()
+            );
+        }
+    }
+    let text = || table(&named, &result) + &written;
+    match on_stdout {
+        true => session.remark(&text()),
+        false => session.show(&session.envelope("check", None, Options {}, &result), text)?,
+    }
     Ok(exit)
+}
+
+/// The postures of the picture, and which of them is drawn in full.
+fn pictured(session: &Session, args: &CheckArgs, cell: &Cell) -> Result<(Vec<Posture>, Full)> {
+    let given = match &args.postures {
+        Some(from) => session.read_postures("postures", from, &cell.setup.robot)?,
+        None if args.posture.is_none() => return Ok((vec![usual_posture(cell)?], Full::Number(0))),
+        None => cell.validation.clone(),
+    };
+    let Some(wanted) = args.posture.as_deref() else {
+        return Ok((given, Full::Tightest));
+    };
+    if given.is_empty() {
+        let message = "The cell has no validation postures to draw.";
+        let error = Error::new(Code::MissingKey, message).key("--posture");
+        return Err(error.hint("name a file of postures with --postures"));
+    }
+    if wanted == ALL {
+        return Ok((given, Full::None));
+    }
+    let number = given.iter().position(|posture| posture.name == wanted);
+    match number {
+        Some(number) => Ok((given, Full::Number(number))),
+        None => {
+            let names: Vec<&str> = given.iter().map(|p| p.name.as_str()).collect();
+            let message = format!("There is no posture {wanted}.");
+            let error = Error::new(Code::UnknownName, message).key("--posture");
+            Err(error.hint(format!("the postures are {}, or all", names.join(", "))))
+        }
+    }
 }
 
 fn table(named: &NamedCell, check: &CellCheck) -> String {

@@ -15,7 +15,7 @@ use support::runs;
 /// Runs that write, with the files that they read and the files that they leave.
 /// All take a fraction of a second.
 const WRITERS: [&str; 7] = [
-    "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --output plan.csv --sheet sheet.csv --force",
+    "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --output plan.csv --sheet sheet.csv --figure plan.svg --force",
     "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv --readings r.csv --force",
     "identify builtin:comau in.csv --brief --output stiffness.json --force",
     "compensate builtin:comau prior builtin:contour --output c.csv --figure c.svg --force",

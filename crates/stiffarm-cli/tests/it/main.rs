@@ -17,6 +17,7 @@ mod map;
 mod numbers;
 mod outputs;
 mod own_robot;
+mod pictures;
 mod pose;
 mod register;
 mod saved;

@@ -43,6 +43,9 @@ fn a_robot_of_ones_own_gets_a_plan_as_the_page_says() {
         said.contains("Clear of shapes, beams and torques"),
         "{said}"
     );
+    for picture in ["cell.svg", "plan.svg"] {
+        assert!(folder.read(picture).starts_with("<svg"), "{picture}");
+    }
     let plan = folder.read("plan.csv");
     assert_eq!(plan.lines().count(), 1 + 6, "{plan}");
     assert!(folder.read("readings.csv").lines().count() > 4 * 6);

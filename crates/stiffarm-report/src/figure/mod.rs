@@ -10,6 +10,7 @@
 //! that it could be a crate of its own. A test (`tests/it/generic.rs`) reads
 //! the sources and fails where they do.
 
+pub mod drawing;
 pub mod svg;
 
 use serde::{Deserialize, Deserializer, Serialize};

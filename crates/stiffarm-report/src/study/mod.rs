@@ -1,5 +1,6 @@
 //! A study as figures, tables and a page.
 
+mod cell_picture;
 mod figures;
 mod markdown;
 mod measured;
@@ -8,6 +9,7 @@ mod published;
 mod table;
 mod tables;
 
+pub use cell_picture::cell_picture;
 pub use figures::{figures, slug};
 pub use measured::{measured_figure, measured_page, measured_table};
 pub use page::page;

@@ -6,6 +6,7 @@ use super::published::{PAPER, published_for};
 use super::table::{Table, percent, significant};
 use super::tables::{find, starts_summary, stiffness_side_by_side, tables};
 use crate::figure::Figure;
+use crate::figure::drawing::Drawing;
 use std::fmt::Write;
 use stiffarm::study::{Study, StudyGroup};
 use stiffarm::units::rad_to_shortest_deg;
@@ -46,18 +47,21 @@ pub(super) fn write_table(out: &mut String, table: &Table) {
 
 /// A figure that stands beside the page, with its caption.
 pub(super) fn write_picture(out: &mut String, figure: &Figure) {
+    write_image(out, &figure.id, &figure.title, &figure.caption);
+}
+
+fn write_image(out: &mut String, id: &str, title: &str, caption: &str) {
     let _ = write!(
         out,
-        "\n![{}]({}.svg)\n\n*{}*\n",
-        text(&figure.title),
-        figure.id,
-        text(&figure.caption)
+        "\n![{}]({id}.svg)\n\n*{}*\n",
+        text(title),
+        text(caption)
     );
 }
 
-/// The page. `command` is the command line that repeats the study; figures are
-/// referred to as `<id>.svg` beside the page.
-pub fn page(study: &Study, version: &str, command: &str) -> String {
+/// The page. `cell_picture` is that of [`cell_picture`](super::cell_picture), `command` the command
+/// line that repeats the study; figures are referred to as `<id>.svg` beside the page.
+pub fn page(study: &Study, cell_picture: Option<&Drawing>, version: &str, command: &str) -> String {
     let tables = tables(study);
     let pictures = figures(study);
     let mut out = String::new();
@@ -144,6 +148,10 @@ pub fn page(study: &Study, version: &str, command: &str) -> String {
     for group in &study.groups {
         picture(&mut out, &format!("postures-{}", slug(&group.name)));
         out.push_str(&rounded_postures(group, &study.joints));
+    }
+    if let Some(drawing) = cell_picture {
+        out.push_str("\n### In the cell\n");
+        write_image(&mut out, &drawing.id, &drawing.title, &drawing.caption);
     }
     out.push_str("\n### An illustration case\n\nOne run of the simulation at variance factor 1; a single run is luck, the averages below are not.\n");
     table(&mut out, "illustration-case");

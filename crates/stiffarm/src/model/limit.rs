@@ -104,8 +104,10 @@ impl LimitMargin {
     pub fn violation(&self) -> String {
         let amount = self.amount(-self.margin);
         match self.kind {
-            LimitKind::Shapes => format!("has {} {amount} too near each other", self.point),
-            LimitKind::RopeClearance => format!("has {} {amount} too near each other", self.point),
+            LimitKind::Shapes => format!("has {amount} too little room between {}", self.point),
+            LimitKind::RopeClearance => {
+                format!("has {amount} too little room between {}", self.point)
+            }
             LimitKind::RopeCone => {
                 format!("pulls the rope {amount} beyond its loading device's cone")
             }

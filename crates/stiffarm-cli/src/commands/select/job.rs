@@ -20,6 +20,7 @@ use stiffarm::plan::index::Index;
 use stiffarm::plan::select::RoundReport;
 use stiffarm::units::m_to_mm;
 use stiffarm::{Code, Error, Result};
+use stiffarm_report::{Full, cell_drawing, render_drawing};
 
 /// Postures of a plan unless their number is given.
 pub(super) const POSTURES: u64 = 6;
@@ -116,6 +117,7 @@ impl Job<'_> {
 pub(super) struct Outputs {
     main: Option<Target>,
     sheet: Option<Target>,
+    figure: Option<Target>,
     sheet_of: SheetChoice,
     options: SheetOptions,
 }
@@ -128,7 +130,8 @@ impl Outputs {
                 .transpose()
         };
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
-        check_targets(session, &[main.as_ref(), sheet.as_ref()])?;
+        let figure = target(&args.figure)?;
+        check_targets(session, &[main.as_ref(), sheet.as_ref(), figure.as_ref()])?;
         for state in &args.states {
             check_name(state).map_err(|e| e.key("--states"))?;
         }
@@ -150,26 +153,31 @@ impl Outputs {
         Ok(Outputs {
             main,
             sheet,
+            figure,
             sheet_of,
             options,
         })
     }
 
     fn use_stdout(&self) -> bool {
-        [&self.main, &self.sheet]
+        [&self.main, &self.sheet, &self.figure]
             .into_iter()
             .flatten()
             .any(Target::is_stdout)
     }
 
-    /// Writes postures as plan and as sheet, where these are wanted.
+    /// Writes postures as plan, as sheet and as picture of `cell`, where these are wanted.
     pub fn write_postures(
         &self,
         session: &Session,
         cell: &Cell,
         postures: &[Posture],
     ) -> Result<()> {
-        let mut files = Vec::new();
+        let mut files: Vec<(Target, String)> = Vec::new();
+        if let Some(figure) = &self.figure {
+            let drawing = cell_drawing(cell, postures, Full::Tightest)?;
+            files.push((figure.clone(), render_drawing(&drawing)));
+        }
         if let Some(plan) = &self.main {
             files.push((plan.clone(), write_postures(postures)));
         }

@@ -21,8 +21,8 @@ use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Code, Error, Result};
-use stiffarm_report::render_svg;
-use stiffarm_report::study::{figures, page, tables};
+use stiffarm_report::study::{cell_picture, figures, page, tables};
+use stiffarm_report::{render_drawing, render_svg};
 
 /// Group 1 of the built-in COMAU cells.
 const GROUP_1: &str = "builtin:comau-group1";
@@ -80,10 +80,15 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     drop(progress);
 
     let version = env!("CARGO_PKG_VERSION");
+    let drawing = cell_picture(&result, &named.cell)?;
+    let command = repeat_command(args, result.interrupted);
     let mut files = vec![(
         "study.md".to_string(),
-        page(&result, version, &repeat_command(args, result.interrupted)),
+        page(&result, drawing.as_ref(), version, &command),
     )];
+    if let Some(drawing) = &drawing {
+        files.push((format!("{}.svg", drawing.id), render_drawing(drawing)));
+    }
     for figure in figures(&result) {
         files.push((format!("{}.svg", figure.id), render_svg(&figure)));
     }
@@ -181,6 +186,7 @@ fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
     let mut names = vec![
         "study.json".to_string(),
         "study.md".to_string(),
+        "cell.svg".to_string(),
         "expected-deviation.svg".to_string(),
         "indices.csv".to_string(),
         "simulation.csv".to_string(),

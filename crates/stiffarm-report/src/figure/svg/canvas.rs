@@ -163,11 +163,7 @@ impl Canvas {
         if data.is_empty() {
             return;
         }
-        let dash = if stroke.dash.is_empty() {
-            String::new()
-        } else {
-            format!(r#" stroke-dasharray="{}""#, stroke.dash)
-        };
+        let dash = dashes(stroke);
         self.raw(&format!(
             r#"<path d="{data}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"{dash}/>"#,
             stroke.colour,
@@ -197,6 +193,21 @@ impl Canvas {
         self.raw(&format!(
             r#"<path d="{data}Z" fill="{fill}" fill-opacity="{}"/>"#,
             num(opacity)
+        ));
+    }
+
+    /// A closed shape that what lies behind it shows through.
+    pub(super) fn glass(&mut self, corners: &[Point], fill: &str, opacity: f64, edge: Stroke) {
+        let mut data = String::new();
+        for (i, p) in corners.iter().enumerate() {
+            push(&mut data, if i == 0 { 'M' } else { 'L' }, *p);
+        }
+        self.raw(&format!(
+            r#"<path d="{data}Z" fill="{fill}" fill-opacity="{}" stroke="{}" stroke-width="{}" stroke-linejoin="round"{}/>"#,
+            num(opacity),
+            edge.colour,
+            num(edge.width),
+            dashes(edge)
         ));
     }
 
@@ -257,6 +268,18 @@ impl Canvas {
         ));
     }
 
+    /// One line of text in a colour of its own.
+    pub(super) fn coloured_text(&mut self, at: Point, text: &str, font: Font, colour: &str) {
+        match colour {
+            INK => self.text(at, text, None, font),
+            _ => {
+                self.raw(&format!(r#"<g fill="{colour}">"#));
+                self.text(at, text, None, font);
+                self.raw("</g>");
+            }
+        }
+    }
+
     /// One line of text with an optional raised exponent.
     pub(super) fn text(&mut self, at: Point, text: &str, exponent: Option<&str>, font: Font) {
         let anchor = match font.anchor {
@@ -288,6 +311,13 @@ impl Canvas {
         }
         markup.push_str("</text>");
         self.raw(&markup);
+    }
+}
+
+fn dashes(stroke: Stroke) -> String {
+    match stroke.dash {
+        "" => String::new(),
+        dash => format!(r#" stroke-dasharray="{dash}""#),
     }
 }
 

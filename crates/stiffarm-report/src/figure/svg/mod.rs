@@ -9,6 +9,7 @@
 mod areas;
 mod canvas;
 mod data;
+mod drawing;
 mod legend;
 mod look;
 mod map;
@@ -19,6 +20,7 @@ mod scale;
 mod text;
 mod ticks;
 
+pub use drawing::render_drawing;
 pub use look::series_colour;
 
 use canvas::{Anchor, Canvas, Font, Rect, escape, num};
@@ -108,13 +110,23 @@ pub fn render_svg(figure: &Figure) -> String {
 
 /// Root element, description and background.
 fn open(canvas: &mut Canvas, figure: &Figure, width: f64, height: f64) {
+    let texts = (&figure.id[..], &figure.title[..], &figure.caption[..]);
+    open_document(canvas, texts, (width, height));
+}
+
+/// The same for any picture, by its id, title and caption.
+fn open_document(
+    canvas: &mut Canvas,
+    (id, title, caption): (&str, &str, &str),
+    (width, height): (f64, f64),
+) {
     let (w, h) = (num(width), num(height.ceil()));
     canvas.raw(&format!(
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" role="img" data-figure="{}">"#,
-        escape(&figure.id)
+        escape(id)
     ));
-    canvas.raw(&format!("<title>{}</title>", escape(&figure.title)));
-    canvas.raw(&format!("<desc>{}</desc>", escape(&figure.caption)));
+    canvas.raw(&format!("<title>{}</title>", escape(title)));
+    canvas.raw(&format!("<desc>{}</desc>", escape(caption)));
     canvas.raw(&format!(
         r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##
     ));

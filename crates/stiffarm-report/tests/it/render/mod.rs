@@ -1,5 +1,6 @@
 //! Properties every rendered figure has, whatever its data.
 
+mod any_drawing;
 mod any_figure;
 mod panel_maps;
 
@@ -45,7 +46,7 @@ fn figure(panels: Vec<Panel>) -> Figure {
     }
 }
 
-fn texts(svg: &str) -> Vec<String> {
+pub fn texts(svg: &str) -> Vec<String> {
     let document = Document::parse(svg).expect("the renderer writes XML");
     document
         .descendants()
@@ -65,7 +66,7 @@ fn number(node: &Node, name: &str) -> f64 {
 }
 
 /// Parses the picture and checks what has to hold for all of them.
-fn check(svg: &str) {
+pub fn check(svg: &str) {
     let document = Document::parse(svg).expect("the renderer writes XML");
     let root = document.root_element();
     assert_eq!(root.attribute("role"), Some("img"));

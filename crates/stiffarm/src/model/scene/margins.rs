@@ -71,6 +71,18 @@ impl Scene {
         Some(sight.seen(terms.measuring_points(), &placed))
     }
 
+    /// What each station sees of the measuring points at this posture, station by station.
+    pub fn seen_by_each(&self, terms: &PostureTerms) -> Vec<SeenFrom> {
+        let Some(sight) = &self.sight else {
+            return Vec::new();
+        };
+        let mut work = Work::default();
+        let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
+        (0..sight.stations.len())
+            .map(|station| sight.seen_by(station, terms.measuring_points(), &placed))
+            .collect()
+    }
+
     /// Calls `each` with number, value and derivative of every margin. A distance between
     /// shapes may be a lower bound, without derivative, where it is not below `enough` of its number.
     pub(crate) fn visit(

@@ -101,6 +101,21 @@ impl Sight {
         )
     }
 
+    /// What one station sees.
+    pub(super) fn seen_by(
+        &self,
+        station: usize,
+        points: &[Vector3<f64>],
+        placed: &Placed<'_>,
+    ) -> SeenFrom {
+        let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
+        let seen = (0..points.len()).filter(|i| beams[*i].margin() >= 0.0);
+        SeenFrom {
+            station,
+            points: seen.collect(),
+        }
+    }
+
     /// Two margins per measuring point, incidence and clearance \[rad, m\], of the station that sees
     /// best, or of the first that sees well enough; infinite for points that need not be seen.
     pub(super) fn visit(

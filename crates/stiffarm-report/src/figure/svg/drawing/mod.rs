@@ -1,0 +1,122 @@
+//! Drawings as SVG: views with axes below each other at the left, the others
+//! with key and notes at the right.
+
+mod ink;
+mod key;
+mod labels;
+mod view;
+
+use super::canvas::{self, Anchor, Canvas, Font, Point, Rect};
+use super::plan::{LEADING, SMALL};
+use super::{HEADING, MARGIN, text};
+use crate::figure::drawing::{Drawing, View};
+use key::Key;
+use view::Placed;
+
+/// Width of a drawing.
+const WIDTH: f64 = 800.0;
+/// Widest plot area.
+const PLOT: f64 = 345.0;
+/// Highest and lowest plot area.
+const HIGHEST: f64 = 420.0;
+const LOWEST: f64 = 150.0;
+/// Room for tick labels and the label of a vertical axis.
+const LEFT: f64 = 62.0;
+/// Room for tick labels and the label of a horizontal axis.
+const BELOW: f64 = 44.0;
+/// Room for the title of a view.
+const ABOVE: f64 = 22.0;
+/// Distance between views.
+const GAP: f64 = 14.0;
+
+/// Renders a drawing as a stand-alone SVG document.
+///
+/// Equal drawings give equal bytes. Marks beyond a view are cut off at its frame; marks with
+/// coordinates that are not finite are left out. The caption becomes the description of the
+/// picture. The document contains no ids, so several can be embedded in one page.
+pub fn render_drawing(drawing: &Drawing) -> String {
+    let mut canvas = Canvas::default();
+    let title = text::wrap(
+        &drawing.title,
+        text::BOLD * HEADING,
+        WIDTH - 2.0 * MARGIN,
+        3,
+    );
+    let top = MARGIN + title.len() as f64 * HEADING * LEADING + 6.0;
+    let (with_axes, without): (Vec<&View>, Vec<&View>) =
+        drawing.views.iter().partition(|view| view.axes.is_some());
+    let right = MARGIN + LEFT + PLOT + GAP + 8.0;
+    let right_width = WIDTH - MARGIN - right;
+    let (left_views, left_end) = column(&with_axes, top, (MARGIN + LEFT, PLOT), BELOW);
+    let (right_views, right_end) = column(&without, top, (right, right_width), 4.0);
+    let key = Key::of(&drawing.key, right_width);
+    let key_top = right_end + 4.0;
+    let notes = note_lines(drawing, right_width);
+    let notes_top = key_top + key.height() + 8.0;
+    let right_end = notes_top + notes.len() as f64 * SMALL * LEADING;
+    let height = left_end.max(right_end) + MARGIN;
+
+    open(&mut canvas, drawing, height);
+    for (i, line) in title.iter().enumerate() {
+        let at = (0.5 * WIDTH, MARGIN + (i as f64 + 0.85) * HEADING * LEADING);
+        canvas.text(at, line, None, Font::new(HEADING, Anchor::Middle).bold());
+    }
+    for placed in left_views.iter().chain(&right_views) {
+        placed.draw(&mut canvas);
+    }
+    key.draw(&mut canvas, (right, key_top));
+    for (i, (line, caution)) in notes.iter().enumerate() {
+        let at: Point = (right, notes_top + (i as f64 + 0.9) * SMALL * LEADING);
+        let colour = if *caution { ink::CAUTION } else { canvas::INK };
+        canvas.coloured_text(at, line, Font::new(SMALL, Anchor::Start), colour);
+    }
+    canvas.raw("</g>");
+    canvas.raw("</svg>");
+    canvas.finish()
+}
+
+/// Views below each other from `top` on, and where they end.
+fn column<'a>(
+    views: &[&'a View],
+    top: f64,
+    (left, width): (f64, f64),
+    below: f64,
+) -> (Vec<Placed<'a>>, f64) {
+    let mut y = top;
+    let mut placed = Vec::new();
+    for view in views {
+        let [x_span, y_span] = view.extent.map(|[from, to]| to - from);
+        let wanted = width * y_span / x_span;
+        let height = match wanted.is_finite() {
+            true => wanted.clamp(LOWEST, HIGHEST),
+            false => LOWEST,
+        };
+        let area = Rect {
+            x: left,
+            y: y + ABOVE,
+            w: width,
+            h: height,
+        };
+        placed.push(Placed::new(view, area));
+        y += ABOVE + height + below + GAP;
+    }
+    (placed, y - GAP)
+}
+
+/// All notes in lines that fit.
+fn note_lines(drawing: &Drawing, width: f64) -> Vec<(String, bool)> {
+    let lines = drawing.notes.iter().flat_map(|note| {
+        let lines = text::wrap(&note.text, SMALL, width, 8);
+        lines.into_iter().map(|line| (line, note.caution))
+    });
+    lines.collect()
+}
+
+/// Root element, description and background.
+fn open(canvas: &mut Canvas, drawing: &Drawing, height: f64) {
+    super::open_document(
+        canvas,
+        (&drawing.id, &drawing.title, &drawing.caption),
+        (WIDTH, height),
+    );
+}
