@@ -119,7 +119,7 @@ pub const CAPSULES: &str = "Examples:
   $ stiffarm capsules builtin:spindle.obj --unit mm
   $ stiffarm capsules builtin:spindle.obj --unit mm --most 3 --tool
 
-  Of what is mounted on link 3, in the frame of joint 3:
+  Of what is mounted on link 3, in the frame that row 3 ends in:
   $ stiffarm capsules builtin:spindle.obj --unit mm --link 3";
 pub const ROBOTS: &str = "Examples:
   $ stiffarm robots

@@ -1,11 +1,11 @@
 //! Reading: files, standard input, built-in files.
 
-use crate::identity::{FileId, of_stdin};
+use crate::identity::{FileId, folder_of, of_stdin};
 use crate::session::{Input, Session};
 use std::io::Read;
 use std::path::Path;
 use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell_bytes;
+use stiffarm::files::cell::parse_cell_bytes_with;
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::table::{holds_measurements, read_measurements, read_postures, sha256_hex};
 use stiffarm::findings::visible;
@@ -36,14 +36,33 @@ impl NamedCell {
 }
 
 impl Session {
-    /// Reads a cell.
+    /// Reads a cell with the meshes that it names. Those of a file count from its folder, of a
+    /// built-in cell they are built in, of standard input they count from the working folder.
     ///
     /// # Errors
     /// A file that cannot be read, or anything wrong with the cell.
     pub fn read_cell(&self, from: &str) -> Result<NamedCell> {
         let (name, bytes) = self.read("cell", from)?;
+        let folder = folder_of(Path::new(from));
+        let read = |file: &str| {
+            let role = format!("cell mesh {file}");
+            let mesh = match from.starts_with(builtin::PREFIX) || file.starts_with(builtin::PREFIX)
+            {
+                true => {
+                    let name = file.strip_prefix(builtin::PREFIX).unwrap_or(file);
+                    self.read(&role, &format!("{}{name}", builtin::PREFIX))
+                }
+                false => self.read_path(&role, &folder.join(file)),
+            };
+            mesh.map(|(_, bytes)| bytes)
+                .map_err(|error| match error.code() {
+                    // What it says of files to start from is no help here.
+                    Code::FileRead => Error::new(Code::FileRead, error.message()),
+                    _ => error,
+                })
+        };
         Ok(NamedCell {
-            cell: parse_cell_bytes(&bytes, &name)?,
+            cell: parse_cell_bytes_with(&bytes, &name, &read)?,
             name,
         })
     }
@@ -153,33 +172,49 @@ impl Session {
     /// The file cannot be read, there is no such built-in, or standard input is
     /// asked for twice.
     pub fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)> {
-        let is_stdin = from == "-";
-        let id = match is_stdin {
-            true => of_stdin(),
-            false if from.starts_with(builtin::PREFIX) => None,
-            false => Some(FileId::of(Path::new(from))),
-        };
-        self.refuse_output(id.as_ref(), &visible(if is_stdin { STDIN } else { from }))?;
-        let (name, bytes) = if is_stdin {
-            (STDIN.to_string(), self.read_stdin()?)
-        } else if let Some(name) = from.strip_prefix(builtin::PREFIX) {
-            (from.to_string(), read_builtin(name)?)
-        } else {
-            (
-                visible(from).into_owned(),
-                std::fs::read(from).map_err(|e| read_error(from, &e))?,
-            )
-        };
-        let sha256 = sha256_hex(&bytes);
+        if from == "-" {
+            self.refuse_output(of_stdin().as_ref(), STDIN)?;
+            let bytes = self.read_stdin()?;
+            return Ok(self.taken(role, STDIN.to_string(), bytes, of_stdin(), true));
+        }
+        if let Some(name) = from.strip_prefix(builtin::PREFIX) {
+            let bytes = read_builtin(name)?;
+            return Ok(self.taken(role, from.to_string(), bytes, None, false));
+        }
+        self.read_path(role, Path::new(from))
+    }
+
+    /// Reads a file, whatever its name.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is an output.
+    pub fn read_path(&self, role: &str, path: &Path) -> Result<(String, Vec<u8>)> {
+        let from = path.to_string_lossy();
+        let name = visible(&from).into_owned();
+        let id = FileId::of(path);
+        self.refuse_output(Some(&id), &name)?;
+        let bytes = std::fs::read(path).map_err(|e| read_error(&from, &e))?;
+        Ok(self.taken(role, name, bytes, Some(id), false))
+    }
+
+    /// Remembers what was read.
+    fn taken(
+        &self,
+        role: &str,
+        name: String,
+        bytes: Vec<u8>,
+        id: Option<FileId>,
+        is_stdin: bool,
+    ) -> (String, Vec<u8>) {
         self.remember(Input {
             role: role.to_string(),
             name: name.clone(),
+            sha256: sha256_hex(&bytes),
             bytes: bytes.clone(),
-            sha256,
             is_stdin,
             id,
         });
-        Ok((name, bytes))
+        (name, bytes)
     }
 
     fn read_stdin(&self) -> Result<Vec<u8>> {

@@ -10,7 +10,8 @@ use std::fmt::Debug;
 use std::sync::OnceLock;
 use stiffarm::estimate::clamped::ClampedPosture;
 use stiffarm::files::builtin;
-use stiffarm::files::cell::{parse_cell_bytes, template_of};
+use stiffarm::files::cell::{parse_cell_bytes, template_of, template_with_shapes};
+use stiffarm::files::mesh::parse_mesh;
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::{
@@ -18,7 +19,7 @@ use stiffarm::files::table::{
     read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
     write_readings,
 };
-use stiffarm::files::urdf::{UrdfOptions, read_urdf};
+use stiffarm::files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 use stiffarm::model::measurement::Measurements;
 use stiffarm::model::pose::Convention;
 use stiffarm::model::robot::{DhConvention, DhRobot};
@@ -192,14 +193,14 @@ pub fn pairs(input: &Input) -> Verdict {
 }
 
 /// The robot of a description's bytes, any text of which is one.
-fn described(bytes: &[u8]) -> Result<DhRobot> {
+fn described(bytes: &[u8]) -> Result<UrdfRobot> {
     let text = String::from_utf8_lossy(bytes);
     // A finger hangs below the flange of the seed.
     let options = UrdfOptions {
         base: None,
         tip: Some("tool0".to_string()),
     };
-    read_urdf(&text, NAME, &options).map(|read| read.robot)
+    read_urdf(&text, NAME, &options)
 }
 
 /// A robot is finite, and so is the one in the cell that is written for it.
@@ -214,9 +215,18 @@ fn judged_robot(read: &Result<DhRobot>) -> Verdict {
     judged(read)
 }
 
-/// A robot description.
+/// A robot description; each of its meshes is a triangle.
 pub fn urdf(input: &Input) -> Verdict {
-    judged_robot(&described(bytes(input)))
+    let read = described(bytes(input));
+    if let Ok(read) = &read {
+        let triangle = b"v 0.1 0.2 0.3\nv 0.3 0.1 0.2\nv 0 0 0.1\nf 1 2 3\n";
+        let capsules = read.link_capsules(|_, unit| parse_mesh(triangle, "a.obj", unit));
+        judged(&capsules)?;
+        if let Ok(Ok(text)) = capsules.map(|own| template_with_shapes(&read.robot, NAME, &own)) {
+            judged(&parse_cell_bytes(text.as_bytes(), NAME))?;
+        }
+    }
+    judged_robot(&read.map(|read| read.robot))
 }
 
 /// Denavit–Hartenberg rows.

@@ -14,7 +14,7 @@ pub struct CapsulesArgs {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=12))]
     pub most: usize,
     /// Print tables [[robot.shape]] of link I: 0 stands still, link 3 moves with joint 3. The
-    /// meshes are in the frame of that joint, of link 0 in the base frame
+    /// meshes are in the frame that its Denavit-Hartenberg row ends in, of link 0 in the base frame
     #[arg(long, value_name = "I", conflicts_with = "tool", value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=100))]
     pub link: Option<usize>,
     /// Print tables [[tool.shape]]; the meshes are in the axes of the flange

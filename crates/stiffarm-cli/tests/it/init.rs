@@ -3,7 +3,7 @@
 use crate::support;
 
 use insta::assert_snapshot;
-use support::{Folder, command};
+use support::{Folder, block, command};
 
 /// An arm whose elbow joint follows the shoulder, on a base of its own, with nearly
 /// parallel axes 2 and 3 and a finger beside the chain.
@@ -68,21 +68,71 @@ fn an_arm_of_a_urdf_gets_a_cell_that_works() {
     assert_snapshot!(format!("{printed}\n{head}"));
     folder.ok("check cell/cell.toml");
     assert!(folder.read("cell/measurements.csv").contains("q4_deg"));
-    // The meshes are where a package is.
-    std::fs::create_dir_all(folder.path("pkg/own_arm/meshes")).unwrap();
-    folder.write("pkg/own_arm/meshes/base.stl", "solid");
-    let found =
-        folder.json("init --urdf arm.urdf --tip tool0 --package-dir pkg --output-dir other");
-    assert_eq!(found["result"]["chain"]["shapes"], 2);
-    assert_eq!(found["result"]["chain"]["base_link"], "world");
-    assert_eq!(found["options"]["urdf"], "arm.urdf");
-    assert_eq!(folder.read("other/cell.toml"), cell);
+    assert!(!cell.contains("robot.shape"));
     // Standard input is a URDF, too.
     let ran = folder.run_with(
         "init --urdf - --no-shapes --tip tool0 --output-dir stdin",
         ARM.as_bytes(),
     );
     assert_eq!(ran.code, Some(0), "{}", ran.err);
+}
+
+#[test]
+fn its_links_get_capsules() {
+    let folder = folder();
+    std::fs::create_dir_all(folder.path("pkg/own_arm/meshes")).unwrap();
+    let mesh = "pkg/own_arm/meshes/base.stl";
+    folder.write(mesh, block([0.6, 0.5, 0.5]));
+    let line = "init --urdf arm.urdf --tip tool0 --package-dir pkg --output-dir cell";
+    let printed = folder.run(line).transcript(line).replace('\\', "/");
+    let cell = folder.read("cell/cell.toml");
+    let (_, shapes) = cell.split_once("down = ").unwrap();
+    let (shapes, _) = shapes.split_once("[bounds]").unwrap();
+    assert_snapshot!(format!("{printed}\n{shapes}"));
+    folder.ok("check cell/cell.toml");
+    let found = folder.json(&line.replace("cell", "other"));
+    assert_eq!(found["result"]["chain"]["shapes"], 2);
+    assert_eq!(found["result"]["chain"]["capsules"], 2);
+    assert_eq!(found["result"]["chain"]["base_link"], "world");
+    assert_eq!(found["options"]["urdf"], "arm.urdf");
+    let hash = |found: &serde_json::Value| {
+        let role = "mesh package://own_arm/meshes/base.stl";
+        found["inputs"][role].as_str().unwrap().to_string()
+    };
+    assert_eq!(folder.read("other/cell.toml"), cell);
+    folder.write(mesh, block([0.6, 0.5, 0.4]));
+    let changed = folder.json(&line.replace("cell", "changed"));
+    assert_ne!(hash(&found), hash(&changed));
+    assert_ne!(folder.read("changed/cell.toml"), cell);
+}
+
+#[test]
+fn meshes_that_cannot_be_meant_are_answered() {
+    let folder = folder();
+    std::fs::create_dir_all(folder.path("own_arm/meshes")).unwrap();
+    let box_in_mm = ARM.replace("<cylinder radius=\"0.1\"", "<cylinder radius=\"100\"");
+    folder.write("sizes.urdf", box_in_mm);
+    let line = "init --urdf arm.urdf --tip tool0 --package-dir own_arm";
+    let mut report = String::new();
+    let mut refused = |line: &str| {
+        let ran = folder.run(line);
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (Some(2), ""),
+            "{line}\n{}",
+            ran.err
+        );
+        report += &ran.transcript(line).replace("-- standard error\n", "");
+        report.push('\n');
+    };
+    folder.write("own_arm/meshes/base.stl", block([600.0, 500.0, 500.0]));
+    refused(line);
+    folder.write("own_arm/meshes/base.stl", "solid");
+    refused(line);
+    folder.write("own_arm/meshes/base.stl", block([0.6, 0.5, 0.5]));
+    refused(&line.replace("arm.urdf", "sizes.urdf"));
+    assert!(!folder.names().contains(&"cell.toml".to_string()));
+    assert_snapshot!(report.replace('\\', "/"));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod behaviour;
 mod capsules;
+mod cell_mesh;
 mod clamped;
 mod commands;
 mod edges;
@@ -15,6 +16,7 @@ mod interrupt;
 mod map;
 mod numbers;
 mod outputs;
+mod own_robot;
 mod pictures;
 mod pose;
 mod register;

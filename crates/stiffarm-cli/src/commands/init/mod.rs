@@ -1,6 +1,7 @@
 //! `stiffarm init`: files to start from.
 
 mod robot;
+mod shapes;
 mod xacro;
 
 use super::wrapped_line;

@@ -1,15 +1,16 @@
 //! The robot that `init` writes a cell for.
 
+use super::shapes::link_capsules;
 use super::xacro;
 use crate::args::{DhChoice, InitArgs};
 use crate::input::group_name;
 use crate::session::Session;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
-use stiffarm::files::cell::{template, template_of};
+use std::path::PathBuf;
+use stiffarm::files::cell::{template, template_of, template_with_shapes};
 use stiffarm::files::check_name;
 use stiffarm::files::table::read_dh_rows;
-use stiffarm::files::urdf::{CollisionGeometry, MeshFolders, UrdfOptions, UrdfRobot, read_urdf};
+use stiffarm::files::urdf::{UrdfOptions, read_urdf};
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::{Code, Error, Result};
 
@@ -34,6 +35,8 @@ pub struct Chain {
     tip_link: String,
     /// Collision shapes on its links; `null` where they were not looked for.
     shapes: Option<usize>,
+    /// Capsules around them; `null` where they were not looked for.
+    capsules: Option<usize>,
 }
 
 /// The options that name the robot.
@@ -116,8 +119,9 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
     };
     let read = read_urdf(&text, &name, &options)?;
     let mut findings = read.findings.clone();
+    let mut capsules = Vec::new();
     if !args.no_shapes {
-        find_meshes(&read, args, from, &name)?;
+        capsules = link_capsules(session, args, &read, from, &name)?;
         if !read.left_out.is_empty() {
             let sentence = "These links move beside the chain; their shapes are left out.";
             let links = list(&read.left_out);
@@ -141,44 +145,27 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
         1 => "1 joint".to_string(),
         n => format!("{n} joints"),
     };
+    let around = match (args.no_shapes, capsules.len()) {
+        (true, _) => String::new(),
+        (false, 0) => "the URDF has no collision geometry: no shapes of links\n".to_string(),
+        (false, 1) => "shapes of links: 1 capsule\n".to_string(),
+        (false, n) => format!("shapes of links: {n} capsules\n"),
+    };
     let line = format!(
-        "chain: {joints} from {} to {}\n",
+        "chain: {joints} from {} to {}\n{around}",
         read.base_link, read.tip_link
     );
     Ok(Start {
-        text: template_of(&read.robot, &origin)?,
+        text: template_with_shapes(&read.robot, &origin, &capsules)?,
         findings,
         line,
         chain: Some(Chain {
             shapes: (!args.no_shapes).then_some(read.shapes.len()),
+            capsules: (!args.no_shapes).then_some(capsules.len()),
             base_link: read.base_link,
             tip_link: read.tip_link,
         }),
     })
-}
-
-/// Checks that the meshes of all shapes are there.
-fn find_meshes(read: &UrdfRobot, args: &InitArgs, from: &str, name: &str) -> Result<()> {
-    let folder = Path::new(from).parent().map(Path::to_path_buf);
-    let folders = MeshFolders {
-        urdf: folder.filter(|_| from != "-").unwrap_or_default(),
-        packages: args.package_dir.clone(),
-    };
-    if let Some(missing) = folders.packages.iter().find(|folder| !folder.is_dir()) {
-        let message = format!("There is no folder {}.", missing.display());
-        return Err(Error::new(Code::FileRead, message).key("--package-dir"));
-    }
-    for shape in &read.shapes {
-        if let CollisionGeometry::Mesh { path, .. } = &shape.geometry {
-            folders.find(path).map_err(|error| {
-                error.file(name).hint(
-                    "name the package, or the folder that holds it, with --package-dir DIR; or go without \
-                     shapes: --no-shapes",
-                )
-            })?;
-        }
-    }
-    Ok(())
 }
 
 /// The last part of a path: folders are nobody's business in a cell file.

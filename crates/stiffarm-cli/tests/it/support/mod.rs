@@ -191,3 +191,28 @@ pub fn rounded(value: &Value) -> Value {
         other => other.clone(),
     }
 }
+
+/// A block about the origin as a text STL.
+pub fn block(size: [f64; 3]) -> String {
+    let corner = |i: usize| {
+        let at = |axis: usize| (i >> axis & 1) as f64 * size[axis] - 0.5 * size[axis];
+        format!("vertex {} {} {}\n", at(0), at(1), at(2))
+    };
+    let sides = [
+        [0, 1, 3, 2],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 3, 7, 5],
+    ];
+    let facet = |corners: [usize; 3]| {
+        let corners: String = corners.into_iter().map(corner).collect();
+        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
+    };
+    let facets: String = sides
+        .iter()
+        .flat_map(|[a, b, c, d]| [facet([*a, *b, *c]), facet([*a, *c, *d])])
+        .collect();
+    format!("solid block\n{facets}endsolid block\n")
+}

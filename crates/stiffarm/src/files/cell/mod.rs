@@ -29,7 +29,7 @@ mod work;
 #[cfg(feature = "schema")]
 pub use schema::cell_schema;
 pub use sheets::{measurements_template, postures_template};
-pub use template::{template, template_of};
+pub use template::{template, template_of, template_with_shapes};
 
 use crate::error::Result;
 use crate::files::table::decode;
@@ -38,7 +38,8 @@ use source::Source;
 
 /// Reads a cell from the text of a `cell.toml`; `file_name` is for messages.
 ///
-/// A byte order mark and CRLF line ends are accepted.
+/// A byte order mark and CRLF line ends are accepted. A shape of kind "mesh" is in a file of its own:
+/// [`parse_cell_with`] reads those.
 ///
 /// # Errors
 /// Not TOML, a format this version does not know, unknown or missing keys,
@@ -47,6 +48,34 @@ pub fn parse_cell(text: &str, file_name: &str) -> Result<Cell> {
     let source = Source::new(text, file_name);
     let raw = keys::read(&source)?;
     convert::cell(&source, &raw)
+}
+
+/// As [`parse_cell`], of a cell with shapes of kind "mesh": `read` gives the bytes of a file
+/// by the name that the cell has for it, which counts from the folder of the cell file. The
+/// feature `geometry` is needed for them.
+///
+/// # Errors
+/// As [`parse_cell`]; what `read` returns, and bytes that are no mesh, at the key that names the file.
+pub fn parse_cell_with(
+    text: &str,
+    file_name: &str,
+    read: &dyn Fn(&str) -> Result<Vec<u8>>,
+) -> Result<Cell> {
+    let source = Source::new(text, file_name).with_files(read);
+    let raw = keys::read(&source)?;
+    convert::cell(&source, &raw)
+}
+
+/// As [`parse_cell_with`], from the bytes of a `cell.toml`.
+///
+/// # Errors
+/// Bytes that are not UTF-8, and everything of [`parse_cell_with`].
+pub fn parse_cell_bytes_with(
+    bytes: &[u8],
+    file_name: &str,
+    read: &dyn Fn(&str) -> Result<Vec<u8>>,
+) -> Result<Cell> {
+    parse_cell_with(decode(bytes, file_name)?, file_name, read)
 }
 
 /// Reads a cell from the bytes of a `cell.toml`.

@@ -2,16 +2,19 @@
 
 use super::lists::{degrees, quoted, rows};
 use crate::model::kinematics::Frames;
-use crate::model::robot::{DhConvention, DhRobot, Robot};
+use crate::model::robot::{DhConvention, DhRobot, LinkCapsule, Robot};
 use crate::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
 use nalgebra::{DMatrix, Isometry3, UnitQuaternion};
 use sobol_burley::sample;
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 /// Decimals of angles \[deg\] and lengths \[mm\] of rows and frames: far below 1e-9 m at
 /// the flange, and above the rounding of the kinematics.
 const DEG_DECIMALS: f64 = 1e11;
 const MM_DECIMALS: f64 = 1e10;
+/// Ends and radii of capsules are whole multiples of 1/100 mm.
+const CAPSULE_STEPS: f64 = 1e2;
 /// Cosine of the pitch below which roll and yaw are one.
 const LOCKED: f64 = 1e-12;
 /// Postures from which the reach is taken.
@@ -93,6 +96,41 @@ pub(super) fn keys(robot: &DhRobot) -> String {
         None => {
             out += "# The machine's limits of the controller angles, [low, high] per joint: EDIT\n# limits_deg = [[-180, 180]]\n"
         }
+    }
+    out
+}
+
+/// `[[robot.shape]]` of the capsules around the links, with what they are.
+pub(super) fn shapes(robot: &Robot, capsules: &[LinkCapsule]) -> String {
+    if capsules.is_empty() {
+        return String::new();
+    }
+    let count = |n: usize, one: &str| match n {
+        1 => format!("1 {one}"),
+        n => format!("{n} {one}s"),
+    };
+    let links: BTreeSet<usize> = capsules.iter().map(|own| own.link).collect();
+    let mut out = format!(
+        "\n# Shapes of the links: {} around {}, in the frames that the rows end in (link 0: base\n\
+         # frame). Conservative: they contain all collision geometry and reach further. Hoses and cables\n\
+         # are in none. Where two links seem to touch and do not, name them in clearance.ignore.\n",
+        count(capsules.len(), "capsule"),
+        count(links.len(), "link"),
+    );
+    for own in capsules {
+        let frame = robot.row_frame(own.link).inverse();
+        let capsule = own.capsule.placed(&frame);
+        let exact = [capsule.a, capsule.b].map(|p| p.map(m_to_mm));
+        let ends = exact.map(|p| p.map(|v| (v * CAPSULE_STEPS).round() / CAPSULE_STEPS + 0.0));
+        let moved = (ends[0] - exact[0]).norm().max((ends[1] - exact[1]).norm());
+        // A radius on the grid that lost some bits on its way stays what it was.
+        let radius = (m_to_mm(capsule.radius) + moved) * CAPSULE_STEPS - 1e-6;
+        let [from, to] = ends.map(|p| degrees(&[p.x, p.y, p.z]));
+        out += &format!(
+            "\n[[robot.shape]]\nlink = {}\nfrom_mm = {from}\nto_mm = {to}\nradius_mm = {}\n",
+            own.link,
+            radius.ceil() / CAPSULE_STEPS
+        );
     }
     out
 }

@@ -14,10 +14,15 @@ use std::ops::Range;
 /// finite, and above zero, in everything that is computed from a cell.
 const SMALLEST: f64 = 1e-30;
 
+/// Reads a file that a cell names: from the name to the bytes.
+pub(super) type ReadFile<'a> = dyn Fn(&str) -> Result<Vec<u8>> + 'a;
+
 /// A cell file's text and name.
 pub(super) struct Source<'a> {
     file: &'a str,
     text: &'a str,
+    /// Reads files that the cell names; none where only the text may be used.
+    files: Option<&'a ReadFile<'a>>,
     /// Bytes of the byte order mark before the TOML text.
     mark: usize,
 }
@@ -39,7 +44,31 @@ impl<'a> Source<'a> {
         } else {
             0
         };
-        Source { file, text, mark }
+        Source {
+            file,
+            text,
+            files: None,
+            mark,
+        }
+    }
+
+    /// The same, with a reader of the files that it names.
+    pub(super) fn with_files(self, files: &'a ReadFile<'a>) -> Self {
+        Source {
+            files: Some(files),
+            ..self
+        }
+    }
+
+    /// Bytes of a file that the cell names.
+    pub(super) fn read(&self, file: &str) -> Result<Vec<u8>> {
+        let Some(read) = self.files else {
+            let message = "Only the text of the cell is read here, not the files that it names.";
+            let hint =
+                "read it with `parse_cell_with`, or give capsules instead: `stiffarm capsules`";
+            return Err(Error::new(Code::Unsupported, message).hint(hint));
+        };
+        read(file)
     }
 
     /// The text without a byte order mark; all spans count from its start.

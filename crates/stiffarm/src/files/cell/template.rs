@@ -3,11 +3,13 @@
 use super::convert::PAPER_VARIANCE_MM2;
 use super::example::{Example, comment, doubts, pendant};
 use super::lists::{degrees, quoted, rows};
-use super::own::{keys, reach};
+use super::own::{keys, reach, shapes};
 use crate::error::Result;
 use crate::files::check_name;
 use crate::findings::visible;
-use crate::model::robot::{CatalogueEntry, DhRobot, JointStiffness, Robot, find_in_catalogue};
+use crate::model::robot::{
+    CatalogueEntry, DhRobot, JointStiffness, LinkCapsule, Robot, find_in_catalogue,
+};
 use crate::units::rad_to_shortest_deg;
 
 /// A commented `cell.toml` for a robot of the catalogue, ready to be read by
@@ -46,6 +48,7 @@ pub fn template(robot_key: &str) -> Result<String> {
         frames,
         doubts: doubts(&robot),
         keys,
+        shapes: String::new(),
         bounds: start_bounds(entry, &robot),
         stiffness: entry.stiffness,
         is_upright: true,
@@ -62,6 +65,19 @@ pub fn template(robot_key: &str) -> Result<String> {
 /// # Errors
 /// What [`DhRobot::robot`] refuses.
 pub fn template_of(robot: &DhRobot, origin: &str) -> Result<String> {
+    template_with_shapes(robot, origin, &[])
+}
+
+/// As [`template_of`], with capsules around the links as `[[robot.shape]]`; they grow by
+/// less than 0.02 mm where their numbers are rounded.
+///
+/// # Errors
+/// As [`template_of`].
+pub fn template_with_shapes(
+    robot: &DhRobot,
+    origin: &str,
+    capsules: &[LinkCapsule],
+) -> Result<String> {
     let chain = robot.robot()?;
     let example = Example::new(Some(reach(&chain)), None, &chain);
     let axis = chain.joints()[0].placement.rotation * nalgebra::Vector3::z();
@@ -77,6 +93,7 @@ pub fn template_of(robot: &DhRobot, origin: &str) -> Result<String> {
         frames,
         doubts: String::new(),
         keys: keys(robot),
+        shapes: shapes(&chain, capsules),
         bounds: narrowed(&chain),
         stiffness: &[],
         is_upright,
@@ -94,6 +111,8 @@ struct Start<'a> {
     doubts: String,
     /// The keys of `[robot]` that say which it is.
     keys: String,
+    /// Shapes of the links.
+    shapes: String,
     /// Bounds to start from \[deg\].
     bounds: Vec<[f64; 2]>,
     stiffness: &'a [JointStiffness],
@@ -119,7 +138,7 @@ name = {quoted}  # EDIT
 [robot]
 {keys}# Gravity in base axes; [0, 0, 1] for a robot hanging from the ceiling with its base frame.
 down = [0, 0, -1]
-
+{shapes}
 [bounds]
 # Controller angles between which postures are chosen: [low, high] per joint.
 # Narrow them to what is safe and visible in your cell. EDIT
@@ -295,6 +314,7 @@ posture_common_mm = 0
         frames = start.frames,
         doubts = start.doubts,
         keys = start.keys,
+        shapes = start.shapes,
         limit = if start.is_upright { "" } else { "# " },
         loading = point([200, 0, 250]),
         p1 = point([150, 0, 200]),

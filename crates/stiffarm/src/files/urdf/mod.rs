@@ -27,6 +27,7 @@
 //! # Ok::<(), stiffarm::Error>(())
 //! ```
 
+mod capsules;
 mod chain;
 mod limits;
 mod mesh;

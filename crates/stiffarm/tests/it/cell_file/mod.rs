@@ -4,6 +4,7 @@
 #![cfg(feature = "files")]
 
 mod built_in;
+mod meshes;
 mod own_rows;
 mod schema;
 mod slips;

@@ -1,6 +1,7 @@
 //! Robots from URDF files, against a second reading of them.
 #![cfg(feature = "urdf")]
 
+mod capsules;
 mod faults;
 mod generated;
 mod plain;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use stiffarm::Code;
 use stiffarm::files::urdf::{CollisionGeometry, MeshFolders};
 
-const ARM: &str = r#"<robot name="arm">
+pub const ARM: &str = r#"<robot name="arm">
   <link name="pedestal"><collision><geometry><box size="1 1 0.5"/></geometry></collision></link>
   <link name="base"/>
   <link name="arm"><collision><origin xyz="0.1 0 0" rpy="0 0.3 0"/><geometry><cylinder radius="0.1" length="0.8"/></geometry></collision></link>

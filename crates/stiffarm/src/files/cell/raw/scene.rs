@@ -34,11 +34,11 @@ pub(in crate::files::cell) struct RawShape {
     #[cfg_attr(feature = "schema", schemars(required))]
     pub name: Option<Text>,
     /// "box" (center_mm, size_mm, rpy_deg), "cylinder" or "capsule" (from_mm, to_mm, radius_mm; a
-    /// capsule has half spheres at its ends). What stands may also be a "floor" or a "ceiling" (z_mm) or a
-    /// "wall" (point_mm, normal).
+    /// capsule has half spheres at its ends), "mesh" (file, unit, xyz_mm, rpy_deg). What stands may also
+    /// be a "floor" or a "ceiling" (z_mm) or a "wall" (point_mm, normal).
     #[cfg_attr(
         feature = "schema",
-        schemars(required, extend("enum" = ["box", "cylinder", "capsule", "floor", "ceiling", "wall"]))
+        schemars(required, extend("enum" = ["box", "cylinder", "capsule", "mesh", "floor", "ceiling", "wall"]))
     )]
     pub kind: Option<Text>,
     /// Centre of a box, mm.
@@ -47,8 +47,8 @@ pub(in crate::files::cell) struct RawShape {
     /// Size of a box along its own axes, mm.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub size_mm: Option<Numbers>,
-    /// Roll, pitch, yaw of a box, degrees: turns about x, then y, then z of the frame it is given in
-    /// (default: none).
+    /// Roll, pitch, yaw of a box or mesh, degrees: turns about x, then y, then z of the frame it is
+    /// given in (default: none).
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub rpy_deg: Option<Numbers>,
     /// One end of the axis of a cylinder or capsule, mm.
@@ -67,6 +67,14 @@ pub(in crate::files::cell) struct RawShape {
     /// Direction from a wall into the cell, any length.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub normal: Option<Numbers>,
+    /// File of a mesh (.stl, .obj, .dae), counted from the folder of the cell file.
+    pub file: Option<Text>,
+    /// Unit of the mesh's numbers: "m" (default) or "mm". COLLADA files say their own.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["m", "mm"])))]
+    pub unit: Option<Text>,
+    /// Origin of the mesh in flange axes or in the base frame, mm (default: none).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub xyz_mm: Option<Numbers>,
 }
 
 /// Distances that shapes, rope and beams keep.

@@ -1,6 +1,7 @@
 //! `[[robot.shape]]`, `[[tool.shape]]`, `[[obstacle]]`, `[clearance]`, `[[tracker.station]]`: what a
 //! posture must not touch and must not hide.
 
+mod mesh;
 mod rules;
 mod shape;
 

@@ -1,5 +1,6 @@
 //! One shape of tool or surroundings: its kind and the keys that belong to it.
 
+use super::mesh;
 use crate::error::{Code, Result, did_you_mean};
 use crate::files::cell::raw::{At, RawShape};
 use crate::files::cell::source::Source;
@@ -10,10 +11,11 @@ use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use std::ops::Range;
 
 /// The kinds, the keys each has beside `name` and `kind`, and whether it moves: what has no end stands.
-const KINDS: [(&str, &[&str], bool); 6] = [
+const KINDS: [(&str, &[&str], bool); 7] = [
     ("box", &["center_mm", "size_mm", "rpy_deg"], true),
     ("cylinder", &["from_mm", "to_mm", "radius_mm"], true),
     ("capsule", &["from_mm", "to_mm", "radius_mm"], true),
+    ("mesh", &["file", "unit", "xyz_mm", "rpy_deg"], true),
     ("floor", &["z_mm"], false),
     ("ceiling", &["z_mm"], false),
     ("wall", &["point_mm", "normal"], false),
@@ -39,22 +41,22 @@ pub(super) fn parts(
             let error = source.error(Code::Duplicate, &name_key, text.span(), message);
             return Err(error.hint("links are named \"base\", \"link 1\", \"link 2\" and so on"));
         }
-        let solid = solid(source, shape, &key, carrier)?;
+        let solids = solids(source, shape, &key, carrier)?;
         match named.iter_mut().find(|(other, _)| *other == name) {
-            Some((_, solids)) => solids.push(solid),
-            None => named.push((name, vec![solid])),
+            Some((_, others)) => others.extend(solids),
+            None => named.push((name, solids)),
         }
     }
     let part = |(name, solids)| Part::new(name, carrier, solids);
     Ok(named.into_iter().map(part).collect())
 }
 
-fn solid(
+fn solids(
     source: &Source<'_>,
     shape: &At<RawShape>,
     table: &str,
     carrier: Carrier,
-) -> Result<Solid> {
+) -> Result<Vec<Solid>> {
     let raw = shape.get();
     let moves = carrier != Carrier::World;
     let kinds = || {
@@ -84,6 +86,7 @@ fn solid(
         keys,
     };
     let made = match name {
+        "mesh" => return mesh::solids(source, shape, table, carrier),
         "box" => {
             let turn = match &raw.rpy_deg {
                 Some(list) => source.rotation(list, &format!("{table}.rpy_deg"))?,
@@ -125,10 +128,11 @@ fn solid(
             })
         }
     };
-    made.map_err(|error| match error.place().span {
-        Some(_) => error,
-        None => source.place(error, table, shape.span()),
-    })
+    made.map(|solid| vec![solid])
+        .map_err(|error| match error.place().span {
+            Some(_) => error,
+            None => source.place(error, table, shape.span()),
+        })
 }
 
 /// One shape's keys.
@@ -200,7 +204,7 @@ fn refuse_foreign_keys(
     kind: &str,
     keys: &[&str],
 ) -> Result<()> {
-    let given: [(&str, Option<Range<usize>>); 9] = [
+    let given: [(&str, Option<Range<usize>>); 12] = [
         ("center_mm", raw.center_mm.as_ref().map(At::span)),
         ("size_mm", raw.size_mm.as_ref().map(At::span)),
         ("rpy_deg", raw.rpy_deg.as_ref().map(At::span)),
@@ -210,6 +214,9 @@ fn refuse_foreign_keys(
         ("z_mm", raw.z_mm.as_ref().map(At::span)),
         ("point_mm", raw.point_mm.as_ref().map(At::span)),
         ("normal", raw.normal.as_ref().map(At::span)),
+        ("file", raw.file.as_ref().map(At::span)),
+        ("unit", raw.unit.as_ref().map(At::span)),
+        ("xyz_mm", raw.xyz_mm.as_ref().map(At::span)),
     ];
     for (key, span) in given {
         let Some(span) = span.filter(|_| !keys.contains(&key)) else {

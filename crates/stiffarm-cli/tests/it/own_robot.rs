@@ -1,0 +1,52 @@
+//! docs/own-robot.md, top to bottom: its files are written, its commands run.
+
+use crate::support;
+
+use support::Folder;
+
+/// The blocks of a page between lines of three backquotes: language and text.
+fn blocks(page: &str) -> Vec<(String, String)> {
+    let mut parts = page.split("```");
+    let mut blocks = Vec::new();
+    parts.next();
+    while let (Some(block), Some(_)) = (parts.next(), parts.next()) {
+        let (language, text) = block.split_once('\n').unwrap();
+        blocks.push((language.to_string(), text.to_string()));
+    }
+    blocks
+}
+
+#[test]
+fn a_robot_of_ones_own_gets_a_plan_as_the_page_says() {
+    let page = include_str!("../../../../docs/own-robot.md");
+    let folder = Folder::new();
+    let mut said = String::new();
+    for (language, text) in blocks(page) {
+        match language.as_str() {
+            "csv" => folder.write("kr210.csv", text),
+            "toml" => {
+                let written = folder.read("cell.toml");
+                let (kept, _) = written.split_once("[bounds]").unwrap();
+                folder.write("cell.toml", format!("{kept}{text}"));
+            }
+            "sh" => {
+                for line in text.lines() {
+                    let line = line.strip_prefix("stiffarm ").unwrap();
+                    said += &folder.ok(line);
+                }
+            }
+            other => panic!("{other}: {text}"),
+        }
+    }
+    assert!(said.contains("nothing to complain about"), "{said}");
+    assert!(
+        said.contains("Clear of shapes, beams and torques"),
+        "{said}"
+    );
+    for picture in ["cell.svg", "plan.svg"] {
+        assert!(folder.read(picture).starts_with("<svg"), "{picture}");
+    }
+    let plan = folder.read("plan.csv");
+    assert_eq!(plan.lines().count(), 1 + 6, "{plan}");
+    assert!(folder.read("readings.csv").lines().count() > 4 * 6);
+}

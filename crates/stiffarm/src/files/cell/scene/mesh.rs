@@ -1,0 +1,112 @@
+//! Shapes of kind "mesh": read from a file of their own and put into solids that contain them.
+
+use crate::error::{Code, Error, Result};
+use crate::files::cell::raw::{At, RawShape};
+use crate::files::cell::source::Source;
+use crate::model::scene::Carrier;
+use crate::model::shape::Solid;
+use crate::units::{MM, mm_to_m};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+/// Most boxes around a mesh that stands, and their least thickness \[m\].
+#[cfg(feature = "geometry")]
+const BOXES: (usize, f64) = (24, 0.010);
+/// Most capsules around a mesh of the tool.
+#[cfg(feature = "geometry")]
+const CAPSULES: usize = 4;
+/// Nothing that is worth a shape is smaller \[m\].
+#[cfg(feature = "geometry")]
+const SMALLEST: f64 = 0.001;
+
+/// Capsules around a mesh of the tool, boxes around one that stands.
+pub(super) fn solids(
+    source: &Source<'_>,
+    shape: &At<RawShape>,
+    table: &str,
+    carrier: Carrier,
+) -> Result<Vec<Solid>> {
+    let raw = shape.get();
+    let key = format!("{table}.file");
+    let hint = "give the mesh: file = \"name.stl\", counted from the folder of the cell file";
+    let text = source.required(&raw.file, &key, Some(shape.span()), hint)?;
+    let file = source.name(text, &key)?;
+    let unit = unit(source, raw, table, &file)?;
+    let shift = match &raw.xyz_mm {
+        Some(list) => source
+            .vector(list, &format!("{table}.xyz_mm"))?
+            .map(mm_to_m),
+        None => Vector3::zeros(),
+    };
+    let turn = match &raw.rpy_deg {
+        Some(list) => source.rotation(list, &format!("{table}.rpy_deg"))?,
+        None => UnitQuaternion::identity(),
+    };
+    let pose = Isometry3::from_parts(Translation3::from(shift), turn);
+    let solids = source
+        .read(&file)
+        .and_then(|bytes| around(&bytes, &file, unit, carrier));
+    let solids = solids.map_err(|error| {
+        let message = format!("{file}: {}", error.message());
+        let wrong = Error::new(error.code(), message);
+        let wrong = match (error.code(), error.hint_text()) {
+            (Code::FileRead, None) => wrong.hint("file counts from the folder of the cell file"),
+            (_, Some(hint)) => wrong.hint(hint),
+            _ => wrong,
+        };
+        source.place(wrong, &key, text.span())
+    })?;
+    Ok(solids
+        .into_iter()
+        .map(|solid| solid.placed(&pose))
+        .collect())
+}
+
+/// Length of the mesh's unit \[m\].
+fn unit(source: &Source<'_>, raw: &RawShape, table: &str, file: &str) -> Result<f64> {
+    let Some(unit) = &raw.unit else {
+        return Ok(1.0);
+    };
+    let key = format!("{table}.unit");
+    if file.to_ascii_lowercase().ends_with(".dae") {
+        let message = "A COLLADA file says its own unit.";
+        let error = source.error(Code::Conflict, &key, unit.span(), message);
+        return Err(error.hint("remove unit"));
+    }
+    match unit.get().as_str() {
+        "m" => Ok(1.0),
+        "mm" => Ok(MM),
+        other => {
+            let message = format!("The unit \"{other}\" of a mesh is not known.");
+            let error = source.error(Code::InvalidValue, &key, unit.span(), message);
+            Err(error.hint("unit is \"m\", the default, or \"mm\""))
+        }
+    }
+}
+
+#[cfg(feature = "geometry")]
+fn around(bytes: &[u8], file: &str, unit: f64, carrier: Carrier) -> Result<Vec<Solid>> {
+    use crate::files::mesh::parse_mesh;
+    use crate::model::shape::{capsules_of_mesh, solids_around};
+    let mesh = parse_mesh(bytes, file, unit)?;
+    let across = mesh.extent().amax();
+    if across < SMALLEST {
+        let message = format!(
+            "The mesh is {:.2} mm across: probably its unit is m.",
+            across * 1e3
+        );
+        return Err(Error::new(Code::InvalidValue, message).hint("give `unit = \"m\"`"));
+    }
+    Ok(match carrier {
+        Carrier::World => solids_around(&mesh.vertices, &mesh.triangles, BOXES.0, BOXES.1),
+        _ => {
+            let capsules = capsules_of_mesh(&mesh, CAPSULES);
+            capsules.into_iter().map(Solid::Capsule).collect()
+        }
+    })
+}
+
+#[cfg(not(feature = "geometry"))]
+fn around(_: &[u8], _: &str, _: f64, _: Carrier) -> Result<Vec<Solid>> {
+    let message = "This build of stiffarm reads no meshes.";
+    Err(Error::new(Code::Unsupported, message).hint("build it with its feature `geometry`"))
+}
