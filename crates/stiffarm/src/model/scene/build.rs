@@ -7,7 +7,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
 
-/// Postures at which parts are looked at: a pair that overlaps in all of them always does.
+/// Postures at which parts are looked at: a pair that is too near in all of them always is.
 const SAMPLES: u32 = 256;
 
 /// Parts of a cell and what is asked of them.
@@ -29,9 +29,9 @@ pub struct SceneParts {
 
 impl SceneParts {
     /// Finds the pairs to be kept apart. Links next to each other are not, nor what stands, nor the
-    /// shapes of the tool among themselves. Two parts of arm and tool that overlap in every posture
-    /// within `bounds` \[rad\] do so because their shapes are drawn large: they are left out, and the scene says so. So is
-    /// the first link with what stands around it.
+    /// shapes of the tool among themselves. Two parts of arm and tool that are nearer than the clearance in
+    /// every posture within `bounds` \[rad\] are so because they are joined by little or their shapes are drawn
+    /// large: they are left out, and the scene says so. So is the first link with what stands around it.
     ///
     /// # Errors
     /// A name that appears twice, or an ignored pair without such parts.
@@ -91,14 +91,14 @@ impl SceneParts {
             sight: self.sight,
             torque: self.torque,
         };
-        scene.drop_overlapping(robot, bounds);
+        scene.drop_always_near(robot, bounds);
         Ok(scene)
     }
 }
 
 impl Scene {
-    /// Leaves out pairs that overlap in every posture.
-    fn drop_overlapping(&mut self, robot: &Robot, bounds: &[[f64; 2]]) {
+    /// Leaves out pairs that are too near in every posture: no posture could mend that.
+    fn drop_always_near(&mut self, robot: &Robot, bounds: &[[f64; 2]]) {
         let (parts, n) = (&self.parts, robot.joint_count());
         let may_drop = |pair: &Pair| {
             let (a, b) = (&parts[pair.mover], &parts[pair.solid]);
@@ -125,7 +125,7 @@ impl Scene {
             frames.update(robot, &q);
             let placed = Placed::new(&self.parts, &frames, &mut work);
             for (pair, always) in self.pairs.iter().zip(&mut always) {
-                *always = *always && pair.distance(&placed, f64::INFINITY).0 < 0.0;
+                *always = *always && pair.distance(&placed, f64::INFINITY).0 < self.clearance;
             }
         }
         let mut kept = Vec::with_capacity(self.pairs.len());

@@ -65,7 +65,7 @@ impl Scene {
             .map(|p| (self.name(p.mover), self.name(p.solid)))
     }
 
-    /// Pairs that overlap in every posture, by how their shapes are drawn, and so are not kept apart.
+    /// Pairs that are nearer than the clearance in every posture, by how their shapes are drawn, and so are not kept apart.
     pub fn dropped_pairs(&self) -> impl Iterator<Item = (&str, &str)> {
         self.dropped
             .iter()
