@@ -14,6 +14,7 @@ mod edges;
 mod elastic_simulation;
 mod estimators;
 mod experiment;
+mod feasible;
 mod front_page;
 mod global;
 mod golden;

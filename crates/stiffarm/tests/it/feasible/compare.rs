@@ -1,0 +1,75 @@
+//! Every margin of a posture as the library tells it against the checker's.
+
+use super::checker::Checker;
+use std::collections::BTreeMap;
+use stiffarm::model::cell::{Cell, LimitKind, LimitMargin};
+use stiffarm::model::observation::PostureTerms;
+
+/// What both may differ by \[m, rad, share\]; torques rest on finite differences.
+const DIFFERENCE: f64 = 1e-7;
+const OF_TORQUE: f64 = 1e-5;
+/// Beams that are clearer than this are as good as free \[m\].
+const FREE: f64 = 0.25;
+
+impl Checker<'_> {
+    /// Compares all margins of one posture.
+    ///
+    /// # Errors
+    /// What differs.
+    pub fn compare(&self, cell: &Cell, q: &[f64]) -> Result<(), String> {
+        let own = self.margins(q);
+        let terms = PostureTerms::new(&cell.setup, q, None).map_err(|e| e.to_string())?;
+        let mut theirs: BTreeMap<String, f64> = BTreeMap::new();
+        for margin in cell.margins().named(&terms) {
+            let least = theirs.entry(key(&margin)).or_insert(f64::INFINITY);
+            *least = margin.margin.min(*least);
+        }
+        // A short rope touches nothing, and the checker says nothing of it.
+        theirs.retain(|_, margin| margin.is_finite());
+        let asked = own.iter().filter(|(what, _)| !what.starts_with("bounds"));
+        if !asked.clone().map(|(what, _)| what).eq(theirs.keys()) {
+            let own: Vec<&String> = own.keys().collect();
+            let theirs: Vec<&String> = theirs.keys().collect();
+            return Err(format!("at {q:?} margins of {own:?}, but {theirs:?}"));
+        }
+        for ((what, own), theirs) in asked.zip(theirs.values()) {
+            let most = match what {
+                what if what.starts_with("torque") => OF_TORQUE * (1.0 + own.abs()),
+                _ => DIFFERENCE,
+            };
+            let own = match &**what {
+                "sight" => own.min(FREE),
+                _ => *own,
+            };
+            let differs = match self.is_drawn_larger(what) {
+                true => *theirs > own + most,
+                false => (theirs - own).abs() > most,
+            };
+            if differs {
+                return Err(format!("at {q:?} {what} is {own}, but {theirs}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a margin is about, in the checker's words.
+fn key(margin: &LimitMargin) -> String {
+    let point = &margin.point;
+    match margin.kind {
+        LimitKind::ToolBox => "box".to_string(),
+        LimitKind::Floor => "floor".to_string(),
+        LimitKind::KeepOut => "keep-out".to_string(),
+        LimitKind::WristHeight => "wrist".to_string(),
+        LimitKind::RopeLength => "rope length".to_string(),
+        LimitKind::Shapes => {
+            let mut names: Vec<&str> = point.split(" and ").collect();
+            names.sort_unstable();
+            names.join(" and ")
+        }
+        LimitKind::RopeClearance => point.clone(),
+        LimitKind::RopeCone => "cone".to_string(),
+        LimitKind::Incidence | LimitKind::Sight => "sight".to_string(),
+        LimitKind::Torque => point.replace("joint", "torque"),
+    }
+}
