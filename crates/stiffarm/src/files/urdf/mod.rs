@@ -1,7 +1,7 @@
 //! Robots from URDF files.
 //!
 //! The chain from a base link to a tip link becomes modified Denavit–Hartenberg
-//! rows ([`rows_of_axes`](crate::model::robot::rows_of_axes)): joint axes may point anywhere, fixed joints are folded in,
+//! rows ([`rows_of_axes`]): joint axes may point anywhere, fixed joints are folded in,
 //! and what hangs beside the chain is left alone, whatever its joints. Numbers are
 //! taken as they stand: a quarter turn written as 1.5708 rad is not made exact.
 //!
