@@ -114,11 +114,16 @@ impl Memory {
         }
     }
 
+    /// Keeps a distance. An infinite one is not kept: a rope shorter than its free ends touches nothing,
+    /// and one that grows longer does at once.
     pub fn note(&mut self, at: usize, distance: f64) {
         if let Some(known) = self.known.get_mut(at) {
-            *known = Known {
-                distance,
-                travel: self.travel,
+            *known = match distance.is_finite() {
+                true => Known {
+                    distance,
+                    travel: self.travel,
+                },
+                false => UNKNOWN,
             };
         }
     }
