@@ -22,6 +22,7 @@ mod pose;
 mod register;
 mod saved;
 mod select;
+mod shapes;
 mod support;
 mod validate;
 mod work;

@@ -249,7 +249,7 @@ fn tool(dice: &mut Dice, reach: f64) -> (Named, Vec<Point>, [f64; 3]) {
     });
     let some_look = dice.chance(0.2);
     let points = (0..count).map(|i| {
-        let (s, c) = (i as f64 / count as f64 * 6.28).sin_cos();
+        let (s, c) = (i as f64 / count as f64 * std::f64::consts::TAU).sin_cos();
         Point {
             position: rounded([wide * c, wide * s, above]),
             facing: facing.filter(|_| !some_look || i > 0),
