@@ -140,7 +140,19 @@ fn setup(cell: &Cell) -> String {
         (false, false) => None,
     };
     lines.extend(sensor.map(|sensor| ("force sensor", sensor.to_string())));
-    lines.push(("load", load(&cell.setup.load)));
+    for case in cell.setup.load.cases() {
+        let at = case.loading_point.as_ref();
+        let at = at.map_or(String::new(), |at| {
+            format!(", at ({}) mm, flange axes", point(at))
+        });
+        lines.push((
+            "load case",
+            format!("{}: {}{at}", case.name, load(&case.load)),
+        ));
+    }
+    if cell.setup.load.cases().is_empty() {
+        lines.push(("load", load(&cell.setup.load)));
+    }
     lines.push(("limits", limits(&cell.limits)));
     lines.push(("noise", noise(&cell.noise)));
     let length = match cell.characteristic_length {
@@ -195,6 +207,7 @@ fn load(load: &Load) -> String {
         Load::Weight { magnitude, .. } => format!("weight, {magnitude} N along gravity"),
         Load::Constant { wrench: w, axes } => wrench(w, *axes),
         Load::Measured => "measured with each displacement".to_string(),
+        Load::Cases(cases) => format!("{} load cases", cases.len()),
     }
 }
 

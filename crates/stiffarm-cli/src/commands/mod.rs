@@ -27,7 +27,7 @@ use crate::screen::{columns, wrapped};
 use crate::table::{Table, red, yellow};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::load::Load;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::Index;
@@ -108,10 +108,12 @@ fn posture_remarks(cell: &Cell, postures: &[Posture]) -> Vec<String> {
                 ));
             }
         }
-        let Ok(terms) = PostureTerms::new(&cell.setup, &posture.q, None) else {
+        if cell.setup.load == Load::Measured {
             continue;
-        };
-        let smallest = cell.margins().smallest(&terms);
+        }
+        let margins = cell.posture_margins();
+        let smallest = margins.and_then(|mut margins| margins.smallest(&posture.q));
+        let smallest = smallest.unwrap_or(None);
         if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
             remarks.push(format!("posture {} {}", posture.name, margin.violation()));
         }

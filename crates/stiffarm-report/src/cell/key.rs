@@ -25,8 +25,12 @@ pub(super) fn key(
             same && thing.tone == tone && thing.caution == red
         })
     };
-    let force = match cell.setup.load {
-        Load::Weight { .. } => "weight",
+    let forces = cell.setup.load.each();
+    let forces: Vec<&Load> = forces
+        .filter(|load| !matches!(load, Load::Rope { .. }))
+        .collect();
+    let force = match forces[..] {
+        [Load::Weight { .. }] => "weight",
         _ => "force",
     };
     let rows: [(&str, Sample, Tone); 14] = [

@@ -185,8 +185,9 @@ fn look<'a>(cell: &Cell, posture: &'a Posture) -> Result<Looked<'a>> {
     // A measured load needs some force here; limits on places do not depend on it.
     let unit = Wrench::force(Vector3::x());
     let wrench = (cell.setup.load == Load::Measured).then_some(&unit);
-    let terms = PostureTerms::new(&cell.setup, &posture.q, wrench)?;
-    let margins = cell.margins().named(&terms);
+    let setups = cell.setup.cases();
+    let terms = PostureTerms::new(&setups[0], &posture.q, wrench)?;
+    let margins = cell.posture_margins()?.named(&posture.q)?;
     Ok(Looked {
         posture,
         terms,

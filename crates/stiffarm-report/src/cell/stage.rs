@@ -2,8 +2,9 @@
 
 use super::outline::corner_points;
 use stiffarm::model::cell::Cell;
+use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::Load;
-use stiffarm::model::observation::PostureTerms;
+use stiffarm::model::observation::{PostureTerms, Setup};
 use stiffarm::model::scene::{Carrier, Part};
 use stiffarm::model::shape::Solid;
 use stiffarm::nalgebra::{Unit, Vector3};
@@ -45,9 +46,7 @@ impl Stage {
                 points.extend(solids.flat_map(|s| corner_points(&s.placed(&pose))));
             }
         }
-        if let Load::Rope { anchor, .. } = &cell.setup.load {
-            points.push(*anchor);
-        }
+        points.extend(cell.setup.load.anchors());
         let frames = all.first().map(PostureTerms::frames);
         let first = frames.and_then(|f| Some((*f.origins().first()?, *f.axes().first()?)));
         let axis = first.map_or((Vector3::zeros(), Vector3::z_axis()), |(point, axis)| {
@@ -61,8 +60,12 @@ impl Stage {
             axis,
             arm_size: (high - low).max(),
         };
-        let tip = full.and_then(|terms| stage.force_tip(cell, terms));
-        stage.points.extend(tip);
+        if let Some(terms) = full {
+            for setup in cell.setup.cases() {
+                let tip = stage.force_tip(&setup, terms.frames());
+                stage.points.extend(tip);
+            }
+        }
         stage.add_surroundings(cell);
         (stage.low, stage.high) = bounds(&stage.points);
         stage
@@ -139,10 +142,12 @@ impl Stage {
     }
 
     /// Where a force on the loading point is drawn to; `None` without one.
-    pub(super) fn force_tip(&self, cell: &Cell, terms: &PostureTerms) -> Option<Vector3<f64>> {
-        let drawn = matches!(cell.setup.load, Load::Weight { .. } | Load::Constant { .. });
-        let unit = Unit::try_new(terms.wrench().force, 1e-9).filter(|_| drawn)?;
-        Some(terms.loading_point() + unit.into_inner() * (FORCE * self.arm_size))
+    pub(super) fn force_tip(&self, setup: &Setup, frames: &Frames) -> Option<Vector3<f64>> {
+        let drawn = matches!(setup.load, Load::Weight { .. } | Load::Constant { .. });
+        let at = frames.point(&setup.tool.loading_point);
+        let wrench = setup.load.wrench(frames, &at).filter(|_| drawn)?;
+        let unit = Unit::try_new(wrench.force, 1e-9)?;
+        Some(at + unit.into_inner() * (FORCE * self.arm_size))
     }
 
     /// What must be seen.

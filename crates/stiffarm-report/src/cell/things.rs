@@ -125,7 +125,7 @@ impl Things {
             }
         }
         self.add_limits(cell, stage, cautions);
-        if let Load::Rope { anchor, .. } = &cell.setup.load {
+        for anchor in cell.setup.load.anchors() {
             self.add(Layer::Points, Tone::Fixed, What::Point(*anchor), false);
             self.add_cone(cell, stage, anchor, cautions);
         }
@@ -271,27 +271,29 @@ impl Things {
     }
 
     fn add_load(&mut self, cell: &Cell, stage: &Stage, terms: &PostureTerms, red: &Cautions) {
-        let at = *terms.loading_point();
-        match &cell.setup.load {
-            Load::Rope { anchor, .. } => {
-                let rope = What::Line(vec![at, *anchor]);
-                self.add(Layer::Lines, Tone::Pull, rope, red.rope);
+        let mut drawn: Vec<Vector3<f64>> = Vec::new();
+        for setup in cell.setup.cases() {
+            let at = terms.frames().point(&setup.tool.loading_point);
+            match &setup.load {
+                Load::Rope { anchor, .. } => {
+                    let rope = What::Line(vec![at, *anchor]);
+                    self.add(Layer::Lines, Tone::Pull, rope, red.rope);
+                }
+                Load::Weight { .. } | Load::Constant { .. } => {
+                    if let Some(tip) = stage.force_tip(&setup, terms.frames()) {
+                        self.add(Layer::Lines, Tone::Pull, What::Arrow([at, tip]), false);
+                    }
+                }
+                Load::Measured | Load::Cases(_) => {}
             }
-            Load::Weight { .. } | Load::Constant { .. } => {
-                if let Some(tip) = stage.force_tip(cell, terms) {
-                    self.add(Layer::Lines, Tone::Pull, What::Arrow([at, tip]), false);
+            if !drawn.contains(&at) {
+                drawn.push(at);
+                let point = What::Point(at);
+                self.add(Layer::Points, Tone::Pull, point, red.loading_point);
+                if red.loading_point {
+                    self.name(at, "loading point", true, Shown::Inside);
                 }
             }
-            Load::Measured => {}
-        }
-        self.add(
-            Layer::Points,
-            Tone::Pull,
-            What::Point(at),
-            red.loading_point,
-        );
-        if red.loading_point {
-            self.name(at, "loading point", true, Shown::Inside);
         }
     }
 

@@ -78,12 +78,12 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
                 arm.iter().map(|o| o[b]).collect(),
             ));
         }
-        if let Some(anchor) = study.anchor_m {
+        if !study.anchors_m.is_empty() {
             series.push(Series::new(
                 "rope anchor",
                 Style::Landmark,
-                vec![anchor[a]],
-                vec![anchor[b]],
+                study.anchors_m.iter().map(|anchor| anchor[a]).collect(),
+                study.anchors_m.iter().map(|anchor| anchor[b]).collect(),
             ));
         }
         Panel {

@@ -72,10 +72,33 @@ pub enum Load {
     },
     /// The wrench comes with each measurement.
     Measured,
+    /// Every posture is measured under each of these, one after the other.
+    Cases(Vec<LoadCase>),
+}
+
+/// One of several loads under which every posture is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadCase {
+    /// Name of the load, and of the state in tables of readings.
+    pub name: String,
+    /// The load; never [`Load::Cases`] or [`Load::Measured`].
+    pub load: Load,
+    /// Where it acts, flange axes \[m\]; `None` is the tool's loading point.
+    pub loading_point: Option<Vector3<f64>>,
+}
+
+impl LoadCase {
+    /// True where readings of the state `state` were taken under this load: its name, or
+    /// its name with `-` and anything behind it.
+    pub fn is_of(&self, state: &str) -> bool {
+        let rest = state.strip_prefix(self.name.as_str());
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+    }
 }
 
 impl Load {
-    /// Wrench at the loading point at one posture, or `None` for [`Load::Measured`].
+    /// Wrench at the loading point at one posture, or `None` for [`Load::Measured`] and
+    /// [`Load::Cases`], which have none or several.
     ///
     /// `loading_point` is in the base frame \[m\]. A rope whose loading point
     /// lies on its anchor has no direction: the force is zero then.
@@ -101,7 +124,7 @@ impl Load {
                 force: frames.direction(&wrench.force),
                 moment: frames.direction(&wrench.moment),
             }),
-            Load::Measured => None,
+            Load::Measured | Load::Cases(_) => None,
         }
     }
 
@@ -115,6 +138,13 @@ impl Load {
         loading_point: &Vector3<f64>,
         wrench: &Wrench,
     ) -> Option<Load> {
+        if let Load::Cases(cases) = self {
+            // Under a load at a point of its own the wrench has a moment, and matches none.
+            let own = cases.iter().filter(|case| case.loading_point.is_none());
+            return own
+                .filter_map(|case| case.load.following(frames, loading_point, wrench))
+                .next();
+        }
         if !matches!(
             self,
             Load::Rope { .. }
@@ -149,6 +179,34 @@ impl Load {
             },
             other => other.clone(),
         })
+    }
+
+    /// Its load cases; empty where it is a single load.
+    pub fn cases(&self) -> &[LoadCase] {
+        match self {
+            Load::Cases(cases) => cases,
+            _ => &[],
+        }
+    }
+
+    /// The loads that a posture is measured under: its cases, or itself.
+    pub fn each(&self) -> impl Iterator<Item = &Load> {
+        let cases = self.cases();
+        let alone = cases.is_empty().then_some(self);
+        alone.into_iter().chain(cases.iter().map(|case| &case.load))
+    }
+
+    /// Anchors of its ropes, base frame \[m\].
+    pub fn anchors(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.each().filter_map(|load| match load {
+            Load::Rope { anchor, .. } => Some(anchor),
+            _ => None,
+        })
+    }
+
+    /// True where one of its loads is a rope.
+    pub fn has_rope(&self) -> bool {
+        self.each().any(|load| matches!(load, Load::Rope { .. }))
     }
 
     /// Rope length ‖P2 − P1‖ \[m\], for a rope.

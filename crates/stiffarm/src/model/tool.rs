@@ -64,6 +64,15 @@ pub struct Tool {
 }
 
 impl Tool {
+    /// The same tool loaded at another point, flange axes \[m\]; `None` changes nothing.
+    #[must_use]
+    pub(crate) fn loaded_at(&self, point: Option<Vector3<f64>>) -> Self {
+        Tool {
+            loading_point: point.unwrap_or(self.loading_point),
+            ..self.clone()
+        }
+    }
+
     /// A rigid tool, points in flange axes \[m\]: where it is loaded, and its
     /// measuring points by name, the TCP first.
     ///

@@ -8,7 +8,7 @@
 //! time of a selection.
 
 use crate::error::{Code, Error, Result};
-use crate::model::cell::{Cell, Margins};
+use crate::model::cell::{Cell, PostureMargins};
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise};
@@ -25,13 +25,12 @@ const SCENE_DISTANCE: f64 = 0.1;
 /// The limits that are constraints now, of one posture or of several.
 pub(super) struct ActiveLimits<'a> {
     cell: &'a Cell,
-    margins: Margins<'a>,
+    margins: PostureMargins<'a>,
     /// Limits nearer than this become constraints \[m\].
     distance: f64,
     per_posture: usize,
     /// Posture by posture, ascending.
     active: Vec<usize>,
-    terms: PostureTerms,
     values: Vec<f64>,
     gradients: Vec<f64>,
 }
@@ -40,10 +39,9 @@ impl<'a> ActiveLimits<'a> {
     /// No limit is active yet; those nearer than `distance` \[m\] will be.
     ///
     /// # Errors
-    /// The cell's load is only known by measurement.
+    /// Bounds that do not fit the robot or are not finite.
     pub(super) fn new(cell: &'a Cell, distance: f64) -> Result<Self> {
-        let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
-        let margins = cell.margins().remembering();
+        let margins = cell.posture_margins()?.remembering();
         let per_posture = margins.count();
         Ok(ActiveLimits {
             cell,
@@ -51,9 +49,8 @@ impl<'a> ActiveLimits<'a> {
             distance,
             per_posture,
             active: Vec::new(),
-            terms: PostureTerms::new(&cell.setup, &middle, None)?,
             values: vec![0.0; per_posture],
-            gradients: vec![0.0; per_posture * middle.len()],
+            gradients: vec![0.0; per_posture * cell.bounds.len()],
         })
     }
 
@@ -67,20 +64,21 @@ impl<'a> ActiveLimits<'a> {
         self.active.len()
     }
 
-    /// The posture looked at last.
-    pub(super) fn terms(&self) -> &PostureTerms {
-        &self.terms
+    /// The posture looked at last, load by load.
+    pub(super) fn terms(&self) -> impl Iterator<Item = &PostureTerms> {
+        self.margins.terms()
     }
 
     /// Largest violation of a limit by the posture `q` \[m\], 0 when all are met;
     /// infinite where there is no wrench.
     pub(super) fn violation_at(&mut self, q: &[f64]) -> f64 {
-        let setup = &self.cell.setup;
-        if self.terms.update(setup, q).is_err() {
+        let margins = &mut self.margins;
+        if margins
+            .evaluate(q, SCENE_DISTANCE, &mut self.values, None)
+            .is_err()
+        {
             return f64::INFINITY;
         }
-        self.margins
-            .evaluate(&self.terms, SCENE_DISTANCE, &mut self.values, None);
         self.values.iter().fold(0.0, |v, m| v.max(-m))
     }
 
@@ -92,8 +90,7 @@ impl<'a> ActiveLimits<'a> {
         for (p, q) in angles.chunks_exact(self.cell.bounds.len()).enumerate() {
             self.violation_at(q);
             let near = self.values.iter().enumerate();
-            let points = self.margins.point_count();
-            let within = |l: usize| match l < points {
+            let within = |l: usize| match self.margins.is_of_point(l) {
                 true => self.distance,
                 false => SCENE_DISTANCE.min(self.distance),
             };
@@ -118,17 +115,19 @@ impl<'a> ActiveLimits<'a> {
         if self.per_posture == 0 {
             return;
         }
-        let setup = &self.cell.setup;
+        let robot = &self.cell.setup.robot;
         let n = self.cell.bounds.len();
         let mut next = self.active.iter().enumerate().peekable();
         for (p, q) in angles.chunks_exact(n).enumerate() {
-            if self.terms.update(setup, q).is_err() {
+            let gradients = Some(&mut self.gradients[..]);
+            let margins = &mut self.margins;
+            if margins
+                .evaluate(q, SCENE_DISTANCE, &mut self.values, gradients)
+                .is_err()
+            {
                 out.violation = f64::INFINITY;
                 return;
             }
-            let gradients = Some(&mut self.gradients[..]);
-            self.margins
-                .evaluate(&self.terms, SCENE_DISTANCE, &mut self.values, gradients);
             for margin in &self.values {
                 out.violation = out.violation.max(-margin);
             }
@@ -136,13 +135,13 @@ impl<'a> ActiveLimits<'a> {
             while let Some((w, limit)) = next.next_if(|(_, limit)| **limit < end) {
                 let l = limit - p * self.per_posture;
                 let at = before + w;
-                let guard = match l < self.margins.point_count() {
+                let guard = match self.margins.is_of_point(l) {
                     true => LIMIT_GUARD,
                     false => SCENE_GUARD,
                 };
                 out.margins[at] = self.values[l] - guard;
                 let offset = at * variables + p * n;
-                setup.robot.gradient_to_controller(
+                robot.gradient_to_controller(
                     &self.gradients[l * n..(l + 1) * n],
                     &mut out.margin_gradients[offset..offset + n],
                 );

@@ -2,7 +2,6 @@
 
 use crate::error::Result;
 use crate::model::cell::Cell;
-use crate::model::observation::PostureTerms;
 use crate::numerics::streams::group_rng;
 use crate::plan::feasibility::nothing_meets;
 use rand::RngExt;
@@ -50,7 +49,7 @@ pub fn random_group(
 ) -> Result<Vec<Vec<f64>>> {
     let n = cell.setup.robot.joint_count();
     let mut rng = group_rng(seed, stream);
-    let mut margins = cell.margins();
+    let mut margins = cell.posture_margins()?;
     let bounds: Vec<[f64; 2]> = cell
         .bounds
         .iter()
@@ -68,8 +67,7 @@ pub fn random_group(
                     .iter()
                     .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
                     .collect();
-                let terms = PostureTerms::new(&cell.setup, &q, None)?;
-                if margins.least(&terms) >= 0.0 {
+                if margins.least(&q)? >= 0.0 {
                     return Ok(q);
                 }
             }

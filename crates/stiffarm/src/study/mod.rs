@@ -160,8 +160,9 @@ pub struct Study {
     pub findings: Vec<Finding>,
     /// Outline of the cell's tool box, corners \[m\], where it has one.
     pub tool_box_m: Option<[[f64; 3]; 2]>,
-    /// Rope anchor in the base frame \[m\], where there is one.
-    pub anchor_m: Option<[f64; 3]>,
+    /// Anchors of the ropes in the base frame \[m\].
+    #[serde(default)]
+    pub anchors_m: Vec<[f64; 3]>,
 }
 
 /// Runs the study from `initial` (Group 1).
@@ -318,10 +319,7 @@ pub fn study(
         interrupted: control.stopped(),
         findings,
         tool_box_m: cell.limits.tool_box.map(|b| b.map(Into::into)),
-        anchor_m: match cell.setup.load {
-            crate::model::load::Load::Rope { anchor, .. } => Some(anchor.into()),
-            _ => None,
-        },
+        anchors_m: cell.setup.load.anchors().map(|a| (*a).into()).collect(),
     };
     verdict::conclude(&mut study);
     Ok(study)
@@ -380,17 +378,15 @@ fn study_group(
     }
     let (mut correction_share_m, mut linearisation_m) = (0.0_f64, 0.0_f64);
     let mut arms_m = Vec::new();
+    let setups = cell.setup.cases();
     for posture in &group.postures {
-        let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
-        let share = second_order(&cell.setup, &posture.q, truth, None)?;
-        correction_share_m = share
-            .correction
-            .into_iter()
-            .fold(correction_share_m, f64::max);
-        linearisation_m = share
-            .linearisation
-            .into_iter()
-            .fold(linearisation_m, f64::max);
+        for setup in &setups {
+            let share = second_order(setup, &posture.q, truth, None)?;
+            let largest = |of: Vec<f64>, so_far: f64| of.into_iter().fold(so_far, f64::max);
+            correction_share_m = largest(share.correction, correction_share_m);
+            linearisation_m = largest(share.linearisation, linearisation_m);
+        }
+        let terms = PostureTerms::new(&setups[0], &posture.q, None)?;
         let mut arm = vec![[0.0; 3]];
         arm.extend(terms.frames().origins().iter().map(|o| [o.x, o.y, o.z]));
         arm.push(terms.frames().flange().translation.vector.into());

@@ -22,11 +22,8 @@ fn wrench_is_finite(wrench: &Wrench) -> bool {
     finite(&wrench.force) && finite(&wrench.moment)
 }
 
-fn cell_is_finite(cell: &Cell) -> bool {
-    let robot = &cell.setup.robot;
-    let tool = &cell.setup.tool;
-    let limits = &cell.limits;
-    let load = match &cell.setup.load {
+fn load_is_finite(load: &Load) -> bool {
+    match load {
         Load::Rope { anchor, magnitude } => finite(anchor) && magnitude.is_finite(),
         Load::Weight {
             magnitude,
@@ -34,7 +31,20 @@ fn cell_is_finite(cell: &Cell) -> bool {
         } => finite(direction) && magnitude.is_finite(),
         Load::Constant { wrench, .. } => wrench_is_finite(wrench),
         Load::Measured => true,
-    };
+        // Each of them is looked at.
+        Load::Cases(_) => false,
+    }
+}
+
+fn cell_is_finite(cell: &Cell) -> bool {
+    let robot = &cell.setup.robot;
+    let tool = &cell.setup.tool;
+    let limits = &cell.limits;
+    let points = cell.setup.load.cases().iter();
+    let load = cell.setup.load.each().all(load_is_finite)
+        && points
+            .filter_map(|case| case.loading_point)
+            .all(|p| finite(&p));
     let lengths = [limits.floor, limits.keep_out_radius, limits.wrist_height];
     load && finite(robot.coupling())
         && robot.spring_mixing().is_none_or(finite)

@@ -21,6 +21,7 @@ mod golden;
 mod gradients;
 mod identify;
 mod inverse;
+mod load_cases;
 mod map;
 mod measured_study;
 mod milling;

@@ -55,7 +55,7 @@ pub fn applied(cell: &Cell, chosen: Option<&DesignedLoad>) -> Cell {
         Load::Weight { magnitude, .. } => {
             *magnitude = chosen.magnitude_n.unwrap_or(*magnitude);
         }
-        Load::Constant { .. } | Load::Measured => {}
+        Load::Constant { .. } | Load::Measured | Load::Cases(_) => {}
     }
     cell
 }

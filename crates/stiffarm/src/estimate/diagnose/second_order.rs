@@ -51,7 +51,8 @@ pub(super) fn watched_shares(
     control: Control<'_>,
 ) -> Result<Vec<SecondOrderShare>> {
     in_order_watched(measured, "checking the equilibrium", control, |(_, m)| {
-        let parts = second_order(&cell.setup, &m.posture.q, stiffness, m.wrench.as_ref())?;
+        let setup = cell.setup.of_state(&m.state)?;
+        let parts = second_order(&setup, &m.posture.q, stiffness, m.wrench.as_ref())?;
         let largest = |changes: &[f64]| {
             let mut best = (0.0, 0.0);
             for (change, displacement) in changes.iter().zip(&parts.displacement) {

@@ -83,7 +83,8 @@ impl Experiment {
         for &m in states.iter().flatten() {
             let posture = &measured.postures[m];
             let wrench = posture.wrench.as_ref();
-            terms[m] = Some(PostureTerms::new(&cell.setup, &posture.posture.q, wrench)?);
+            let setup = cell.setup.of_state(&posture.state)?;
+            terms[m] = Some(PostureTerms::new(&setup, &posture.posture.q, wrench)?);
         }
         let experiment = Experiment {
             cell,

@@ -91,7 +91,7 @@ pub fn next_posture(
         let all: Option<Vec<f64>> = errors.iter().copied().collect();
         all.map_or(f64::INFINITY, |all| rms(&all))
     };
-    let value = |terms: &PostureTerms| Ok(error(&relative(&known.with(&cell, terms)?)));
+    let value = |q: &[f64]| Ok(error(&relative(&known.with(&cell, q)?)));
     let q = search::best_posture(&cell, options, control, &value)?.ok_or_else(|| {
         Error::new(
             Code::NotIdentifiable,
@@ -101,8 +101,7 @@ pub fn next_posture(
             ),
         )
     })?;
-    let terms = PostureTerms::new(&cell.setup, &q, None)?;
-    let after = relative(&known.with(&cell, &terms)?);
+    let after = relative(&known.with(&cell, &q)?);
     Ok(NextPosture {
         angles: q,
         before: relative(&Factor::new(&known.seen)?),
@@ -120,8 +119,8 @@ struct Known {
     seen: DMatrix<f64>,
     /// σ: a standard error per unit of information \[m\].
     sigma: f64,
-    /// Takes Ψ of one posture under the whole load (3m rows, point by point) to
-    /// white rows of all its load states.
+    /// Takes Ψ of one posture under the whole load (3m rows, point by point; of several
+    /// loads one below the other) to white rows of all its load states.
     root: DMatrix<f64>,
     /// The posture that the new one is measured like.
     posture: String,
@@ -164,10 +163,18 @@ impl Known {
         })
     }
 
-    /// Factor of the information with a posture of these terms.
-    fn with(&self, cell: &Cell, terms: &PostureTerms) -> Result<Factor> {
-        let new = &self.root * columns(cell, terms, &self.extra);
+    /// Factor of the information with a posture at these controller angles \[rad\].
+    fn with(&self, cell: &Cell, q: &[f64]) -> Result<Factor> {
         let (rows, unknowns) = self.seen.shape();
+        let setups = cell.setup.cases();
+        let each = 3 * cell.setup.tool.point_count();
+        let mut psi = DMatrix::zeros(each * setups.len(), unknowns);
+        for (number, setup) in setups.iter().enumerate() {
+            let terms = PostureTerms::new(setup, q, None)?;
+            psi.rows_mut(each * number, each)
+                .copy_from(&columns(cell, &terms, &self.extra));
+        }
+        let new = &self.root * psi;
         let mut all = DMatrix::zeros(rows + new.nrows(), unknowns);
         all.rows_mut(0, rows).copy_from(&self.seen);
         all.rows_mut(rows, new.nrows()).copy_from(&new);
@@ -176,16 +183,21 @@ impl Known {
 }
 
 /// White rows of a posture measured like `block` from its Ψ under the whole
-/// load of `cell`: R with RᵀR = FᵀV⁻¹F, where F lays the points' rows into the
-/// load states in proportion to their share of the load.
+/// load of `cell` (under each of several): R with RᵀR = FᵀV⁻¹F, where F lays the points'
+/// rows into the load states in proportion to their share of the load.
 fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Result<DMatrix<f64>> {
     let labels = fit.system().labels_of(block);
     let count = 3 * labels.len();
-    let mut lay = DMatrix::zeros(count, 3 * cell.setup.tool.point_count());
+    let setups = cell.setup.cases();
+    let each = 3 * cell.setup.tool.point_count();
+    let mut lay = DMatrix::zeros(count, each * setups.len());
     let mut shares = DVector::zeros(labels.len());
     for (d, label) in labels.iter().enumerate() {
         let (posture, point) = fit.experiment().behind(label);
-        let whole = PostureTerms::new(&cell.setup, &posture.posture.q, None)?;
+        let cases = cell.setup.load.cases();
+        let case = cases.iter().position(|case| case.is_of(&posture.state));
+        let case = case.unwrap_or(0);
+        let whole = PostureTerms::new(&setups[case], &posture.posture.q, None)?;
         let whole = DVector::from_column_slice(whole.torque());
         let size = whole.norm_squared();
         shares[d] = match fit.experiment().terms(label.measured) {
@@ -195,7 +207,7 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
             _ => 1.0,
         };
         for axis in 0..3 {
-            lay[(3 * d + axis, 3 * point + axis)] = shares[d];
+            lay[(3 * d + axis, each * case + 3 * point + axis)] = shares[d];
         }
     }
     let largest = shares.amax();

@@ -2,7 +2,6 @@
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::observation::PostureTerms;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::streams::chain_rng;
@@ -36,15 +35,14 @@ pub(super) fn best_posture(
     cell: &Cell,
     options: &GlobalOptions,
     control: Control<'_>,
-    value: &(impl Fn(&PostureTerms) -> Result<f64> + Sync),
+    value: &(impl Fn(&[f64]) -> Result<f64> + Sync),
 ) -> Result<Option<Vec<f64>>> {
     let begin = Instant::now();
     // Infinite outside the limits.
     let at = |q: &[f64]| -> Result<f64> {
-        let terms = PostureTerms::new(&cell.setup, q, None)?;
-        match cell.margins().least(&terms) < 0.0 {
+        match cell.posture_margins()?.least(q)? < 0.0 {
             true => Ok(f64::INFINITY),
-            false => value(&terms),
+            false => value(q),
         }
     };
     let mut best: Option<Candidate> = None;

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 pub struct ModelErrors {
     /// Scale of the force reading, one error for the whole experiment (fraction).
     pub force_scale: f64,
-    /// Force reading, a fresh error for each posture (fraction).
+    /// Force reading, a fresh error for each posture and load (fraction).
     pub force_per_posture: f64,
     /// Each joint angle of each posture \[rad\].
     pub joint_angle_rad: f64,
@@ -53,34 +53,49 @@ impl ModelErrors {
         let force_scale = 1.0 + normal(self.force_scale);
         let loading_shift = Vector3::from_fn(|_, _| normal(self.loading_point_m));
         let anchor_shift = Vector3::from_fn(|_, _| normal(self.anchor_m));
-        let mut truth: Setup = cell.setup.clone();
-        truth.tool.loading_point += loading_shift;
-        if let Load::Rope { anchor, .. } = &mut truth.load {
-            *anchor += anchor_shift;
+        let stated = cell.setup.cases();
+        let mut truths: Vec<Setup> = stated.clone();
+        for (number, truth) in truths.iter_mut().enumerate() {
+            // Loads at points and anchors of their own have errors of their own.
+            let (at_point, at_anchor) = match number {
+                0 => (loading_shift, anchor_shift),
+                _ => (
+                    Vector3::from_fn(|_, _| normal(self.loading_point_m)),
+                    Vector3::from_fn(|_, _| normal(self.anchor_m)),
+                ),
+            };
+            truth.tool.loading_point += at_point;
+            if let Load::Rope { anchor, .. } = &mut truth.load {
+                *anchor += at_anchor;
+            }
         }
         let rows = 3 * cell.setup.tool.point_count();
-        let mut out = DVector::zeros(rows * postures.len());
-        for (p, posture) in postures.iter().enumerate() {
+        let mut out = DVector::zeros(rows * postures.len() * stated.len());
+        let mut at = 0;
+        for posture in postures {
             let q: Vec<f64> = posture
                 .q
                 .iter()
                 .map(|a| a + normal(self.joint_angle_rad))
                 .collect();
-            let factor = force_scale * (1.0 + normal(self.force_per_posture));
-            let nominal = PostureTerms::new(&cell.setup, &posture.q, None)?;
-            let pull = PostureTerms::new(&truth, &q, None)?;
-            // The true force is the read one times `factor`.
-            let wrench = Wrench {
-                force: pull.wrench().force * factor,
-                moment: pull.wrench().moment * factor,
-            };
-            let actual = PostureTerms::new(&truth, &q, Some(&wrench))?;
-            let known = actual.known_displacement(&truth.tool)
-                - nominal.known_displacement(&cell.setup.tool);
-            let difference = (actual.block(&truth.robot) - nominal.block(&cell.setup.robot))
-                * compliance
-                + known;
-            out.rows_mut(rows * p, rows).copy_from(&difference);
+            for (stated, truth) in stated.iter().zip(&truths) {
+                let factor = force_scale * (1.0 + normal(self.force_per_posture));
+                let nominal = PostureTerms::new(stated, &posture.q, None)?;
+                let pull = PostureTerms::new(truth, &q, None)?;
+                // The true force is the read one times `factor`.
+                let wrench = Wrench {
+                    force: pull.wrench().force * factor,
+                    moment: pull.wrench().moment * factor,
+                };
+                let actual = PostureTerms::new(truth, &q, Some(&wrench))?;
+                let known = actual.known_displacement(&truth.tool)
+                    - nominal.known_displacement(&stated.tool);
+                let difference = (actual.block(&truth.robot) - nominal.block(&stated.robot))
+                    * compliance
+                    + known;
+                out.rows_mut(at, rows).copy_from(&difference);
+                at += rows;
+            }
         }
         Ok(out)
     }

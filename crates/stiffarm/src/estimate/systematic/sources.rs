@@ -102,7 +102,7 @@ pub(super) fn sources(believed: &Believed<'_>) -> Result<Vec<Source>> {
         "1",
         &|size| nominal.force_scale(size),
     )?;
-    if matches!(cell.setup.load, Load::Rope { .. }) && nominal.uses_rope() {
+    if cell.setup.load.has_rope() && nominal.uses_rope() {
         add("anchor", given.anchor, ANCHOR, "m", &|size| {
             nominal.anchor(size)
         })?;
@@ -207,35 +207,73 @@ impl Nominal<'_> {
                 force: stated.force / (1.0 + size),
                 moment: stated.moment / (1.0 + size),
             };
-            let terms = PostureTerms::new(&self.cell.setup, &posture.posture.q, Some(&truth))?;
+            let setup = self.cell.setup.of_state(&posture.state)?;
+            let terms = PostureTerms::new(&setup, &posture.posture.q, Some(&truth))?;
             Ok(self.displacement(posture, &terms)? - nominal)
         })?;
         Ok(vec![part])
     }
 
+    /// Each rope's anchor: of several load cases one after the other.
     fn anchor(&self, size: f64) -> Result<Vec<Part>> {
-        self.axes(|name, axis| {
-            let mut truth = self.cell.setup.clone();
+        let setups = self.cell.setup.cases();
+        let ropes = (0..setups.len()).filter(|i| matches!(setups[*i].load, Load::Rope { .. }));
+        let groups: Vec<_> = ropes.map(|i| (self.load_name(i), vec![i])).collect();
+        let shift = |truth: &mut Setup, axis: Vector3<f64>| {
             if let Load::Rope { anchor, .. } = &mut truth.load {
                 *anchor += axis * size;
             }
-            self.part(name, |posture, terms, nominal| {
-                self.moved(&truth, posture, terms, nominal)
-            })
-        })
+        };
+        self.of_loads(&setups, &groups, shift, |_| true)
     }
 
+    /// The tool's loading point, and those of load cases that have one of their own.
     fn loading_point(&self, size: f64) -> Result<Vec<Part>> {
-        self.axes(|name, axis| {
-            let mut truth = self.cell.setup.clone();
+        let setups = self.cell.setup.cases();
+        let cases = self.cell.setup.load.cases();
+        let own = |i: &usize| cases.get(*i).is_some_and(|c| c.loading_point.is_some());
+        let (alone, shared): (Vec<usize>, Vec<usize>) = (0..setups.len()).partition(own);
+        let mut groups = vec![(String::new(), shared)];
+        groups.extend(alone.into_iter().map(|i| (self.load_name(i), vec![i])));
+        groups.retain(|(_, loads)| !loads.is_empty());
+        let shift = |truth: &mut Setup, axis: Vector3<f64>| {
             truth.tool.loading_point += axis * size;
-            self.part(name, |posture, terms, nominal| {
-                if self.measures_moment(posture) {
-                    return Ok(nominal * 0.0);
-                }
-                self.moved(&truth, posture, terms, nominal)
-            })
-        })
+        };
+        self.of_loads(&setups, &groups, shift, |p| !self.measures_moment(p))
+    }
+
+    /// Of several load cases the name of one, with a space behind it.
+    fn load_name(&self, number: usize) -> String {
+        let case = self.cell.setup.load.cases().get(number);
+        case.map_or_else(String::new, |case| format!("{} ", case.name))
+    }
+
+    /// The three axes of a source that loads have, for each group of loads that have it in
+    /// common: `shift` moves their setups by it, in the states that it `concerns`.
+    fn of_loads(
+        &self,
+        setups: &[Setup],
+        groups: &[(String, Vec<usize>)],
+        shift: impl Fn(&mut Setup, Vector3<f64>),
+        concerns: impl Fn(&MeasuredPosture) -> bool,
+    ) -> Result<Vec<Part>> {
+        let cases = self.cell.setup.load.cases();
+        let mut parts = Vec::new();
+        for (load, members) in groups {
+            parts.extend(self.axes(|axis_name, axis| {
+                let mut truths = setups.to_vec();
+                truths.iter_mut().for_each(|truth| shift(truth, axis));
+                self.part(&format!("{load}{axis_name}"), |posture, terms, nominal| {
+                    let case = cases.iter().position(|case| case.is_of(&posture.state));
+                    let case = case.unwrap_or(0);
+                    match members.contains(&case) && concerns(posture) {
+                        true => self.moved(&truths[case], posture, terms, nominal),
+                        false => Ok(nominal * 0.0),
+                    }
+                })
+            })?);
+        }
+        Ok(parts)
     }
 
     /// Change of the displacements where `truth` holds instead of the cell.
@@ -251,7 +289,8 @@ impl Nominal<'_> {
             Some(wrench) if self.is_along_rope(posture, terms) => {
                 // Its size was measured, its direction follows the rope.
                 let rope = PostureTerms::new(truth, q, None)?.wrench().force;
-                let nominal = PostureTerms::new(&self.cell.setup, q, None)?.wrench().force;
+                let stated = self.cell.setup.of_state(&posture.state)?;
+                let nominal = PostureTerms::new(&stated, q, None)?.wrench().force;
                 let sign = wrench.force.dot(&nominal).signum();
                 let unit = rope.try_normalize(0.0).unwrap_or_default();
                 Some(Wrench::force(unit * (sign * wrench.force.norm())))
@@ -264,13 +303,16 @@ impl Nominal<'_> {
 
     /// True where the posture's force is, or points along, the cell's rope.
     fn is_along_rope(&self, posture: &MeasuredPosture, terms: &PostureTerms) -> bool {
+        let Ok(setup) = self.cell.setup.of_state(&posture.state) else {
+            return false;
+        };
         let Some(wrench) = &posture.wrench else {
-            return matches!(self.cell.setup.load, Load::Rope { .. });
+            return matches!(setup.load, Load::Rope { .. });
         };
         if wrench.moment != Vector3::zeros() {
             return false;
         }
-        let rope = match &self.cell.setup.load {
+        let rope = match &setup.load {
             Load::Rope { anchor, .. } => anchor - terms.loading_point(),
             _ => return false,
         };

@@ -100,14 +100,15 @@ pub fn calculated_displacements(
 ) -> Result<Vec<Vector3<f64>>> {
     joint_compliance(&cell.setup.robot, stiffness)?;
     let q = &measured.posture.q;
-    let terms = PostureTerms::new(&cell.setup, q, measured.wrench.as_ref())?;
+    let setup = &*cell.setup.of_state(&measured.state)?;
+    let terms = PostureTerms::new(setup, q, measured.wrench.as_ref())?;
     let known = known_displacement(cell, &terms, measured)?;
     let tool = &cell.setup.tool;
     // One equilibrium per posture moves all its points.
     let after = match model {
         Model::Linear => None,
         Model::Equilibrium => Some(
-            equilibrium(&cell.setup, q, stiffness, measured.wrench.as_ref())?
+            equilibrium(setup, q, stiffness, measured.wrench.as_ref())?
                 .frames()
                 .clone(),
         ),
@@ -116,7 +117,7 @@ pub fn calculated_displacements(
         .map(|a| {
             let twist = match &after {
                 None => linear_displacement(
-                    &cell.setup,
+                    setup,
                     &terms,
                     &terms.measuring_points()[a],
                     stiffness,
@@ -324,19 +325,30 @@ pub fn simulate_measurements(
 ) -> Result<Vec<MeasuredPosture>> {
     let points = cell.setup.tool.point_count();
     let mut rng = run_rng(seed, 1 << 16, 0, stream);
-    let noise = draw_noise(&mut rng, &cell.noise, postures.len(), points);
-    postures
+    let cases = cell.setup.load.cases();
+    let loads = cases.len().max(1);
+    let noise = draw_noise(&mut rng, &cell.noise, postures.len() * loads, points);
+    let states = postures
         .iter()
+        .flat_map(|posture| (0..loads).map(move |load| (posture, load)));
+    states
         .enumerate()
-        .map(|(p, posture)| {
+        .map(|(p, (posture, load))| {
             let mut measured = MeasuredPosture::new(posture.clone(), Vec::new());
+            if let Some(case) = cases.get(load) {
+                measured.state.clone_from(&case.name);
+            }
             let exact = calculated_displacements(cell, &measured, truth, model)?;
             measured.displacements = exact
                 .iter()
                 .enumerate()
                 .map(|(point, value)| {
                     let noise = noise.fixed_rows::<3>(3 * (points * p + point));
-                    Displacement::new(point, value + noise)
+                    Displacement {
+                        // Each load has an unloaded reading of its own.
+                        reference: load as u32,
+                        ..Displacement::new(point, value + noise)
+                    }
                 })
                 .collect();
             Ok(measured)

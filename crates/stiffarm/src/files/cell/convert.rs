@@ -208,7 +208,7 @@ fn limits(source: &Source<'_>, table: Option<&At<RawLimits>>, load: &Load) -> Re
         let key = "limits.rope_length_mm";
         let range = source.range(list, key)?;
         source.not_negative(&list.get()[0], "limits.rope_length_mm[1]")?;
-        if !matches!(load, Load::Rope { .. }) {
+        if !load.has_rope() {
             let message = "A limit of the rope's length needs a load of kind \"rope\".";
             let error = source.error(Code::Conflict, key, list.span(), message);
             return Err(error.hint("remove rope_length_mm, or set load.kind = \"rope\""));

@@ -99,7 +99,7 @@ pub(super) fn uncertainty(
     let Some(raw) = table.map(At::get) else {
         return Ok(Uncertainty::default());
     };
-    if let (Some(anchor), false) = (&raw.anchor_mm, matches!(load, Load::Rope { .. })) {
+    if let (Some(anchor), false) = (&raw.anchor_mm, load.has_rope()) {
         let message = "An uncertainty of the anchor needs a load of kind \"rope\".";
         let error = source.error(
             Code::Conflict,

@@ -202,7 +202,8 @@ impl MeasurementColumns {
             let hint = "add fx_n, fy_n, fz_n (zeros where a pure moment acts)";
             return fault(Some(moment[0]), Code::TableHeading, message, hint);
         }
-        if let (Some(load), Load::Constant { .. } | Load::Measured) = (load, &cell.setup.load) {
+        let has_force = |load: &Load| matches!(load, Load::Rope { .. } | Load::Weight { .. });
+        if let (Some(load), false) = (load, cell.setup.load.each().any(has_force)) {
             let message =
                 "Only a rope or a weight has one force per state, and the cell's load is neither.";
             let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\" or \"weight\"";

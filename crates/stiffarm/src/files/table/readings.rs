@@ -289,6 +289,10 @@ impl Reader<'_, '_> {
         }
         let mut states = group.of(&[Role::Preload, Role::Loaded]);
         let count = group.of(&[Role::Preload, Role::Loaded]).count();
+        if !self.cell.setup.load.cases().is_empty() {
+            // Each state is under the load case of its name.
+            return Ok(());
+        }
         let Some((row, state)) = states.find(|(_, state)| state.load.is_none()) else {
             return Ok(());
         };

@@ -12,8 +12,8 @@ use crate::model::posture::Posture;
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SheetOptions {
-    /// Load states in the order in which they are taken; `loaded` if none is
-    /// named. An unloaded state comes first where none is among them.
+    /// Load states in the order in which they are taken; if none is named, `loaded`, or
+    /// the cell's load cases with an unloaded state before each. An unloaded state comes first where none is among them.
     pub states: Vec<String>,
     /// Whether each posture ends with another unloaded state, which shows the drift.
     pub drift: bool,
@@ -23,12 +23,21 @@ pub struct SheetOptions {
 
 impl SheetOptions {
     /// All states of a posture, in the order in which they are taken.
-    fn all_states(&self) -> Vec<String> {
+    fn all_states(&self, cell: &Cell) -> Vec<String> {
         let mut states = self.states.clone();
-        if states.is_empty() {
-            states.push(DEFAULT_STATE.to_string());
-        }
         let is_unloaded = |state: &String| Role::of(state) == Role::Unloaded;
+        if states.is_empty() {
+            states = default_states(cell);
+            // Before each of several loads the arm is read unloaded again: so each
+            // displacement has an unloaded reading of its own, and drift shows.
+            let loads = states.len();
+            for number in (2..=loads).rev() {
+                states.insert(number - 1, format!("unloaded-{number}"));
+            }
+            if loads > 1 {
+                states.insert(0, "unloaded".to_string());
+            }
+        }
         if !states.iter().any(is_unloaded) {
             states.insert(0, "unloaded".to_string());
         }
@@ -40,13 +49,21 @@ impl SheetOptions {
     }
 }
 
+/// The loads of the cell by name, `loaded` where there is one.
+fn default_states(cell: &Cell) -> Vec<String> {
+    match cell.setup.load.cases() {
+        [] => vec![DEFAULT_STATE.to_string()],
+        cases => cases.iter().map(|case| case.name.clone()).collect(),
+    }
+}
+
 /// A sheet for raw readings: the rows of [`read_readings`](super::read_readings)
 /// for each posture, load state and point, with empty fields for what is to be
 /// read. It has columns of force where the cell has a sensor or its load is
 /// measured, `load_n` where a rope or weight has several load states, and the
 /// angles of the posture, to be replaced by those that the controller shows.
 pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> String {
-    let states = options.all_states();
+    let states = options.all_states(cell);
     let forces = asks_for_forces(cell) || cell.sensor.is_some();
     let loads = states
         .iter()
@@ -71,13 +88,11 @@ pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) 
 
 /// A sheet for displacements that were calculated elsewhere: the rows of
 /// [`read_displacements`](super::read_displacements) for each posture, load
-/// state (`loaded` if none is named) and measuring point.
+/// state (if none is named `loaded`, or the cell's load cases) and measuring point.
 pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> String {
-    let states = if states.is_empty() {
-        &[DEFAULT_STATE]
-    } else {
-        states
-    };
+    let own = default_states(cell);
+    let own: Vec<&str> = own.iter().map(String::as_str).collect();
+    let states = if states.is_empty() { &own } else { states };
     let layout = Layout {
         values: Values::Displacements,
         forces: asks_for_forces(cell),

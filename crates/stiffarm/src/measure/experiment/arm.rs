@@ -30,14 +30,14 @@ pub(super) struct Arm {
 
 impl Arm {
     pub fn new(
-        cell: &Cell,
+        setup: &Setup,
         posture: &Posture,
         stiffness: &[f64],
         compliance: &DMatrix<f64>,
         options: &Experiment,
         factor: f64,
     ) -> Result<Self> {
-        let setup = scaled(&cell.setup, factor);
+        let setup = scaled(setup, factor);
         let robot = &setup.robot;
         let terms = PostureTerms::new(&setup, &posture.q, None)?;
         let torque = DVector::from_column_slice(terms.torque());
@@ -152,7 +152,7 @@ fn scaled(setup: &Setup, factor: f64) -> Setup {
             wrench.force *= factor;
             wrench.moment *= factor;
         }
-        Load::Measured => {}
+        Load::Measured | Load::Cases(_) => {}
     }
     out
 }

@@ -16,6 +16,7 @@ use crate::model::tool::NamedPoint;
 use crate::numerics::streams::experiment_rng;
 use arm::Arm;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::borrow::Cow;
 use tracker::{SimulatedTracker, normal3};
 
 /// One load state of a simulated experiment.
@@ -164,7 +165,8 @@ impl Default for Experiment {
 impl Experiment {
     /// An experiment as an engineer does it: a tracker four metres away in axes
     /// of its own, drifting; unloaded, half the load, all of it, half again,
-    /// unloaded; each reflector read twice, one of them on the base; what the
+    /// unloaded, or where there are load cases each of them between unloaded states; each
+    /// reflector read twice, one of them on the base; what the
     /// force sensor reads where the cell has one, with 12 kg of tool on it, else
     /// the force of the rope or weight; the noise of the cell.
     pub fn as_measured(cell: &Cell) -> Self {
@@ -184,17 +186,30 @@ impl Experiment {
                 Translation3::new(4.2, -1.8, 0.9),
                 UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4),
             ),
-            states: vec![
-                state("unloaded".to_string(), 0.0),
-                state(named("up", 0.5, "up-half"), 0.5),
-                state(named("up", 1.0, "full"), 1.0),
-                state(named("down", 0.5, "down-half"), 0.5),
-                state("unloaded-2".to_string(), 0.0),
-            ],
+            states: match cell.setup.load.cases() {
+                [] => vec![
+                    state("unloaded".to_string(), 0.0),
+                    state(named("up", 0.5, "up-half"), 0.5),
+                    state(named("up", 1.0, "full"), 1.0),
+                    state(named("down", 0.5, "down-half"), 0.5),
+                    state("unloaded-2".to_string(), 0.0),
+                ],
+                // Unloaded before, between and after the loads.
+                cases => {
+                    let mut states = vec![state("unloaded".to_string(), 0.0)];
+                    for (case, number) in cases.iter().zip(2..) {
+                        states.push(state(case.name.clone(), 1.0));
+                        states.push(state(format!("unloaded-{number}"), 0.0));
+                    }
+                    states
+                }
+            },
             model: DisplacementModel::Equilibrium,
             force: match (by_sensor, &cell.setup.load) {
                 (true, _) => ForceRecord::ForceAndMoment,
                 (false, Load::Rope { .. } | Load::Weight { .. }) => ForceRecord::Load,
+                // Each load is as the cell says.
+                (false, Load::Cases(_)) => ForceRecord::Nothing,
                 (false, _) => ForceRecord::Force,
             },
             base_reflectors: vec![NamedPoint {
@@ -274,13 +289,19 @@ pub fn experiment(
         time: 0.0,
     };
     let compliance = joint_compliance(&cell.setup.robot, stiffness)?;
+    let unloaded = cell.setup.cases().swap_remove(0);
     let mut rng = experiment_rng(seed, stream);
     let mut out = Vec::with_capacity(postures.len());
     for posture in postures {
         let mut states = Vec::with_capacity(options.states.len());
         for state in &options.states {
             let factor = state.load_factor;
-            let arm = Arm::new(cell, posture, stiffness, &compliance, options, factor)?;
+            // Without load it does not matter which of several it is.
+            let setup = match factor {
+                0.0 => Cow::Borrowed(&unloaded),
+                _ => cell.setup.of_state(&state.name)?,
+            };
+            let arm = Arm::new(&setup, posture, stiffness, &compliance, options, factor)?;
             let common = match Role::of(&state.name) {
                 Role::Loaded => normal3(&mut rng) * options.posture_common_std,
                 Role::Unloaded | Role::Preload => Vector3::zeros(),
@@ -304,7 +325,7 @@ pub fn experiment(
                     .is_some()
                     .then_some(arm.angles.clone()),
                 wrench: arm.recorded(cell, options, &mut rng),
-                load: match (options.force, &cell.setup.load) {
+                load: match (options.force, &setup.load) {
                     (
                         ForceRecord::Load,
                         Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. },

@@ -262,8 +262,10 @@ fn expected_force(
     posture: &PostureSeries<'_>,
     measured: &[MeasuredPosture],
 ) -> Vec<Option<f64>> {
-    let (Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. }) = cell.setup.load else {
-        return vec![None; measured.len()];
+    let several = !cell.setup.load.cases().is_empty();
+    let magnitude = |m: &MeasuredPosture| match cell.setup.of_state(&m.state).ok()?.load {
+        Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => Some(magnitude),
+        _ => None,
     };
     let states = &posture.readings.states;
     let unloaded = posture.reference == Role::Unloaded;
@@ -274,14 +276,16 @@ fn expected_force(
     let force = |m: &MeasuredPosture| m.wrench.map_or(0.0, |w| w.force.norm());
     let strongest = measured.iter().map(force).fold(0.0, f64::max);
     let expected = |m: &MeasuredPosture| {
+        let magnitude = magnitude(m)?;
         let load = states
             .iter()
             .find(|s| s.state == m.state)
             .and_then(|s| s.load);
+        let is_full = several || force(m) == strongest;
         match load.zip(reference) {
             Some((load, reference)) => Some(load - reference),
             // Without the table's word only the full load is known.
-            None => (load.is_none() && unloaded && force(m) == strongest).then_some(magnitude),
+            None => (load.is_none() && unloaded && is_full).then_some(magnitude),
         }
     };
     measured.iter().map(expected).collect()

@@ -9,6 +9,7 @@ use crate::model::instruments::Mount;
 use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{Role, StateReadings, WrenchColumns};
+use crate::model::observation::Setup;
 use nalgebra::SVector;
 
 /// Wrench on the robot at the loading point, base axes, in the loaded state
@@ -36,8 +37,18 @@ pub(super) fn wrench(
     number: usize,
 ) -> Result<Option<Wrench>> {
     let state = &posture.readings.states[number];
+    let setup = &*cell.setup.of_state(&state.state)?;
+    if !cell.setup.load.cases().is_empty() && posture.reference == Role::Preload {
+        return Err(missing(
+            posture,
+            state,
+            "a preload as reference, and the cell has several load cases",
+            "take differences against unloaded readings, or put one load alone into [load]",
+        ));
+    }
     if columns == WrenchColumns::None {
-        return by_load(cell, posture, state, number);
+        let several = !cell.setup.load.cases().is_empty();
+        return by_load(setup, several, posture, state, number);
     }
     let Some(loaded) = &state.wrench else {
         return Err(missing(
@@ -51,8 +62,8 @@ pub(super) fn wrench(
         s.wrench.as_ref().map(to_vector)
     })?;
     let difference = to_wrench(to_vector(loaded) - reference);
-    let frames = Frames::new(&cell.setup.robot, &posture.q);
-    let at = frames.point(&cell.setup.tool.loading_point);
+    let frames = Frames::new(&setup.robot, &posture.q);
+    let at = frames.point(&setup.tool.loading_point);
     let mut wrench = match &cell.sensor {
         Some(sensor) => sensor.wrench_on_robot(&frames, &difference, &at),
         None => difference,
@@ -65,13 +76,18 @@ pub(super) fn wrench(
 
 /// By the cell's own load, scaled to the force the table gives.
 fn by_load(
-    cell: &Cell,
+    setup: &Setup,
+    several: bool,
     posture: &PostureSeries<'_>,
     state: &StateReadings,
     number: usize,
 ) -> Result<Option<Wrench>> {
-    let given = posture.readings.states.iter().any(|s| s.load.is_some());
-    let mut unit = cell.setup.load.clone();
+    // Of several load cases some may have a force in the table and others none.
+    let given = match several {
+        true => state.load.is_some(),
+        false => posture.readings.states.iter().any(|s| s.load.is_some()),
+    };
+    let mut unit = setup.load.clone();
     let full = match &mut unit {
         Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
             std::mem::replace(magnitude, 1.0)
@@ -85,7 +101,7 @@ fn by_load(
                 "give fx_n, fy_n, fz_n with each state",
             ));
         }
-        Load::Constant { .. } | Load::Measured if given => {
+        Load::Constant { .. } | Load::Measured | Load::Cases(_) if given => {
             return Err(Error::new(
                 Code::Conflict,
                 "The table gives the force of a rope or weight, but the cell's load is neither.",
@@ -93,7 +109,7 @@ fn by_load(
             .key("load_n")
             .hint("set load.kind to \"rope\" or \"weight\", or give fx_n, fy_n, fz_n"));
         }
-        Load::Constant { .. } | Load::Measured => {
+        Load::Constant { .. } | Load::Measured | Load::Cases(_) => {
             return Err(missing(
                 posture,
                 state,
@@ -108,8 +124,8 @@ fn by_load(
     let loaded = state.load.unwrap_or(full);
     let of_state = |s: &StateReadings| s.load.map(SVector::<f64, 1>::new);
     let reference = reference(posture, number, "no load_n", of_state)?[0];
-    let frames = Frames::new(&cell.setup.robot, &posture.q);
-    let at = frames.point(&cell.setup.tool.loading_point);
+    let frames = Frames::new(&setup.robot, &posture.q);
+    let at = frames.point(&setup.tool.loading_point);
     Ok(unit.wrench(&frames, &at).map(|one| Wrench {
         force: one.force * (loaded - reference),
         moment: one.moment * (loaded - reference),
@@ -230,7 +246,7 @@ pub(super) fn findings(
     }
     let moment =
         |load: &Load| matches!(load, Load::Constant { wrench, .. } if wrench.moment.norm() > 0.0);
-    if columns == WrenchColumns::Force && moment(&cell.setup.load) {
+    if columns == WrenchColumns::Force && cell.setup.load.each().any(moment) {
         out.push(Finding::new(
             "moment-not-read",
             Severity::Caution,

@@ -94,7 +94,11 @@ pub(super) fn wrench_check(
         .iter()
         .filter_map(|m| Some((Frames::new(robot, &m.posture.q), m.wrench?)))
         .collect();
-    let pure_force = !matches!(cell.setup.load, Load::Constant { .. });
+    // Loads at points of their own have moments about the tool's loading point.
+    let pure = |load: &Load| !matches!(load, Load::Constant { .. });
+    let cases = cell.setup.load.cases();
+    let pure_force =
+        cell.setup.load.each().all(pure) && cases.iter().all(|case| case.loading_point.is_none());
     Some(WrenchCheck {
         application_point: match pure_force && columns == WrenchColumns::ForceAndMoment {
             true => application_point(&loads),
@@ -157,15 +161,15 @@ fn directions(
     measured: &[MeasuredPosture],
     expected: &[Option<f64>],
 ) -> Vec<ForceDirection> {
-    let load = &cell.setup.load;
-    if !matches!(load, Load::Rope { .. } | Load::Weight { .. }) {
-        return Vec::new();
-    }
     let direction = |(m, expected): (&MeasuredPosture, &Option<f64>)| {
         let force = m.wrench?.force;
-        let frames = Frames::new(&cell.setup.robot, &m.posture.q);
-        let at = frames.point(&cell.setup.tool.loading_point);
-        let along = load.wrench(&frames, &at)?.force;
+        let setup = cell.setup.of_state(&m.state).ok()?;
+        if !matches!(setup.load, Load::Rope { .. } | Load::Weight { .. }) {
+            return None;
+        }
+        let frames = Frames::new(&setup.robot, &m.posture.q);
+        let at = frames.point(&setup.tool.loading_point);
+        let along = setup.load.wrench(&frames, &at)?.force;
         // The angle between vectors, also where it is tiny.
         let angle = force.cross(&along).norm().atan2(force.dot(&along));
         Some(ForceDirection {
@@ -200,6 +204,7 @@ fn direction_findings(cell: &Cell, directions: &[ForceDirection], out: &mut Vec<
     }
     let what = match cell.setup.load {
         Load::Weight { .. } => "gravity",
+        Load::Cases(_) => "the loads of the cell",
         _ => "the rope",
     };
     let angles: Vec<f64> = directions.iter().map(|d| d.angle_rad).collect();

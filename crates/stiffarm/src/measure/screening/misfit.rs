@@ -18,12 +18,16 @@ pub(super) fn give(work: &Work, p: usize) -> f64 {
     else {
         return GIVE;
     };
-    let Ok(terms) = PostureTerms::new(work.setup(), &state.q, None) else {
-        return GIVE;
-    };
     let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
-    let expected = terms.block(&work.setup().robot) * compliance;
-    (GIVE_FACTOR * expected.amax()).max(GIVE)
+    let mut most = GIVE;
+    for setup in work.setup().cases() {
+        let Ok(terms) = PostureTerms::new(&setup, &state.q, None) else {
+            return GIVE;
+        };
+        let expected = terms.block(&setup.robot) * &compliance;
+        most = most.max(GIVE_FACTOR * expected.amax());
+    }
+    most
 }
 
 /// Largest distance between the points of two states \[m\].

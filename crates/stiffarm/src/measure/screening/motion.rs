@@ -125,8 +125,8 @@ fn displacement(
     s: usize,
     reference: usize,
 ) -> Option<Move> {
-    let setup = work.setup();
     let (state, before) = (work.sheet.at((p, s)), work.sheet.at((p, reference)));
+    let setup = &*work.setup().of_state(&state.name).ok()?;
     let wrench = wrench(work, state, before)?;
     let terms = PostureTerms::new(setup, &before.q, wrench.as_ref()).ok()?;
     let (block, known) = (
@@ -182,7 +182,7 @@ fn wrench(
     now: &super::sheet::State,
     before: &super::sheet::State,
 ) -> Option<Option<Wrench>> {
-    let setup = work.setup();
+    let setup = &*work.setup().of_state(&now.name).ok()?;
     let frames = Frames::new(&setup.robot, &before.q);
     let at = frames.point(&setup.tool.loading_point);
     if let Some(loaded) = now.wrench {

@@ -1,16 +1,16 @@
 //! All limits of a cell at one posture: those on points and those of the scene.
 
 use super::{Cell, LimitKind, LimitMargin, Limits};
-use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::scene::{Scene, Sight, Work};
+use std::borrow::Cow;
 
 /// The limits of a cell, ready to be looked at posture by posture.
 #[derive(Debug, Clone)]
 pub struct Margins<'a> {
-    setup: &'a Setup,
+    setup: Cow<'a, Setup>,
     limits: &'a Limits,
-    scene: &'a Scene,
+    scene: Cow<'a, Scene>,
     work: Work,
     point_count: usize,
     count: usize,
@@ -25,7 +25,7 @@ impl Cell {
     /// The kinds of limits that the cell has.
     pub fn limit_kinds(&self) -> Vec<LimitKind> {
         let (limits, scene) = (&self.limits, &self.scene);
-        let is_rope = matches!(self.setup.load, Load::Rope { .. });
+        let is_rope = self.setup.load.has_rope();
         let rope = scene.rope().filter(|_| is_rope);
         let faces = |sight: &Sight| sight.facings.iter().any(Option::is_some);
         let has = |kind: &LimitKind| match kind {
@@ -68,22 +68,31 @@ impl Cell {
 impl<'a> Margins<'a> {
     /// Limits on points and of the scene for this setup.
     pub fn new(setup: &'a Setup, limits: &'a Limits, scene: &'a Scene) -> Self {
-        let point_count = limits.count(setup);
+        Margins::of(Cow::Borrowed(setup), limits, Cow::Borrowed(scene))
+    }
+
+    pub(super) fn of(setup: Cow<'a, Setup>, limits: &'a Limits, scene: Cow<'a, Scene>) -> Self {
+        let point_count = limits.count(&setup);
         Margins {
+            point_count,
+            count: point_count + scene.count(&setup),
             setup,
             limits,
             scene,
             work: Work::default(),
-            point_count,
-            count: point_count + scene.count(setup),
         }
     }
 
     /// The same for a posture that moves by small steps: distances that were large are not looked at
     /// again before the arm may have made them small.
     pub(crate) fn remembering(mut self) -> Self {
-        self.work = Work::remembering(self.scene, self.setup);
+        self.work = Work::remembering(&self.scene, &self.setup);
         self
+    }
+
+    /// Robot, tool and load.
+    pub(crate) fn setup(&self) -> &Setup {
+        &self.setup
     }
 
     /// Number of margins per posture.
@@ -98,8 +107,8 @@ impl<'a> Margins<'a> {
 
     /// All margins of one posture by name, in a fixed order.
     pub fn named(&mut self, terms: &PostureTerms) -> Vec<LimitMargin> {
-        let mut margins = self.limits.margins(self.setup, terms);
-        let scene = self.scene.margins(self.setup, terms).into_iter();
+        let mut margins = self.limits.margins(&self.setup, terms);
+        let scene = self.scene.margins(&self.setup, terms).into_iter();
         margins.extend(scene.map(|m| LimitMargin {
             kind: m.kind,
             point: m.subject,
@@ -119,14 +128,19 @@ impl<'a> Margins<'a> {
     /// where every limit is met.
     pub fn least(&mut self, terms: &PostureTerms) -> f64 {
         let mut values = vec![0.0; self.point_count];
-        self.limits.evaluate(self.setup, terms, &mut values, None);
+        self.limits.evaluate(&self.setup, terms, &mut values, None);
         let mut least = values.iter().fold(f64::INFINITY, |l, v| l.min(*v));
         // Far shapes need not be told exactly.
         let enough = |_| 0.0;
-        self.scene
-            .visit(self.setup, terms, &mut self.work, enough, |_, margin, _| {
+        self.scene.visit(
+            &self.setup,
+            terms,
+            &mut self.work,
+            enough,
+            |_, margin, _| {
                 least = least.min(margin);
-            });
+            },
+        );
         least
     }
 
@@ -145,10 +159,10 @@ impl<'a> Margins<'a> {
         let head = gradients
             .as_deref_mut()
             .map(|g| &mut g[..self.point_count * n]);
-        self.limits.evaluate(self.setup, terms, points, head);
+        self.limits.evaluate(&self.setup, terms, points, head);
         let mut rows = gradients.map(|g| &mut g[self.point_count * n..]);
         self.scene.visit(
-            self.setup,
+            &self.setup,
             terms,
             &mut self.work,
             |_| enough,

@@ -5,12 +5,14 @@
 mod columns;
 mod limits;
 mod margins;
+mod posture_margins;
 mod task;
 
 pub use crate::model::limit::{LimitKind, LimitMargin, MarginUnit};
 pub use columns::Columns;
 pub use limits::Limits;
 pub use margins::Margins;
+pub use posture_margins::PostureMargins;
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
@@ -155,6 +157,34 @@ impl Cell {
             columns: Columns::default(),
             work: Work::default(),
         }
+    }
+
+    /// The cell under each of its loads: itself alone where there are no load cases.
+    pub fn cases(&self) -> Vec<Cell> {
+        let under = |setup| Cell {
+            setup,
+            ..self.clone()
+        };
+        self.setup.cases().into_iter().map(under).collect()
+    }
+
+    /// The cell under the load case `name` alone.
+    ///
+    /// # Errors
+    /// No such load case.
+    pub fn under(&self, name: &str) -> Result<Cell> {
+        let cases = self.setup.load.cases();
+        if let Some(number) = cases.iter().position(|case| case.name == name) {
+            return Ok(self.cases().swap_remove(number));
+        }
+        let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+        let message = format!("The cell has no load case \"{name}\".");
+        Err(
+            Error::new(Code::InvalidValue, message).hint(match names[..] {
+                [] => "it has a single load: leave the name out".to_string(),
+                _ => format!("its load cases: {}", names.join(", ")),
+            }),
+        )
     }
 
     /// The prior stiffness, or an error that says which key gives it.

@@ -26,6 +26,20 @@ impl Candidate {
         PostureTerms::new(setup, &self.q, self.wrench.as_ref())
     }
 
+    /// The same under each load of the setup, or under the wrench that is its own.
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub fn states(&self, setup: &Setup) -> Result<Vec<PostureTerms>> {
+        match self.wrench {
+            Some(_) => Ok(vec![self.terms(setup)?]),
+            None => {
+                let cases = setup.cases();
+                cases.iter().map(|case| self.terms(case)).collect()
+            }
+        }
+    }
+
     /// The postures of an experiment in their order; of several load states of one, that
     /// under the largest force.
     pub fn of_measured(measured: &[MeasuredPosture]) -> Vec<Candidate> {

@@ -11,10 +11,11 @@ pub(crate) use extra::{link_axes, on_first_axis};
 
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
-use crate::model::load::{Load, Wrench};
+use crate::model::load::{Load, LoadCase, Wrench};
 use crate::model::robot::Robot;
 use crate::model::tool::Tool;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+use std::borrow::Cow;
 
 /// What is loaded and measured: robot, tool and load.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,46 @@ pub struct Setup {
     pub tool: Tool,
     /// Its load.
     pub load: Load,
+}
+
+impl Setup {
+    /// The setup under each of its loads: itself alone where there are no load cases.
+    pub fn cases(&self) -> Vec<Setup> {
+        let under = |case: &LoadCase| Setup {
+            robot: self.robot.clone(),
+            tool: self.tool.loaded_at(case.loading_point),
+            load: case.load.clone(),
+        };
+        match self.load.cases() {
+            [] => vec![self.clone()],
+            cases => cases.iter().map(under).collect(),
+        }
+    }
+
+    /// The setup under the load that readings of the state `state` were taken under: itself
+    /// where there are no load cases.
+    ///
+    /// # Errors
+    /// A state that belongs to none of the load cases.
+    pub fn of_state(&self, state: &str) -> Result<Cow<'_, Setup>> {
+        let cases = self.load.cases();
+        if cases.is_empty() {
+            return Ok(Cow::Borrowed(self));
+        }
+        match cases.iter().position(|case| case.is_of(state)) {
+            Some(number) => Ok(Cow::Owned(self.cases().swap_remove(number))),
+            None => {
+                let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+                let message = format!("The state \"{state}\" belongs to no load case of the cell.");
+                Err(Error::new(Code::InvalidValue, message)
+                    .key("state")
+                    .hint(format!(
+                        "name states after the load cases, with -2 and so on where one is taken again: {}",
+                        names.join(", ")
+                    )))
+            }
+        }
+    }
 }
 
 /// Which rows a measuring point gives.
@@ -107,15 +148,21 @@ impl PostureTerms {
             None => setup
                 .load
                 .wrench(&self.frames, &self.loading_point)
-                .ok_or_else(|| {
-                    Error::new(
+                .ok_or_else(|| match &setup.load {
+                    Load::Cases(_) => Error::new(
+                        Code::Unsupported,
+                        "The cell has several load cases, and one load is asked for.",
+                    )
+                    .key("load.case")
+                    .hint("name one of them, or put it alone into [load]"),
+                    _ => Error::new(
                         Code::MissingKey,
                         "The load is measured, but this posture comes with no force.",
                     )
                     .hint(
                         "give fx_n, fy_n, fz_n with each measurement; to plan or simulate, set load.kind to \
                          \"rope\", \"weight\" or \"wrench\" as the load will be",
-                    )
+                    ),
                 })?,
         };
         for j in 0..n {
@@ -256,7 +303,8 @@ impl PostureTerms {
 
 /// Observation matrix of several postures (controller angles, rad), stacked
 /// posture by posture: (3m · postures) × n for [`Rows::Translations`],
-/// (6m · postures) × n for [`Rows::FullPose`].
+/// (6m · postures) × n for [`Rows::FullPose`]; where there are load cases, the rows of a
+/// posture are as many times more, load by load.
 ///
 /// # Errors
 /// As [`PostureTerms::new`]; a length that is not above zero.
@@ -281,11 +329,15 @@ pub fn observation_matrix<Q: AsRef<[f64]>>(
         Rows::Translations => 3,
         Rows::FullPose { .. } => 6,
     };
-    let mut psi = DMatrix::zeros(per_point * m * postures.len(), n);
-    for (p, q) in postures.iter().enumerate() {
+    let setups = setup.cases();
+    let mut psi = DMatrix::zeros(per_point * m * postures.len() * setups.len(), n);
+    let states = postures
+        .iter()
+        .flat_map(|q| setups.iter().map(move |s| (s, q)));
+    for (s, (setup, q)) in states.enumerate() {
         let terms = PostureTerms::new(setup, q.as_ref(), None)?;
         let block = terms.block(&setup.robot);
-        let start = per_point * m * p;
+        let start = per_point * m * s;
         match rows {
             Rows::Translations => psi.rows_mut(start, 3 * m).copy_from(&block),
             Rows::FullPose { length } => {

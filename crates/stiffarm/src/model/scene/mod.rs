@@ -129,6 +129,12 @@ impl Scene {
         scene
     }
 
+    /// The same without several kinds of limit.
+    pub(crate) fn without_all(&self, kinds: &[crate::model::limit::LimitKind]) -> Self {
+        let without = |scene: Scene, kind: &_| scene.without(*kind);
+        kinds.iter().fold(self.clone(), without)
+    }
+
     fn name(&self, part: usize) -> &str {
         &self.parts[part].name
     }

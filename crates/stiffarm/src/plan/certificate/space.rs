@@ -189,12 +189,19 @@ impl<'a> PostureSpace<'a> {
         if limits.violation_at(&q) > 0.0 {
             return (q, None);
         }
-        let information = posture_information(&self.block(limits.terms()), self.common_weight);
+        let information = self.sum(limits.terms());
         let finite = information.iter().all(|v| v.is_finite());
         (q, finite.then_some(information))
     }
 
-    /// Ψ K⁻¹ of one posture, 3m × n.
+    /// Information of one posture under all its loads.
+    fn sum<'b>(&self, loads: impl Iterator<Item = &'b PostureTerms>) -> DMatrix<f64> {
+        let each = loads.map(|terms| posture_information(&self.block(terms), self.common_weight));
+        let nothing = || DMatrix::zeros(self.unknowns(), self.unknowns());
+        each.reduce(|sum, own| sum + own).unwrap_or_else(nothing)
+    }
+
+    /// Ψ K⁻¹ of one posture under one load, 3m × n.
     fn block(&self, terms: &PostureTerms) -> DMatrix<f64> {
         let mut block = terms.block(&self.cell.setup.robot);
         for (j, compliance) in self.prior_compliance.iter().enumerate() {
@@ -242,8 +249,16 @@ impl DesignSpace for PostureSpace<'_> {
     }
 
     fn information(&self, point: &[f64]) -> DMatrix<f64> {
-        match PostureTerms::new(&self.cell.setup, point, None) {
-            Ok(terms) => posture_information(&self.block(&terms), self.common_weight),
+        let under = |setup| PostureTerms::new(setup, point, None);
+        match self
+            .cell
+            .setup
+            .cases()
+            .iter()
+            .map(under)
+            .collect::<Result<Vec<_>>>()
+        {
+            Ok(terms) => self.sum(terms.iter()),
             // Whoever takes postures from outside refuses these.
             Err(_) => DMatrix::from_element(self.unknowns(), self.unknowns(), f64::NAN),
         }

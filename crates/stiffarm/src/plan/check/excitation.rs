@@ -7,7 +7,7 @@ use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
 use crate::units::m_to_mm;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// What a check found out about one joint, over all sampled postures.
@@ -150,12 +150,14 @@ fn reason(cell: &Cell, terms: &[&PostureTerms], j: usize, undetermined: &[usize]
                 robot does that to joint 1); pull sideways"
             .to_string();
     }
-    if let Load::Rope { anchor, .. } = &cell.setup.load
-        && always(&|t| {
+    let axis_passes = |anchor: &Vector3<f64>| {
+        always(&|t| {
             let offset = anchor - t.frames.origins()[j];
             offset.cross(&t.frames.axes()[j]).norm() <= near
         })
-    {
+    };
+    let anchored = |load: &Load| matches!(load, Load::Rope { anchor, .. } if axis_passes(anchor));
+    if cell.setup.load.each().all(anchored) {
         return "the rope's anchor lies on its axis, so that the force passes through the axis; move the anchor"
             .to_string();
     }

@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::load::{Load, Wrench};
-use crate::model::observation::{PostureTerms, check_angles};
+use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::robot::{DoubtAbout, Robot};
 use crate::units::rad_to_shortest_deg;
 use nalgebra::Vector3;
@@ -132,7 +132,7 @@ fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
 
 /// One sampled posture.
 struct Sample {
-    /// Its terms; three of them, under unit forces along x, y and z, where the
+    /// Its terms under each load; three of them, under unit forces along x, y and z, where the
     /// force is only known once it is measured.
     terms: Vec<PostureTerms>,
     /// The limit it violates most.
@@ -143,12 +143,13 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
     let setup = &cell.setup;
     let middle: Vec<f64> = cell.bounds.iter().map(|b| (b[0] + b[1]) / 2.0).collect();
     check_angles(&setup.robot, &middle)?;
-    let forces: Vec<Option<Wrench>> = match setup.load {
+    let forces: Vec<(Setup, Option<Wrench>)> = match setup.load {
         Load::Measured => (0..3)
-            .map(|axis| Some(Wrench::force(Vector3::ith(axis, 1.0))))
+            .map(|axis| (setup.clone(), Some(Wrench::force(Vector3::ith(axis, 1.0)))))
             .collect(),
-        _ => vec![None],
+        _ => setup.cases().into_iter().map(|case| (case, None)).collect(),
     };
+    let mut margins = cell.posture_margins()?;
     (0..SAMPLES)
         .map(|i| {
             let q: Vec<f64> = (0..)
@@ -157,9 +158,9 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
                 .collect();
             let terms = forces
                 .iter()
-                .map(|wrench| PostureTerms::new(setup, &q, wrench.as_ref()))
+                .map(|(setup, wrench)| PostureTerms::new(setup, &q, wrench.as_ref()))
                 .collect::<Result<Vec<_>>>()?;
-            let smallest = cell.margins().smallest(&terms[0]);
+            let smallest = margins.smallest(&q)?;
             let violated = smallest.filter(|m| m.margin < 0.0).map(|m| m.kind);
             Ok(Sample { terms, violated })
         })
@@ -214,6 +215,9 @@ fn reach(cell: &Cell, sampled: &[Sample], within: usize, findings: &mut Vec<Find
 /// Validation postures: the machine's limits bind them, the cell's limits warn.
 fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
     let setup = &cell.setup;
+    let Ok(mut margins) = cell.posture_margins() else {
+        return;
+    };
     for posture in &cell.validation {
         if check_angles(&setup.robot, &posture.q).is_err() {
             continue;
@@ -234,13 +238,7 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
             ));
             continue;
         }
-        // A measured load needs some force here; the limits do not depend on it.
-        let force =
-            (setup.load == Load::Measured).then_some(Wrench::force(Vector3::new(1.0, 0.0, 0.0)));
-        let Ok(terms) = PostureTerms::new(setup, &posture.q, force.as_ref()) else {
-            continue;
-        };
-        let smallest = cell.margins().smallest(&terms);
+        let smallest = margins.smallest(&posture.q).unwrap_or(None);
         if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
             findings.push(Finding::new(
                 "validation-outside-limits",

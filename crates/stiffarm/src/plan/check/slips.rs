@@ -57,7 +57,9 @@ impl Slips<'_> {
 pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     let mut slips = Slips(findings);
     tool(cell, &mut slips);
-    load(cell, &mut slips);
+    for own in cell.setup.load.each() {
+        load(cell, own, &mut slips);
+    }
     limits(cell, &mut slips);
     let degrees = cell.bounds.iter().flatten().map(|b| rad_to_deg(b.abs()));
     let widest = degrees.fold(0.0, f64::max);
@@ -187,8 +189,8 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
     }
 }
 
-fn load(cell: &Cell, slips: &mut Slips<'_>) {
-    let (key, force) = match &cell.setup.load {
+fn load(cell: &Cell, load: &Load, slips: &mut Slips<'_>) {
+    let (key, force) = match load {
         Load::Rope { anchor, magnitude } => {
             let distance = anchor.norm();
             if distance > FAR_ANCHOR {
@@ -209,7 +211,7 @@ fn load(cell: &Cell, slips: &mut Slips<'_>) {
         Load::Constant { wrench, .. } if wrench.moment.norm() == 0.0 => {
             ("load.force_n", wrench.force.norm())
         }
-        Load::Constant { .. } | Load::Measured => return,
+        Load::Constant { .. } | Load::Measured | Load::Cases(_) => return,
     };
     if force < SMALL_FORCE {
         slips.add(

@@ -7,7 +7,7 @@ pub use obstruction::{Obstruction, obstruction};
 
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};
-use crate::model::observation::PostureTerms;
+use crate::model::observation::{PostureTerms, Setup};
 use serde::Serialize;
 
 /// How near one posture comes to the limits.
@@ -22,7 +22,8 @@ pub struct PostureLimits {
     /// Names of the measuring points that it sees.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub visible_points: Vec<String>,
-    /// Torques of load and tool weight, serial joints \[N·m\], where they are limited.
+    /// Torques of load and tool weight, serial joints \[N·m\], where they are limited; of several
+    /// loads the largest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub torques_nm: Vec<f64>,
 }
@@ -59,21 +60,36 @@ impl From<&LimitMargin> for NearestLimit {
     }
 }
 
+/// Of the torques under each load, joint by joint, the largest either way.
+fn largest_torques(cell: &Cell, setups: &[Setup], states: &[PostureTerms]) -> Vec<f64> {
+    let each = setups.iter().zip(states);
+    let each = each.filter_map(|(setup, terms)| cell.scene.torques(setup, terms));
+    let larger = |a: Vec<f64>, b: Vec<f64>| {
+        let pairs = a.iter().zip(&b);
+        pairs
+            .map(|(a, b)| if b.abs() > a.abs() { *b } else { *a })
+            .collect()
+    };
+    each.reduce(larger).unwrap_or_default()
+}
+
 impl PostureLimits {
     /// Margins at the posture `q` (controller angles, rad).
     ///
     /// # Errors
     /// As [`PostureTerms::new`].
     pub fn new(cell: &Cell, q: &[f64]) -> Result<Self> {
-        let terms = PostureTerms::new(&cell.setup, q, None)?;
-        let named = cell.margins().named(&terms);
+        let named = cell.posture_margins()?.named(q)?;
+        let setups = cell.setup.cases();
+        let under = |setup| PostureTerms::new(setup, q, None);
+        let states: Vec<PostureTerms> = setups.iter().map(under).collect::<Result<_>>()?;
         let of_kind = |kind: LimitKind| {
             let own = named
                 .iter()
                 .filter(|m| m.kind == kind && m.margin.is_finite());
             own.min_by(|a, b| a.margin.total_cmp(&b.margin))
         };
-        let seen = cell.scene.seen(&terms);
+        let seen = cell.scene.seen(&states[0]);
         let station = seen.as_ref().zip(cell.scene.sight());
         let points = &cell.setup.tool.measuring_points;
         Ok(PostureLimits {
@@ -91,7 +107,7 @@ impl PostureLimits {
                         .collect()
                 })
                 .unwrap_or_default(),
-            torques_nm: cell.scene.torques(&cell.setup, &terms).unwrap_or_default(),
+            torques_nm: largest_torques(cell, &setups, &states),
         })
     }
 

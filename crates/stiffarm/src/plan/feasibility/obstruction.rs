@@ -3,9 +3,6 @@
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::model::cell::{Cell, LimitKind};
-use crate::model::load::{Load, Wrench};
-use crate::model::observation::PostureTerms;
-use nalgebra::Vector3;
 use sobol_burley::sample;
 
 /// Postures spread over the bounds.
@@ -29,17 +26,15 @@ pub struct Obstruction {
 /// # Errors
 /// Bounds whose number differs from the joints', or that are not finite.
 pub fn obstruction(cell: &Cell) -> Result<Obstruction> {
-    let force = (cell.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
-    let mut margins = cell.margins();
+    let mut margins = cell.posture_margins()?;
     let mut masks = Vec::with_capacity(SAMPLES as usize);
     for i in 0..SAMPLES {
         let q: Vec<f64> = (0..)
             .zip(&cell.bounds)
             .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(i, j % 256, j / 256)))
             .collect();
-        let terms = PostureTerms::new(&cell.setup, &q, force.as_ref())?;
         let mut mask = 0_u32;
-        for margin in margins.named(&terms) {
+        for margin in margins.named(&q)? {
             if margin.margin < 0.0 {
                 mask |= bit(margin.kind);
             }

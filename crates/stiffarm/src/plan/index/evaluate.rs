@@ -10,7 +10,6 @@ use crate::model::observation::PostureTerms;
 use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use std::borrow::Borrow;
 
 /// Values of every index; `None` where an index does not exist: a joint is
 /// undetermined, J_N is singular, or the cell has no prior or no tasks.
@@ -183,26 +182,30 @@ pub(crate) fn evaluate_for<Q: AsRef<[f64]>>(
     evaluate_terms(cell, name, &posture_terms(cell, postures)?, model.as_ref())
 }
 
-/// Terms of postures (controller angles, rad) under the cell's load.
+/// Terms of postures (controller angles, rad), of each under every load of the cell.
 ///
 /// # Errors
 /// As [`PostureTerms::new`].
 pub(crate) fn posture_terms<Q: AsRef<[f64]>>(
     cell: &Cell,
     postures: &[Q],
-) -> Result<Vec<PostureTerms>> {
+) -> Result<Vec<Vec<PostureTerms>>> {
+    let setups = cell.setup.cases();
     postures
         .iter()
-        .map(|q| PostureTerms::new(&cell.setup, q.as_ref(), None))
+        .map(|q| {
+            let under = |setup| PostureTerms::new(setup, q.as_ref(), None);
+            setups.iter().map(under).collect()
+        })
         .collect()
 }
 
-/// [`evaluate`] of postures whose terms are known, which may be under wrenches of their
-/// own; without `prediction` that index is left out.
+/// [`evaluate`] of postures whose terms are known, under each of as many loads, which may be
+/// wrenches of their own; without `prediction` that index is left out.
 ///
 /// # Errors
 /// As [`evaluate`].
-pub(crate) fn evaluate_terms<T: Borrow<PostureTerms>>(
+pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
     cell: &Cell,
     name: &str,
     postures: &[T],
@@ -219,15 +222,19 @@ pub(crate) fn evaluate_terms<T: Borrow<PostureTerms>>(
     let n = robot.spring_count();
     let m = setup.tool.point_count();
     let rho = cell.noise.common_weight(m);
+    let states: Vec<&PostureTerms> = postures.iter().flat_map(AsRef::as_ref).collect();
+    // Rows of a posture: load by load.
     let rows = 3 * m;
-    let mut psi = DMatrix::zeros(rows * postures.len(), n);
+    let mut psi = DMatrix::zeros(rows * states.len(), n);
     let mut whitened = psi.clone();
-    let mut k_jn = Vec::with_capacity(postures.len());
-    for (p, terms) in postures.iter().map(Borrow::borrow).enumerate() {
+    for (s, terms) in states.iter().enumerate() {
         let mut block = terms.block(robot);
-        psi.rows_mut(rows * p, rows).copy_from(&block);
+        psi.rows_mut(rows * s, rows).copy_from(&block);
         whiten_posture(&mut block, rho);
-        whitened.rows_mut(rows * p, rows).copy_from(&block);
+        whitened.rows_mut(rows * s, rows).copy_from(&block);
+    }
+    let mut k_jn = Vec::with_capacity(postures.len());
+    for terms in postures.iter().map(|own| &own.as_ref()[0]) {
         k_jn.push(cell.characteristic_length.and_then(|length| {
             dexterity::condition_number(terms.frames(), &terms.measuring_points()[0], length)
         }));
@@ -259,7 +266,13 @@ pub(crate) fn evaluate_terms<T: Borrow<PostureTerms>>(
             let s = weighted.singular_values(|j| 1.0 / prior[j])?;
             d = Some(std * (-s.iter().map(|v| v.ln()).sum::<f64>() / n as f64).exp());
         }
-        drop_one = drop_one_error(&whitened, rows, postures.len(), prior, std)?;
+        drop_one = drop_one_error(
+            &whitened,
+            rows * states.len() / postures.len(),
+            postures.len(),
+            prior,
+            std,
+        )?;
     }
     let task = match cell.tasks.is_empty() {
         true => None,
@@ -274,7 +287,7 @@ pub(crate) fn evaluate_terms<T: Borrow<PostureTerms>>(
     let observability = |f: &dyn Fn() -> f64| full.then(f).filter(|v| v.is_finite());
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
     let predicted = match full {
-        true => prediction.and_then(|model| model.value(postures)),
+        true => prediction.and_then(|model| model.value(&states)),
         false => None,
     };
     Ok(GroupEvaluation {

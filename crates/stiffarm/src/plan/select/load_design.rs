@@ -42,7 +42,7 @@ impl From<Setup> for DesignedLoad {
         let (anchor, magnitude) = match setup.load {
             Load::Rope { anchor, magnitude } => (Some(anchor.into()), Some(magnitude)),
             Load::Weight { magnitude, .. } => (None, Some(magnitude)),
-            Load::Constant { .. } | Load::Measured => (None, None),
+            Load::Constant { .. } | Load::Measured | Load::Cases(_) => (None, None),
         };
         DesignedLoad {
             anchor_m: anchor,
@@ -65,6 +65,12 @@ impl LoadDesign {
     /// reversed box, or a number that is not finite.
     pub fn prepare(&self, cell: &Cell) -> Result<Cell> {
         let mut cell = cell.clone();
+        if !self.is_empty() && !cell.setup.load.cases().is_empty() {
+            let message = "A cell with several load cases has no single load that could be chosen.";
+            return Err(Error::new(Code::Unsupported, message)
+                .key("load.case")
+                .hint("put one of the loads alone into [load] and choose that"));
+        }
         for (what, corners) in [
             ("anchor", &self.anchor),
             ("loading point", &self.loading_point),
@@ -98,7 +104,7 @@ impl LoadDesign {
                 Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
                     *magnitude = wanted
                 }
-                Load::Constant { .. } | Load::Measured => {
+                Load::Constant { .. } | Load::Measured | Load::Cases(_) => {
                     return Err(Error::new(
                         Code::InvalidValue,
                         "Only a rope or a weight has a magnitude that could be chosen.",

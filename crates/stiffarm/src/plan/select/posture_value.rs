@@ -97,7 +97,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
         control.check()?;
         let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;
         control.report("leaving postures out", so_far.min(total), total);
-        let group: Vec<&PostureTerms> = kept.iter().map(|p| &terms[*p]).collect();
+        let group: Vec<&Vec<PostureTerms>> = kept.iter().map(|p| &terms[*p]).collect();
         let found = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
         Ok(found.indices.get(index))
     };

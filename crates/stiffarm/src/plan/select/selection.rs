@@ -4,7 +4,6 @@ use super::load_design::DesignedLoad;
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::model::cell::Cell;
-use crate::model::observation::PostureTerms;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Termination;
 use crate::plan::feasibility::PostureLimits;
@@ -166,12 +165,12 @@ pub(super) fn smallest_length(limits: &[PostureLimits]) -> Option<f64> {
 /// ```
 ///
 /// # Errors
-/// As [`PostureTerms::new`].
+/// Bounds or angles that do not fit the robot; a rope without a direction.
 pub fn smallest_margin<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Result<Option<f64>> {
     let mut smallest: Option<f64> = None;
+    let mut margins = cell.posture_margins()?;
     for q in postures {
-        let terms = PostureTerms::new(&cell.setup, q.as_ref(), None)?;
-        if let Some(margin) = cell.margins().smallest(&terms) {
+        if let Some(margin) = margins.smallest(q.as_ref())? {
             smallest = Some(smallest.map_or(margin.margin, |s| s.min(margin.margin)));
         }
     }

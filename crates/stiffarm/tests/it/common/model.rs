@@ -253,7 +253,7 @@ impl Model {
                 chain.direction(wrench.force.into()),
                 chain.direction(wrench.moment.into()),
             ),
-            Load::Measured => panic!("a model has a load"),
+            Load::Measured | Load::Cases(_) => panic!("a model has a load"),
         }
     }
 

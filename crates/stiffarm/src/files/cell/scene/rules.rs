@@ -4,7 +4,6 @@ use super::shape::direction;
 use crate::error::{Code, Result};
 use crate::files::cell::raw::{At, RawCell, RawClearance};
 use crate::files::cell::source::Source;
-use crate::model::load::Load;
 use crate::model::observation::Setup;
 use crate::model::scene::{Facing, RopeRules, Scene, Sight, Station, TorqueLimits};
 use crate::units::{STANDARD_GRAVITY, deg_to_rad, mm_to_m};
@@ -41,7 +40,7 @@ pub(super) fn rope(
     setup: &Setup,
     has_parts: bool,
 ) -> Result<Option<RopeRules>> {
-    let is_rope = matches!(setup.load, Load::Rope { .. });
+    let is_rope = setup.load.has_rope();
     if let (Some(table), false) = (table, is_rope) {
         let given = [
             ("rope_mm", table.rope_mm.as_ref().map(At::span)),

@@ -29,12 +29,19 @@ use lanes::{Lanes, WIDTH};
 use model::{KernelLoad, Model};
 use scene::SceneKernel;
 
-/// A group of postures in lanes.
+/// A group of postures in lanes, under each load of the cell.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernel {
+    /// One per load; a posture counts with the sum over them.
+    cases: Vec<Case>,
+    count: usize,
+}
+
+/// All postures under one load.
+#[derive(Debug, Clone)]
+struct Case {
     model: Model,
     batches: Vec<Batch>,
-    count: usize,
     /// What shapes, beams and torques ask, where limits are wanted.
     scene: Option<Box<SceneKernel>>,
 }
@@ -45,19 +52,23 @@ impl Kernel {
     /// # Errors
     /// A load that only a measurement gives; k(J_N) with fewer than six joints.
     pub fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
-        let model = Model::new(cell, wanted)?;
-        let scene = match wanted.limits {
-            true => SceneKernel::new(cell, count)?.map(Box::new),
-            false => None,
+        let cases = match cell.setup.load.cases() {
+            [] => vec![Case::new(cell, wanted, count)?],
+            _ => {
+                let mut cases = Vec::new();
+                for (number, own) in cell.limit_cases().iter().enumerate() {
+                    let first = number == 0;
+                    let wanted = Wanted {
+                        // k(J_N) is the posture's, whatever the load.
+                        dexterity: wanted.dexterity.filter(|_| first),
+                        ..wanted
+                    };
+                    cases.push(Case::new(own, wanted, count)?);
+                }
+                cases
+            }
         };
-        let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
-        let batches = vec![Batch::new(&model, margins); count.div_ceil(WIDTH)];
-        Ok(Kernel {
-            model,
-            batches,
-            count,
-            scene,
-        })
+        Ok(Kernel { cases, count })
     }
 
     /// Number of postures.
@@ -67,40 +78,26 @@ impl Kernel {
 
     /// Number of joints.
     pub fn joint_count(&self) -> usize {
-        self.model.joints
+        self.cases[0].model.joints
     }
 
     /// Computes everything at the controller angles `q`, posture by posture \[rad\].
     pub fn forward(&mut self, q: &[f64]) {
-        let n = self.model.joints;
-        for (b, batch) in self.batches.iter_mut().enumerate() {
-            for lane in 0..WIDTH {
-                // Lanes without a posture of their own repeat the last one.
-                let p = (b * WIDTH + lane).min(self.count - 1);
-                for j in 0..n {
-                    batch.q[j].0[lane] = q[p * n + j];
-                }
-            }
-            sweep_forward(&self.model, batch);
-            if self.model.limit_count == 0 {
-                batch.penalty = Lanes::splat(0.0);
-                batch.violation = Lanes::splat(0.0);
-            }
-            if let Some(scene) = &mut self.scene {
-                for lane in 0..(self.count - b * WIDTH).min(WIDTH) {
-                    scene.forward(batch, lane, b * WIDTH + lane, self.model.limit_count);
-                }
-            }
+        let count = self.count;
+        for case in &mut self.cases {
+            case.forward(q, count);
         }
     }
 
     /// Adds the information of all postures to `total` (lower triangle, row by row).
     pub fn add_information(&self, total: &mut [f64]) {
-        for (b, batch) in self.batches.iter().enumerate() {
-            let live = self.live(b);
-            for (sum, entry) in total.iter_mut().zip(&batch.information) {
-                for lane in 0..live {
-                    *sum += entry.0[lane];
+        for case in &self.cases {
+            for (b, batch) in case.batches.iter().enumerate() {
+                let live = self.live(b);
+                for (sum, entry) in total.iter_mut().zip(&batch.information) {
+                    for lane in 0..live {
+                        *sum += entry.0[lane];
+                    }
                 }
             }
         }
@@ -108,31 +105,39 @@ impl Kernel {
 
     /// Information of one posture, lower triangle row by row.
     pub fn information(&self, posture: usize) -> impl Iterator<Item = f64> {
-        let (batch, lane) = (&self.batches[posture / WIDTH], posture % WIDTH);
-        batch.information.iter().map(move |entry| entry.0[lane])
+        let (at, lane) = (posture / WIDTH, posture % WIDTH);
+        let (first, others) = (&self.cases[0], &self.cases[1..]);
+        let entries = first.batches[at].information.iter().enumerate();
+        entries.map(move |(entry, lanes)| {
+            let rest = others.iter();
+            let rest = rest.map(|case| case.batches[at].information[entry].0[lane]);
+            rest.fold(lanes.0[lane], |sum, own| sum + own)
+        })
     }
 
     /// ln k(J_N) of one posture.
     pub fn log_dexterity(&self, posture: usize) -> f64 {
-        let (batch, lane) = (&self.batches[posture / WIDTH], posture % WIDTH);
+        let (batch, lane) = (&self.cases[0].batches[posture / WIDTH], posture % WIDTH);
         0.5 * (batch.trace.0[lane] * batch.inverse_trace.0[lane]).ln() - 6f64.ln()
     }
 
     /// Sets the derivative of the index with respect to the information of one
     /// posture, or of all (n × n).
     pub fn set_adjoint(&mut self, posture: Option<usize>, adjoint: &[f64]) {
-        match posture {
-            None => {
-                for batch in &mut self.batches {
-                    for (lanes, value) in batch.adjoint.iter_mut().zip(adjoint) {
-                        *lanes = Lanes::splat(*value);
+        for case in &mut self.cases {
+            match posture {
+                None => {
+                    for batch in &mut case.batches {
+                        for (lanes, value) in batch.adjoint.iter_mut().zip(adjoint) {
+                            *lanes = Lanes::splat(*value);
+                        }
                     }
                 }
-            }
-            Some(p) => {
-                let batch = &mut self.batches[p / WIDTH];
-                for (lanes, value) in batch.adjoint.iter_mut().zip(adjoint) {
-                    lanes.0[p % WIDTH] = *value;
+                Some(p) => {
+                    let batch = &mut case.batches[p / WIDTH];
+                    for (lanes, value) in batch.adjoint.iter_mut().zip(adjoint) {
+                        lanes.0[p % WIDTH] = *value;
+                    }
                 }
             }
         }
@@ -140,36 +145,24 @@ impl Kernel {
 
     /// Sets the derivative of the index with respect to ln k(J_N) of one posture.
     pub fn set_dexterity_weight(&mut self, posture: usize, weight: f64) {
-        self.batches[posture / WIDTH].dexterity_weight.0[posture % WIDTH] = weight;
+        self.cases[0].batches[posture / WIDTH].dexterity_weight.0[posture % WIDTH] = weight;
     }
 
     /// Writes the gradient with respect to all controller angles.
     pub fn reverse(&mut self, gradient: &mut [f64]) {
-        let n = self.model.joints;
         gradient.fill(0.0);
-        for b in 0..self.batches.len() {
-            sweep_reverse(&self.model, &mut self.batches[b]);
-            if self.scene.is_some() {
-                self.batches[b].add_scene();
-            }
-            let live = self.live(b);
-            let batch = &self.batches[b];
-            for (row, by_theta) in self.model.coupling.iter().zip(&batch.gradient) {
-                // Gradient with respect to q: Cᵀ g.
-                for (j, factor) in row {
-                    for lane in 0..live {
-                        gradient[(b * WIDTH + lane) * n + j] += by_theta.0[lane] * factor;
-                    }
-                }
-            }
+        let count = self.count;
+        for case in &mut self.cases {
+            case.reverse(gradient, count);
         }
     }
 
     /// Gradient of the last reverse sweep with respect to the rope's anchor
-    /// (base axes) and the loading point (flange axes).
+    /// (base axes) and the loading point (flange axes), where there is a single load.
     pub fn load_gradient(&self) -> ([f64; 3], [f64; 3]) {
         let (mut anchor, mut loading) = ([0.0; 3], [0.0; 3]);
-        for (b, batch) in self.batches.iter().enumerate() {
+        let Case { model, batches, .. } = &self.cases[0];
+        for (b, batch) in batches.iter().enumerate() {
             for lane in 0..self.live(b) {
                 let mut local = [0.0; 3];
                 for i in 0..3 {
@@ -182,7 +175,7 @@ impl Kernel {
                 // From the axes of the last joint to those of the flange.
                 for i in 0..3 {
                     for k in 0..3 {
-                        loading[i] += self.model.flange_rotation[k][i] * local[k];
+                        loading[i] += model.flange_rotation[k][i] * local[k];
                     }
                 }
             }
@@ -190,53 +183,57 @@ impl Kernel {
         (anchor, loading)
     }
 
-    /// Moves the rope's anchor \[m, base\], where the load is a rope.
+    /// Moves the rope's anchor \[m, base\], where the single load is a rope.
     pub fn set_anchor(&mut self, to: [f64; 3]) {
-        if let KernelLoad::Rope { anchor, .. } = &mut self.model.load {
+        let case = &mut self.cases[0];
+        if let KernelLoad::Rope { anchor, .. } = &mut case.model.load {
             *anchor = to;
         }
-        if let Some(scene) = &mut self.scene {
+        if let Some(scene) = &mut case.scene {
             scene.set_anchor(to);
         }
     }
 
-    /// Moves the loading point \[m, flange axes\].
+    /// Moves the loading point \[m, flange axes\] of the single load.
     pub fn set_loading_point(&mut self, to: [f64; 3]) {
-        if let Some(scene) = &mut self.scene {
+        let case = &mut self.cases[0];
+        if let Some(scene) = &mut case.scene {
             scene.set_loading_point(to);
         }
-        let r = &self.model.flange_rotation;
+        let model = &mut case.model;
+        let r = &model.flange_rotation;
         for i in 0..3 {
-            self.model.loading_point[i] =
-                self.model.flange[i] + r[i][0] * to[0] + r[i][1] * to[1] + r[i][2] * to[2];
+            model.loading_point[i] =
+                model.flange[i] + r[i][0] * to[0] + r[i][1] * to[1] + r[i][2] * to[2];
         }
     }
 
     /// Number of limits per posture.
     pub fn limit_count(&self) -> usize {
-        self.batches.first().map_or(0, |batch| batch.margins.len())
+        let of = |case: &Case| case.batches.first().map_or(0, |batch| batch.margins.len());
+        self.cases.iter().map(of).sum()
     }
 
     /// Penalty of the limits of all postures.
     pub fn penalty(&self) -> f64 {
-        self.per_posture(|batch| batch.penalty).sum()
+        let each = self.per_posture(|batch| batch.penalty, |sum, own| sum + own);
+        each.sum()
     }
 
     /// Largest violation of a limit \[m\], 0 when all are met.
     pub fn violation(&self) -> f64 {
-        self.per_posture(|batch| batch.violation)
-            .fold(0.0, f64::max)
+        self.violations().fold(0.0, f64::max)
     }
 
     /// Violation of each posture's limits \[m\].
     pub fn violations(&self) -> impl Iterator<Item = f64> {
-        self.per_posture(|batch| batch.violation)
+        self.per_posture(|batch| batch.violation, f64::max)
     }
 
     /// Starts the augmented Lagrangian of the limits afresh: multipliers zero,
     /// quadratic weight `weight` \[1/m²\], margins kept above `guard` \[m\].
     pub fn reset_penalty(&mut self, weight: f64, guard: f64) {
-        for batch in &mut self.batches {
+        for batch in self.cases.iter_mut().flat_map(|case| &mut case.batches) {
             batch.multipliers.fill(Lanes::splat(0.0));
             batch.penalty_guard = guard;
         }
@@ -245,7 +242,7 @@ impl Kernel {
 
     /// Changes the quadratic weight of the limits \[1/m²\].
     pub fn set_penalty_weight(&mut self, weight: f64) {
-        for batch in &mut self.batches {
+        for batch in self.cases.iter_mut().flat_map(|case| &mut case.batches) {
             batch.penalty_weight = weight;
         }
     }
@@ -254,20 +251,95 @@ impl Kernel {
     /// multipliers are from optimal \[m\].
     pub fn update_multipliers(&mut self) -> f64 {
         let mut worst = 0.0_f64;
-        for b in 0..self.batches.len() {
-            let live = self.live(b);
-            worst = worst.max(limits::update_multipliers(&mut self.batches[b], live));
+        let count = self.count;
+        for case in &mut self.cases {
+            for (b, batch) in case.batches.iter_mut().enumerate() {
+                worst = worst.max(limits::update_multipliers(batch, live(count, b)));
+            }
         }
         worst
     }
 
-    fn per_posture(&self, of: impl Fn(&Batch) -> Lanes) -> impl Iterator<Item = f64> {
-        (0..self.count).map(move |p| of(&self.batches[p / WIDTH]).0[p % WIDTH])
+    /// A number of each posture, those of its loads put together.
+    fn per_posture(
+        &self,
+        of: impl Fn(&Batch) -> Lanes,
+        together: impl Fn(f64, f64) -> f64,
+    ) -> impl Iterator<Item = f64> {
+        (0..self.count).map(move |p| {
+            let own = |case: &Case| of(&case.batches[p / WIDTH]).0[p % WIDTH];
+            let (first, others) = (&self.cases[0], &self.cases[1..]);
+            let others = others.iter().map(own);
+            others.fold(own(first), &together)
+        })
     }
 
     /// Lanes of batch `b` that hold a posture of their own.
     fn live(&self, b: usize) -> usize {
-        (self.count - b * WIDTH).min(WIDTH)
+        live(self.count, b)
+    }
+}
+
+/// Lanes of batch `b` of `count` postures that hold one of their own.
+fn live(count: usize, b: usize) -> usize {
+    (count - b * WIDTH).min(WIDTH)
+}
+
+impl Case {
+    fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
+        let model = Model::new(cell, wanted)?;
+        let scene = match wanted.limits {
+            true => SceneKernel::new(cell, count)?.map(Box::new),
+            false => None,
+        };
+        let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
+        let batches = vec![Batch::new(&model, margins); count.div_ceil(WIDTH)];
+        Ok(Case {
+            model,
+            batches,
+            scene,
+        })
+    }
+
+    fn forward(&mut self, q: &[f64], count: usize) {
+        let n = self.model.joints;
+        for (b, batch) in self.batches.iter_mut().enumerate() {
+            for lane in 0..WIDTH {
+                // Lanes without a posture of their own repeat the last one.
+                let p = (b * WIDTH + lane).min(count - 1);
+                for j in 0..n {
+                    batch.q[j].0[lane] = q[p * n + j];
+                }
+            }
+            sweep_forward(&self.model, batch);
+            if self.model.limit_count == 0 {
+                batch.penalty = Lanes::splat(0.0);
+                batch.violation = Lanes::splat(0.0);
+            }
+            if let Some(scene) = &mut self.scene {
+                for lane in 0..live(count, b) {
+                    scene.forward(batch, lane, b * WIDTH + lane, self.model.limit_count);
+                }
+            }
+        }
+    }
+
+    fn reverse(&mut self, gradient: &mut [f64], count: usize) {
+        let n = self.model.joints;
+        for (b, batch) in self.batches.iter_mut().enumerate() {
+            sweep_reverse(&self.model, batch);
+            if self.scene.is_some() {
+                batch.add_scene();
+            }
+            for (row, by_theta) in self.model.coupling.iter().zip(&batch.gradient) {
+                // Gradient with respect to q: Cᵀ g.
+                for (j, factor) in row {
+                    for lane in 0..live(count, b) {
+                        gradient[(b * WIDTH + lane) * n + j] += by_theta.0[lane] * factor;
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -135,7 +135,7 @@ impl Model {
                 },
             },
             // Refused above.
-            Load::Measured => KernelLoad::Base {
+            Load::Measured | Load::Cases(_) => KernelLoad::Base {
                 force: [0.0; 3],
                 moment: [0.0; 3],
             },

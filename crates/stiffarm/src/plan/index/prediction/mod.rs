@@ -119,7 +119,18 @@ impl PredictionModel {
         Ok(model)
     }
 
+    /// What is said where a cell has several load cases.
+    pub(crate) fn several_loads() -> Error {
+        let message = "The index prediction counts one load per posture, and the cell has several load cases.";
+        Error::new(Code::Unsupported, message)
+            .key("load.case")
+            .hint("choose another index, such as expected_error, or put one of the loads alone into [load]")
+    }
+
     fn without_targets(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
+        if !cell.setup.load.cases().is_empty() {
+            return Err(PredictionModel::several_loads());
+        }
         let std = cell.noise.displacement_std();
         if std <= 0.0 {
             return Err(Error::new(

@@ -45,7 +45,7 @@ pub(super) struct InformationJudge {
 impl InformationJudge {
     /// # Errors
     /// The cell lacks what the index needs.
-    pub(super) fn new(cell: &Cell, index: Index, terms: &[PostureTerms]) -> Result<Self> {
+    pub(super) fn new(cell: &Cell, index: Index, terms: &[Vec<PostureTerms>]) -> Result<Self> {
         let inputs = Inputs::new(cell, index)?;
         let wanted = inputs.wanted(false);
         let robot = &cell.setup.robot;
@@ -53,11 +53,14 @@ impl InformationJudge {
         let mut each = Vec::new();
         if let Some((compliance, weight)) = wanted.information {
             for own in terms {
-                let mut block = own.block(robot);
-                for (mut column, h) in block.column_iter_mut().zip(compliance) {
-                    column *= *h;
+                let mut full = DMatrix::zeros(n, n);
+                for state in own {
+                    let mut block = state.block(robot);
+                    for (mut column, h) in block.column_iter_mut().zip(compliance) {
+                        column *= *h;
+                    }
+                    full += posture_information(&block, weight);
                 }
-                let full = posture_information(&block, weight);
                 each.push(
                     (0..n)
                         .flat_map(|i| (0..=i).map(move |j| (i, j)))
@@ -71,6 +74,7 @@ impl InformationJudge {
             Some(length) => terms
                 .iter()
                 .map(|own| {
+                    let own = &own[0];
                     let point = &own.measuring_points()[0];
                     let k = dexterity::condition_number(own.frames(), point, length);
                     k.map_or(f64::INFINITY, f64::ln)

@@ -142,7 +142,7 @@ pub fn select_candidates(
     }
     let terms = candidates
         .iter()
-        .map(|candidate| candidate.terms(&cell.setup))
+        .map(|candidate| candidate.states(&cell.setup))
         .collect::<Result<Vec<_>>>()?;
     let model = match (index, prediction_model(cell, candidates, options)) {
         (Index::Prediction, model) => Some(model?),
@@ -157,11 +157,11 @@ pub fn select_candidates(
     };
     let found = match &model {
         Some(model) if index == Index::Prediction => {
-            search.run(PredictionJudge::new(model.clone(), &terms))?
+            search.run(PredictionJudge::new(model.clone(), &alone(&terms)?))?
         }
         _ => search.run(InformationJudge::new(cell, index, &terms)?)?,
     };
-    let group: Vec<&PostureTerms> = found.chosen.iter().map(|p| &terms[*p]).collect();
+    let group: Vec<&Vec<PostureTerms>> = found.chosen.iter().map(|p| &terms[*p]).collect();
     let evaluation = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
     let value = evaluation
         .indices
@@ -200,6 +200,15 @@ pub fn select_candidates(
             false => Termination::Converged,
         },
     })
+}
+
+/// The terms of candidates that are under one load each.
+fn alone(terms: &[Vec<PostureTerms>]) -> Result<Vec<PostureTerms>> {
+    let single = |own: &Vec<PostureTerms>| match &own[..] {
+        [terms] => Ok(terms.clone()),
+        _ => Err(PredictionModel::several_loads()),
+    };
+    terms.iter().map(single).collect()
 }
 
 fn prediction_model(

@@ -1,0 +1,169 @@
+//! All limits of a cell at a posture, under each of its loads.
+
+use super::{Cell, LimitKind, LimitMargin, Margins};
+use crate::error::Result;
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::PostureTerms;
+use nalgebra::Vector3;
+use std::borrow::Cow;
+
+/// Limits that no load changes; they are looked at under the first one.
+const OF_THE_POSTURE: [LimitKind; 3] = [LimitKind::Shapes, LimitKind::Sight, LimitKind::Incidence];
+
+/// The limits of a cell at postures, given by their controller angles \[rad\], under each of
+/// the cell's loads. Where a load is only known by measurement, limits see the arm unloaded.
+#[derive(Debug, Clone)]
+pub struct PostureMargins<'a> {
+    cases: Vec<UnderLoad<'a>>,
+    unloaded: Option<Wrench>,
+}
+
+#[derive(Debug, Clone)]
+struct UnderLoad<'a> {
+    margins: Margins<'a>,
+    terms: PostureTerms,
+}
+
+impl Cell {
+    /// The cell under each of its loads; what limits the posture whatever the load stays with
+    /// the first.
+    pub(crate) fn limit_cases(&self) -> Vec<Cell> {
+        let mut cases = self.cases();
+        for case in cases.iter_mut().skip(1) {
+            case.scene = case.scene.without_all(&OF_THE_POSTURE);
+        }
+        cases
+    }
+
+    /// The cell's limits, ready to be looked at posture by posture, under each of its loads.
+    ///
+    /// # Errors
+    /// Bounds that do not fit the robot or are not finite.
+    pub fn posture_margins(&self) -> Result<PostureMargins<'_>> {
+        let middle: Vec<f64> = self.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
+        let unloaded =
+            (self.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
+        let several = !self.setup.load.cases().is_empty();
+        let setups = match several {
+            false => vec![Cow::Borrowed(&self.setup)],
+            true => self.setup.cases().into_iter().map(Cow::Owned).collect(),
+        };
+        let cases = setups.into_iter().enumerate().map(|(number, setup)| {
+            let scene = match number {
+                0 => Cow::Borrowed(&self.scene),
+                _ => Cow::Owned(self.scene.without_all(&OF_THE_POSTURE)),
+            };
+            let zero = Wrench::force(Vector3::zeros());
+            Ok(UnderLoad {
+                terms: PostureTerms::new(&setup, &middle, Some(&zero))?,
+                margins: Margins::of(setup, &self.limits, scene),
+            })
+        });
+        Ok(PostureMargins {
+            cases: cases.collect::<Result<_>>()?,
+            unloaded,
+        })
+    }
+}
+
+impl PostureMargins<'_> {
+    /// The same for postures that move by small steps: distances that were large are not looked
+    /// at again before the arm may have made them small.
+    pub(crate) fn remembering(mut self) -> Self {
+        for case in &mut self.cases {
+            case.margins = case.margins.clone().remembering();
+        }
+        self
+    }
+
+    /// Number of margins per posture.
+    pub fn count(&self) -> usize {
+        self.cases.iter().map(|case| case.margins.count()).sum()
+    }
+
+    /// True where margin `at` is a limit on a point; the others are of shapes, beams and torques.
+    pub(crate) fn is_of_point(&self, mut at: usize) -> bool {
+        for case in &self.cases {
+            if at < case.margins.count() {
+                return at < case.margins.point_count();
+            }
+            at -= case.margins.count();
+        }
+        false
+    }
+
+    /// The terms of the posture looked at last, load by load.
+    pub(crate) fn terms(&self) -> impl Iterator<Item = &PostureTerms> {
+        self.cases.iter().map(|case| &case.terms)
+    }
+
+    fn move_to(&mut self, q: &[f64]) -> Result<()> {
+        for case in &mut self.cases {
+            let setup = case.margins.setup();
+            case.terms.frames.update(&setup.robot, q);
+            case.terms.fill(setup, self.unloaded.as_ref())?;
+        }
+        Ok(())
+    }
+
+    /// The smallest margin of the posture `q`, infinite without limits; 0 or more exactly where
+    /// every limit is met.
+    ///
+    /// # Errors
+    /// A rope without a direction: its anchor lies on the loading point.
+    pub fn least(&mut self, q: &[f64]) -> Result<f64> {
+        self.move_to(q)?;
+        let mut least = f64::INFINITY;
+        for case in &mut self.cases {
+            least = least.min(case.margins.least(&case.terms));
+        }
+        Ok(least)
+    }
+
+    /// All margins of the posture `q` by name, in a fixed order, load by load.
+    ///
+    /// # Errors
+    /// As [`least`](Self::least).
+    pub fn named(&mut self, q: &[f64]) -> Result<Vec<LimitMargin>> {
+        self.move_to(q)?;
+        let cases = self.cases.iter_mut();
+        Ok(cases
+            .flat_map(|case| case.margins.named(&case.terms))
+            .collect())
+    }
+
+    /// The smallest margin of the posture `q` by name, `None` without limits.
+    ///
+    /// # Errors
+    /// As [`least`](Self::least).
+    pub fn smallest(&mut self, q: &[f64]) -> Result<Option<LimitMargin>> {
+        let named = self.named(q)?.into_iter();
+        Ok(named.min_by(|a, b| a.margin.total_cmp(&b.margin)))
+    }
+
+    /// Writes the margins of the posture `q` to `values` and, where asked, their derivatives with
+    /// respect to θ to `gradients` (row per margin, n long). Distances between shapes of `enough`
+    /// and more may be lower bounds, with a derivative of zero.
+    ///
+    /// # Errors
+    /// As [`least`](Self::least).
+    pub(crate) fn evaluate(
+        &mut self,
+        q: &[f64],
+        enough: f64,
+        values: &mut [f64],
+        mut gradients: Option<&mut [f64]>,
+    ) -> Result<()> {
+        self.move_to(q)?;
+        let n = q.len();
+        let mut first = 0;
+        for case in &mut self.cases {
+            let end = first + case.margins.count();
+            let rows = gradients.as_deref_mut().map(|g| &mut g[first * n..end * n]);
+            case.margins
+                .evaluate(&case.terms, enough, &mut values[first..end], rows);
+            first = end;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,418 @@
+//! Several loads, under each of which every posture is measured.
+
+use crate::common;
+
+use common::{default_cell, group1};
+use stiffarm::Control;
+use stiffarm::estimate::identify::{Fit, IdentifyOptions, identify};
+use stiffarm::estimate::next_posture::next_posture;
+use stiffarm::estimate::simulate::{ModelErrors, SimulationOptions, simulate};
+use stiffarm::estimate::systematic::systematic_errors;
+use stiffarm::estimate::validate::{Model, simulate_measurements, validate};
+use stiffarm::measure::experiment::{Experiment, ExperimentState, TrackerNoise, experiment};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::{Axes, Load, LoadCase, Wrench};
+use stiffarm::model::measurement::Candidate;
+use stiffarm::model::observation::{PostureTerms, Rows, Setup, observation_matrix};
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::nalgebra::{DMatrix, Vector3};
+use stiffarm::plan::certificate::{CertificateOptions, certify};
+use stiffarm::plan::check::check;
+use stiffarm::plan::index::{Index, IndexFunction, evaluate};
+use stiffarm::plan::select::{
+    CandidateOptions, GlobalOptions, StartKind, random_group, select, select_candidates,
+    smallest_margin,
+};
+
+fn case(name: &str, load: Load, loading_point: Option<Vector3<f64>>) -> LoadCase {
+    LoadCase {
+        name: name.to_string(),
+        load,
+        loading_point,
+    }
+}
+
+/// Two ropes to either side, a weight at a point of its own, a wrench that turns with the tool.
+fn four_loads() -> Cell {
+    let mut cell = default_cell();
+    let Load::Rope { anchor, magnitude } = cell.setup.load else {
+        panic!("the default cell has a rope")
+    };
+    let aside = |y: f64| Load::Rope {
+        anchor: anchor + Vector3::new(0.0, y, 0.0),
+        magnitude,
+    };
+    let beside = cell.setup.tool.loading_point + Vector3::new(0.05, -0.2, 0.1);
+    let weight = Load::Weight {
+        magnitude: 300.0,
+        direction: *cell.setup.robot.gravity_direction(),
+    };
+    let turning = Load::Constant {
+        wrench: Wrench {
+            force: Vector3::new(100.0, 200.0, -50.0),
+            moment: Vector3::new(20.0, -10.0, 30.0),
+        },
+        axes: Axes::Tool,
+    };
+    cell.setup.load = Load::Cases(vec![
+        case("left", aside(0.8), None),
+        case("right", aside(-0.9), None),
+        case("weight", weight, Some(beside)),
+        case("torque", turning, None),
+    ]);
+    cell
+}
+
+/// The two ropes of them.
+fn two_ropes() -> Cell {
+    let mut cell = four_loads();
+    let Load::Cases(cases) = &mut cell.setup.load else {
+        unreachable!()
+    };
+    cases.truncate(2);
+    cell
+}
+
+/// Ψ of the loads one by one, put together by hand.
+fn by_hand(cell: &Cell, postures: &[Vec<f64>]) -> DMatrix<f64> {
+    let Load::Cases(cases) = &cell.setup.load else {
+        unreachable!()
+    };
+    let mut rows: Vec<DMatrix<f64>> = Vec::new();
+    for q in postures {
+        for case in cases {
+            let mut setup: Setup = cell.setup.clone();
+            setup.load = case.load.clone();
+            // A load at another point, moved to the tool's loading point: M = (p − p_f) × F.
+            let wrench = case.loading_point.map(|point| {
+                let terms = PostureTerms::new(&setup, q, None).unwrap();
+                let at = terms.frames().point(&point);
+                let own = setup.load.wrench(terms.frames(), &at).unwrap();
+                own.moved(&at, terms.loading_point())
+            });
+            let terms = PostureTerms::new(&setup, q, wrench.as_ref()).unwrap();
+            rows.push(terms.block(&setup.robot));
+        }
+    }
+    let count = rows.iter().map(DMatrix::nrows).sum();
+    let mut psi = DMatrix::zeros(count, rows[0].ncols());
+    let mut at = 0;
+    for block in rows {
+        psi.rows_mut(at, block.nrows()).copy_from(&block);
+        at += block.nrows();
+    }
+    psi
+}
+
+#[test]
+fn the_observation_matrix_has_the_rows_of_each_load() {
+    let cell = four_loads();
+    let postures = group1();
+    let psi = observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap();
+    let expected = by_hand(&cell, &postures);
+    assert_eq!(
+        psi.nrows(),
+        4 * 3 * cell.setup.tool.point_count() * postures.len()
+    );
+    assert!((&psi - &expected).amax() < 1e-12 * expected.amax());
+    // The indices shown are those of this matrix.
+    let sigma = expected.singular_values();
+    let found = evaluate(&cell, "g", &postures).unwrap();
+    let condition = sigma[0] / sigma[sigma.len() - 1];
+    assert!((found.indices.condition.unwrap() / condition - 1.0).abs() < 1e-9);
+    assert_eq!(found.posture_count, postures.len());
+    assert_eq!(found.k_jn.len(), postures.len());
+    // k(J_N) does not depend on the load.
+    let alone = evaluate(&default_cell(), "g", &postures).unwrap();
+    assert_eq!(found.k_jn, alone.k_jn);
+    // σ k √[(ΨᵀΨ)⁻¹]_jj by another way.
+    let inverse = expected.tr_mul(&expected).try_inverse().unwrap();
+    let std = cell.noise.displacement_std();
+    let prior = cell.prior.as_ref().unwrap();
+    for (j, error) in found.relative_standard_error.iter().enumerate() {
+        let own = std * prior[j] * inverse[(j, j)].sqrt();
+        assert!((error.unwrap() / own - 1.0).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn the_same_load_twice_is_worth_twice_the_readings() {
+    let alone = default_cell();
+    let mut twice = alone.clone();
+    let load = alone.setup.load.clone();
+    twice.setup.load = Load::Cases(vec![case("a", load.clone(), None), case("b", load, None)]);
+    let postures = group1();
+    for index in [
+        Index::ExpectedError,
+        Index::WorstJoint,
+        Index::DropOne,
+        Index::D,
+    ] {
+        let one = evaluate(&alone, "g", &postures)
+            .unwrap()
+            .indices
+            .get(index)
+            .unwrap();
+        let two = evaluate(&twice, "g", &postures)
+            .unwrap()
+            .indices
+            .get(index)
+            .unwrap();
+        assert!((one / two - 2f64.sqrt()).abs() < 1e-9, "{index:?}");
+    }
+}
+
+#[test]
+fn values_and_gradients_of_the_kernel() {
+    let cell = four_loads();
+    let q = group1()[..4].concat();
+    let indices = [
+        Index::Novel,
+        Index::ExpectedError,
+        Index::ScaledCondition,
+        Index::WorstJoint,
+        Index::DropOne,
+        Index::D,
+        Index::O1,
+    ];
+    let group: Vec<Vec<f64>> = q.chunks(6).map(<[f64]>::to_vec).collect();
+    let shown = evaluate(&cell, "g", &group).unwrap();
+    for index in indices {
+        let mut function = IndexFunction::new(&cell, index, 4).unwrap();
+        let value = function.value(&q);
+        let expected = shown.indices.get(index).unwrap().ln();
+        let expected = if index.larger_is_better() {
+            -expected
+        } else {
+            expected
+        };
+        assert!(
+            (value - expected).abs() < 1e-9,
+            "{index:?}: {value} {expected}"
+        );
+        let mut gradient = vec![0.0; q.len()];
+        function.smoothed(&q, 30.0, &mut gradient);
+        let largest = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+        let mut unused = vec![0.0; q.len()];
+        for k in 0..q.len() {
+            let mut at = |step: f64| {
+                let mut moved = q.clone();
+                moved[k] += step;
+                function.smoothed(&moved, 30.0, &mut unused).objective
+            };
+            let (coarse, fine) = (at(2e-4) - at(-2e-4), at(1e-4) - at(-1e-4));
+            let expected = (8.0 * fine - coarse) / 12e-4;
+            assert!(
+                (gradient[k] - expected).abs() < 1e-7 * largest,
+                "{index:?} {k}: {} {expected}",
+                gradient[k]
+            );
+        }
+    }
+}
+
+#[test]
+fn a_plan_keeps_the_limits_under_every_load_and_is_certified() {
+    let mut cell = two_ropes();
+    cell.limits.rope_length = Some([1.0, 2.2]);
+    let mut options = GlobalOptions::default();
+    options.rounds = Some(3);
+    let plan = select(&cell, Index::ExpectedError, 4, &options, Control::default()).unwrap();
+    for q in &plan.group {
+        for own in cell.cases() {
+            let terms = PostureTerms::new(&own.setup, q, None).unwrap();
+            let length = own.setup.load.rope_length(terms.loading_point()).unwrap();
+            assert!((1.0..=2.2).contains(&length), "{length}");
+            assert!(own.margins().least(&terms) >= 0.0);
+        }
+    }
+    assert!(smallest_margin(&cell, &plan.group).unwrap().unwrap() >= 0.0);
+    let certificate = certify(
+        &cell,
+        Index::ExpectedError,
+        &plan.group,
+        &CertificateOptions::default(),
+        Control::default(),
+    )
+    .unwrap();
+    assert!((certificate.value.unwrap() / plan.value - 1.0).abs() < 1e-9);
+    let efficiency = certificate.efficiency.unwrap();
+    assert!((0.85..=1.0 + 1e-9).contains(&efficiency), "{efficiency}");
+    // Two loads tell more than either of them alone with the same postures.
+    for own in cell.cases() {
+        let alone = evaluate(&own, "g", &plan.group).unwrap();
+        assert!(alone.indices.expected_error.unwrap() > plan.value);
+    }
+}
+
+#[test]
+fn candidates_count_with_every_load() {
+    let cell = two_ropes();
+    let list: Vec<Candidate> = random_group(&cell, StartKind::Uniform, 12, 1, 0)
+        .unwrap()
+        .into_iter()
+        .enumerate()
+        .map(|(i, q)| Candidate {
+            name: i.to_string(),
+            q,
+            wrench: None,
+        })
+        .collect();
+    let options = CandidateOptions::default();
+    let index = Index::ExpectedError;
+    let best = select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
+    assert!(best.exact);
+    // All 220 groups, one by one.
+    let mut least = f64::INFINITY;
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                let group = [&list[i].q, &list[j].q, &list[k].q];
+                let found = evaluate(&cell, "g", &group).unwrap();
+                least = least.min(found.indices.expected_error.unwrap_or(f64::INFINITY));
+            }
+        }
+    }
+    assert!((best.value / least - 1.0).abs() < 1e-9);
+}
+
+/// Readings of the four loads without noise, each between unloaded ones.
+fn readings(cell: &Cell, noise: TrackerNoise) -> stiffarm::Measured {
+    let mut done = Experiment::as_measured(cell);
+    assert_eq!(done.states.len(), 9);
+    done.model = stiffarm::measure::experiment::DisplacementModel::Linear;
+    done.tracker_noise = noise;
+    done.drift = Vector3::zeros();
+    let truth = cell.prior.clone().unwrap();
+    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let table = experiment(cell, &postures, &truth, &done, 1, 0).unwrap();
+    stiffarm::prepare(cell, table, &Default::default()).unwrap()
+}
+
+#[test]
+fn readings_under_several_loads_give_the_stiffness_back() {
+    let cell = four_loads();
+    let measured = readings(&cell, TrackerNoise::None);
+    let found = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let stiffness = found.estimates.stiffness().unwrap();
+    for (k, prior) in stiffness.iter().zip(cell.prior.as_ref().unwrap()) {
+        assert!((k / prior - 1.0).abs() < 1e-8, "{k} {prior}");
+    }
+}
+
+#[test]
+fn a_state_of_no_load_is_refused() {
+    let cell = two_ropes();
+    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let truth = cell.prior.clone().unwrap();
+    let done = Experiment {
+        states: vec![
+            ExperimentState::new("unloaded", 0.0),
+            ExperimentState::new("above", 1.0),
+        ],
+        ..Experiment::default()
+    };
+    let error = experiment(&cell, &postures, &truth, &done, 1, 0).unwrap_err();
+    assert!(error.message().contains("\"above\""), "{error}");
+    assert!(error.to_string().contains("left"), "{error}");
+    // A commands that takes one load says so.
+    let error = PostureTerms::new(&cell.setup, &postures[0].q, None).unwrap_err();
+    assert!(error.message().contains("several load cases"), "{error}");
+}
+
+#[test]
+fn simulation_validation_and_what_is_common_to_all_readings() {
+    let mut cell = two_ropes();
+    let prior = cell.prior.clone().unwrap();
+    let group = PostureGroup::from_angles("g", group1());
+    let mut options = SimulationOptions::default();
+    options.variance_factors = vec![1.0];
+    options.runs = 400;
+    let found = simulate(
+        &cell,
+        std::slice::from_ref(&group),
+        &options,
+        Control::default(),
+    )
+    .unwrap();
+    let level = &found.groups[0].levels[0];
+    let expected = evaluate(&cell, "g", &group.postures).unwrap();
+    for j in 0..6 {
+        let own = expected.expected_deviation[j].unwrap();
+        assert!((level.expected_deviation[j] / own - 1.0).abs() < 1e-12);
+        let off = level.compliance_mean_deviation[j] - level.expected_deviation[j];
+        assert!(off.abs() < 4.0 * level.compliance_standard_error[j]);
+    }
+    // A force scale of 1 % common to all loads moves every stiffness by 1 %.
+    options.model_errors = ModelErrors {
+        force_scale: 0.01,
+        ..ModelErrors::default()
+    };
+    cell.noise.reading_variance = 0.0;
+    let scaled = simulate(
+        &cell,
+        std::slice::from_ref(&group),
+        &options,
+        Control::default(),
+    );
+    let level = &scaled.unwrap().groups[0].levels[0];
+    let spread = level.compliance_mean_deviation.clone();
+    assert!(
+        spread.iter().all(|d| (d / spread[0] - 1.0).abs() < 1e-6),
+        "{spread:?}"
+    );
+
+    cell.noise.reading_variance = 1e-12;
+    let measured =
+        simulate_measurements(&cell, &group.postures, &prior, Model::Linear, 1, 0).unwrap();
+    assert_eq!(measured.len(), 2 * group.postures.len());
+    let result = validate(&cell, &prior, &measured, Model::Linear, None).unwrap();
+    assert!(result.component_rms_m < 3e-6);
+    let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let errors = systematic_errors(&fit).unwrap();
+    let parts = |name: &str| -> Vec<String> {
+        let own = errors.sources.iter().filter(|s| s.name == name);
+        own.flat_map(|s| s.parts.iter().map(|p| p.name.clone()))
+            .collect()
+    };
+    assert_eq!(
+        parts("anchor"),
+        [
+            "left x", "left y", "left z", "right x", "right y", "right z"
+        ]
+    );
+    assert_eq!(parts("loading-point"), ["x", "y", "z"]);
+    let next = next_posture(
+        &fit,
+        &{
+            let mut search = GlobalOptions::default();
+            search.rounds = Some(1);
+            search
+        },
+        Control::default(),
+    )
+    .unwrap();
+    assert!(next.expected_error < fit_error(&next.before));
+    // As many displacements as the posture it is measured like has under both loads.
+    assert_eq!(next.displacements, 2 * cell.setup.tool.point_count());
+}
+
+fn fit_error(relative: &[Option<f64>]) -> f64 {
+    let squares: f64 = relative.iter().map(|e| e.unwrap().powi(2)).sum();
+    (squares / relative.len() as f64).sqrt()
+}
+
+#[test]
+fn a_check_looks_at_all_loads() {
+    // A weight alone leaves joint 1 in the dark; with a rope beside it nothing is.
+    let mut cell = four_loads();
+    let Load::Cases(cases) = &mut cell.setup.load else {
+        unreachable!()
+    };
+    let (rope, weight) = (cases[0].clone(), cases[2].clone());
+    *cases = vec![weight.clone()];
+    let dark = check(&cell).unwrap();
+    assert!(!dark.joints[0].determined && dark.joints[1].determined);
+    cell.setup.load = Load::Cases(vec![weight, rope]);
+    assert!(check(&cell).unwrap().joints.iter().all(|j| j.determined));
+}
