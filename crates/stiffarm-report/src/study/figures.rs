@@ -80,7 +80,7 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
         }
         if let Some(anchor) = study.anchor_m {
             series.push(Series::new(
-                "rope anchor",
+                "anchor",
                 Style::Landmark,
                 vec![anchor[a]],
                 vec![anchor[b]],

@@ -160,7 +160,7 @@ pub struct Study {
     pub findings: Vec<Finding>,
     /// Outline of the cell's tool box, corners \[m\], where it has one.
     pub tool_box_m: Option<[[f64; 3]; 2]>,
-    /// Rope anchor in the base frame \[m\], where there is one.
+    /// Anchor of rope or cylinder in the base frame \[m\], where there is one.
     pub anchor_m: Option<[f64; 3]>,
 }
 

@@ -203,9 +203,9 @@ impl MeasurementColumns {
             return fault(Some(moment[0]), Code::TableHeading, message, hint);
         }
         if let (Some(load), Load::Constant { .. } | Load::Measured) = (load, &cell.setup.load) {
-            let message =
-                "Only a rope or a weight has one force per state, and the cell's load is neither.";
-            let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\" or \"weight\"";
+            let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's load is none.";
+            let hint =
+                "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
             return fault(Some(load), Code::Conflict, message, hint);
         }
         let angle_columns: Vec<Known> = Known::angles(joints).collect();

@@ -37,7 +37,6 @@ use super::series::PostureSeries;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
-use crate::model::load::Load;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
 use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
@@ -255,14 +254,14 @@ fn covariance(
     Ok(Some((turned + turned.transpose()) * 0.5))
 }
 
-/// Force that the cell's rope or weight has in each loaded state of a posture,
+/// Size of the force that the cell's rope, cylinder or weight has in each loaded state of a posture,
 /// loaded minus reference, where known \[N\].
 fn expected_force(
     cell: &Cell,
     posture: &PostureSeries<'_>,
     measured: &[MeasuredPosture],
 ) -> Vec<Option<f64>> {
-    let (Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. }) = cell.setup.load else {
+    let Some(full) = cell.setup.load.size() else {
         return vec![None; measured.len()];
     };
     let states = &posture.readings.states;
@@ -281,7 +280,7 @@ fn expected_force(
         match load.zip(reference) {
             Some((load, reference)) => Some(load - reference),
             // Without the table's word only the full load is known.
-            None => (load.is_none() && unloaded && force(m) == strongest).then_some(magnitude),
+            None => (load.is_none() && unloaded && force(m) == strongest).then_some(full),
         }
     };
     measured.iter().map(expected).collect()

@@ -156,8 +156,10 @@ fn reason(cell: &Cell, terms: &[&PostureTerms], j: usize, undetermined: &[usize]
             offset.cross(&t.frames.axes()[j]).norm() <= near
         })
     {
-        return "the rope's anchor lies on its axis, so that the force passes through the axis; move the anchor"
-            .to_string();
+        let line = cell.setup.load.line();
+        return format!(
+            "the {line}'s anchor lies on its axis, so that the force passes through the axis; move the anchor"
+        );
     }
     if undetermined.len() > 1 {
         return "its share of the displacements cannot be told from that of other joints; add measuring points"
