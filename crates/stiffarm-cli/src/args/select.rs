@@ -98,7 +98,7 @@ pub struct BudgetArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Choosing the load together with the postures")]
 pub struct LoadArgs {
-    /// Box for the rope's anchor: lowest, then highest corner, base axes [mm]
+    /// Box for the anchor of rope or cylinder: lowest, then highest corner, base axes [mm]
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners(), allow_hyphen_values = true,
           conflicts_with = "curve")]
     pub anchor_box_mm: Option<[f64; 6]>,
@@ -106,7 +106,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners(), allow_hyphen_values = true,
           conflicts_with = "curve")]
     pub loading_point_box_mm: Option<[f64; 6]>,
-    /// Largest force the rope or weight may have, instead of the cell's [N]
+    /// Largest force the rope, cylinder or weight may have, instead of the cell's [N]
     #[arg(long, value_name = "X", value_parser = above_zero("n"), allow_negative_numbers = true, conflicts_with = "curve")]
     pub largest_load_n: Option<f64>,
 }

@@ -79,7 +79,7 @@ pub struct ErrorArgs {
     /// Each coordinate of the loading point, one error per run [mm]
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
     pub loading_point_mm: f64,
-    /// Each coordinate of the rope's anchor, one error per run [mm]
+    /// Each coordinate of the anchor of rope or cylinder, one error per run [mm]
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
     pub anchor_mm: f64,
 }

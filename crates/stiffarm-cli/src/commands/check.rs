@@ -9,7 +9,7 @@ use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Table, green, title};
 use std::fmt::Write;
-use stiffarm::model::cell::{Cell, Limits, Noise};
+use stiffarm::model::cell::{Cell, Noise};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::{CellCheck, check};
@@ -153,7 +153,7 @@ fn setup(cell: &Cell) -> String {
     if cell.setup.load.cases().is_empty() {
         lines.push(("load", load(&cell.setup.load)));
     }
-    lines.push(("limits", limits(&cell.limits)));
+    lines.push(("limits", limits(cell)));
     lines.push(("noise", noise(&cell.noise)));
     let length = match cell.characteristic_length {
         Some(length) => format!("{} mm", coarse_mm(length)),
@@ -199,8 +199,15 @@ fn noise(noise: &Noise) -> String {
 fn load(load: &Load) -> String {
     match load {
         Load::Rope { anchor, magnitude } => {
+            let way = if *magnitude < 0.0 {
+                "away from"
+            } else {
+                "towards"
+            };
             format!(
-                "rope, {magnitude} N towards the anchor ({}) mm, base axes",
+                "{}, {} N {way} the anchor ({}) mm, base axes",
+                load.line(),
+                magnitude.abs(),
                 point(anchor)
             )
         }
@@ -230,7 +237,8 @@ fn wrench(wrench: &Wrench, axes: Axes) -> String {
     )
 }
 
-fn limits(limits: &Limits) -> String {
+fn limits(cell: &Cell) -> String {
+    let (limits, line) = (&cell.limits, cell.setup.load.line());
     let mut parts = Vec::new();
     if let Some([low, high]) = &limits.tool_box {
         parts.push(format!("box ({}) to ({}) mm", point(low), point(high)));
@@ -246,7 +254,7 @@ fn limits(limits: &Limits) -> String {
     }
     if let Some([short, long]) = limits.rope_length {
         parts.push(format!(
-            "rope {} to {} mm",
+            "{line} {} to {} mm",
             coarse_mm(short),
             coarse_mm(long)
         ));

@@ -58,7 +58,8 @@ impl Cautions {
             }
             LimitKind::RopeClearance => {
                 self.rope = true;
-                self.part(cell, subject.strip_prefix("rope and ").unwrap_or(subject));
+                let part = subject.split_once(" and ").map(|(_line, part)| part);
+                self.part(cell, part.unwrap_or(subject));
             }
             LimitKind::RopeCone | LimitKind::RopeLength => self.rope = true,
             LimitKind::Sight | LimitKind::Incidence => {

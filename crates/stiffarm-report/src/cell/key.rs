@@ -39,7 +39,7 @@ pub(super) fn key(
         ("tool", Sample::Area, Tone::Attached),
         ("flange", Sample::Point, Tone::Attached),
         ("loading point", Sample::Point, Tone::Pull),
-        ("rope", Sample::Line, Tone::Pull),
+        (cell.setup.load.line(), Sample::Line, Tone::Pull),
         (force, Sample::Arrow, Tone::Pull),
         ("anchor", Sample::Point, Tone::Fixed),
         ("measuring point", Sample::Point, Tone::Target),

@@ -80,7 +80,7 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
         }
         if !study.anchors_m.is_empty() {
             series.push(Series::new(
-                "rope anchor",
+                "anchor",
                 Style::Landmark,
                 study.anchors_m.iter().map(|anchor| anchor[a]).collect(),
                 study.anchors_m.iter().map(|anchor| anchor[b]).collect(),

@@ -16,13 +16,13 @@ pub enum LimitKind {
     KeepOut,
     /// Height of the wrist centre.
     WristHeight,
-    /// Length of the rope.
+    /// Length of the rope or cylinder.
     RopeLength,
     /// Distance between two shapes.
     Shapes,
-    /// Distance between the rope and a shape.
+    /// Distance between the rope or cylinder and a shape.
     RopeClearance,
-    /// Cone in which the rope's loading device may pull.
+    /// Cone in which the loading device of the rope or cylinder may act.
     RopeCone,
     /// Angle between a reflector's axis and the tracker's beam.
     Incidence,
@@ -66,10 +66,10 @@ impl LimitKind {
             LimitKind::Floor => "the floor",
             LimitKind::KeepOut => "the keep-out cylinder about axis 1",
             LimitKind::WristHeight => "the lowest height of the wrist centre",
-            LimitKind::RopeLength => "the rope's length",
+            LimitKind::RopeLength => "the length of rope or cylinder",
             LimitKind::Shapes => "the distance between shapes",
-            LimitKind::RopeClearance => "the distance between rope and shapes",
-            LimitKind::RopeCone => "the cone of the rope's loading device",
+            LimitKind::RopeClearance => "the distance between rope or cylinder and shapes",
+            LimitKind::RopeCone => "the cone of the rope's or cylinder's loading device",
             LimitKind::Incidence => "the reflectors' acceptance angle",
             LimitKind::Sight => "the tracker's line of sight",
             LimitKind::Torque => "the joints' torque",
@@ -91,8 +91,8 @@ impl LimitKind {
 pub struct LimitMargin {
     /// The limit.
     pub kind: LimitKind,
-    /// What it is about: `loading point`, a measuring point's name, `flange`, `wrist centre`, `rope`, two
-    /// shapes, a joint.
+    /// What it is about: `loading point`, a measuring point's name, `flange`, `wrist centre`, `rope` or
+    /// `cylinder`, two shapes, a joint.
     pub point: String,
     /// Margin in the kind's [`unit`](LimitKind::unit) \[m, rad, share\], negative when violated.
     pub margin: f64,
@@ -108,9 +108,13 @@ impl LimitMargin {
             LimitKind::RopeClearance => {
                 format!("has {amount} too little room between {}", self.point)
             }
-            LimitKind::RopeCone => {
-                format!("pulls the rope {amount} beyond its loading device's cone")
+            LimitKind::RopeLength => {
+                format!("has its {0} {amount} beyond the {0}'s length", self.point)
             }
+            LimitKind::RopeCone => format!(
+                "turns the {} {amount} beyond its loading device's cone",
+                self.point
+            ),
             LimitKind::Incidence => {
                 format!("turns {} {amount} beyond its acceptance angle", self.point)
             }

@@ -48,12 +48,12 @@ pub enum Axes {
 /// How the robot is loaded.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Load {
-    /// A rope from the loading point P1 to a fixed anchor P2 (Section IV.A):
-    /// F = G (P2 − P1)/‖P2 − P1‖, M = 0.
+    /// A rope from the loading point P1 to a fixed anchor P2 (Section IV.A), or a
+    /// cylinder or screw between the two: F = G (P2 − P1)/‖P2 − P1‖, M = 0.
     Rope {
         /// Anchor P2 in the base frame \[m\].
         anchor: Vector3<f64>,
-        /// Rope force G \[N\].
+        /// Force G \[N\]: positive where it pulls, negative where a cylinder pushes.
         magnitude: f64,
     },
     /// A hanging weight: constant force along gravity.
@@ -209,7 +209,41 @@ impl Load {
         self.each().any(|load| matches!(load, Load::Rope { .. }))
     }
 
-    /// Rope length ‖P2 − P1‖ \[m\], for a rope.
+    /// Size of the force of a rope, a cylinder between two points or a weight, 0 or more \[N\]:
+    /// what a table says in `load_n`. `None` for another load.
+    pub fn size(&self) -> Option<f64> {
+        match self {
+            Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => Some(magnitude.abs()),
+            Load::Constant { .. } | Load::Measured | Load::Cases(_) => None,
+        }
+    }
+
+    /// The same load with a force of the size `size` \[N\]: what pushes still pushes. `None` for a load
+    /// without [`size`](Load::size).
+    #[must_use]
+    pub fn with_size(&self, size: f64) -> Option<Load> {
+        let mut load = self.clone();
+        match &mut load {
+            Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
+                *magnitude = size.copysign(*magnitude);
+            }
+            Load::Constant { .. } | Load::Measured | Load::Cases(_) => return None,
+        }
+        Some(load)
+    }
+
+    /// What lies between loading point and anchor, in a word. What pushes is a cylinder; what pulls
+    /// is called a rope, for the load does not know.
+    pub fn line(&self) -> &'static str {
+        let pushes = |load: &Load| matches!(load, Load::Rope { magnitude, .. } if *magnitude < 0.0);
+        let mut ropes = self.each().filter(|load| matches!(load, Load::Rope { .. }));
+        match ropes.next() {
+            Some(first) if pushes(first) && ropes.all(pushes) => "cylinder",
+            _ => "rope",
+        }
+    }
+
+    /// Length ‖P2 − P1‖ of a rope or cylinder \[m\].
     pub fn rope_length(&self, loading_point: &Vector3<f64>) -> Option<f64> {
         match self {
             Load::Rope { anchor, .. } => Some((anchor - loading_point).norm()),

@@ -24,10 +24,14 @@ pub(crate) fn nelder_mead<const N: usize>(
         corner[i] += step;
         simplex.push((corner, at(&corner).0));
     }
+    let mut spent = N + 1;
     loop {
         // A stable sort: the same path for the same function.
         simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (best, worst) = (simplex[0], simplex[N]);
+        if spent >= evaluations || worst.1 - best.1 <= 1e-12 * best.1.abs() {
+            return best;
+        }
         let mut middle = [0.0; N];
         for (corner, _) in &simplex[..N] {
             for (m, c) in middle.iter_mut().zip(corner) {
@@ -37,7 +41,8 @@ pub(crate) fn nelder_mead<const N: usize>(
         let along = |t: f64| -> [f64; N] {
             std::array::from_fn(|i| middle[i] + t * (worst.0[i] - middle[i]))
         };
-        let (reflected, mut spent) = at(&along(-1.0));
+        let (reflected, count) = at(&along(-1.0));
+        spent = count;
         let replacement = if reflected < best.1 {
             let expanded = at(&along(-2.0));
             spent = expanded.1;
@@ -63,11 +68,6 @@ pub(crate) fn nelder_mead<const N: usize>(
                     spent = now;
                 }
             }
-        }
-        let spread = simplex[N].1 - simplex[0].1;
-        if spent >= evaluations || spread <= 1e-12 * simplex[0].1.abs() {
-            simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
-            return simplex[0];
         }
     }
 }

@@ -160,7 +160,7 @@ pub struct Study {
     pub findings: Vec<Finding>,
     /// Outline of the cell's tool box, corners \[m\], where it has one.
     pub tool_box_m: Option<[[f64; 3]; 2]>,
-    /// Anchors of the ropes in the base frame \[m\].
+    /// Anchors of ropes and cylinders in the base frame \[m\].
     #[serde(default)]
     pub anchors_m: Vec<[f64; 3]>,
 }

@@ -228,8 +228,11 @@ fn random_case(
 fn compare(n: usize) {
     let mut dice = Dice::new(40 + n as u64);
     let (mut worst, mut worst_value, mut compared) = (0.0_f64, 0.0_f64, 0);
-    for case in 0..16 {
-        let (kind, elastic, common) = (case % 4, (case / 4) % 2 == 1, case / 8 == 1);
+    for case in 0..18 {
+        // The last two: a cylinder that pushes.
+        let kind = if case < 16 { case % 4 } else { 4 };
+        let elastic = (case / 4) % 2 == 1 || case == 17;
+        let common = case % 16 / 8 == 1;
         let (model, postures) = random_case(&mut dice, n, kind, elastic, common);
         let cell = model.cell();
         let flat: Vec<f64> = postures.concat();

@@ -9,6 +9,7 @@ mod collinear;
 mod common;
 mod compensate;
 mod coverage;
+mod cylinder;
 mod diagnose;
 mod edges;
 mod elastic_simulation;

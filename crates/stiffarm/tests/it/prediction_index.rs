@@ -88,7 +88,9 @@ fn ln_index(model: &Model, postures: &[Vec<Dual64>], sizes: [f64; 3]) -> Dual64 
 /// A random cell and group that determine every joint.
 fn determined(dice: &mut Dice, n: usize, case: usize) -> (Model, Vec<Vec<f64>>) {
     loop {
-        let model = dice.model(n, case % 4, case % 2 == 1, case % 3 == 1);
+        // The last: a cylinder that pushes.
+        let kind = if case < 6 { case % 4 } else { 4 };
+        let model = dice.model(n, kind, case % 2 == 1, case % 3 == 1);
         let postures = dice.postures(n, POSTURES);
         let found = evaluate(&model.cell(), "", &postures).unwrap().indices;
         if found.scaled_condition.is_some_and(|c| c < 1e3) {
@@ -101,7 +103,7 @@ fn determined(dice: &mut Dice, n: usize, case: usize) -> (Model, Vec<Vec<f64>>) 
 fn values_and_gradients_are_those_of_the_mixed_model_equations() {
     let mut dice = Dice::new(77);
     let (mut worst, mut worst_value) = (0.0_f64, 0.0_f64);
-    for (case, n) in [6, 6, 6, 6, 5, 7].into_iter().enumerate() {
+    for (case, n) in [6, 6, 6, 6, 5, 7, 6].into_iter().enumerate() {
         let (model, postures) = determined(&mut dice, n, case);
         let mut cell = model.cell();
         let typical = ElasticSizes::typical(&cell.setup, &model.prior).unwrap();

@@ -31,7 +31,7 @@ use stiffarm::plan::index::{Index, error_bound, evaluate};
 fn models(joints: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = (Model, Dice)> {
     (
         joints,
-        0..4_usize,
+        0..5_usize,
         any::<bool>(),
         any::<bool>(),
         any::<u64>(),

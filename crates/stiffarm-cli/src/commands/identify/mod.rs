@@ -3,6 +3,7 @@
 pub mod clamped;
 mod elastic;
 mod messages;
+mod next;
 pub mod readings;
 mod summary;
 mod tables;
@@ -282,5 +283,5 @@ fn details(fit: &Fit, result: &Identified) -> String {
     }
     out += &title("Postures with the largest residuals");
     out += &tables::residuals(result).to_string();
-    out + &messages::next(fit.cell(), result)
+    out + &next::next(fit.cell(), result)
 }

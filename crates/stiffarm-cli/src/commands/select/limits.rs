@@ -44,9 +44,11 @@ pub(super) fn nearest(cell: &Cell, names: &[String], limits: &[PostureLimits]) -
             .rope()
             .and_then(|rope| rope.clearance)
             .unwrap_or(0.0);
-        add("rope [mm]", Align::Right, &|l| {
-            length(l, LimitKind::RopeClearance, kept)
-        });
+        add(
+            &format!("{} [mm]", cell.setup.load.line()),
+            Align::Right,
+            &|l| length(l, LimitKind::RopeClearance, kept),
+        );
     }
     if limits.iter().any(|l| l.station.is_some()) {
         let all = cell.setup.tool.point_count();

@@ -47,15 +47,12 @@ pub fn applied(cell: &Cell, chosen: Option<&DesignedLoad>) -> Cell {
     let mut cell = cell.clone();
     let Some(chosen) = chosen else { return cell };
     cell.setup.tool.loading_point = chosen.loading_point_m.into();
-    match &mut cell.setup.load {
-        Load::Rope { anchor, magnitude } => {
-            *anchor = chosen.anchor_m.map_or(*anchor, Into::into);
-            *magnitude = chosen.magnitude_n.unwrap_or(*magnitude);
-        }
-        Load::Weight { magnitude, .. } => {
-            *magnitude = chosen.magnitude_n.unwrap_or(*magnitude);
-        }
-        Load::Constant { .. } | Load::Measured | Load::Cases(_) => {}
+    let sized = chosen
+        .magnitude_n
+        .and_then(|size| cell.setup.load.with_size(size));
+    cell.setup.load = sized.unwrap_or(cell.setup.load);
+    if let (Load::Rope { anchor, .. }, Some(to)) = (&mut cell.setup.load, chosen.anchor_m) {
+        *anchor = to.into();
     }
     cell
 }

@@ -9,6 +9,7 @@ use crate::numerics::information::symmetric_eigen;
 use crate::numerics::sample::median;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Directions of force whose mean is shorter than this are too many to assume one.
 const ONE_DIRECTION: f64 = 0.7;
@@ -23,15 +24,17 @@ const PARALLEL: f64 = 0.02;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AssumedLoad {
-    /// Anchor of a rope, base frame \[m\].
+    /// Anchor of a rope or of a cylinder that pushes, base frame \[m\].
     pub anchor_m: Option<[f64; 3]>,
+    /// True where the forces point away from the anchor.
+    pub pushes: bool,
     /// Direction of a constant force, base axes.
     pub direction: Option<[f64; 3]>,
     /// Its size: the median of the measured forces \[N\].
     pub magnitude_n: f64,
 }
 
-/// The load that the measured forces look like: a rope where their lines meet,
+/// The load that the measured forces look like: a rope, or a cylinder that pushes, where their lines meet,
 /// else a constant force where they point alike.
 pub(super) fn assumed_load(
     cell: &Cell,
@@ -59,13 +62,15 @@ pub(super) fn assumed_load(
     if lines.is_empty() {
         return Err(no_load());
     }
-    let magnitude = median(&sizes);
-    if let Some(anchor) = common_anchor(&lines) {
+    let size = median(&sizes);
+    if let Some((anchor, pushes)) = common_anchor(&lines) {
         let assumed = AssumedLoad {
             anchor_m: Some(anchor.into()),
+            pushes,
             direction: None,
-            magnitude_n: magnitude,
+            magnitude_n: size,
         };
+        let magnitude = if pushes { -size } else { size };
         return Ok((Load::Rope { anchor, magnitude }, assumed));
     }
     let mean = lines.iter().map(|(_, u)| u).sum::<Vector3<f64>>() / lines.len() as f64;
@@ -75,17 +80,18 @@ pub(super) fn assumed_load(
     let direction = mean.normalize();
     let assumed = AssumedLoad {
         anchor_m: None,
+        pushes: false,
         direction: Some(direction.into()),
-        magnitude_n: magnitude,
+        magnitude_n: size,
     };
-    let wrench = Wrench::force(direction * magnitude);
+    let wrench = Wrench::force(direction * size);
     let axes = Axes::Base;
     Ok((Load::Constant { wrench, axes }, assumed))
 }
 
-/// The point nearest to all lines of force, where most of them pass it closely
-/// and pull towards it.
-fn common_anchor(lines: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Vector3<f64>> {
+/// The point nearest to all lines of force, where most of them pass it closely and pull towards it,
+/// or push away from it: then with `true`.
+fn common_anchor(lines: &[(Vector3<f64>, Vector3<f64>)]) -> Option<(Vector3<f64>, bool)> {
     let mut normal = Matrix3::zeros();
     let mut moment = Vector3::zeros();
     for (point, direction) in lines {
@@ -102,5 +108,31 @@ fn common_anchor(lines: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Vector3<f64>>
         .iter()
         .map(|(point, direction)| (anchor - point).angle(direction))
         .collect();
-    (median(&angles) < MEETING).then_some(anchor)
+    let typical = median(&angles);
+    let pushes = typical > PI - MEETING;
+    (pushes || typical < MEETING).then_some((anchor, pushes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_meet_are_a_rope_or_a_cylinder_that_pushes() {
+        let anchor = Vector3::new(1.8, -0.3, 0.2);
+        let towards: Vec<(Vector3<f64>, Vector3<f64>)> = [
+            [0.9, 0.2, 1.1],
+            [1.2, -0.9, 0.8],
+            [2.5, 0.4, 1.4],
+            [1.1, 0.1, 0.3],
+        ]
+        .map(|p| (Vector3::from(p), (anchor - Vector3::from(p)).normalize()))
+        .into();
+        let away: Vec<_> = towards.iter().map(|(p, u)| (*p, -u)).collect();
+        for (lines, expected) in [(towards, false), (away, true)] {
+            let (found, pushes) = common_anchor(&lines).unwrap();
+            assert!((found - anchor).norm() < 1e-12);
+            assert_eq!(pushes, expected);
+        }
+    }
 }

@@ -24,7 +24,7 @@ pub struct ModelErrors {
     pub joint_angle_rad: f64,
     /// Each coordinate of the loading point, one error for the experiment \[m\].
     pub loading_point_m: f64,
-    /// Each coordinate of the rope's anchor, one error for the experiment \[m\].
+    /// Each coordinate of the anchor of rope or cylinder, one error for the experiment \[m\].
     pub anchor_m: f64,
 }
 

@@ -13,7 +13,7 @@ impl SystematicSource {
     fn what(&self) -> &'static str {
         match self.name.as_str() {
             "force-scale" => "force scale",
-            "anchor" => "rope anchor",
+            "anchor" => "anchor",
             "loading-point" => "loading point",
             "registration" => "registration",
             "base-tilt" => "tilt of the base",

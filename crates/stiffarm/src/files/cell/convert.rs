@@ -209,9 +209,11 @@ fn limits(source: &Source<'_>, table: Option<&At<RawLimits>>, load: &Load) -> Re
         let range = source.range(list, key)?;
         source.not_negative(&list.get()[0], "limits.rope_length_mm[1]")?;
         if !load.has_rope() {
-            let message = "A limit of the rope's length needs a load of kind \"rope\".";
+            let message = "A limit of the length needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.";
             let error = source.error(Code::Conflict, key, list.span(), message);
-            return Err(error.hint("remove rope_length_mm, or set load.kind = \"rope\""));
+            return Err(
+                error.hint("remove rope_length_mm, or set load.kind = \"rope\" or \"cylinder\"")
+            );
         }
         rope_length = Some(range.map(mm_to_m));
     }

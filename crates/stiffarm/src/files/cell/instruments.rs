@@ -100,14 +100,14 @@ pub(super) fn uncertainty(
         return Ok(Uncertainty::default());
     };
     if let (Some(anchor), false) = (&raw.anchor_mm, load.has_rope()) {
-        let message = "An uncertainty of the anchor needs a load of kind \"rope\".";
+        let message = "An uncertainty of the anchor needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.";
         let error = source.error(
             Code::Conflict,
             "uncertainty.anchor_mm",
             anchor.span(),
             message,
         );
-        return Err(error.hint("remove anchor_mm, or set load.kind = \"rope\""));
+        return Err(error.hint("remove anchor_mm, or set load.kind = \"rope\" or \"cylinder\""));
     }
     let number = |value: &Option<Number>, key: &str, to_si: fn(f64) -> f64| {
         not_negative(source, value, &format!("uncertainty.{key}"), to_si)

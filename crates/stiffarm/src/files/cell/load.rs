@@ -10,8 +10,12 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 /// The kinds of load, and the keys that each of them has beside `kind`.
-const KINDS: [(&str, &[&str]); 4] = [
+const KINDS: [(&str, &[&str]); 5] = [
     ("rope", &["magnitude_n", "anchor_mm"]),
+    (
+        "cylinder",
+        &["magnitude_n", "acts", "anchor_mm", "direction", "axes"],
+    ),
     ("weight", &["magnitude_n", "mass_kg"]),
     ("wrench", &["force_n", "moment_nm", "axes"]),
     ("measured", &[]),
@@ -26,10 +30,10 @@ pub(super) fn load(
     table: &Option<At<RawLoad>>,
     robot: &Robot,
 ) -> Result<Load> {
-    let hint = "add a table [load] with kind = \"rope\", \"weight\", \"wrench\" or \"measured\"";
+    let hint = "add a table [load] with kind = \"rope\", \"cylinder\", \"weight\", \"wrench\" or \"measured\"";
     let table = source.required(table, "load", None, hint)?;
     let raw = table.get();
-    let hint = "kind is one of \"rope\", \"weight\", \"wrench\", \"measured\"";
+    let hint = "kind is one of \"rope\", \"cylinder\", \"weight\", \"wrench\", \"measured\"";
     let kind = source.required(&raw.kind, "load.kind", Some(table.span()), hint)?;
     let Some((name, keys)) = KINDS.iter().find(|(name, _)| name == kind.get()) else {
         let message = format!("Loads of kind \"{}\" are not known.", kind.get());
@@ -40,6 +44,7 @@ pub(super) fn load(
     refuse_foreign_keys(source, raw, name, keys)?;
     match *name {
         "rope" => rope(source, table),
+        "cylinder" => cylinder(source, table),
         "weight" => Ok(Load::Weight {
             magnitude: weight(source, table)?,
             direction: *robot.gravity_direction(),
@@ -56,10 +61,12 @@ fn refuse_foreign_keys(
     kind: &str,
     keys: &[&str],
 ) -> Result<()> {
-    let given: [(&str, Option<Range<usize>>); 6] = [
+    let given: [(&str, Option<Range<usize>>); 8] = [
         ("mass_kg", raw.mass_kg.as_ref().map(At::span)),
         ("magnitude_n", raw.magnitude_n.as_ref().map(At::span)),
         ("anchor_mm", raw.anchor_mm.as_ref().map(At::span)),
+        ("acts", raw.acts.as_ref().map(At::span)),
+        ("direction", raw.direction.as_ref().map(At::span)),
         ("force_n", raw.force_n.as_ref().map(At::span)),
         ("moment_nm", raw.moment_nm.as_ref().map(At::span)),
         ("axes", raw.axes.as_ref().map(At::span)),
@@ -110,6 +117,61 @@ fn rope(source: &Source<'_>, table: &At<RawLoad>) -> Result<Load> {
     let anchor = source.required(&table.get().anchor_mm, key, Some(table.span()), hint)?;
     let anchor = source.vector(anchor, key)?.map(mm_to_m);
     Ok(Load::Rope { anchor, magnitude })
+}
+
+/// A cylinder or screw: towards or away from its other end, or along a direction.
+fn cylinder(source: &Source<'_>, table: &At<RawLoad>) -> Result<Load> {
+    let (raw, at) = (table.get(), Some(table.span()));
+    let size = magnitude(source, table)?;
+    let hint = "acts = \"pulls\" or acts = \"pushes\": what the cylinder does to the robot";
+    let acts = source.required(&raw.acts, "load.acts", at.clone(), hint)?;
+    let magnitude = match acts.get().as_str() {
+        "pulls" => size,
+        "pushes" => -size,
+        other => {
+            let message = format!("A cylinder \"pulls\" or \"pushes\", got \"{other}\".");
+            let nearest = did_you_mean(other, ["pulls", "pushes"]);
+            let error = source.error(Code::InvalidValue, "load.acts", acts.span(), message);
+            return Err(error.hint(nearest.unwrap_or_else(|| hint.to_string())));
+        }
+    };
+    let ways = "give its other end (anchor_mm = [x, y, z], base frame), or the direction of its pull \
+                (direction = [x, y, z] with axes) where it is guided";
+    let (list, key) = match (&raw.anchor_mm, &raw.direction) {
+        (Some(_), Some(direction)) => {
+            let message = "The cylinder's line is given twice: anchor_mm is there already.";
+            let key = "load.direction";
+            let error = source.error(Code::Conflict, key, direction.span(), message);
+            return Err(error.hint("keep one of anchor_mm and direction"));
+        }
+        (Some(anchor), None) => {
+            if let Some(axes) = &raw.axes {
+                let message =
+                    "A cylinder with anchor_mm has no axes: the anchor is in the base frame.";
+                let error = source.error(Code::Conflict, "load.axes", axes.span(), message);
+                return Err(error.hint("remove it, or give direction instead of anchor_mm"));
+            }
+            let anchor = source.vector(anchor, "load.anchor_mm")?.map(mm_to_m);
+            return Ok(Load::Rope { anchor, magnitude });
+        }
+        (None, list) => (
+            source.required(list, "load.direction", at.clone(), ways)?,
+            "load.direction",
+        ),
+    };
+    let Some(direction) = source.vector(list, key)?.try_normalize(0.0) else {
+        let message = "The direction is zero.";
+        let error = source.error(Code::InvalidValue, key, list.span(), message);
+        return Err(error.hint(
+            "give the direction of the cylinder's pull, of any length: direction = [0, 0, 1]",
+        ));
+    };
+    let key = "load.axes";
+    let given = source.required(&raw.axes, key, at, AXES_HINT)?;
+    Ok(Load::Constant {
+        wrench: Wrench::force(direction * magnitude),
+        axes: axes(source, given, key)?,
+    })
 }
 
 fn wrench(source: &Source<'_>, table: &At<RawLoad>) -> Result<Load> {

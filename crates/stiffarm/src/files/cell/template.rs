@@ -180,6 +180,8 @@ position_mm = {p4}
 [load]
 # The force on the robot.
 #   "rope":     pulls from the loading point towards the fixed anchor_mm
+#   "cylinder": as a rope, with acts = "pulls" or "pushes"; or, where it is guided,
+#               direction = [x, y, z] in axes = "base" or "tool" instead of anchor_mm
 #   "weight":   hangs on the loading point, along gravity
 #               (on a floor-mounted robot it leaves joint 1 without torque)
 #   "wrench":   constant force_n, moment_nm (about the loading point) in axes = "base" or "tool"
@@ -198,7 +200,7 @@ anchor_mm = [{anchor}, 0, 0]  # EDIT: the rope's fixed end, base frame
 {limit}keep_out_radius_mm = {near}
 # Lowest z of the wrist centre:
 {limit}wrist_height_mm = {low}
-# Shortest and longest rope:
+# Shortest and longest rope or cylinder:
 rope_length_mm = [{short}, {long}]
 # Lowest z of loading point, measuring points and flange, where there is no box:
 # floor_mm = 0

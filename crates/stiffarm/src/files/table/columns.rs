@@ -202,11 +202,10 @@ impl MeasurementColumns {
             let hint = "add fx_n, fy_n, fz_n (zeros where a pure moment acts)";
             return fault(Some(moment[0]), Code::TableHeading, message, hint);
         }
-        let has_force = |load: &Load| matches!(load, Load::Rope { .. } | Load::Weight { .. });
-        if let (Some(load), false) = (load, cell.setup.load.each().any(has_force)) {
-            let message =
-                "Only a rope or a weight has one force per state, and the cell's load is neither.";
-            let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\" or \"weight\"";
+        if let (Some(load), false) = (load, cell.setup.load.each().any(|l| l.size().is_some())) {
+            let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's load is none.";
+            let hint =
+                "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
             return fault(Some(load), Code::Conflict, message, hint);
         }
         let angle_columns: Vec<Known> = Known::angles(joints).collect();

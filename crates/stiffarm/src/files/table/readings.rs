@@ -305,7 +305,7 @@ impl Reader<'_, '_> {
         );
         let hint = match &self.cell.setup.load {
             Load::Rope { .. } | Load::Weight { .. } => {
-                "add the column load_n: the force of rope or weight in each state; or the measured forces fx_n, fy_n, fz_n"
+                "add the column load_n: the force of rope, cylinder or weight in each state; or the measured forces fx_n, fy_n, fz_n"
             }
             _ => "add the columns fx_n, fy_n, fz_n: the force on the robot in each state",
         };

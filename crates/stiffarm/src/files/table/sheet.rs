@@ -60,7 +60,7 @@ fn default_states(cell: &Cell) -> Vec<String> {
 /// A sheet for raw readings: the rows of [`read_readings`](super::read_readings)
 /// for each posture, load state and point, with empty fields for what is to be
 /// read. It has columns of force where the cell has a sensor or its load is
-/// measured, `load_n` where a rope or weight has several load states, and the
+/// measured, `load_n` where a rope, cylinder or weight has several load states, and the
 /// angles of the posture, to be replaced by those that the controller shows.
 pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> String {
     let states = options.all_states(cell);
@@ -69,7 +69,7 @@ pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) 
         .iter()
         .filter(|state| Role::of(state) != Role::Unloaded)
         .count();
-    let has_magnitude = matches!(cell.setup.load, Load::Rope { .. } | Load::Weight { .. });
+    let has_magnitude = cell.setup.load.size().is_some();
     let layout = Layout {
         values: Values::Positions,
         forces,

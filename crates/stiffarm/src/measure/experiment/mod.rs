@@ -6,7 +6,7 @@ mod tracker;
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::load::{Load, Wrench};
+use crate::model::load::Wrench;
 use crate::model::measurement::{
     PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
@@ -75,7 +75,7 @@ pub enum TrackerNoise {
 pub enum ForceRecord {
     /// Nothing.
     Nothing,
-    /// Force of the rope or weight in each state.
+    /// Size of the force of the rope, cylinder or weight in each state.
     Load,
     /// Forces: as the cell's sensor reports them, or without a sensor the force
     /// on the robot in base axes.
@@ -168,13 +168,11 @@ impl Experiment {
     /// unloaded, or where there are load cases each of them between unloaded states; each
     /// reflector read twice, one of them on the base; what the
     /// force sensor reads where the cell has one, with 12 kg of tool on it, else
-    /// the force of the rope or weight; the noise of the cell.
+    /// the force of the rope, cylinder or weight; the noise of the cell.
     pub fn as_measured(cell: &Cell) -> Self {
-        let named = |prefix: &str, factor: f64, otherwise: &str| match &cell.setup.load {
-            Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
-                format!("{prefix}-{}", (magnitude * factor).round())
-            }
-            _ => otherwise.to_string(),
+        let named = |prefix: &str, factor: f64, otherwise: &str| match cell.setup.load.size() {
+            Some(size) => format!("{prefix}-{}", (size * factor).round()),
+            None => otherwise.to_string(),
         };
         let state = |name: String, load_factor: f64| ExperimentState {
             repeats: 2,
@@ -205,12 +203,12 @@ impl Experiment {
                 }
             },
             model: DisplacementModel::Equilibrium,
-            force: match (by_sensor, &cell.setup.load) {
+            force: match (by_sensor, cell.setup.load.size()) {
                 (true, _) => ForceRecord::ForceAndMoment,
-                (false, Load::Rope { .. } | Load::Weight { .. }) => ForceRecord::Load,
-                // Each load is as the cell says.
-                (false, Load::Cases(_)) => ForceRecord::Nothing,
-                (false, _) => ForceRecord::Force,
+                (false, Some(_)) => ForceRecord::Load,
+                // Each of several loads is as the cell says.
+                (false, None) if !cell.setup.load.cases().is_empty() => ForceRecord::Nothing,
+                (false, None) => ForceRecord::Force,
             },
             base_reflectors: vec![NamedPoint {
                 name: "base".to_string(),
@@ -325,11 +323,8 @@ pub fn experiment(
                     .is_some()
                     .then_some(arm.angles.clone()),
                 wrench: arm.recorded(cell, options, &mut rng),
-                load: match (options.force, &setup.load) {
-                    (
-                        ForceRecord::Load,
-                        Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. },
-                    ) => Some(factor * magnitude),
+                load: match options.force {
+                    ForceRecord::Load => setup.load.size().map(|size| factor * size),
                     _ => None,
                 },
                 readings,

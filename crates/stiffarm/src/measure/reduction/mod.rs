@@ -37,7 +37,6 @@ use super::series::PostureSeries;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
-use crate::model::load::Load;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
 use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
@@ -255,7 +254,7 @@ fn covariance(
     Ok(Some((turned + turned.transpose()) * 0.5))
 }
 
-/// Force that the cell's rope or weight has in each loaded state of a posture,
+/// Size of the force that the cell's rope, cylinder or weight has in each loaded state of a posture,
 /// loaded minus reference, where known \[N\].
 fn expected_force(
     cell: &Cell,
@@ -263,10 +262,7 @@ fn expected_force(
     measured: &[MeasuredPosture],
 ) -> Vec<Option<f64>> {
     let several = !cell.setup.load.cases().is_empty();
-    let magnitude = |m: &MeasuredPosture| match cell.setup.of_state(&m.state).ok()?.load {
-        Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => Some(magnitude),
-        _ => None,
-    };
+    let full_of = |m: &MeasuredPosture| cell.setup.of_state(&m.state).ok()?.load.size();
     let states = &posture.readings.states;
     let unloaded = posture.reference == Role::Unloaded;
     let reference = posture
@@ -276,7 +272,7 @@ fn expected_force(
     let force = |m: &MeasuredPosture| m.wrench.map_or(0.0, |w| w.force.norm());
     let strongest = measured.iter().map(force).fold(0.0, f64::max);
     let expected = |m: &MeasuredPosture| {
-        let magnitude = magnitude(m)?;
+        let full = full_of(m)?;
         let load = states
             .iter()
             .find(|s| s.state == m.state)
@@ -285,7 +281,7 @@ fn expected_force(
         match load.zip(reference) {
             Some((load, reference)) => Some(load - reference),
             // Without the table's word only the full load is known.
-            None => (load.is_none() && unloaded && is_full).then_some(magnitude),
+            None => (load.is_none() && unloaded && is_full).then_some(full),
         }
     };
     measured.iter().map(expected).collect()

@@ -20,7 +20,7 @@ use nalgebra::SVector;
 ///   [`Sensor::wrench_on_robot`](crate::model::instruments::Sensor::wrench_on_robot).
 /// - Without a sensor: the difference of the table's wrenches.
 /// - Forces without moments: a pure force through the loading point.
-/// - No forces: the force of the cell's rope or weight in that state less that
+/// - No forces: the force of the cell's rope, cylinder or weight in that state less that
 ///   in the reference, where the table has them.
 ///
 /// Where states without load lie before and after, their straight line is
@@ -29,7 +29,7 @@ use nalgebra::SVector;
 ///
 /// # Errors
 /// A loaded state or a preload without the force the other states have; a
-/// measured load without any; a force of the rope or weight in a cell that has neither.
+/// measured load without any; a force per state in a cell whose load is neither rope, cylinder nor weight.
 pub(super) fn wrench(
     cell: &Cell,
     columns: WrenchColumns,
@@ -90,7 +90,9 @@ fn by_load(
     let mut unit = setup.load.clone();
     let full = match &mut unit {
         Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
-            std::mem::replace(magnitude, 1.0)
+            // A table gives sizes: what pushes still pushes.
+            let sign = 1.0_f64.copysign(*magnitude);
+            std::mem::replace(magnitude, sign).abs()
         }
         Load::Constant { .. } if !given && posture.reference == Role::Unloaded => return Ok(None),
         Load::Measured if !given => {
@@ -104,10 +106,10 @@ fn by_load(
         Load::Constant { .. } | Load::Measured | Load::Cases(_) if given => {
             return Err(Error::new(
                 Code::Conflict,
-                "The table gives the force of a rope or weight, but the cell's load is neither.",
+                "The table gives the force of a rope, cylinder or weight, but the cell's load has no such force.",
             )
             .key("load_n")
-            .hint("set load.kind to \"rope\" or \"weight\", or give fx_n, fy_n, fz_n"));
+            .hint("set load.kind to \"rope\", \"cylinder\" (with anchor_mm) or \"weight\", or give fx_n, fy_n, fz_n"));
         }
         Load::Constant { .. } | Load::Measured | Load::Cases(_) => {
             return Err(missing(

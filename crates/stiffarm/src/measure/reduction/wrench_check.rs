@@ -59,7 +59,7 @@ pub struct ForceDirection {
     pub posture: String,
     /// Load state.
     pub state: String,
-    /// Angle between measured force and rope or gravity \[rad\].
+    /// Angle between measured force and rope, cylinder or gravity \[rad\].
     pub angle_rad: f64,
     /// Measured over expected magnitude, where the table or the cell gives it for
     /// this state.
@@ -205,6 +205,7 @@ fn direction_findings(cell: &Cell, directions: &[ForceDirection], out: &mut Vec<
     let what = match cell.setup.load {
         Load::Weight { .. } => "gravity",
         Load::Cases(_) => "the loads of the cell",
+        _ if cell.setup.load.line() == "cylinder" => "the cylinder's push",
         _ => "the rope",
     };
     let angles: Vec<f64> = directions.iter().map(|d| d.angle_rad).collect();

@@ -6,7 +6,7 @@ use super::shape::name_states;
 use super::{Cause, Suspicion, Work};
 use crate::measure::reduction::Motion;
 use crate::model::kinematics::Frames;
-use crate::model::load::{Load, Wrench};
+use crate::model::load::Wrench;
 use crate::model::measurement::Role;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
@@ -203,13 +203,11 @@ fn wrench(
         return Some(Some(out));
     }
     let modelled = setup.load.wrench(&frames, &at)?;
-    let (Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. }) = &setup.load else {
+    let full = setup.load.size().filter(|size| *size > 0.0);
+    let (Some(load), Some(full)) = (now.load, full) else {
         return Some(None);
     };
-    let Some(load) = now.load.filter(|_| *magnitude > 0.0) else {
-        return Some(None);
-    };
-    let factor = (load - before.load.unwrap_or(0.0)) / magnitude;
+    let factor = (load - before.load.unwrap_or(0.0)) / full;
     Some(Some(Wrench {
         force: modelled.force * factor,
         moment: modelled.moment * factor,

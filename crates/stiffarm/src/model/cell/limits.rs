@@ -19,7 +19,7 @@ pub struct Limits {
     pub keep_out_radius: Option<f64>,
     /// Lowest z of the wrist centre.
     pub wrist_height: Option<f64>,
-    /// Shortest and longest rope.
+    /// Shortest and longest rope or cylinder.
     pub rope_length: Option<[f64; 2]>,
 }
 
@@ -220,7 +220,7 @@ fn subject_names(setup: &Setup) -> Vec<String> {
             .iter()
             .map(|p| format!("measuring point {}", p.name)),
     );
-    names.extend(["flange", "wrist centre", "rope"].map(String::from));
+    names.extend(["flange", "wrist centre", setup.load.line()].map(String::from));
     names
 }
 

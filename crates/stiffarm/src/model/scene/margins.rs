@@ -202,12 +202,16 @@ impl Scene {
             _ => None,
         };
         let touched = rope.filter(|rope| rope.clearance.is_some());
-        let touched = touched.into_iter().flat_map(|_| {
+        let line = setup.load.line();
+        let touched = touched.into_iter().flat_map(move |_| {
             let parts = self.parts.iter();
-            parts.map(|part| (LimitKind::RopeClearance, format!("rope and {}", part.name)))
+            parts.map(move |part| {
+                let subject = format!("{line} and {}", part.name);
+                (LimitKind::RopeClearance, subject)
+            })
         });
         let cone = rope.and_then(|rope| rope.cone.as_ref());
-        let cone = cone.map(|_| (LimitKind::RopeCone, "rope".to_string()));
+        let cone = cone.map(|_| (LimitKind::RopeCone, line.to_string()));
         let points = setup.tool.measuring_points.iter();
         let seen = self.sight.iter().flat_map(move |_| points.clone());
         let seen = seen.flat_map(|point| {

@@ -158,8 +158,10 @@ fn reason(cell: &Cell, terms: &[&PostureTerms], j: usize, undetermined: &[usize]
     };
     let anchored = |load: &Load| matches!(load, Load::Rope { anchor, .. } if axis_passes(anchor));
     if cell.setup.load.each().all(anchored) {
-        return "the rope's anchor lies on its axis, so that the force passes through the axis; move the anchor"
-            .to_string();
+        let line = cell.setup.load.line();
+        return format!(
+            "the {line}'s anchor lies on its axis, so that the force passes through the axis; move the anchor"
+        );
     }
     if undetermined.len() > 1 {
         return "its share of the displacements cannot be told from that of other joints; add measuring points"

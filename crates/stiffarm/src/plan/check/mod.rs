@@ -176,7 +176,7 @@ fn reach(cell: &Cell, sampled: &[Sample], within: usize, findings: &mut Vec<Find
                 Severity::Caution,
                 "limits",
                 "There are no limits on where the tool may be: a selection may bring it below the floor, \
-                 into the robot's own column or onto the rope's anchor.",
+                 into the robot's own column or onto the load's anchor.",
             ));
         }
         return;

@@ -192,20 +192,21 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
 fn load(cell: &Cell, load: &Load, slips: &mut Slips<'_>) {
     let (key, force) = match load {
         Load::Rope { anchor, magnitude } => {
+            let line = cell.setup.load.line();
             let distance = anchor.norm();
             if distance > FAR_ANCHOR {
                 let sentence = format!(
-                    "The rope's anchor lies {distance:.0} m from the robot's base: is it in mm?"
+                    "The {line}'s anchor lies {distance:.0} m from the robot's base: is it in mm?"
                 );
                 slips.add_beyond(distance / FAR_ANCHOR, "load.anchor_mm", sentence);
             } else if distance > 0.0 && distance < SHORT {
                 let sentence = format!(
-                    "The rope's anchor lies {:.2} mm from the robot's base: is it in metres? The unit is mm.",
+                    "The {line}'s anchor lies {:.2} mm from the robot's base: is it in metres? The unit is mm.",
                     m_to_mm(distance)
                 );
                 slips.add("load.anchor_mm", sentence);
             }
-            ("load.magnitude_n", *magnitude)
+            ("load.magnitude_n", magnitude.abs())
         }
         Load::Weight { magnitude, .. } => ("load.magnitude_n", *magnitude),
         Load::Constant { wrench, .. } if wrench.moment.norm() == 0.0 => {
@@ -265,7 +266,8 @@ fn limits(cell: &Cell, slips: &mut Slips<'_>) {
         slips.add(
             "limits.rope_length_mm",
             format!(
-                "The longest rope is {:.2} mm: is it in metres? The unit is mm.",
+                "The longest {} is {:.2} mm: is it in metres? The unit is mm.",
+                cell.setup.load.line(),
                 m_to_mm(longest)
             ),
         );

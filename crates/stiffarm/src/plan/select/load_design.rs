@@ -1,5 +1,5 @@
-//! Load parameters that are chosen together with the postures: the rope's
-//! anchor within a box and the loading point within a box on the tool.
+//! Load parameters that are chosen together with the postures: the anchor of rope
+//! or cylinder within a box and the loading point within a box on the tool.
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
@@ -17,11 +17,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct LoadDesign {
-    /// Lower and upper corner of the box for the rope's anchor, base frame \[m\].
+    /// Lower and upper corner of the box for the anchor of rope or cylinder, base frame \[m\].
     pub anchor: Option<[Vector3<f64>; 2]>,
     /// Lower and upper corner of the box for the loading point, flange axes \[m\].
     pub loading_point: Option<[Vector3<f64>; 2]>,
-    /// Largest magnitude allowed \[N\].
+    /// Largest size of the force allowed, above zero \[N\]: what pushes still pushes.
     pub magnitude: Option<f64>,
 }
 
@@ -29,25 +29,23 @@ pub struct LoadDesign {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DesignedLoad {
-    /// The rope's anchor, base frame \[m\]; `null` without a rope.
+    /// Anchor of the rope or cylinder, base frame \[m\]; `null` without one.
     pub anchor_m: Option<[f64; 3]>,
     /// Loading point, flange axes \[m\].
     pub loading_point_m: [f64; 3],
-    /// Force of rope or weight \[N\]; `null` for another load.
+    /// Size of the force of rope, cylinder or weight \[N\]; `null` for another load.
     pub magnitude_n: Option<f64>,
 }
 
 impl From<Setup> for DesignedLoad {
     fn from(setup: Setup) -> Self {
-        let (anchor, magnitude) = match setup.load {
-            Load::Rope { anchor, magnitude } => (Some(anchor.into()), Some(magnitude)),
-            Load::Weight { magnitude, .. } => (None, Some(magnitude)),
-            Load::Constant { .. } | Load::Measured | Load::Cases(_) => (None, None),
-        };
         DesignedLoad {
-            anchor_m: anchor,
+            anchor_m: match setup.load {
+                Load::Rope { anchor, .. } => Some(anchor.into()),
+                _ => None,
+            },
             loading_point_m: setup.tool.loading_point.into(),
-            magnitude_n: magnitude,
+            magnitude_n: setup.load.size(),
         }
     }
 }
@@ -61,7 +59,7 @@ impl LoadDesign {
     /// Checks the design against the cell and sets the magnitude.
     ///
     /// # Errors
-    /// An anchor where there is no rope; a magnitude where the load has none, a
+    /// An anchor where there is neither rope nor cylinder; a magnitude where the load has none, a
     /// reversed box, or a number that is not finite.
     pub fn prepare(&self, cell: &Cell) -> Result<Cell> {
         let mut cell = cell.clone();
@@ -89,9 +87,11 @@ impl LoadDesign {
         if self.anchor.is_some() && !matches!(cell.setup.load, Load::Rope { .. }) {
             return Err(Error::new(
                 Code::InvalidValue,
-                "Only a rope has an anchor that could be moved.",
+                "Only a rope or a cylinder has an anchor that could be moved.",
             )
-            .hint("set load.kind to \"rope\", or leave the anchor out"));
+            .hint(
+                "set load.kind to \"rope\" or \"cylinder\" with anchor_mm, or leave the anchor out",
+            ));
         }
         if let Some(wanted) = self.magnitude {
             if !(wanted.is_finite() && wanted > 0.0) {
@@ -100,17 +100,12 @@ impl LoadDesign {
                     "The largest load must be above zero.",
                 ));
             }
-            match &mut cell.setup.load {
-                Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
-                    *magnitude = wanted
-                }
-                Load::Constant { .. } | Load::Measured | Load::Cases(_) => {
-                    return Err(Error::new(
-                        Code::InvalidValue,
-                        "Only a rope or a weight has a magnitude that could be chosen.",
-                    ));
-                }
-            }
+            cell.setup.load = cell.setup.load.with_size(wanted).ok_or_else(|| {
+                Error::new(
+                    Code::InvalidValue,
+                    "Only a rope, a cylinder with an anchor or a weight has a magnitude that could be chosen.",
+                )
+            })?;
         }
         let start = self.start(&cell);
         Ok(self.applied(&cell, &start))

@@ -327,6 +327,48 @@ const SLIPS: &[(&str, &str)] = &[
         "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]",
         "kind = \"wrench\"\nforce_n = [0, 0, 0]\naxes = \"base\"",
     ),
+    // A cylinder.
+    ("kind = \"rope\"", "kind = \"rope\"\nacts = \"pushes\""),
+    ("kind = \"rope\"", "kind = \"cylinder\""),
+    ("kind = \"rope\"", "kind = \"cylinder\"\nacts = \"push\""),
+    ("kind = \"rope\"", "kind = \"cylinder\"\nacts = \"twists\""),
+    ("kind = \"rope\"", "kind = \"cylinder\"\nacts = 1"),
+    (
+        "kind = \"rope\"\nmagnitude_n = 500",
+        "kind = \"cylinder\"\nacts = \"pushes\"\nmagnitude_n = -500",
+    ),
+    (
+        "kind = \"rope\"",
+        "kind = \"cylinder\"\nacts = \"pushes\"\ndirection = [0, 0, 1]",
+    ),
+    (
+        "kind = \"rope\"",
+        "kind = \"cylinder\"\nacts = \"pushes\"\naxes = \"base\"",
+    ),
+    (
+        "kind = \"rope\"",
+        "kind = \"cylinder\"\nacts = \"pushes\"\nmass_kg = 3",
+    ),
+    (
+        "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]",
+        "kind = \"cylinder\"\nacts = \"pushes\"\nmagnitude_n = 500",
+    ),
+    (
+        "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]",
+        "kind = \"cylinder\"\nacts = \"pushes\"\nmagnitude_n = 500\ndirection = [0, 0, 0]\naxes = \"base\"",
+    ),
+    (
+        "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]",
+        "kind = \"cylinder\"\nacts = \"pushes\"\nmagnitude_n = 500\ndirection = [0, 0, 1]",
+    ),
+    (
+        "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]",
+        "kind = \"cylinder\"\nacts = \"pushes\"\nmagnitude_n = 500\ndirection = [0, 0, 1]\naxes = \"world\"",
+    ),
+    (
+        "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]",
+        "kind = \"cylinder\"\nacts = \"pushes\"\nmagnitude_n = 500\ndirection = [0, 0, 1]\naxes = \"tool\"",
+    ),
 ];
 
 #[test]

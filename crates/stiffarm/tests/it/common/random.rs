@@ -72,7 +72,8 @@ impl Dice {
         Isometry3::from_parts(Translation3::from(self.vector(1.0)), turn)
     }
 
-    /// Kind 0: rope, 1: weight, 2: wrench in base axes, 3: wrench in tool axes.
+    /// Kind 0: rope, 1: weight, 2: wrench in base axes, 3: wrench in tool axes,
+    /// 4: cylinder that pushes.
     pub fn load(&mut self, kind: usize) -> Load {
         let magnitude = self.between(200.0, 800.0);
         let wrench = Wrench {
@@ -83,6 +84,10 @@ impl Dice {
             0 => Load::Rope {
                 anchor: self.vector(2.5),
                 magnitude,
+            },
+            4 => Load::Rope {
+                anchor: self.vector(2.5),
+                magnitude: -magnitude,
             },
             1 => Load::Weight {
                 magnitude,

@@ -72,7 +72,7 @@ pub(in crate::files::cell) struct RawTracker {
 pub(in crate::files::cell) struct RawUncertainty {
     /// Scale of the force, per cent.
     pub force_scale_percent: Option<Number>,
-    /// Each coordinate of the rope's anchor, mm.
+    /// Each coordinate of the anchor of rope or cylinder, mm.
     pub anchor_mm: Option<Number>,
     /// Each coordinate of the loading point, mm.
     pub loading_point_mm: Option<Number>,

@@ -251,28 +251,37 @@ pub(super) struct RawSeries {
 #[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "Load"))]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawLoad {
-    /// "rope": from the loading point to a fixed anchor. "weight": hangs on the loading
+    /// "rope": from the loading point to a fixed anchor. "cylinder": a cylinder or screw that
+    /// pulls or pushes, to a fixed anchor or along a direction. "weight": hangs on the loading
     /// point, along gravity. "wrench": constant force and moment. "measured": the wrench
     /// comes with each measurement.
     #[cfg_attr(
         feature = "schema",
-        schemars(required, extend("enum" = ["rope", "weight", "wrench", "measured"]))
+        schemars(required, extend("enum" = ["rope", "cylinder", "weight", "wrench", "measured"]))
     )]
     pub kind: Option<Text>,
-    /// Force of rope or weight, N.
+    /// Force of rope, cylinder or weight, N, above zero.
     pub magnitude_n: Option<Number>,
     /// Mass of a weight, kg, instead of magnitude_n; standard gravity is 9.80665 m/s².
     pub mass_kg: Option<Number>,
-    /// Anchor of the rope in the base frame, mm.
+    /// Anchor of the rope, or the other end of the cylinder, in the base frame, mm.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub anchor_mm: Option<Numbers>,
+    /// Whether the cylinder "pulls" (the force on the robot is towards the anchor, or along
+    /// `direction`) or "pushes" (the other way).
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["pulls", "pushes"])))]
+    pub acts: Option<Text>,
+    /// Direction of the pull of a guided cylinder or screw, any length, in the axes named by
+    /// `axes`; instead of anchor_mm.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub direction: Option<Numbers>,
     /// Force on the robot, N, in the axes named by `axes`.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub force_n: Option<Numbers>,
     /// Moment on the robot about the loading point, N·m, in the axes named by `axes` (default: none).
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     pub moment_nm: Option<Numbers>,
-    /// Axes of force_n and moment_nm: "base" (fixed) or "tool" (turning with the flange).
+    /// Axes of force_n and moment_nm, or of direction: "base" (fixed) or "tool" (turning with the flange).
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["base", "tool"])))]
     pub axes: Option<Text>,
 }
@@ -294,7 +303,7 @@ pub(super) struct RawLimits {
     pub keep_out_radius_mm: Option<Number>,
     /// Lowest z of the wrist centre, mm.
     pub wrist_height_mm: Option<Number>,
-    /// Shortest and longest rope [low, high], mm.
+    /// Shortest and longest rope or cylinder [low, high], mm.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
     pub rope_length_mm: Option<Numbers>,
 }

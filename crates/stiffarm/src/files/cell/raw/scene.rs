@@ -84,9 +84,10 @@ pub(in crate::files::cell) struct RawShape {
 pub(in crate::files::cell) struct RawClearance {
     /// Distance kept between two shapes, mm (default: 20).
     pub shapes_mm: Option<Number>,
-    /// Distance kept between the rope and every shape, mm (default: 20).
+    /// Distance kept between the rope, or the cylinder's middle line, and every shape, mm (default: 20):
+    /// it includes the cylinder's own radius.
     pub rope_mm: Option<Number>,
-    /// Lengths of the rope at the loading point and at the anchor that may touch what they are
+    /// Lengths of the rope or cylinder at the loading point and at the anchor that may touch what they are
     /// fixed to, mm (default: [100, 100]).
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
     pub rope_free_mm: Option<Numbers>,

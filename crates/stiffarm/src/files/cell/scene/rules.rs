@@ -50,10 +50,11 @@ pub(super) fn rope(
         ];
         for (key, span) in given {
             let Some(span) = span else { continue };
-            let message = format!("{key} needs a load of kind \"rope\".");
+            let message =
+                format!("{key} needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.");
             let key = format!("clearance.{key}");
             let error = source.error(Code::Conflict, &key, span, message);
-            return Err(error.hint("remove it, or set load.kind = \"rope\""));
+            return Err(error.hint("remove it, or set load.kind = \"rope\" or \"cylinder\""));
         }
     }
     if !is_rope {

@@ -172,12 +172,14 @@ impl ArmMotion {
         match (load, self.anchor) {
             (Load::Rope { .. }, Some(anchor)) => {
                 let rope = anchor - self.loading_point;
-                let (length, size) = (rope.norm(), force.norm());
+                let length = rope.norm();
                 if length <= 0.0 {
                     return;
                 }
                 let unit = rope / length;
-                let by_anchor = (by_force - unit * unit.dot(&by_force)) * (size / length);
+                // Negative where a cylinder pushes.
+                let magnitude = force.dot(&unit);
+                let by_anchor = (by_force - unit * unit.dot(&by_force)) * (magnitude / length);
                 for (g, xi) in gradient.iter_mut().zip(&self.joints) {
                     let (shift, turn) = split(xi);
                     *g -= by_anchor.dot(&(shift + turn.cross(&anchor)));
