@@ -67,6 +67,9 @@ pub struct PredictArgs {
     /// The cell's own [load] at its loading point instead of a load at the tip
     #[arg(long, conflicts_with_all = ["force_n", "axes", "free_turn"])]
     pub cell_load: bool,
+    /// With --cell-load: which of several load cases
+    #[arg(long, value_name = "NAME", requires = "cell_load")]
+    pub load_case: Option<String>,
     /// How the deflection is calculated
     #[arg(long, default_value = "equilibrium")]
     pub model: ModelChoice,

@@ -12,6 +12,7 @@ mod fanuc;
 mod faults;
 mod hostile;
 mod init;
+mod load_cases;
 mod interrupt;
 mod map;
 mod numbers;

@@ -77,6 +77,13 @@ fn wrong_shapes_are_answered_with_place_and_hint() {
             "[900, 1600, 0, 300, 250, 120]",
         ),
         ("station-twice", "name = \"left\"", "name = \"front\""),
+        ("cone-without-axis", "rope_axis = [0, 0, 1]\n", ""),
+        ("too-many-points", "visible_points = 3", "visible_points = 9"),
+        (
+            "torque-limits",
+            "torque_limits_nm = [900, 1600, 1200, 300, 250, 120]",
+            "torque_limits_nm = [900, 1600, 1200]",
+        ),
         ("name-of-a-link", "name = \"spindle\"", "name = \"link 3\""),
         ("no-such-link", "link = 6", "link = 7"),
     ];

@@ -60,6 +60,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     )?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = session.read_stiffness(&args.stiffness, &named.cell)?;
+    named.cell = under_case(named.cell, args)?;
     let options = {
         let mut options = PredictOptions::default();
         options.model = args.model.into();
@@ -200,6 +201,23 @@ fn tasks(cell: &Cell) -> Result<(nalgebra::Isometry3<f64>, Vec<LoadedPosture>)> 
         }
     });
     Ok((tip, postures.collect()))
+}
+
+/// The cell under the load case that is asked for.
+fn under_case(cell: Cell, args: &PredictArgs) -> Result<Cell> {
+    let cases = cell.setup.load.cases();
+    match &args.load_case {
+        Some(name) => cell.under(name).map_err(|e| e.key("--load-case")),
+        None if args.cell_load && !cases.is_empty() => {
+            let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+            let message = "The cell has several load cases, and postures bend under one at a time.";
+            let hint = format!("add --load-case with one of them: {}", names.join(", "));
+            Err(Error::new(Code::Usage, message)
+                .key("--cell-load")
+                .hint(hint))
+        }
+        None => Ok(cell),
+    }
 }
 
 /// Postures under the cell's own load.

@@ -26,7 +26,7 @@ struct Section {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [Section; 25] = [
+const SECTIONS: [Section; 26] = [
     Section { path: "", array: false, keys: keys_of::<RawCell> },
     Section { path: "robot", array: false, keys: keys_of::<RawRobot> },
     Section { path: "robot.shape", array: true, keys: keys_of::<RawLinkShape> },
@@ -36,6 +36,7 @@ const SECTIONS: [Section; 25] = [
     Section { path: "tool.series_compliance", array: false, keys: keys_of::<RawSeries> },
     Section { path: "tool.shape", array: true, keys: keys_of::<RawShape> },
     Section { path: "load", array: false, keys: keys_of::<RawLoad> },
+    Section { path: "load.case", array: true, keys: keys_of::<RawLoad> },
     Section { path: "limits", array: false, keys: keys_of::<RawLimits> },
     Section { path: "obstacle", array: true, keys: keys_of::<RawShape> },
     Section { path: "clearance", array: false, keys: keys_of::<RawClearance> },

@@ -8,7 +8,7 @@ use super::quantity::Quantity;
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::model::cell::Cell;
 use crate::model::load::{Load, Wrench};
-use crate::model::measurement::WrenchColumns;
+use crate::model::measurement::{Role, WrenchColumns};
 use crate::model::posture::Posture;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -243,6 +243,28 @@ impl MeasurementColumns {
     /// Position or displacement \[m\].
     pub(super) fn vector(&self, table: &Table<'_>, row: &Row) -> Result<Vector3<f64>> {
         vector(table, row, &self.vector)
+    }
+
+    /// Refuses a loaded state that belongs to none of the cell's load cases; the number of the
+    /// one it belongs to, 0 where there is a single load.
+    pub(super) fn load_case(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        cell: &Cell,
+        state: &str,
+    ) -> Result<usize> {
+        if Role::of(state) != Role::Loaded {
+            return Ok(0);
+        }
+        let at = self.state.unwrap_or(self.posture).at;
+        cell.setup.of_state(state).map_err(|error| {
+            let hint = error.hint_text().unwrap_or_default().to_string();
+            let named = table.error(row, at, Code::UnknownName, error.message());
+            named.hint(hint)
+        })?;
+        let cases = cell.setup.load.cases().iter();
+        Ok(cases.take_while(|case| !case.is_of(state)).count())
     }
 
     /// Time \[s\], where the row has one.

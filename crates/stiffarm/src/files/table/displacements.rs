@@ -63,7 +63,10 @@ pub(super) fn displacements(
             Some(column) => table.name(row, column)?,
             None => DEFAULT_STATE,
         };
+        let case = columns.load_case(table, row, cell, state)?;
         let displacement = displacement(&columns, table, row, cell)?;
+        // Under each of several loads the arm was read unloaded once more.
+        let first_reference = (case as u32) << 16;
         let wrench = columns.wrench(table, row)?;
         let q = agreed_angles(&columns, table, row, cell, plan.as_ref())?;
         let new = (row, groups.len());
@@ -76,7 +79,10 @@ pub(super) fn displacements(
                 wrench,
                 common_readings: [0.0; 2],
                 servo_deflection: None,
-                displacements: vec![displacement],
+                displacements: vec![Displacement {
+                    reference: first_reference,
+                    ..displacement
+                }],
             });
             continue;
         }
@@ -85,10 +91,10 @@ pub(super) fn displacements(
             return Err(columns.contradiction(table, first, row));
         }
         // The r-th repeat of a point has the r-th reference reading, which it
-        // shares with the r-th repeats in other load states.
+        // shares with the r-th repeats in other states of the same load.
         let point = displacement.point;
         let before = group.displacements.iter().filter(|d| d.point == point);
-        let reference = before.count() as u32;
+        let reference = first_reference + before.count() as u32;
         group.displacements.push(Displacement {
             reference,
             ..displacement

@@ -112,6 +112,7 @@ impl Reader<'_, '_> {
     fn add<'t>(&self, group: &mut Group<'t>, row: &'t Row<'t>) -> Result<()> {
         let (table, columns) = (self.table, &self.columns);
         let name = self.state_name(row)?;
+        self.columns.load_case(self.table, row, self.cell, name)?;
         let role = Role::of(name);
         let state = StateReadings {
             state: name.to_string(),

@@ -154,7 +154,7 @@ impl PostureTerms {
                         "The cell has several load cases, and one load is asked for.",
                     )
                     .key("load.case")
-                    .hint("name one of them, or put it alone into [load]"),
+                    .hint("put one of the loads alone into [load]"),
                     _ => Error::new(
                         Code::MissingKey,
                         "The load is measured, but this posture comes with no force.",

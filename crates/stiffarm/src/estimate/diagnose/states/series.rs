@@ -46,15 +46,22 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
         .filter_map(|&m| fit.experiment().terms(m))
         .map(|terms| DVector::from_column_slice(terms.torque()))
         .collect();
-    let Some(leader) = torques
+    let Some((first, leader)) = torques
         .iter()
-        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
-        .filter(|t| t.norm() > 0.0)
+        .enumerate()
+        .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))
+        .filter(|(_, t)| t.norm() > 0.0)
     else {
         return Ok(None);
     };
+    // Of several load cases the states of one: others pull from elsewhere, however alike
+    // their torques.
+    let cases = cell.setup.load.cases();
+    let case = |s: usize| cases.iter().position(|c| c.is_of(&measured[states[s]].state));
     let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE * t.norm() * leader.norm();
-    let kept: Vec<usize> = (0..states.len()).filter(|&s| alike(&torques[s])).collect();
+    let kept: Vec<usize> = (0..states.len())
+        .filter(|&s| alike(&torques[s]) && case(s) == case(first))
+        .collect();
     let point_of = |l: &RowLabel| measured[l.measured].displacements[l.displacement].point;
     let has = |state: usize, point: usize| {
         labels

@@ -254,12 +254,22 @@ pub(super) struct RawLoad {
     /// "rope": from the loading point to a fixed anchor. "cylinder": a cylinder or screw that
     /// pulls or pushes, to a fixed anchor or along a direction. "weight": hangs on the loading
     /// point, along gravity. "wrench": constant force and moment. "measured": the wrench
-    /// comes with each measurement.
+    /// comes with each measurement. "cases": every posture is measured under each load of
+    /// [[load.case]], one after the other.
     #[cfg_attr(
         feature = "schema",
-        schemars(required, extend("enum" = ["rope", "cylinder", "weight", "wrench", "measured"]))
+        schemars(required, extend("enum" = ["rope", "cylinder", "weight", "wrench", "measured", "cases"]))
     )]
     pub kind: Option<Text>,
+    /// Several loads under which every posture is measured, with kind = "cases"; each has a
+    /// name and the keys of its own kind.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<RawLoad>>"))]
+    pub case: Option<At<Vec<At<RawLoad>>>>,
+    /// Name of a load case, and of the state of readings taken under it.
+    pub name: Option<Text>,
+    /// Where a load case acts, flange axes, mm (default: the loading point of the tool).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
+    pub loading_point_mm: Option<Numbers>,
     /// Force of rope, cylinder or weight, N, above zero.
     pub magnitude_n: Option<Number>,
     /// Mass of a weight, kg, instead of magnitude_n; standard gravity is 9.80665 m/s².

@@ -1,0 +1,135 @@
+//! Several loads under which every posture is measured, from the cell to the stiffness.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use support::Folder;
+
+/// The default cell, whose load is replaced.
+const CELL: &str = include_str!("../../../stiffarm/data/cells/comau.toml");
+
+const CASES: &str = r#"[load]
+kind = "cases"
+
+[[load.case]]
+name = "left"
+kind = "rope"
+magnitude_n = 500
+anchor_mm = [1800, 1200, 0]
+
+[[load.case]]
+name = "push"
+kind = "cylinder"
+magnitude_n = 400
+acts = "pushes"
+anchor_mm = [1800, -1200, 0]
+
+[[load.case]]
+name = "weight"
+kind = "weight"
+mass_kg = 50
+loading_point_mm = [100, 0, 250]
+"#;
+
+/// The cell with these lines instead of its load.
+fn cell(load: &str) -> String {
+    let (before, rest) = CELL.split_once("[load]").unwrap();
+    let (_, after) = rest.split_once("[limits]").unwrap();
+    format!("{before}{load}\n[limits]{after}")
+}
+
+fn slip(from: &str, to: &str) -> String {
+    assert!(CASES.contains(from), "{from}");
+    cell(&CASES.replacen(from, to, 1))
+}
+
+#[test]
+fn from_the_cell_to_the_stiffness() {
+    let folder = Folder::new();
+    folder.write("cell.toml", cell(CASES));
+    let mut report = String::new();
+    let mut run = |line: &str| {
+        let ran = folder.run(line);
+        report += &ran.transcript(line).replace("-- standard error\n", "");
+        report.push('\n');
+        ran
+    };
+    run("check cell.toml");
+    let ran = run("select cell.toml --postures 4 --rounds 1 --output plan.csv --sheet sheet.csv");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    run("evaluate cell.toml plan.csv");
+    run("predict cell.toml prior plan.csv --cell-load");
+    run("predict cell.toml prior plan.csv --cell-load --load-case push");
+    // States of a posture in the sheet: each load between unloaded ones.
+    let sheet = std::fs::read_to_string(folder.path("sheet.csv")).unwrap();
+    let mut states: Vec<&str> = sheet
+        .lines()
+        .skip(1)
+        .filter(|line| line.starts_with("1,"))
+        .filter_map(|line| line.split(',').nth(1))
+        .collect();
+    states.dedup();
+    let expected = ["unloaded", "left", "unloaded-2", "push", "unloaded-3", "weight"];
+    assert_eq!(states, expected);
+    let ran = folder.run("simulate cell.toml plan.csv --runs 20 --readings readings.csv");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let ran = run("identify cell.toml readings.csv");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    // No two loads are taken for the way up and the way down.
+    assert!(!ran.out.contains("friction"));
+    assert_snapshot!(report);
+}
+
+#[test]
+fn wrong_load_cases_are_answered_with_place_and_hint() {
+    let folder = Folder::new();
+    let other = CASES.replace("[load]\nkind = \"cases\"\n", "[load]\nkind = \"rope\"\n");
+    let alone = CASES.split("[[load.case]]\nname = \"push\"").next().unwrap();
+    let cells = [
+        ("no-cases", cell("[load]\nkind = \"cases\"\n")),
+        ("one-case", cell(alone)),
+        ("kind-of-one", cell(&other)),
+        ("no-name", slip("name = \"left\"\n", "")),
+        ("same-name", slip("\"push\"", "\"left\"")),
+        ("like-another", slip("\"push\"", "\"left-2\"")),
+        ("unloaded", slip("\"weight\"", "\"unloaded-50\"")),
+        ("measured", slip("\"rope\"", "\"measured\"")),
+        ("nested", slip("\"rope\"", "\"cases\"")),
+        ("foreign-key", slip("mass_kg = 50", "acts = \"pulls\"")),
+        ("no-anchor", slip("anchor_mm = [1800, 1200, 0]\n", "")),
+        ("short-point", slip("[100, 0, 250]", "[100, 250]")),
+        (
+            "point-of-one",
+            CELL.replacen("kind = \"rope\"", "kind = \"rope\"\nloading_point_mm = [1, 2, 3]", 1),
+        ),
+    ];
+    let mut report = String::new();
+    for (name, text) in cells {
+        folder.write(&format!("{name}.toml"), text);
+        let line = format!("check {name}.toml");
+        let ran = folder.run(&line);
+        assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+        assert_eq!(ran.out, "", "{line} printed a part of a result");
+        report += &ran.transcript(&line).replace("-- standard error\n", "");
+        report.push('\n');
+    }
+    folder.write("cell.toml", cell(CASES));
+    folder.write(
+        "readings.csv",
+        "posture,state,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n\
+         1,above,1,0.1,0.2,0.3,10,-20,-90,30,40,50\n",
+    );
+    for line in [
+        "identify cell.toml readings.csv",
+        "select cell.toml --postures 4 --index prediction",
+        "select cell.toml --postures 4 --largest-load-n 600",
+        "zones cell.toml",
+        "predict cell.toml prior plan.csv --cell-load --load-case right",
+    ] {
+        let ran = folder.run(line);
+        assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+        report += &ran.transcript(line).replace("-- standard error\n", "");
+        report.push('\n');
+    }
+    assert_snapshot!(report);
+}
