@@ -25,6 +25,10 @@ pub struct PostureLimits {
     /// Torques of load and tool weight, serial joints \[N·m\], where they are limited.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub torques_nm: Vec<f64>,
+    /// Displacement under the load by the prior stiffness, RMS over the measuring points \[m\], where
+    /// it is limited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement_m: Option<f64>,
 }
 
 /// The smallest margin to the limits of one kind: positive inside.
@@ -35,7 +39,7 @@ pub struct NearestLimit {
     pub kind: LimitKind,
     /// What comes nearest: two shapes, a point, a joint.
     pub subject: String,
-    /// Margin of a length \[m\].
+    /// Margin of a length or a displacement \[m\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub margin_m: Option<f64>,
     /// Margin of an angle \[rad\].
@@ -52,7 +56,7 @@ impl From<&LimitMargin> for NearestLimit {
         NearestLimit {
             kind: margin.kind,
             subject: margin.point.clone(),
-            margin_m: of(MarginUnit::Length),
+            margin_m: of(MarginUnit::Length).or(of(MarginUnit::Displacement)),
             margin_rad: of(MarginUnit::Angle),
             margin_share: of(MarginUnit::Share),
         }
@@ -92,6 +96,7 @@ impl PostureLimits {
                 })
                 .unwrap_or_default(),
             torques_nm: cell.scene.torques(&cell.setup, &terms).unwrap_or_default(),
+            displacement_m: cell.scene.displacement().map(|d| d.displacement(&terms)),
         })
     }
 
@@ -100,10 +105,11 @@ impl PostureLimits {
         self.nearest.iter().find(|n| n.kind == kind)
     }
 
-    /// The smallest margin of a length \[m\].
+    /// The smallest margin of a length \[m\]; displacements do not count.
     pub fn smallest_m(&self) -> Option<f64> {
-        self.nearest
-            .iter()
+        let lengths = self.nearest.iter();
+        lengths
+            .filter(|n| n.kind.unit() == MarginUnit::Length)
             .filter_map(|n| n.margin_m)
             .reduce(f64::min)
     }
