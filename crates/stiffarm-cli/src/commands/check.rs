@@ -259,6 +259,18 @@ fn limits(cell: &Cell) -> String {
             coarse_mm(long)
         ));
     }
+    if let Some(moved) = cell.scene.displacement() {
+        let least = moved
+            .smallest
+            .map(|least| format!("{} to ", significant(m_to_mm(least), 3)));
+        parts.push(format!(
+            "displacement {}{} mm",
+            least.unwrap_or_else(|| "up to ".to_string()),
+            moved
+                .largest
+                .map_or_else(|| "any".to_string(), |most| significant(m_to_mm(most), 3))
+        ));
+    }
     if parts.is_empty() {
         "none".to_string()
     } else {

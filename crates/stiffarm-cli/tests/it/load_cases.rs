@@ -69,7 +69,14 @@ fn from_the_cell_to_the_stiffness() {
         .filter_map(|line| line.split(',').nth(1))
         .collect();
     states.dedup();
-    let expected = ["unloaded", "left", "unloaded-2", "push", "unloaded-3", "weight"];
+    let expected = [
+        "unloaded",
+        "left",
+        "unloaded-2",
+        "push",
+        "unloaded-3",
+        "weight",
+    ];
     assert_eq!(states, expected);
     let ran = folder.run("simulate cell.toml plan.csv --runs 20 --readings readings.csv");
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -84,7 +91,10 @@ fn from_the_cell_to_the_stiffness() {
 fn wrong_load_cases_are_answered_with_place_and_hint() {
     let folder = Folder::new();
     let other = CASES.replace("[load]\nkind = \"cases\"\n", "[load]\nkind = \"rope\"\n");
-    let alone = CASES.split("[[load.case]]\nname = \"push\"").next().unwrap();
+    let alone = CASES
+        .split("[[load.case]]\nname = \"push\"")
+        .next()
+        .unwrap();
     let cells = [
         ("no-cases", cell("[load]\nkind = \"cases\"\n")),
         ("one-case", cell(alone)),
@@ -100,7 +110,11 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
         ("short-point", slip("[100, 0, 250]", "[100, 250]")),
         (
             "point-of-one",
-            CELL.replacen("kind = \"rope\"", "kind = \"rope\"\nloading_point_mm = [1, 2, 3]", 1),
+            CELL.replacen(
+                "kind = \"rope\"",
+                "kind = \"rope\"\nloading_point_mm = [1, 2, 3]",
+                1,
+            ),
         ),
     ];
     let mut report = String::new();

@@ -78,7 +78,11 @@ fn wrong_shapes_are_answered_with_place_and_hint() {
         ),
         ("station-twice", "name = \"left\"", "name = \"front\""),
         ("cone-without-axis", "rope_axis = [0, 0, 1]\n", ""),
-        ("too-many-points", "visible_points = 3", "visible_points = 9"),
+        (
+            "too-many-points",
+            "visible_points = 3",
+            "visible_points = 9",
+        ),
         (
             "torque-limits",
             "torque_limits_nm = [900, 1600, 1200, 300, 250, 120]",

@@ -72,6 +72,9 @@ impl Cautions {
                     *red |= joint.name == subject;
                 }
             }
+            LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
+                self.measuring.fill(true);
+            }
             LimitKind::ToolBox | LimitKind::Floor | LimitKind::KeepOut | LimitKind::WristHeight => {
                 self.place(cell, subject)
             }
@@ -121,7 +124,12 @@ pub(super) fn sentences(subject: &str, margins: &[LimitMargin]) -> Vec<String> {
 
 /// How much room the limits leave, in each unit: `34 mm at the floor (flange)`; `None` without limits.
 pub(super) fn least_room(margins: &[LimitMargin]) -> Option<String> {
-    let units = [MarginUnit::Length, MarginUnit::Angle, MarginUnit::Share];
+    let units = [
+        MarginUnit::Length,
+        MarginUnit::Angle,
+        MarginUnit::Share,
+        MarginUnit::Displacement,
+    ];
     let rooms: Vec<String> = units
         .iter()
         .filter_map(|unit| {

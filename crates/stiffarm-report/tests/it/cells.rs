@@ -71,7 +71,13 @@ fn red_is_there_exactly_where_a_limit_is_violated() {
     }
     // Every kind that the cell limits came by, so none is forgotten.
     for kind in LimitKind::ALL {
-        let absent = matches!(kind, LimitKind::Floor | LimitKind::RopeLength);
+        let absent = matches!(
+            kind,
+            LimitKind::Floor
+                | LimitKind::RopeLength
+                | LimitKind::SmallestDisplacement
+                | LimitKind::LargestDisplacement
+        );
         assert!(absent || seen.contains(kind.describe()), "{kind:?}");
     }
 }

@@ -30,6 +30,10 @@ pub enum LimitKind {
     Sight,
     /// Torque of a joint under load and tool weight.
     Torque,
+    /// Smallest displacement of the measuring points under the load, by the linear model.
+    SmallestDisplacement,
+    /// Largest displacement of the measuring points under the load, by the linear model.
+    LargestDisplacement,
 }
 
 /// What a margin is measured in.
@@ -41,11 +45,13 @@ pub enum MarginUnit {
     Angle,
     /// Share of the limit.
     Share,
+    /// Metres that the load moves points by: hundredths of a millimetre matter.
+    Displacement,
 }
 
 impl LimitKind {
     /// All of them.
-    pub const ALL: [LimitKind; 11] = [
+    pub const ALL: [LimitKind; 13] = [
         LimitKind::ToolBox,
         LimitKind::Floor,
         LimitKind::KeepOut,
@@ -57,6 +63,8 @@ impl LimitKind {
         LimitKind::Incidence,
         LimitKind::Sight,
         LimitKind::Torque,
+        LimitKind::SmallestDisplacement,
+        LimitKind::LargestDisplacement,
     ];
 
     /// Words for a message.
@@ -73,6 +81,8 @@ impl LimitKind {
             LimitKind::Incidence => "the reflectors' acceptance angle",
             LimitKind::Sight => "the tracker's line of sight",
             LimitKind::Torque => "the joints' torque",
+            LimitKind::SmallestDisplacement => "the smallest displacement under the load",
+            LimitKind::LargestDisplacement => "the largest displacement under the load",
         }
     }
 
@@ -81,6 +91,9 @@ impl LimitKind {
         match self {
             LimitKind::RopeCone | LimitKind::Incidence => MarginUnit::Angle,
             LimitKind::Torque => MarginUnit::Share,
+            LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
+                MarginUnit::Displacement
+            }
             _ => MarginUnit::Length,
         }
     }
@@ -92,7 +105,7 @@ pub struct LimitMargin {
     /// The limit.
     pub kind: LimitKind,
     /// What it is about: `loading point`, a measuring point's name, `flange`, `wrist centre`, `rope` or
-    /// `cylinder`, two shapes, a joint.
+    /// `cylinder`, two shapes, a joint, `measuring points`.
     pub point: String,
     /// Margin in the kind's [`unit`](LimitKind::unit) \[m, rad, share\], negative when violated.
     pub margin: f64,
@@ -122,6 +135,15 @@ impl LimitMargin {
                 "hides {}: a shape reaches {amount} too far into its beam",
                 self.point
             ),
+            LimitKind::SmallestDisplacement => {
+                format!(
+                    "moves its {} {amount} too little under the load",
+                    self.point
+                )
+            }
+            LimitKind::LargestDisplacement => {
+                format!("moves its {} {amount} too far under the load", self.point)
+            }
             LimitKind::Torque => format!("loads {} {amount} beyond its largest torque", self.point),
             _ => format!(
                 "has its {} {amount} beyond {}",
@@ -131,13 +153,14 @@ impl LimitMargin {
         }
     }
 
-    /// The margin itself in words: `12 mm`, `3.1°`, `4 %`.
+    /// The margin itself in words: `12 mm`, `3.1°`, `4 %`, `0.125 mm` of a displacement.
     pub fn words(&self) -> String {
         self.amount(self.margin)
     }
 
     fn amount(&self, value: f64) -> String {
         match self.kind.unit() {
+            MarginUnit::Displacement => format!("{:.3} mm", value * 1e3),
             MarginUnit::Length if value.abs() < 0.00995 => format!("{:.1} mm", value * 1e3),
             MarginUnit::Length => format!("{:.0} mm", value * 1e3),
             MarginUnit::Angle => format!("{:.1}°", rad_to_deg(value)),

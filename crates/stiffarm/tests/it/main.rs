@@ -11,6 +11,7 @@ mod compensate;
 mod coverage;
 mod cylinder;
 mod diagnose;
+mod displacement_limit;
 mod edges;
 mod elastic_simulation;
 mod estimators;

@@ -8,9 +8,9 @@ use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::plan::feasibility::PostureLimits;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::LimitPrice;
-use stiffarm::units::rad_to_deg;
+use stiffarm::units::{m_to_mm, rad_to_deg};
 
-/// Nearest shapes, rope, beams and torque of each posture; nothing without a scene.
+/// Nearest shapes, rope, beams, torque and displacement of each posture; nothing without a scene.
 pub(super) fn nearest(cell: &Cell, names: &[String], limits: &[PostureLimits]) -> String {
     if cell.scene.is_empty() || limits.is_empty() {
         return String::new();
@@ -73,7 +73,20 @@ pub(super) fn nearest(cell: &Cell, names: &[String], limits: &[PostureLimits]) -
             margin.map_or_else(|| "-".to_string(), |m| percent(1.0 - m))
         });
     }
-    let mut out = title("Clear of shapes, beams and torques");
+    if limits.iter().any(|l| l.displacement_m.is_some()) {
+        add("displacement [mm]", Align::Right, &|l| {
+            l.displacement_m
+                .map_or_else(|| "-".to_string(), |m| significant(m_to_mm(m), 3))
+        });
+    }
+    let only_displacement = cell.scene.at_work().is_empty()
+        && cell.scene.rope().is_none()
+        && cell.scene.sight().is_none()
+        && cell.scene.torque().is_none();
+    let mut out = title(match only_displacement {
+        true => "Displacement under the load",
+        false => "Clear of shapes, beams and torques",
+    });
     out += &table.to_string();
     let hidden = limits
         .iter()

@@ -53,7 +53,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         None => robot.name().to_string(),
     };
     let setup = Setup { robot, tool, load };
-    let scene = scene(source, raw, &setup, &bounds)?;
+    let scene = scene(source, raw, &setup, &bounds, prior.as_deref())?;
     Ok(Cell {
         name,
         setup,

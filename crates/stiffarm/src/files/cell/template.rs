@@ -202,6 +202,8 @@ anchor_mm = [{anchor}, 0, 0]  # EDIT: the rope's fixed end, base frame
 {limit}wrist_height_mm = {low}
 # Shortest and longest rope or cylinder:
 rope_length_mm = [{short}, {long}]
+# Smallest and largest displacement under the load (RMS over the measuring points, by the prior stiffness):
+# displacement_mm = [0.2, 3]
 # Lowest z of loading point, measuring points and flange, where there is no box:
 # floor_mm = 0
 

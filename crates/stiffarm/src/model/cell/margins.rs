@@ -1,6 +1,6 @@
 //! All limits of a cell at one posture: those on points and those of the scene.
 
-use super::{Cell, LimitKind, LimitMargin, Limits};
+use super::{Cell, LimitKind, LimitMargin, Limits, MarginUnit};
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::scene::{Scene, Sight, Work};
 use std::borrow::Cow;
@@ -40,6 +40,10 @@ impl Cell {
             LimitKind::Incidence => scene.sight().is_some_and(faces),
             LimitKind::Sight => scene.sight().is_some(),
             LimitKind::Torque => scene.torque().is_some(),
+            LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
+                let asked = scene.displacement();
+                asked.is_some_and(|asked| asked.kinds().any(|own| own == *kind))
+            }
         };
         LimitKind::ALL.into_iter().filter(has).collect()
     }
@@ -117,15 +121,25 @@ impl<'a> Margins<'a> {
         margins
     }
 
-    /// The smallest margin of one posture, `None` without limits.
+    /// The smallest margin of one posture, `None` without limits; those of displacements are compared as
+    /// shares of the largest one.
     pub fn smallest(&mut self, terms: &PostureTerms) -> Option<LimitMargin> {
-        self.named(terms)
-            .into_iter()
-            .min_by(|a, b| a.margin.total_cmp(&b.margin))
+        let named = self.named(terms).into_iter();
+        named.min_by(|a, b| self.compared(a).total_cmp(&self.compared(b)))
     }
 
-    /// The smallest margin of one posture, infinite without limits; 0 or more exactly
-    /// where every limit is met.
+    /// What margins are compared by.
+    pub(super) fn compared(&self, margin: &LimitMargin) -> f64 {
+        match margin.kind.unit() {
+            MarginUnit::Displacement => {
+                margin.margin / self.scene.displacement().map_or(1.0, |asked| asked.unit())
+            }
+            _ => margin.margin,
+        }
+    }
+
+    /// The smallest margin of one posture, infinite without limits, those of displacements as shares of
+    /// the largest one; 0 or more exactly where every limit is met.
     pub fn least(&mut self, terms: &PostureTerms) -> f64 {
         let mut values = vec![0.0; self.point_count];
         self.limits.evaluate(&self.setup, terms, &mut values, None);
@@ -145,7 +159,8 @@ impl<'a> Margins<'a> {
     }
 
     /// Writes the margins of one posture to `values` and, where asked, their derivatives with respect
-    /// to θ to `gradients` (row per margin, n long). Distances between shapes of `enough` and more
+    /// to θ to `gradients` (row per margin, n long). Margins of displacements are shares of the
+    /// largest one here. Distances between shapes of `enough` and more
     /// may be lower bounds, with a derivative of zero.
     pub(crate) fn evaluate(
         &mut self,

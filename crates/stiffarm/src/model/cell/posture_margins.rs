@@ -132,13 +132,23 @@ impl PostureMargins<'_> {
             .collect())
     }
 
-    /// The smallest margin of the posture `q` by name, `None` without limits.
+    /// The smallest margin of the posture `q` by name, `None` without limits; those of displacements
+    /// are compared as shares of the largest one.
     ///
     /// # Errors
     /// As [`least`](Self::least).
     pub fn smallest(&mut self, q: &[f64]) -> Result<Option<LimitMargin>> {
-        let named = self.named(q)?.into_iter();
-        Ok(named.min_by(|a, b| a.margin.total_cmp(&b.margin)))
+        self.move_to(q)?;
+        let mut best: Option<(f64, LimitMargin)> = None;
+        for case in &mut self.cases {
+            if let Some(margin) = case.margins.smallest(&case.terms) {
+                let compared = case.margins.compared(&margin);
+                if best.as_ref().is_none_or(|(least, _)| compared < *least) {
+                    best = Some((compared, margin));
+                }
+            }
+        }
+        Ok(best.map(|(_, margin)| margin))
     }
 
     /// Writes the margins of the posture `q` to `values` and, where asked, their derivatives with

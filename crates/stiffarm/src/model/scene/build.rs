@@ -2,7 +2,7 @@
 
 use super::pairs::Pair;
 use super::placed::{Placed, Shapes};
-use super::{Carrier, Part, RopeRules, Scene, Sight, TorqueLimits};
+use super::{Carrier, DisplacementLimits, Part, RopeRules, Scene, Sight, TorqueLimits};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
@@ -25,6 +25,8 @@ pub struct SceneParts {
     pub sight: Option<Sight>,
     /// What the joints may carry.
     pub torque: Option<TorqueLimits>,
+    /// How far the load may move the measuring points.
+    pub displacement: Option<DisplacementLimits>,
 }
 
 impl SceneParts {
@@ -90,6 +92,7 @@ impl SceneParts {
             rope: self.rope,
             sight: self.sight,
             torque: self.torque,
+            displacement: self.displacement,
         };
         scene.drop_overlapping(robot, bounds);
         Ok(scene)

@@ -1,13 +1,13 @@
 //! All margins of one posture, in a fixed order: pairs of parts, rope against parts, the rope's
-//! cone, beams (two per measuring point), torques.
+//! cone, beams (two per measuring point), torques, smallest and largest displacement.
 
 use super::placed::Placed;
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::SeenFrom;
 use super::slope::{Derivative, Slope};
-use super::{Carrier, Scene, Work};
+use super::{Carrier, DisplacementLimits, Scene, Work};
 use crate::model::kinematics::Frames;
-use crate::model::limit::LimitKind;
+use crate::model::limit::{LimitKind, MarginUnit};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::shape::Solid;
@@ -38,7 +38,7 @@ impl Scene {
         if let Some(torque) = &self.torque {
             count += torque.largest.len();
         }
-        count
+        count + self.displacement().map_or(0, DisplacementLimits::count)
     }
 
     /// All margins of one posture with what they are about, in a fixed order.
@@ -58,7 +58,10 @@ impl Scene {
             .map(|((kind, subject), margin)| SceneMargin {
                 kind,
                 subject,
-                margin,
+                margin: match (kind.unit(), &self.displacement) {
+                    (MarginUnit::Displacement, Some(asked)) => margin * asked.unit(),
+                    _ => margin,
+                },
             })
             .collect()
     }
@@ -83,7 +86,8 @@ impl Scene {
             .collect()
     }
 
-    /// Calls `each` with number, value and derivative of every margin. A distance between
+    /// Calls `each` with number, value and derivative of every margin; those of displacements as
+    /// shares of their [`unit`](DisplacementLimits::unit). A distance between
     /// shapes may be a lower bound, without derivative, where it is not below `enough` of its number.
     pub(crate) fn visit(
         &self,
@@ -98,6 +102,7 @@ impl Scene {
             shapes,
             torques,
             torque_slope,
+            displacement: room,
             memory,
         } = work;
         if memory.remembers() {
@@ -189,6 +194,13 @@ impl Scene {
                 at += 1;
             }
         }
+        if let Some(asked) = &self.displacement {
+            let most = (at..at + asked.count()).map(&enough).fold(0.0, f64::max);
+            asked.visit(setup, terms, room, most, |margin, slope| {
+                each(at, margin, Derivative::Slope(slope));
+                at += 1;
+            });
+        }
     }
 
     /// What each margin is about, in their order.
@@ -224,7 +236,10 @@ impl Scene {
         let joints = setup.robot.joints().iter();
         let torque = self.torque.iter().flat_map(move |_| joints.clone());
         let torque = torque.map(|joint| (LimitKind::Torque, joint.name.clone()));
-        pairs.chain(touched).chain(cone).chain(seen).chain(torque)
+        let moved = self.displacement.iter().flat_map(DisplacementLimits::kinds);
+        let moved = moved.map(|kind| (kind, "measuring points".to_string()));
+        let all = pairs.chain(touched).chain(cone).chain(seen);
+        all.chain(torque).chain(moved)
     }
 
     /// Torques of load and tool weight at this posture \[N·m\], where they are limited.
@@ -381,7 +396,8 @@ mod tests {
                 }
             }
         }
-        for kind in &LimitKind::ALL[5..] {
+        // Displacements have a test of their own.
+        for kind in &LimitKind::ALL[5..11] {
             let count = compared.get(&format!("{kind:?}")).copied().unwrap_or(0);
             assert!(count > 50, "{kind:?}: {count}");
         }

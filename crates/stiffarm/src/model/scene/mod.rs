@@ -1,11 +1,13 @@
 //! What a posture must not touch and must not hide: the arm's own links, its tool, what
-//! stands around, the rope, the tracker's beams, and the torque a joint may carry.
+//! stands around, the rope, the tracker's beams, the torque a joint may carry, and how far the load
+//! may move the measuring points.
 //!
 //! Each is a margin with its derivative by the joint angles, as the limits on points are
 //! ([`Limits`](crate::model::cell::Limits)), so every search respects it. Parts that move are capsules there
 //! (a box or a cylinder of the tool becomes capsules that contain it); what they meet is the solid itself.
 
 mod build;
+mod displacement;
 mod margins;
 mod pairs;
 mod part;
@@ -17,6 +19,7 @@ mod torque;
 mod work;
 
 pub use build::SceneParts;
+pub use displacement::DisplacementLimits;
 pub use margins::SceneMargin;
 pub use part::{Carrier, Part};
 pub use rope::RopeRules;
@@ -37,6 +40,7 @@ pub struct Scene {
     rope: Option<RopeRules>,
     sight: Option<Sight>,
     torque: Option<TorqueLimits>,
+    displacement: Option<DisplacementLimits>,
 }
 
 impl Scene {
@@ -46,6 +50,7 @@ impl Scene {
             && self.rope.is_none()
             && self.sight.is_none()
             && self.torque.is_none()
+            && self.displacement.is_none()
     }
 
     /// Parts of arm and tool, and what stands around.
@@ -87,14 +92,20 @@ impl Scene {
         self.torque.as_ref()
     }
 
-    /// What is left of it at work: shapes that must not touch. Rope, beams and the torque of the
-    /// experiment's load belong to the experiment.
+    /// How far the load may move the measuring points.
+    pub fn displacement(&self) -> Option<&DisplacementLimits> {
+        self.displacement.as_ref()
+    }
+
+    /// What is left of it at work: shapes that must not touch. Rope, beams, and the torque and
+    /// displacement of the experiment's load belong to the experiment.
     #[must_use]
     pub fn at_work(&self) -> Self {
         Scene {
             rope: None,
             sight: None,
             torque: None,
+            displacement: None,
             ..self.clone()
         }
     }
@@ -124,6 +135,10 @@ impl Scene {
                 }
             }
             Kind::Torque => scene.torque = None,
+            Kind::SmallestDisplacement | Kind::LargestDisplacement => {
+                let asked = scene.displacement.take();
+                scene.displacement = asked.and_then(|asked| asked.without(kind));
+            }
             _ => {}
         }
         scene

@@ -6,6 +6,7 @@
 //! depends on it.
 
 use super::Scene;
+use super::displacement::DisplacementWork;
 use super::placed::Shapes;
 use crate::model::kinematics::Frames;
 use crate::model::observation::Setup;
@@ -19,6 +20,7 @@ pub(crate) struct Work {
     pub(super) shapes: Shapes,
     pub(super) torques: Vec<f64>,
     pub(super) torque_slope: Vec<f64>,
+    pub(super) displacement: DisplacementWork,
     pub(super) memory: Memory,
 }
 

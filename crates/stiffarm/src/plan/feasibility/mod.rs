@@ -26,6 +26,10 @@ pub struct PostureLimits {
     /// loads the largest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub torques_nm: Vec<f64>,
+    /// Displacement under the load by the prior stiffness, RMS over the measuring points \[m\], where
+    /// it is limited; of several loads the largest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement_m: Option<f64>,
 }
 
 /// The smallest margin to the limits of one kind: positive inside.
@@ -36,7 +40,7 @@ pub struct NearestLimit {
     pub kind: LimitKind,
     /// What comes nearest: two shapes, a point, a joint.
     pub subject: String,
-    /// Margin of a length \[m\].
+    /// Margin of a length or a displacement \[m\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub margin_m: Option<f64>,
     /// Margin of an angle \[rad\].
@@ -53,11 +57,18 @@ impl From<&LimitMargin> for NearestLimit {
         NearestLimit {
             kind: margin.kind,
             subject: margin.point.clone(),
-            margin_m: of(MarginUnit::Length),
+            margin_m: of(MarginUnit::Length).or(of(MarginUnit::Displacement)),
             margin_rad: of(MarginUnit::Angle),
             margin_share: of(MarginUnit::Share),
         }
     }
+}
+
+/// The largest displacement under a load, where it is limited.
+fn displacement(cell: &Cell, states: &[PostureTerms]) -> Option<f64> {
+    let asked = cell.scene.displacement()?;
+    let each = states.iter().map(|terms| asked.displacement(terms));
+    each.reduce(f64::max)
 }
 
 /// Of the torques under each load, joint by joint, the largest either way.
@@ -108,6 +119,7 @@ impl PostureLimits {
                 })
                 .unwrap_or_default(),
             torques_nm: largest_torques(cell, &setups, &states),
+            displacement_m: displacement(cell, &states),
         })
     }
 
@@ -116,10 +128,11 @@ impl PostureLimits {
         self.nearest.iter().find(|n| n.kind == kind)
     }
 
-    /// The smallest margin of a length \[m\].
+    /// The smallest margin of a length \[m\]; displacements do not count.
     pub fn smallest_m(&self) -> Option<f64> {
-        self.nearest
-            .iter()
+        let lengths = self.nearest.iter();
+        lengths
+            .filter(|n| n.kind.unit() == MarginUnit::Length)
             .filter_map(|n| n.margin_m)
             .reduce(f64::min)
     }

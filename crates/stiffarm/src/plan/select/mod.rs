@@ -9,6 +9,7 @@ mod global;
 mod load_design;
 mod posture_value;
 mod price;
+mod repair;
 mod search;
 mod selection;
 mod sensitivity;

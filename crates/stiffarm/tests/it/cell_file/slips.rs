@@ -327,6 +327,17 @@ const SLIPS: &[(&str, &str)] = &[
         "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]",
         "kind = \"wrench\"\nforce_n = [0, 0, 0]\naxes = \"base\"",
     ),
+    // The displacement under the load.
+    ("rope_length_mm = [800, 3400]", "displacement_mm = [3, 0.2]"),
+    (
+        "rope_length_mm = [800, 3400]",
+        "displacement_mm = [-0.2, 3]",
+    ),
+    ("rope_length_mm = [800, 3400]", "displacement_mm = 3"),
+    (
+        "rope_length_mm = [800, 3400]",
+        "displacement_m = [2e-4, 3e-3]",
+    ),
     // A cylinder.
     ("kind = \"rope\"", "kind = \"rope\"\nacts = \"pushes\""),
     ("kind = \"rope\"", "kind = \"cylinder\""),

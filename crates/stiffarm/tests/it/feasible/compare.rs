@@ -70,6 +70,8 @@ fn key(margin: &LimitMargin) -> String {
         LimitKind::RopeClearance => point.clone(),
         LimitKind::RopeCone => "cone".to_string(),
         LimitKind::Incidence | LimitKind::Sight => "sight".to_string(),
+        LimitKind::SmallestDisplacement => "least displacement".to_string(),
+        LimitKind::LargestDisplacement => "most displacement".to_string(),
         LimitKind::Torque => point.replace("joint", "torque"),
     }
 }

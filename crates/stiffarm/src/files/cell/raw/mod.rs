@@ -316,6 +316,10 @@ pub(super) struct RawLimits {
     /// Shortest and longest rope or cylinder [low, high], mm.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
     pub rope_length_mm: Option<Numbers>,
+    /// Smallest and largest displacement [low, high] under the load, mm: the RMS over the measuring
+    /// points, by the prior stiffness and the linear model. 0 as the lower one asks for none.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
+    pub displacement_mm: Option<Numbers>,
 }
 
 /// Measurement noise of a displacement.

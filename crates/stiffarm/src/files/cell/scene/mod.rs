@@ -17,12 +17,13 @@ use crate::units::mm_to_m;
 /// Distance kept between shapes where the cell says nothing \[mm\].
 const CLEARANCE_MM: f64 = 20.0;
 
-/// The scene of a cell whose robot, tool, load and bounds are read.
+/// The scene of a cell whose robot, tool, load, bounds and prior stiffness are read.
 pub(super) fn scene(
     source: &Source<'_>,
     raw: &RawCell,
     setup: &Setup,
     bounds: &[[f64; 2]],
+    prior: Option<&[f64]>,
 ) -> Result<Scene> {
     let mut parts = Part::of_links(&setup.robot);
     let tool = raw.tool.as_ref().and_then(|tool| tool.get().shape.as_ref());
@@ -60,6 +61,7 @@ pub(super) fn scene(
         rope: rules::rope(source, clearance, setup, has_parts)?,
         sight: rules::sight(source, raw, setup)?,
         torque: rules::torque(source, raw, setup)?,
+        displacement: rules::displacement(source, raw, setup, prior)?,
     };
     let scene = scene.build(&setup.robot, bounds).map_err(|error| {
         let list = clearance.and_then(|table| table.ignore.as_ref());

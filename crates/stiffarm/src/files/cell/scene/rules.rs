@@ -1,11 +1,15 @@
-//! `[clearance]`, stations, reflectors and torques: what is asked of rope, beams and joints.
+//! `[clearance]`, stations, reflectors, torques and displacements: what is asked of rope, beams and joints.
 
 use super::shape::direction;
 use crate::error::{Code, Result};
 use crate::files::cell::raw::{At, RawCell, RawClearance};
 use crate::files::cell::source::Source;
+use crate::model::load::Load;
 use crate::model::observation::Setup;
-use crate::model::scene::{Facing, RopeRules, Scene, Sight, Station, TorqueLimits};
+use crate::model::scene::{
+    DisplacementLimits, Facing, RopeRules, Scene, Sight, Station, TorqueLimits,
+};
+use crate::model::stiffness::joint_compliance;
 use crate::units::{STANDARD_GRAVITY, deg_to_rad, mm_to_m};
 use nalgebra::Vector3;
 
@@ -228,6 +232,41 @@ pub(super) fn torque(
         largest,
         tool_weight: mass * STANDARD_GRAVITY,
         centre_of_mass: centre,
+    }))
+}
+
+/// How far the load may move the measuring points, by the prior stiffness.
+pub(super) fn displacement(
+    source: &Source<'_>,
+    raw: &RawCell,
+    setup: &Setup,
+    prior: Option<&[f64]>,
+) -> Result<Option<DisplacementLimits>> {
+    let limits = raw.limits.as_ref().map(At::get);
+    let Some(list) = limits.and_then(|limits| limits.displacement_mm.as_ref()) else {
+        return Ok(None);
+    };
+    let key = "limits.displacement_mm";
+    let [least, most] = source.range(list, key)?.map(mm_to_m);
+    source.not_negative(&list.get()[0], "limits.displacement_mm[1]")?;
+    if setup.load == Load::Measured {
+        let message =
+            "A limit of the displacement needs a load that is known before it is measured.";
+        let error = source.error(Code::Conflict, key, list.span(), message);
+        return Err(error.hint(
+            "remove displacement_mm, or set load.kind to \"rope\", \"cylinder\", \"weight\" or \"wrench\" as the load will be",
+        ));
+    }
+    let Some(prior) = prior else {
+        let message =
+            "A limit of the displacement needs a prior joint stiffness, and the cell has none.";
+        let error = source.error(Code::MissingKey, key, list.span(), message);
+        return Err(error.hint("add [stiffness] with prior_nm_per_rad, or remove displacement_mm"));
+    };
+    Ok(Some(DisplacementLimits {
+        smallest: (least > 0.0).then_some(least),
+        largest: Some(most),
+        compliance: joint_compliance(&setup.robot, prior)?,
     }))
 }
 

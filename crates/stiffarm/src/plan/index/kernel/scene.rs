@@ -123,13 +123,11 @@ mod tests {
         limits: true,
     };
 
-    /// The default cell with everything a scene can ask.
+    const TEXT: &str = include_str!("../../../../tests/cells/comau-shapes.toml");
+
+    /// The default cell with shapes, rope, beams and torques.
     fn cell() -> Cell {
-        parse_cell(
-            include_str!("../../../../tests/cells/comau-shapes.toml"),
-            "cell.toml",
-        )
-        .unwrap()
+        parse_cell(TEXT, "cell.toml").unwrap()
     }
 
     /// Postures spread over the bounds.
@@ -169,7 +167,9 @@ mod tests {
 
     #[test]
     fn the_penalty_has_its_derivative() {
-        let cell = cell();
+        let text = TEXT.replace("[limits]", "[limits]\ndisplacement_mm = [1.2, 1.3]");
+        let cell = parse_cell(&text, "cell.toml").unwrap();
+        assert!(cell.scene.displacement().is_some());
         let group = postures(&cell, 5);
         let flat: Vec<f64> = group.concat();
         let mut kernel = Kernel::new(&cell, WANTED, group.len()).unwrap();

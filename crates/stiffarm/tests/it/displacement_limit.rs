@@ -1,0 +1,248 @@
+//! The load's displacement as a limit of postures: every way to choose postures keeps to it, and
+//! says so where nothing can.
+
+use crate::common;
+
+use common::default_cell;
+use nalgebra::{DVector, Vector3};
+use stiffarm::model::cell::{Cell, LimitKind};
+use stiffarm::model::load::Load;
+use stiffarm::model::observation::{PostureTerms, Setup};
+use stiffarm::model::scene::{DisplacementLimits, SceneParts};
+use stiffarm::model::stiffness::joint_compliance;
+use stiffarm::plan::certificate::{CertificateOptions, certify};
+use stiffarm::plan::check::check;
+use stiffarm::plan::feasibility::{PostureLimits, obstruction};
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::{
+    GlobalOptions, LoadDesign, LocalOptions, StartKind, limit_prices, random_group, select,
+    select_from, space_filling,
+};
+use stiffarm::{Code, Control};
+
+/// The default cell where the load moves the points by so much [m].
+fn cell(range: [f64; 2]) -> Cell {
+    let mut cell = default_cell();
+    let prior = cell.require_prior().unwrap();
+    let parts = SceneParts {
+        displacement: Some(DisplacementLimits {
+            smallest: Some(range[0]),
+            largest: Some(range[1]),
+            compliance: joint_compliance(&cell.setup.robot, prior).unwrap(),
+        }),
+        ..SceneParts::default()
+    };
+    cell.scene = parts.build(&cell.setup.robot, &cell.bounds).unwrap();
+    cell
+}
+
+/// RMS displacement of the points, by Ψ.
+fn displacement(setup: &Setup, prior: &[f64], q: &[f64]) -> f64 {
+    let terms = PostureTerms::new(setup, q, None).unwrap();
+    let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
+    let moved = terms.block(&setup.robot) * compliance;
+    (moved.norm_squared() / setup.tool.point_count() as f64).sqrt()
+}
+
+fn all(cell: &Cell, group: &[Vec<f64>]) -> Vec<f64> {
+    let prior = cell.require_prior().unwrap();
+    let of = |q: &Vec<f64>| displacement(&cell.setup, prior, q);
+    group.iter().map(of).collect()
+}
+
+fn keeps(cell: &Cell, group: &[Vec<f64>], [low, high]: [f64; 2]) {
+    for moved in all(cell, group) {
+        assert!((low..=high).contains(&moved), "{moved} in {low} to {high}");
+    }
+}
+
+fn rounds(rounds: u64) -> GlobalOptions {
+    let mut options = GlobalOptions::default();
+    options.rounds = Some(rounds);
+    options
+}
+
+const RANGE: [f64; 2] = [5e-4, 1e-3];
+
+#[test]
+fn a_global_search_keeps_to_it_and_it_costs() {
+    let (free, cell) = (default_cell(), cell(RANGE));
+    for index in [Index::ExpectedError, Index::Condition, Index::DropOne] {
+        let found = |cell: &Cell| select(cell, index, 6, &rounds(1), Control::default()).unwrap();
+        let (free, plan) = (found(&free), found(&cell));
+        let before = all(&cell, &free.group);
+        println!("{index:?}: {before:?}, {} to {}", free.value, plan.value);
+        keeps(&cell, &plan.group, RANGE);
+        // The free plan goes beyond it, so this one is at its edge.
+        if index == Index::ExpectedError {
+            assert!(before.iter().any(|d| *d > RANGE[1]));
+            let now = all(&cell, &plan.group);
+            let edge = now.iter().fold(0.0_f64, |m, d| m.max(*d));
+            assert!(edge > 0.999 * RANGE[1], "{now:?}");
+        }
+        // What is told of each posture is that displacement.
+        for (told, moved) in plan.limits.iter().zip(all(&cell, &plan.group)) {
+            assert!((told.displacement_m.unwrap() - moved).abs() < 1e-15);
+            let most = told.of(LimitKind::LargestDisplacement).unwrap();
+            assert!((most.margin_m.unwrap() - (RANGE[1] - moved)).abs() < 1e-15);
+        }
+        // It is no distance: the smallest margin of a length is that of the others.
+        let lengths = plan.limits.iter().filter_map(PostureLimits::smallest_m);
+        assert_eq!(plan.smallest_margin_m, lengths.reduce(f64::min));
+    }
+}
+
+#[test]
+fn every_other_choice_keeps_to_it() {
+    let cell = cell(RANGE);
+    let random = random_group(&cell, StartKind::Uniform, 6, 5, 0).unwrap();
+    keeps(&cell, &random, RANGE);
+    let even = space_filling(&cell, 8, 1, Control::default()).unwrap();
+    keeps(&cell, &even.postures, RANGE);
+    // From groups outside of it: a local search that finds its way in.
+    let mut found = 0;
+    for stream in 0..8 {
+        let start = random_group(&default_cell(), StartKind::Uniform, 6, 5, stream).unwrap();
+        assert!(all(&cell, &start).iter().any(|d| *d > RANGE[1]));
+        let options = LocalOptions::default();
+        let led = select_from(
+            &cell,
+            Index::ExpectedError,
+            &start,
+            options,
+            Control::default(),
+        );
+        if let Ok(led) = led {
+            keeps(&cell, &led.group, RANGE);
+            found += 1;
+        }
+    }
+    println!("{found} of 8 starts led inside");
+    assert!(found >= 3, "{found}");
+}
+
+#[test]
+fn a_load_chosen_with_the_postures_keeps_to_it() {
+    let cell = cell(RANGE);
+    let mut options = rounds(1);
+    options.load.anchor = Some([Vector3::new(1.0, -0.8, 0.0), Vector3::new(2.6, 0.8, 0.0)]);
+    options.load.loading_point =
+        Some([Vector3::new(0.1, -0.1, 0.15), Vector3::new(0.3, 0.1, 0.35)]);
+    let plan = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
+    let chosen = plan.load.clone().unwrap();
+    let mut moved = cell.clone();
+    let Load::Rope { anchor, .. } = &mut moved.setup.load else {
+        panic!("the default cell has a rope");
+    };
+    *anchor = chosen.anchor_m.unwrap().into();
+    moved.setup.tool.loading_point = chosen.loading_point_m.into();
+    keeps(&moved, &plan.group, RANGE);
+    assert_ne!(options.load, LoadDesign::default());
+}
+
+#[test]
+fn prices_and_certificate_know_it() {
+    let cell = cell([1e-4, 6e-4]);
+    let options = rounds(1);
+    let plan = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
+    keeps(&cell, &plan.group, [1e-4, 6e-4]);
+    let control = Control::default();
+    let prices = limit_prices(
+        &cell,
+        Index::ExpectedError,
+        6,
+        &options,
+        plan.value,
+        control,
+    );
+    let prices = prices.unwrap();
+    let of = |kind| prices.iter().find(|p| p.kind == kind).unwrap().price;
+    assert!(of(LimitKind::LargestDisplacement) > 0.1, "{prices:?}");
+    assert!(of(LimitKind::SmallestDisplacement) < 0.01, "{prices:?}");
+    let certificate = certify(
+        &cell,
+        Index::ExpectedError,
+        &plan.group,
+        &CertificateOptions::default(),
+        Control::default(),
+    );
+    let certificate = certificate.unwrap();
+    let bound = certificate.bound;
+    println!("{} over {bound}", plan.value);
+    // Without the limit the bound lies lower: the certificate looks at postures within it only.
+    let free = certify(
+        &default_cell(),
+        Index::ExpectedError,
+        &plan.group,
+        &CertificateOptions::default(),
+        Control::default(),
+    );
+    assert!(bound > 1.1 * free.unwrap().bound);
+    assert!(bound <= plan.value);
+}
+
+#[test]
+fn where_nothing_can_meet_it_the_error_names_it() {
+    let too_far = cell([0.05, 0.06]);
+    let error = select(
+        &too_far,
+        Index::ExpectedError,
+        6,
+        &rounds(1),
+        Control::default(),
+    );
+    let error = error.unwrap_err();
+    assert_eq!(error.code(), Code::InvalidValue);
+    let said = format!("{error}");
+    assert!(
+        said.contains("the smallest displacement under the load"),
+        "{said}"
+    );
+    let seen = obstruction(&too_far).unwrap();
+    assert_eq!(seen.feasible, 0);
+    let (kinds, left) = seen.relief.unwrap();
+    assert_eq!(kinds, [LimitKind::SmallestDisplacement]);
+    assert!(left > 0);
+    let findings = check(&too_far).unwrap().findings;
+    let named = |f: &stiffarm::findings::Finding| f.sentence.contains("smallest displacement");
+    assert!(findings.iter().any(named), "{findings:?}");
+}
+
+#[test]
+fn cells_give_it_with_a_prior_and_a_known_load() {
+    let text = |load: &str, rest: &str| {
+        format!(
+            "format = 1\n[robot]\ndh_modified = [[0, 0, 830, 0], [-90, 400, 0, -90]]\nlimits_deg = [[-180, 180], [-75, 95]]\n\
+             [tool]\nloading_point_mm = [0, 100, 300]\n[[tool.measuring_point]]\nname = 'a'\nposition_mm = [0, 150, 200]\n\
+             [load]\n{load}\n[limits]\ndisplacement_mm = [0, 3]\n{rest}"
+        )
+    };
+    let parse = |text: &str| stiffarm::files::cell::parse_cell(text, "cell.toml");
+    let rope = "kind = 'rope'\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
+    let prior = "[stiffness]\nprior_nm_per_rad = [1e6, 2e6]\n";
+    let cell = parse(&text(rope, prior)).unwrap();
+    let asked = cell.scene.displacement().unwrap();
+    // 0 asks for none.
+    assert_eq!((asked.smallest, asked.largest), (None, Some(3e-3)));
+    assert_eq!(asked.compliance[(1, 1)], 5e-7);
+    assert_eq!(cell.limit_kinds(), [LimitKind::LargestDisplacement]);
+    assert!(cell.scene.at_work().is_empty());
+    for (text, code, words) in [
+        (
+            text(rope, ""),
+            Code::MissingKey,
+            "needs a prior joint stiffness",
+        ),
+        (
+            text("kind = 'measured'", prior),
+            Code::Conflict,
+            "needs a load that is known",
+        ),
+    ] {
+        let error = parse(&text).unwrap_err();
+        assert_eq!(error.code(), code);
+        assert!(error.message().contains(words), "{error}");
+        assert_eq!(error.place().key.as_deref(), Some("limits.displacement_mm"));
+        assert!(error.place().line.is_some());
+    }
+}
