@@ -127,12 +127,12 @@ impl Session {
 
     /// Reads candidates to choose from: a table of postures, or one of measurements, whose
     /// postures count under their measured wrenches, of several states of a posture under
-    /// the largest force.
+    /// the largest force. True where they were measured.
     ///
     /// # Errors
     /// A file that cannot be read, anything wrong with its table, readings that cannot be
     /// reduced.
-    pub fn read_candidates(&self, from: &str, cell: &Cell) -> Result<Vec<Candidate>> {
+    pub fn read_candidates(&self, from: &str, cell: &Cell) -> Result<(Vec<Candidate>, bool)> {
         let (name, bytes) = self.read("candidates", from)?;
         if !holds_measurements(&bytes, &name, cell)? {
             let postures = read_postures(&bytes, &name, &cell.setup.robot)?;
@@ -141,11 +141,11 @@ impl Session {
                 q: posture.q,
                 wrench: None,
             });
-            return Ok(plain.collect());
+            return Ok((plain.collect(), false));
         }
         let measurements = read_measurements(&bytes, &name, cell, None)?;
         let measured = prepare(cell, measurements, &ReduceOptions::default())?;
-        Ok(Candidate::of_measured(&measured.postures))
+        Ok((Candidate::of_measured(&measured.postures), true))
     }
 
     /// Options of a reduction of raw readings: with the registration that

@@ -416,3 +416,44 @@ fn a_check_looks_at_all_loads() {
     cell.setup.load = Load::Cases(vec![weight, rope]);
     assert!(check(&cell).unwrap().joints.iter().all(|j| j.determined));
 }
+
+#[test]
+fn candidates_that_the_cell_forbids_are_left_out() {
+    let mut cell = two_ropes();
+    let feasible = random_group(&cell, StartKind::Uniform, 6, 1, 0).unwrap();
+    let mut list = feasible.clone();
+    // Outside the bounds, and with the tool behind the robot.
+    list.insert(2, vec![2.0, 0.0, -1.5, 0.1, 0.2, 0.3]);
+    list.insert(4, vec![0.0, -1.0, -3.1, 0.1, 0.2, 0.3]);
+    let list: Vec<Candidate> = list
+        .into_iter()
+        .enumerate()
+        .map(|(i, q)| Candidate {
+            name: i.to_string(),
+            q,
+            wrench: None,
+        })
+        .collect();
+    let mut options = CandidateOptions::default();
+    let control = Control::default;
+    let index = Index::ExpectedError;
+    let found = select_candidates(&cell, index, 6, &list, &options, control()).unwrap();
+    assert_eq!(found.chosen, [0, 1, 3, 5, 6, 7]);
+    let forbidden: Vec<usize> = found.forbidden.iter().map(|f| f.candidate).collect();
+    assert_eq!(forbidden, [2, 4]);
+    assert!(
+        found.forbidden[0]
+            .because
+            .contains("outside the cell's bounds")
+    );
+    let error = select_candidates(&cell, index, 7, &list, &options, control()).unwrap_err();
+    assert!(error.message().contains("6 of 8 candidates"), "{error}");
+    // What was measured was driven.
+    options.limits = false;
+    let all = select_candidates(&cell, index, 8, &list, &options, control()).unwrap();
+    assert!(all.forbidden.is_empty() && all.chosen.len() == 8);
+    cell.limits.rope_length = Some([8.0, 9.0]);
+    options.limits = true;
+    let error = select_candidates(&cell, index, 2, &list, &options, control()).unwrap_err();
+    assert!(error.message().contains("0 of 8 candidates"), "{error}");
+}

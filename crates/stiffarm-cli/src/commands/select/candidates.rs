@@ -2,8 +2,9 @@
 
 use super::certificate::efficient;
 use super::job::{Job, Mode, POSTURES, postures_text, shown, to_usize};
-use crate::commands::{evaluate, posture_remarks, posture_table};
+use crate::commands::{evaluate, posture_table};
 use crate::progress::Progress;
+use crate::screen::{columns, wrapped};
 use crate::table::{title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -47,13 +48,18 @@ pub struct Chosen {
     pub findings: Vec<Finding>,
 }
 
+/// Forbidden candidates that are named.
+const FORBIDDEN: usize = 5;
+
 /// Chooses, and writes plan and sheet.
 pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
     let cell = job.cell();
-    let candidates = job.session.read_candidates(list, cell)?;
+    let (candidates, measured) = job.session.read_candidates(list, cell)?;
     let count = to_usize(job.args.postures.unwrap_or(POSTURES));
     let mut options = CandidateOptions::default();
     options.seed = job.seed();
+    // The limits of a measured posture are the machine's, which held it.
+    options.limits = !measured;
     if job.args.no_certificate {
         options.bound = false;
     }
@@ -121,11 +127,22 @@ fn table(job: &Job<'_>, candidates: &[Candidate], chosen: &[Posture], result: &C
     if found.termination == Termination::Interrupted {
         out += "interrupted: the best so far\n";
     }
-    // The limits of a measured posture are the machine's, which held it.
-    if !result.measured_wrenches {
-        for remark in posture_remarks(cell, chosen) {
-            out += &format!("{}: {remark}\n", yellow("note"));
-        }
+    let left_out = &found.forbidden;
+    for own in left_out.iter().take(FORBIDDEN) {
+        let name = &candidates[own.candidate].name;
+        let sentence = format!(
+            "{}: left out: candidate {name} {}",
+            yellow("note"),
+            own.because
+        );
+        out += &(wrapped(&sentence, columns()) + "\n");
+    }
+    if left_out.len() > FORBIDDEN {
+        out += &format!(
+            "{}: left out: {} further candidates outside bounds or limits\n",
+            yellow("note"),
+            left_out.len() - FORBIDDEN
+        );
     }
     out += &title("Postures");
     out += &posture_table(cell, chosen).to_string();

@@ -5,7 +5,7 @@ use super::placed::Placed;
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::SeenFrom;
 use super::slope::{Derivative, Slope};
-use super::{Carrier, DisplacementLimits, Scene, Work};
+use super::{Carrier, DisplacementLimits, Scene, TorqueLimits, Work};
 use crate::model::kinematics::Frames;
 use crate::model::limit::{LimitKind, MarginUnit};
 use crate::model::load::Load;
@@ -189,6 +189,9 @@ impl Scene {
                     let share = -torques[j].signum() / largest;
                     torque_slope.iter_mut().for_each(|s| *s *= share);
                     slope.by_joint = Some(torque_slope);
+                    let by_load = TorqueLimits::by_load(setup, terms, j);
+                    slope.by_anchor = by_load.0 * share;
+                    slope.by_loading_point = by_load.1 * share;
                 }
                 each(at, margin, Derivative::Slope(&slope));
                 at += 1;

@@ -65,4 +65,101 @@ impl TorqueLimits {
             }
         }
     }
+    /// Derivative of joint `j`'s torque by the rope's anchor and by a loading point that moves in
+    /// the tool, base axes \[N·m/m\].
+    pub(super) fn by_load(
+        setup: &Setup,
+        terms: &PostureTerms,
+        j: usize,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (frames, p) = (terms.frames(), terms.loading_point());
+        // c_j = z_j × (p − o_j).
+        let by_point = terms.wrench().force.cross(&frames.axes()[j]);
+        let Load::Rope { anchor, magnitude } = &setup.load else {
+            return (Vector3::zeros(), by_point);
+        };
+        let rope = anchor - p;
+        let length = rope.norm();
+        let unit = rope / length;
+        let column = frames.column(j, p);
+        // dF = (G/ℓ)(I − u uᵀ)(dP2 − dP1).
+        let by_anchor = (column - unit * unit.dot(&column)) * (magnitude / length);
+        (by_anchor, by_point - by_anchor)
+    }
+}
+
+#[cfg(all(test, feature = "files"))]
+mod tests {
+    use super::*;
+    use crate::files::cell::parse_cell;
+    use crate::model::load::Wrench;
+
+    #[test]
+    fn derivatives_by_the_load_are_those_of_differences() {
+        let cell = include_str!("../../../tests/cells/comau-shapes.toml");
+        let cell = parse_cell(cell, "cell.toml").unwrap();
+        let limits = cell.scene.torque().unwrap();
+        let n = cell.setup.robot.joint_count();
+        let torques = |setup: &Setup, q: &[f64]| {
+            let terms = PostureTerms::new(setup, q, None).unwrap();
+            let mut torques = vec![0.0; n];
+            limits.torques(setup, &terms, &mut torques);
+            torques
+        };
+        let push = match &cell.setup.load {
+            Load::Rope { anchor, magnitude } => Load::Rope {
+                anchor: *anchor,
+                magnitude: -magnitude,
+            },
+            other => other.clone(),
+        };
+        let wrench = Wrench {
+            force: Vector3::new(200.0, -100.0, 50.0),
+            moment: Vector3::new(20.0, 10.0, -30.0),
+        };
+        let turning = Load::Constant {
+            wrench,
+            axes: Axes::Tool,
+        };
+        for load in [cell.setup.load.clone(), push, turning] {
+            let setup = Setup {
+                load,
+                ..cell.setup.clone()
+            };
+            for p in 0..10 {
+                let q: Vec<f64> = (0..n)
+                    .map(|j| (1.3 * p as f64 + 2.1 * j as f64).sin())
+                    .collect();
+                let terms = PostureTerms::new(&setup, &q, None).unwrap();
+                for axis in 0..3 {
+                    let moved = |step: f64, point: bool| {
+                        let mut setup = setup.clone();
+                        let shift = Vector3::ith(axis, step);
+                        match (point, &mut setup.load) {
+                            (true, _) => {
+                                let turned = terms.frames().flange().rotation.inverse() * shift;
+                                setup.tool.loading_point += turned;
+                            }
+                            (false, Load::Rope { anchor, .. }) => *anchor += shift,
+                            _ => {}
+                        }
+                        torques(&setup, &q)
+                    };
+                    for (point, step) in [(false, 1e-4), (true, 1e-4)] {
+                        let (after, before) = (moved(step, point), moved(-step, point));
+                        for j in 0..n {
+                            let by_load = TorqueLimits::by_load(&setup, &terms, j);
+                            let ours = if point { by_load.1 } else { by_load.0 };
+                            let expected = (after[j] - before[j]) / (2.0 * step);
+                            assert!(
+                                (ours[axis] - expected).abs() < 1e-4 * (1.0 + expected.abs()),
+                                "{point} {j}: {} {expected}",
+                                ours[axis]
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

@@ -7,7 +7,8 @@ pub use obstruction::{Obstruction, obstruction};
 
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};
-use crate::model::observation::{PostureTerms, Setup};
+use crate::model::observation::{PostureTerms, Setup, check_angles};
+use crate::units::rad_to_shortest_deg;
 use serde::Serialize;
 
 /// How near one posture comes to the limits.
@@ -82,6 +83,37 @@ fn largest_torques(cell: &Cell, setups: &[Setup], states: &[PostureTerms]) -> Ve
             .collect()
     };
     each.reduce(larger).unwrap_or_default()
+}
+
+/// How far an angle may be beyond a bound: rounding of a file \[rad\].
+const BOUND: f64 = 1e-9;
+
+/// What forbids the posture `q` (controller angles, rad) in the cell, as the end of a sentence about
+/// it: the first bound that it is outside of, else the limit that it violates most.
+///
+/// # Errors
+/// Angles or bounds that do not fit the robot; a rope without a direction.
+pub fn forbidden(cell: &Cell, q: &[f64]) -> Result<Option<String>> {
+    check_angles(&cell.setup.robot, q)?;
+    for (joint, (q, bounds)) in cell
+        .setup
+        .robot
+        .joints()
+        .iter()
+        .zip(q.iter().zip(&cell.bounds))
+    {
+        if *q < bounds[0] - BOUND || *q > bounds[1] + BOUND {
+            let [low, high] = bounds.map(rad_to_shortest_deg);
+            let angle = rad_to_shortest_deg(*q);
+            let name = &joint.name;
+            return Ok(Some(format!(
+                "has {name} at {angle}°, outside the cell's bounds, {low}° to {high}°"
+            )));
+        }
+    }
+    let smallest = cell.posture_margins()?.smallest(q)?;
+    let violated = smallest.filter(|margin| margin.margin < 0.0);
+    Ok(violated.map(|margin| margin.violation()))
 }
 
 impl PostureLimits {

@@ -17,7 +17,7 @@ mod space_filling;
 
 pub use super::random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use crate::numerics::optimise::Options as LocalOptions;
-pub use candidates::{CandidateOptions, CandidateSelection, select_candidates};
+pub use candidates::{CandidateOptions, CandidateSelection, ForbiddenCandidate, select_candidates};
 pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use from_group::select_from;
 pub use global::{GlobalOptions, RoundReport, select, select_watched};

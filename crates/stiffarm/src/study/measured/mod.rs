@@ -188,6 +188,7 @@ impl<'a> Setting<'a> {
                     options.seed = self.options.seed;
                     options.bound = false;
                     options.sizes = Some(self.sizes);
+                    options.limits = false;
                     match select_candidates(&self.cell, *index, *count, &list, &options, control) {
                         Ok(found) => Some(found.chosen.iter().map(|p| pool[*p]).collect()),
                         Err(error) if error.code() == Code::NotIdentifiable => None,

@@ -3,6 +3,7 @@
 use super::arm::Arm;
 use super::distance::Shape;
 use crate::common::random::Dice;
+use nalgebra::Vector3;
 
 /// The robots.
 pub const ROBOTS: [&str; 3] = ["kuka-kr210-r2700-2", "abb-irb4600-60-205", "ur10e"];
@@ -14,11 +15,28 @@ pub struct Point {
     pub facing: Option<([f64; 3], Option<f64>)>,
 }
 
+/// One of the loads of a cell.
+#[derive(Debug, Clone)]
+pub struct Load {
+    pub pull: Pull,
+    /// Where it acts instead of the tool's loading point.
+    pub at: Option<[f64; 3]>,
+}
+
 #[derive(Debug, Clone)]
 pub enum Pull {
-    Rope { anchor: [f64; 3], magnitude: f64 },
-    Weight { magnitude: f64 },
-    Wrench { force: [f64; 3], moment: [f64; 3] },
+    /// A cylinder that pushes where the magnitude is negative.
+    Rope {
+        anchor: [f64; 3],
+        magnitude: f64,
+    },
+    Weight {
+        magnitude: f64,
+    },
+    Wrench {
+        force: [f64; 3],
+        moment: [f64; 3],
+    },
 }
 
 #[derive(Debug, Clone, Default)]
@@ -62,7 +80,7 @@ pub struct Case {
     pub tool: Vec<(String, Shape)>,
     pub obstacles: Vec<(String, Shape)>,
     pub stations: Vec<[f64; 3]>,
-    pub pull: Pull,
+    pub loads: Vec<Load>,
     pub limits: PointLimits,
     pub clearance: Clearance,
     pub torques: Option<Torques>,
@@ -139,19 +157,19 @@ impl Case {
             false => Vec::new(),
         };
         let magnitude = round(dice.between(30.0, 150.0) * reach * 1e-3);
-        let pull = match dice.below(10) {
-            0 => Pull::Weight { magnitude },
-            1 => Pull::Wrench {
-                force: rounded((dice.direction() * magnitude).into()),
-                moment: rounded(dice.vector(20.0).into()),
-            },
-            _ => Pull::Rope {
-                anchor: around(dice, [0.6 * reach, 1.3 * reach], [0.0, 0.4 * reach]),
-                magnitude,
-            },
+        let count = match dice.chance(0.3) {
+            true => 2 + dice.below(2),
+            false => 1,
         };
-        let limits = point_limits(dice, reach, &pull);
-        let clearance = clearance(dice, &pull, &stations, points.len(), &tool, &obstacles);
+        let loads: Vec<Load> = (0..count)
+            .map(|_| Load {
+                pull: pull(dice, reach, magnitude),
+                at: (count > 1 && dice.chance(0.3))
+                    .then(|| rounded((Vector3::from(loading) + dice.vector(0.05 * reach)).into())),
+            })
+            .collect();
+        let limits = point_limits(dice, reach, &loads);
+        let clearance = clearance(dice, &loads, &stations, points.len(), &tool, &obstacles);
         let torques = dice.chance(0.35).then(|| {
             let arm = [0.8, 0.8, 0.6, 0.35, 0.35, 0.3].map(|lever| lever * reach * 1e-3);
             let most = dice.between(0.4, 1.5) * magnitude;
@@ -176,7 +194,7 @@ impl Case {
             tool,
             obstacles,
             stations,
-            pull,
+            loads,
             limits,
             clearance,
             torques,
@@ -305,8 +323,33 @@ fn obstacles(dice: &mut Dice, reach: f64) -> Named {
     out
 }
 
-fn point_limits(dice: &mut Dice, reach: f64, pull: &Pull) -> PointLimits {
-    let is_rope = matches!(pull, Pull::Rope { .. });
+fn pull(dice: &mut Dice, reach: f64, magnitude: f64) -> Pull {
+    match dice.below(10) {
+        0 => Pull::Weight { magnitude },
+        1 => Pull::Wrench {
+            force: rounded((dice.direction() * magnitude).into()),
+            moment: rounded(dice.vector(20.0).into()),
+        },
+        _ => Pull::Rope {
+            anchor: around(dice, [0.6 * reach, 1.3 * reach], [0.0, 0.4 * reach]),
+            magnitude: match dice.chance(0.2) {
+                true => -magnitude,
+                false => magnitude,
+            },
+        },
+    }
+}
+
+/// The anchor of the first rope among them.
+fn anchor(loads: &[Load]) -> Option<[f64; 3]> {
+    loads.iter().find_map(|load| match load.pull {
+        Pull::Rope { anchor, .. } => Some(anchor),
+        _ => None,
+    })
+}
+
+fn point_limits(dice: &mut Dice, reach: f64, loads: &[Load]) -> PointLimits {
+    let is_rope = anchor(loads).is_some();
     let mut some = |low: f64, high: f64, share: f64| {
         let value = round(dice.between(low, high) * reach);
         dice.chance(share).then_some(value)
@@ -331,7 +374,7 @@ fn point_limits(dice: &mut Dice, reach: f64, pull: &Pull) -> PointLimits {
 
 fn clearance(
     dice: &mut Dice,
-    pull: &Pull,
+    loads: &[Load],
     stations: &[[f64; 3]],
     points: usize,
     tool: &Named,
@@ -341,7 +384,7 @@ fn clearance(
         shapes: dice.chance(0.5).then(|| round(dice.between(0.0, 50.0))),
         ..Clearance::default()
     };
-    if let Pull::Rope { anchor, .. } = pull {
+    if let Some(anchor) = anchor(loads) {
         out.rope = dice.chance(0.5).then(|| round(dice.between(0.0, 40.0)));
         out.free = dice
             .chance(0.4)

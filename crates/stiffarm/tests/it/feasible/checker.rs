@@ -3,7 +3,7 @@
 //! Shares with the library the rules that its documentation states, and no arithmetic.
 
 use super::arm::{Frame, Reached};
-use super::cases::{Case, Pull};
+use super::cases::{Case, Load, Pull};
 use super::distance::{Body, Shape};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -221,15 +221,16 @@ impl<'a> Checker<'a> {
                 return;
             }
         }
-        if self.rope(&at, &bodies, &mut next) {
+        if self.ropes(&at, &bodies, &mut next) {
             self.sight(&at, &bodies, &mut next);
         }
     }
 
     fn points(&self, at: &Reached, next: &mut dyn FnMut(&str, f64) -> bool) -> bool {
         let limits = &self.case.limits;
-        let loading = self.loading(at);
-        let mut points = vec![loading, at.flange.origin()];
+        let loads = &self.case.loads;
+        let mut points: Vec<V> = loads.iter().map(|load| self.loading(at, load)).collect();
+        points.push(at.flange.origin());
         points.extend(self.measured(at));
         // The point on the axis of the last joint but one.
         let wrist = at.axes[at.axes.len() - 2].0;
@@ -261,20 +262,21 @@ impl<'a> Checker<'a> {
         {
             return false;
         }
-        match (limits.rope, &self.case.pull) {
+        loads.iter().all(|load| match (limits.rope, &load.pull) {
             (Some([low, high]), Pull::Rope { anchor, .. }) => {
-                let length = (V::from(*anchor) * 1e-3 - loading).norm();
+                let length = (V::from(*anchor) * 1e-3 - self.loading(at, load)).norm();
                 next(
                     "rope length",
                     (length - low * 1e-3).min(high * 1e-3 - length),
                 )
             }
             _ => true,
-        }
+        })
     }
 
-    fn loading(&self, at: &Reached) -> V {
-        at.flange.point(&self.case.loading.map(|v| v * 1e-3))
+    fn loading(&self, at: &Reached, load: &Load) -> V {
+        let point = load.at.unwrap_or(self.case.loading);
+        at.flange.point(&point.map(|v| v * 1e-3))
     }
 
     fn measured(&self, at: &Reached) -> Vec<V> {
@@ -284,16 +286,28 @@ impl<'a> Checker<'a> {
             .collect()
     }
 
-    /// Torques by virtual work: what load and weight do while one joint turns a little.
     fn torques(&self, serial: &[f64], next: &mut dyn FnMut(&str, f64) -> bool) -> bool {
+        let loads = &self.case.loads;
+        loads
+            .iter()
+            .all(|load| self.torques_under(load, serial, next))
+    }
+
+    /// Torques by virtual work: what load and weight do while one joint turns a little.
+    fn torques_under(
+        &self,
+        load: &Load,
+        serial: &[f64],
+        next: &mut dyn FnMut(&str, f64) -> bool,
+    ) -> bool {
         let Some(torques) = &self.case.torques else {
             return true;
         };
         let (mass, centre) = torques.mass.unwrap_or_default();
         let at = self.reached(serial);
-        let (force, moment) = match &self.case.pull {
+        let (force, moment) = match &load.pull {
             Pull::Rope { anchor, magnitude } => {
-                let rope = V::from(*anchor) * 1e-3 - self.loading(&at);
+                let rope = V::from(*anchor) * 1e-3 - self.loading(&at, load);
                 (rope * (magnitude / rope.norm()), V::zeros())
             }
             Pull::Weight { magnitude } => (V::new(0.0, 0.0, -magnitude), V::zeros()),
@@ -306,7 +320,7 @@ impl<'a> Checker<'a> {
                 self.reached(&serial)
             };
             let (after, before) = (turned(STEP), turned(-STEP));
-            let point = self.loading(&after) - self.loading(&before);
+            let point = self.loading(&after, load) - self.loading(&before, load);
             let heavy = |at: &Reached| at.flange.point(&centre.map(|v| v * 1e-3)).z;
             let work = force.dot(&point) - mass * 9.80665 * (heavy(&after) - heavy(&before));
             let torque = work / (2.0 * STEP) + moment.dot(&at.axes[j].1);
@@ -317,16 +331,27 @@ impl<'a> Checker<'a> {
         true
     }
 
-    fn rope(
+    fn ropes(
         &self,
         at: &Reached,
         bodies: &[Vec<Body>],
         next: &mut dyn FnMut(&str, f64) -> bool,
     ) -> bool {
-        let (Pull::Rope { anchor, .. }, clearance) = (&self.case.pull, &self.case.clearance) else {
+        let mut loads = self.case.loads.iter();
+        loads.all(|load| self.rope(load, at, bodies, next))
+    }
+
+    fn rope(
+        &self,
+        load: &Load,
+        at: &Reached,
+        bodies: &[Vec<Body>],
+        next: &mut dyn FnMut(&str, f64) -> bool,
+    ) -> bool {
+        let (Pull::Rope { anchor, .. }, clearance) = (&load.pull, &self.case.clearance) else {
             return true;
         };
-        let (from, anchor) = (self.loading(at), V::from(*anchor) * 1e-3);
+        let (from, anchor) = (self.loading(at, load), V::from(*anchor) * 1e-3);
         let kept = clearance.rope.unwrap_or(20.0) * 1e-3;
         let [first, last] = clearance.free.unwrap_or([100.0, 100.0]).map(|v| v * 1e-3);
         let length = (anchor - from).norm();

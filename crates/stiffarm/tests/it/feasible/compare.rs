@@ -3,7 +3,6 @@
 use super::checker::Checker;
 use std::collections::BTreeMap;
 use stiffarm::model::cell::{Cell, LimitKind, LimitMargin};
-use stiffarm::model::observation::PostureTerms;
 
 /// What both may differ by \[m, rad, share\]; torques rest on finite differences.
 const DIFFERENCE: f64 = 1e-7;
@@ -18,9 +17,11 @@ impl Checker<'_> {
     /// What differs.
     pub fn compare(&self, cell: &Cell, q: &[f64]) -> Result<(), String> {
         let own = self.margins(q);
-        let terms = PostureTerms::new(&cell.setup, q, None).map_err(|e| e.to_string())?;
+        let named = cell
+            .posture_margins()
+            .and_then(|mut margins| margins.named(q));
         let mut theirs: BTreeMap<String, f64> = BTreeMap::new();
-        for margin in cell.margins().named(&terms) {
+        for margin in named.map_err(|e| e.to_string())? {
             let least = theirs.entry(key(&margin)).or_insert(f64::INFINITY);
             *least = margin.margin.min(*least);
         }
@@ -67,7 +68,10 @@ fn key(margin: &LimitMargin) -> String {
             names.sort_unstable();
             names.join(" and ")
         }
-        LimitKind::RopeClearance => point.clone(),
+        LimitKind::RopeClearance => match point.strip_prefix("cylinder and ") {
+            Some(part) => format!("rope and {part}"),
+            None => point.clone(),
+        },
         LimitKind::RopeCone => "cone".to_string(),
         LimitKind::Incidence | LimitKind::Sight => "sight".to_string(),
         LimitKind::SmallestDisplacement => "least displacement".to_string(),

@@ -64,6 +64,11 @@ pub fn run(number: u64) -> (Mode, Index, End) {
     let mode = Mode::ALL[number as usize % Mode::ALL.len()];
     let index = Index::ALL[number as usize % Index::ALL.len()];
     let case = Case::new(number);
+    let index = match index {
+        // It counts one load per posture.
+        Index::Prediction if case.loads.len() > 1 => Index::ExpectedError,
+        index => index,
+    };
     let end = ended(number, &case, mode, index).unwrap_or_else(End::Fault);
     (mode, index, end)
 }
@@ -130,7 +135,14 @@ fn chosen(
             Ok(select_from(cell, index, &random(count, 2)?, local, control)?.group)
         }
         Mode::Candidates => {
-            let list = random(10, 3)?.into_iter().enumerate();
+            // Some that the limits forbid among them.
+            let mut list = random(10, 3)?;
+            let mut dice = Dice::new(70_000 + seed);
+            for _ in 0..10 {
+                let bounds = cell.bounds.iter();
+                list.push(bounds.map(|b| dice.between(b[0], b[1])).collect());
+            }
+            let list = list.into_iter().enumerate();
             let list = list.map(|(i, q)| Candidate {
                 name: i.to_string(),
                 q,

@@ -57,17 +57,19 @@ impl Case {
             ));
         }
         line("[load]".to_string());
-        line(match &self.pull {
-            Pull::Rope { anchor, magnitude } => {
-                format!("kind = \"rope\"\nmagnitude_n = {magnitude}\nanchor_mm = {anchor:?}")
+        let several = self.loads.len() > 1;
+        if several {
+            line("kind = \"cases\"".to_string());
+        }
+        for (number, load) in self.loads.iter().enumerate() {
+            if several {
+                line(format!("[[load.case]]\nname = \"L{number}\""));
             }
-            Pull::Weight { magnitude } => format!("kind = \"weight\"\nmagnitude_n = {magnitude}"),
-            Pull::Wrench { force, moment } => {
-                format!(
-                    "kind = \"wrench\"\nforce_n = {force:?}\nmoment_nm = {moment:?}\naxes = \"base\""
-                )
+            line(pull(&load.pull));
+            if let Some(at) = load.at {
+                line(format!("loading_point_mm = {at:?}"));
             }
-        });
+        }
         let given = |name: &str, value: Option<String>| {
             value.map_or(String::new(), |value| format!("{name} = {value}\n"))
         };
@@ -125,6 +127,24 @@ fn keys(shape: &Shape) -> String {
         Shape::Ceiling(z) => format!("kind = \"ceiling\"\nz_mm = {z}\n"),
         Shape::Wall { point, normal } => {
             format!("kind = \"wall\"\npoint_mm = {point:?}\nnormal = {normal:?}\n")
+        }
+    }
+}
+
+fn pull(pull: &Pull) -> String {
+    match pull {
+        Pull::Rope { anchor, magnitude } => {
+            let (kind, size) = match *magnitude < 0.0 {
+                true => ("\"cylinder\"\nacts = \"pushes\"", -magnitude),
+                false => ("\"rope\"", *magnitude),
+            };
+            format!("kind = {kind}\nmagnitude_n = {size}\nanchor_mm = {anchor:?}")
+        }
+        Pull::Weight { magnitude } => format!("kind = \"weight\"\nmagnitude_n = {magnitude}"),
+        Pull::Wrench { force, moment } => {
+            format!(
+                "kind = \"wrench\"\nforce_n = {force:?}\nmoment_nm = {moment:?}\naxes = \"base\""
+            )
         }
     }
 }

@@ -18,6 +18,7 @@ use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::jobs::in_order;
 use crate::numerics::streams::list_rng;
+use crate::plan::feasibility::forbidden;
 use crate::plan::index::evaluate_terms;
 use crate::plan::index::prediction::PredictionModel;
 use crate::plan::index::{GroupEvaluation, Index};
@@ -51,6 +52,9 @@ pub struct CandidateOptions {
     /// Sizes for the index `prediction`; `None` takes those of
     /// [`Cell::elastic_sizes`](crate::model::cell::Cell::elastic_sizes).
     pub sizes: Option<ElasticSizes>,
+    /// False to take candidates whatever the bounds and limits of the cell, for postures that
+    /// were measured already.
+    pub limits: bool,
 }
 
 impl Default for CandidateOptions {
@@ -61,8 +65,19 @@ impl Default for CandidateOptions {
             groups: None,
             bound: true,
             sizes: None,
+            limits: true,
         }
     }
+}
+
+/// A candidate that the bounds or limits of the cell forbid.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ForbiddenCandidate {
+    /// Position in the list, from 0.
+    pub candidate: usize,
+    /// What forbids it, as the end of a sentence about it.
+    pub because: String,
 }
 
 /// The best group found in a list.
@@ -75,6 +90,9 @@ pub struct CandidateSelection {
     pub value: f64,
     /// Positions of the chosen postures in the list, from 0, ascending.
     pub chosen: Vec<usize>,
+    /// Candidates that were left out because the cell forbids them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forbidden: Vec<ForbiddenCandidate>,
     /// Every index of the chosen postures.
     pub evaluation: GroupEvaluation,
     /// True when no other group of as many candidates is better (by more than a part in
@@ -140,11 +158,20 @@ pub fn select_candidates(
             ),
         ));
     }
+    let (allowed, forbidden) = match options.limits {
+        true => sorted(cell, candidates)?,
+        false => ((0..candidates.len()).collect(), Vec::new()),
+    };
+    if count > allowed.len() {
+        return Err(too_few(count, candidates, &forbidden));
+    }
+    let given = candidates;
+    let candidates: Vec<Candidate> = allowed.iter().map(|c| given[*c].clone()).collect();
     let terms = candidates
         .iter()
         .map(|candidate| candidate.states(&cell.setup))
         .collect::<Result<Vec<_>>>()?;
-    let model = match (index, prediction_model(cell, candidates, options)) {
+    let model = match (index, prediction_model(cell, &candidates, options)) {
         (Index::Prediction, model) => Some(model?),
         // Shown beside the others where the cell has what it needs.
         (_, model) => model.ok(),
@@ -189,7 +216,8 @@ pub fn select_candidates(
     Ok(CandidateSelection {
         index,
         value,
-        chosen: found.chosen,
+        chosen: found.chosen.iter().map(|p| allowed[*p]).collect(),
+        forbidden,
         evaluation,
         exact: found.exact,
         bound,
@@ -200,6 +228,33 @@ pub fn select_candidates(
             false => Termination::Converged,
         },
     })
+}
+
+/// Positions of the candidates that the cell allows, and those that it forbids.
+fn sorted(cell: &Cell, candidates: &[Candidate]) -> Result<(Vec<usize>, Vec<ForbiddenCandidate>)> {
+    let mut allowed = Vec::new();
+    let mut out = Vec::new();
+    for (candidate, own) in candidates.iter().enumerate() {
+        match forbidden(cell, &own.q)? {
+            None => allowed.push(candidate),
+            Some(because) => out.push(ForbiddenCandidate { candidate, because }),
+        }
+    }
+    Ok((allowed, out))
+}
+
+fn too_few(count: usize, candidates: &[Candidate], forbidden: &[ForbiddenCandidate]) -> Error {
+    let allowed = candidates.len() - forbidden.len();
+    let mut message = format!(
+        "{count} postures cannot be chosen: {allowed} of {} candidates meet the cell's bounds and limits.",
+        candidates.len()
+    );
+    if let Some(first) = forbidden.first() {
+        let name = &candidates[first.candidate].name;
+        message += &format!(" Candidate {name} {}.", first.because);
+    }
+    Error::new(Code::TooFewData, message)
+        .hint("give more candidates, ask for fewer postures, or relax [bounds] and [limits]")
 }
 
 /// The terms of candidates that are under one load each.
