@@ -26,7 +26,7 @@ use crate::numbers;
 use crate::screen::{columns, wrapped};
 use crate::table::{Table, red, yellow};
 use stiffarm::findings::{Finding, Severity};
-use stiffarm::model::cell::Cell;
+use stiffarm::model::cell::{Cell, LimitMargin};
 use stiffarm::model::load::Load;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
@@ -114,7 +114,7 @@ fn posture_remarks(cell: &Cell, postures: &[Posture]) -> Vec<String> {
         let margins = cell.posture_margins();
         let smallest = margins.and_then(|mut margins| margins.smallest(&posture.q));
         let smallest = smallest.unwrap_or(None);
-        if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
+        if let Some(margin) = smallest.filter(LimitMargin::is_violated) {
             remarks.push(format!("posture {} {}", posture.name, margin.violation()));
         }
     }

@@ -33,7 +33,7 @@ impl Cautions {
             measuring: vec![false; setup.tool.point_count()],
             ..Cautions::default()
         };
-        for margin in margins.iter().filter(|m| m.margin < 0.0) {
+        for margin in margins.iter().filter(|m| m.is_violated()) {
             cautions.kinds.push(margin.kind);
             cautions.add(cell, margin);
         }
@@ -106,7 +106,7 @@ impl Cautions {
 
 /// A sentence for each violated limit, the first few of them.
 pub(super) fn sentences(subject: &str, margins: &[LimitMargin]) -> Vec<String> {
-    let violated: Vec<&LimitMargin> = margins.iter().filter(|m| m.margin < 0.0).collect();
+    let violated: Vec<&LimitMargin> = margins.iter().filter(|m| m.is_violated()).collect();
     let shown = match violated.len() {
         count if count > MOST => MOST - 1,
         count => count,

@@ -54,6 +54,11 @@ impl Looked<'_> {
         margins.fold(f64::INFINITY, f64::min)
     }
 
+    /// True where a limit is violated.
+    fn is_outside(&self) -> bool {
+        self.margins.iter().any(LimitMargin::is_violated)
+    }
+
     /// What sentences are about.
     fn subject(&self) -> String {
         match self.posture.name.as_str() {
@@ -71,14 +76,14 @@ impl Looked<'_> {
 /// # Errors
 /// Terms that cannot be computed in the middle of the bounds.
 pub fn usual_posture(cell: &Cell) -> Result<Posture> {
-    let meets = |posture: &Posture| look(cell, posture).is_ok_and(|one| one.least() >= 0.0);
+    let meets = |posture: &Posture| look(cell, posture).is_ok_and(|one| !one.is_outside());
     let named = |name: &str, q: Vec<f64>| Posture {
         name: name.to_string(),
         q,
     };
     let bounds = &cell.bounds;
     let middle = named(MIDDLE, bounds.iter().map(|[a, b]| 0.5 * (a + b)).collect());
-    if look(cell, &middle)?.least() >= 0.0 {
+    if !look(cell, &middle)?.is_outside() {
         return Ok(middle);
     }
     if let Some(fits) = cell.validation.iter().find(|p| meets(p)) {
@@ -126,7 +131,7 @@ pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Dra
     things.add_surroundings(cell, &stage, &cautions, from);
     let others = others(postures, shown);
     for same in &others {
-        let red = same.iter().any(|number| looked[*number].least() < 0.0);
+        let red = same.iter().any(|number| looked[*number].is_outside());
         things.add_other(same[0], &all[same[0]], red);
     }
     if let Some(number) = shown {
@@ -219,7 +224,7 @@ fn notes(
         .map(|number| looked[number].posture.name.as_str())
         .collect();
     let why = match full {
-        Full::Tightest if one.least() < 0.0 => ", the one that violates its limits most",
+        Full::Tightest if one.is_outside() => ", the one that violates its limits most",
         Full::Tightest if one.least().is_finite() => ", the one with the least room",
         _ => "",
     };
@@ -244,7 +249,7 @@ fn notes(
     }
     let mut outside: Vec<&str> = Vec::new();
     for (number, other) in looked.iter().enumerate() {
-        if Some(number) != shown && other.least() < 0.0 {
+        if Some(number) != shown && other.is_outside() {
             outside.push(&other.posture.name);
         }
     }
@@ -260,7 +265,7 @@ fn notes(
 /// What the limits say of postures of which none is in full.
 fn notes_of_all(looked: &[Looked<'_>]) -> Vec<Note> {
     let mut notes = Vec::new();
-    let outside: Vec<&Looked<'_>> = looked.iter().filter(|one| one.least() < 0.0).collect();
+    let outside: Vec<&Looked<'_>> = looked.iter().filter(|one| one.is_outside()).collect();
     for one in outside.iter().take(MOST_TOLD) {
         let sentences = sentences(&one.subject(), &one.margins);
         notes.extend(sentences.into_iter().take(1).map(Note::caution));

@@ -111,7 +111,16 @@ pub struct LimitMargin {
     pub margin: f64,
 }
 
+/// A margin that is below zero by no more than this counts as met: searches end on limits, and
+/// rounding puts them on either side \[m, rad, share\].
+const ROUNDING: f64 = 1e-9;
+
 impl LimitMargin {
+    /// True where the limit is violated, by more than rounding.
+    pub fn is_violated(&self) -> bool {
+        self.margin < -ROUNDING
+    }
+
     /// What is wrong where the margin is negative, as the end of a sentence about a posture: `has its flange 12 mm
     /// beyond the floor`.
     pub fn violation(&self) -> String {

@@ -51,7 +51,7 @@ impl AtWork {
             return Ok(None);
         }
         // Names only for those that need words.
-        Ok(margins.smallest(&terms).filter(|m| m.margin < 0.0))
+        Ok(margins.smallest(&terms).filter(LimitMargin::is_violated))
     }
 
     /// What a violated limit says of a posture: `its tip violates the floor by 12 mm`.

@@ -187,6 +187,7 @@ position_mm = {p4}
 #   "wrench":   constant force_n, moment_nm (about the loading point) in axes = "base" or "tool"
 #   "measured": fx_n, fy_n, fz_n come with each measurement: as the [sensor] reports
 #               them, without one in base axes
+#   "cases":    several loads at each posture, each in a table [[load.case]] with a name
 kind = "rope"
 magnitude_n = {magnitude}  # EDIT
 anchor_mm = [{anchor}, 0, 0]  # EDIT: the rope's fixed end, base frame

@@ -13,7 +13,7 @@ pub use excitation::JointExcitation;
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
-use crate::model::cell::{Cell, LimitKind};
+use crate::model::cell::{Cell, LimitKind, LimitMargin};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::robot::{DoubtAbout, Robot};
@@ -161,7 +161,7 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
                 .map(|(setup, wrench)| PostureTerms::new(setup, &q, wrench.as_ref()))
                 .collect::<Result<Vec<_>>>()?;
             let smallest = margins.smallest(&q)?;
-            let violated = smallest.filter(|m| m.margin < 0.0).map(|m| m.kind);
+            let violated = smallest.filter(LimitMargin::is_violated).map(|m| m.kind);
             Ok(Sample { terms, violated })
         })
         .collect()
@@ -239,7 +239,7 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
             continue;
         }
         let smallest = margins.smallest(&posture.q).unwrap_or(None);
-        if let Some(margin) = smallest.filter(|m| m.margin < 0.0) {
+        if let Some(margin) = smallest.filter(LimitMargin::is_violated) {
             findings.push(Finding::new(
                 "validation-outside-limits",
                 Severity::Caution,

@@ -112,7 +112,7 @@ pub fn forbidden(cell: &Cell, q: &[f64]) -> Result<Option<String>> {
         }
     }
     let smallest = cell.posture_margins()?.smallest(q)?;
-    let violated = smallest.filter(|margin| margin.margin < 0.0);
+    let violated = smallest.filter(LimitMargin::is_violated);
     Ok(violated.map(|margin| margin.violation()))
 }
 

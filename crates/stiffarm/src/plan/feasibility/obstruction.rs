@@ -35,7 +35,7 @@ pub fn obstruction(cell: &Cell) -> Result<Obstruction> {
             .collect();
         let mut mask = 0_u32;
         for margin in margins.named(&q)? {
-            if margin.margin < 0.0 {
+            if margin.is_violated() {
                 mask |= bit(margin.kind);
             }
         }

@@ -112,7 +112,8 @@ fn allowed(cell: &Cell, pose: &Isometry3<f64>) -> Result<Vec<Vec<f64>>, Status> 
     work.limits.rope_length = None;
     let holds = |q: &Vec<f64>| {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
-        work.margins().least(&terms) >= 0.0
+        let smallest = work.margins().smallest(&terms);
+        smallest.is_none_or(|margin| !margin.is_violated())
     };
     let allowed: Vec<_> = inside.into_iter().map(|b| b.q).filter(holds).collect();
     match allowed.is_empty() {
