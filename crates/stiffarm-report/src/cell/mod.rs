@@ -234,10 +234,16 @@ fn notes(
         (name, _) if same.is_empty() => {
             format!("In full: posture {name} of {count}{why}. The others as lines.")
         }
-        (name, _) => format!(
-            "In full: posture {name} of {count}{why}; the same as {}. The others as lines.",
-            same.join(", ")
-        ),
+        (name, _) => {
+            let others = match others.is_empty() {
+                true => "",
+                false => " The others as lines.",
+            };
+            format!(
+                "In full: posture {name} of {count}{why}; the same as {}.{others}",
+                same.join(", ")
+            )
+        }
     }));
     let violated = sentences(&one.subject(), &one.margins);
     match (violated.is_empty(), least_room(&one.margins)) {
