@@ -136,16 +136,17 @@ impl Session {
         let (name, bytes) = self.read("candidates", from)?;
         if !holds_measurements(&bytes, &name, cell)? {
             let postures = read_postures(&bytes, &name, &cell.setup.robot)?;
-            let plain = postures.into_iter().map(|posture| Candidate {
-                name: posture.name,
-                q: posture.q,
-                wrench: None,
-            });
+            let plain = postures
+                .into_iter()
+                .map(|posture| Candidate::new(posture.name, posture.q));
             return Ok((plain.collect(), false));
         }
         let measurements = read_measurements(&bytes, &name, cell, None)?;
         let measured = prepare(cell, measurements, &ReduceOptions::default())?;
-        Ok((Candidate::of_measured(&measured.postures), true))
+        Ok((
+            Candidate::of_measured(&cell.setup, &measured.postures),
+            true,
+        ))
     }
 
     /// Options of a reduction of raw readings: with the registration that

@@ -133,7 +133,22 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
         "posture,state,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n\
          1,above,1,0.1,0.2,0.3,10,-20,-90,30,40,50\n",
     );
+    let heading = "posture,state,point,x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
+    let angles = "10,-20,-90,30,40,50";
+    let states = ["unloaded", "left-250", "left-500"].map(|state| {
+        let point = |point: u32| format!("1,{state},{point},1,2,3,{angles}\n");
+        (1..=4).map(point).collect::<String>()
+    });
+    folder.write("two-sizes.csv", format!("{heading}{}", states.concat()));
+    folder.write(
+        "no-state.csv",
+        format!("posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,1,0.1,0.2,0.3,{angles}\n"),
+    );
     for line in [
+        "identify cell.toml two-sizes.csv",
+        "identify cell.toml no-state.csv",
+        "select cell.toml --postures 4 --states left,loaded --sheet s.csv",
+        "select cell.toml --postures 4 --states preload,left --sheet s.csv",
         "identify cell.toml readings.csv",
         "select cell.toml --postures 4 --index prediction",
         "select cell.toml --postures 4 --largest-load-n 600",
@@ -146,4 +161,19 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
         report.push('\n');
     }
     assert_snapshot!(report);
+}
+
+#[test]
+fn a_sheet_with_two_sizes_of_one_load_asks_for_them() {
+    let folder = Folder::new();
+    folder.write("cell.toml", cell(CASES));
+    let line = "select cell.toml --space-filling --postures 2 --states left-250,left-500,push \
+                --sheet sheet.csv";
+    assert_eq!(folder.run(line).code, Some(0));
+    let sheet = std::fs::read_to_string(folder.path("sheet.csv")).unwrap();
+    assert!(sheet.lines().next().unwrap().contains("load_n"));
+    let line = "select cell.toml --space-filling --postures 2 --sheet plain.csv";
+    assert_eq!(folder.run(line).code, Some(0));
+    let sheet = std::fs::read_to_string(folder.path("plain.csv")).unwrap();
+    assert!(!sheet.lines().next().unwrap().contains("load_n"));
 }

@@ -141,9 +141,14 @@ impl Stage {
         corners(&self.low, &self.high)
     }
 
-    /// Where a force on the loading point is drawn to; `None` without one.
+    /// Where a force on the loading point is drawn to; `None` without one, and for a rope, which
+    /// pulls towards its anchor.
     pub(super) fn force_tip(&self, setup: &Setup, frames: &Frames) -> Option<Vector3<f64>> {
-        let drawn = matches!(setup.load, Load::Weight { .. } | Load::Constant { .. });
+        let drawn = match setup.load {
+            Load::Weight { .. } | Load::Constant { .. } => true,
+            Load::Rope { magnitude, .. } => magnitude < 0.0,
+            Load::Measured | Load::Cases(_) => false,
+        };
         let at = frames.point(&setup.tool.loading_point);
         let wrench = setup.load.wrench(frames, &at).filter(|_| drawn)?;
         let unit = Unit::try_new(wrench.force, 1e-9)?;

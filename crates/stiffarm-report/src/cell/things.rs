@@ -272,19 +272,23 @@ impl Things {
 
     fn add_load(&mut self, cell: &Cell, stage: &Stage, terms: &PostureTerms, red: &Cautions) {
         let mut drawn: Vec<Vector3<f64>> = Vec::new();
-        for setup in cell.setup.cases() {
+        let cases = cell.setup.load.cases();
+        for (number, setup) in cell.setup.cases().iter().enumerate() {
             let at = terms.frames().point(&setup.tool.loading_point);
-            match &setup.load {
-                Load::Rope { anchor, .. } => {
-                    let rope = What::Line(vec![at, *anchor]);
-                    self.add(Layer::Lines, Tone::Pull, rope, red.rope);
+            let name = cases.get(number).map(|case| case.name.as_str());
+            if let Load::Rope { anchor, .. } = &setup.load {
+                let rope = What::Line(vec![at, *anchor]);
+                self.add(Layer::Lines, Tone::Pull, rope, red.rope);
+                if let Some(name) = name {
+                    self.name(*anchor, name, false, Shown::Inside);
                 }
-                Load::Weight { .. } | Load::Constant { .. } => {
-                    if let Some(tip) = stage.force_tip(&setup, terms.frames()) {
-                        self.add(Layer::Lines, Tone::Pull, What::Arrow([at, tip]), false);
-                    }
+            }
+            if let Some(tip) = stage.force_tip(setup, terms.frames()) {
+                self.add(Layer::Lines, Tone::Pull, What::Arrow([at, tip]), false);
+                let is_rope = matches!(setup.load, Load::Rope { .. });
+                if let (Some(name), false) = (name, is_rope) {
+                    self.name(tip, name, false, Shown::Arrow);
                 }
-                Load::Measured | Load::Cases(_) => {}
             }
             if !drawn.contains(&at) {
                 drawn.push(at);

@@ -86,6 +86,19 @@ impl LimitKind {
         }
     }
 
+    /// True where the margins depend on the load.
+    pub fn is_of_load(self) -> bool {
+        matches!(
+            self,
+            LimitKind::RopeLength
+                | LimitKind::RopeClearance
+                | LimitKind::RopeCone
+                | LimitKind::Torque
+                | LimitKind::SmallestDisplacement
+                | LimitKind::LargestDisplacement
+        )
+    }
+
     /// What its margins are measured in.
     pub fn unit(self) -> MarginUnit {
         match self {
@@ -107,6 +120,8 @@ pub struct LimitMargin {
     /// What it is about: `loading point`, a measuring point's name, `flange`, `wrist centre`, `rope` or
     /// `cylinder`, two shapes, a joint, `measuring points`.
     pub point: String,
+    /// Of several load cases the one under which it is so, where the limit depends on the load.
+    pub load: Option<String>,
     /// Margin in the kind's [`unit`](LimitKind::unit) \[m, rad, share\], negative when violated.
     pub margin: f64,
 }
@@ -125,7 +140,7 @@ impl LimitMargin {
     /// beyond the floor`.
     pub fn violation(&self) -> String {
         let amount = self.amount(-self.margin);
-        match self.kind {
+        let said = match self.kind {
             LimitKind::Shapes => format!("has {amount} too little room between {}", self.point),
             LimitKind::RopeClearance => {
                 format!("has {amount} too little room between {}", self.point)
@@ -159,6 +174,10 @@ impl LimitMargin {
                 self.point,
                 self.kind.describe()
             ),
+        };
+        match &self.load {
+            Some(load) => format!("{said} (load case {load})"),
+            None => said,
         }
     }
 

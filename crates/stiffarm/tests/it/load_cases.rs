@@ -252,11 +252,7 @@ fn candidates_count_with_every_load() {
         .unwrap()
         .into_iter()
         .enumerate()
-        .map(|(i, q)| Candidate {
-            name: i.to_string(),
-            q,
-            wrench: None,
-        })
+        .map(|(i, q)| Candidate::new(i.to_string(), q))
         .collect();
     let options = CandidateOptions::default();
     let index = Index::ExpectedError;
@@ -428,11 +424,7 @@ fn candidates_that_the_cell_forbids_are_left_out() {
     let list: Vec<Candidate> = list
         .into_iter()
         .enumerate()
-        .map(|(i, q)| Candidate {
-            name: i.to_string(),
-            q,
-            wrench: None,
-        })
+        .map(|(i, q)| Candidate::new(i.to_string(), q))
         .collect();
     let mut options = CandidateOptions::default();
     let control = Control::default;
@@ -456,4 +448,93 @@ fn candidates_that_the_cell_forbids_are_left_out() {
     options.limits = true;
     let error = select_candidates(&cell, index, 2, &list, &options, control()).unwrap_err();
     assert!(error.message().contains("0 of 8 candidates"), "{error}");
+}
+
+#[test]
+fn measured_candidates_count_with_the_loads_that_they_were_measured_under() {
+    let cell = two_ropes();
+    let truth = cell.prior.clone().unwrap();
+    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let mut measured =
+        simulate_measurements(&cell, &postures, &truth, Model::Linear, 1, 0).unwrap();
+    let mut options = CandidateOptions::default();
+    options.limits = false;
+    let index = Index::ExpectedError;
+    let value_of = |measured: &[stiffarm::model::measurement::MeasuredPosture]| {
+        let list = Candidate::of_measured(&cell.setup, measured);
+        let count = list.len();
+        let found =
+            select_candidates(&cell, index, count, &list, &options, Control::default()).unwrap();
+        found.value
+    };
+    let whole = evaluate(&cell, "g", &group1())
+        .unwrap()
+        .indices
+        .expected_error
+        .unwrap();
+    assert!((value_of(&measured) / whole - 1.0).abs() < 1e-9);
+    // Measured forces, and a second state under each load with less force, change nothing.
+    let mut more = Vec::new();
+    for own in &mut measured {
+        let setup = cell.setup.of_state(&own.state).unwrap();
+        let terms = PostureTerms::new(&setup, &own.posture.q, None).unwrap();
+        own.wrench = Some(*terms.wrench());
+        let mut half = own.clone();
+        half.state += "-2";
+        half.wrench = Some(Wrench::force(terms.wrench().force * 0.5));
+        more.push(half);
+    }
+    measured.extend(more);
+    assert!((value_of(&measured) / whole - 1.0).abs() < 1e-9);
+    // Only one of the loads was measured.
+    measured.retain(|own| own.state == "left");
+    let left = evaluate(&cell.under("left").unwrap(), "g", &group1()).unwrap();
+    let left = left.indices.expected_error.unwrap();
+    assert!((value_of(&measured) / left - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_posture_without_one_of_the_loads_is_named() {
+    let cell = four_loads();
+    let mut done = Experiment::as_measured(&cell);
+    done.tracker_noise = TrackerNoise::None;
+    let truth = cell.prior.clone().unwrap();
+    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let mut table = experiment(&cell, &postures, &truth, &done, 1, 0).unwrap();
+    table.postures[1]
+        .states
+        .retain(|state| state.state != "weight");
+    let measured = stiffarm::prepare(&cell, table, &Default::default()).unwrap();
+    let said: Vec<&str> = measured
+        .findings()
+        .filter(|f| f.code == "load-case-not-measured")
+        .map(|f| f.sentence.as_str())
+        .collect();
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0].contains("Posture 2: not measured under weight"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn limits_name_the_load_that_violates_them() {
+    let mut cell = two_ropes();
+    cell.limits.rope_length = Some([0.5, 1.0]);
+    let q = &group1()[0];
+    let named = cell.posture_margins().unwrap().named(q).unwrap();
+    let ropes: Vec<_> = named.iter().filter(|m| m.kind.is_of_load()).collect();
+    assert!(ropes.iter().any(|m| m.load.as_deref() == Some("left")));
+    assert!(ropes.iter().any(|m| m.load.as_deref() == Some("right")));
+    let smallest = cell
+        .posture_margins()
+        .unwrap()
+        .smallest(q)
+        .unwrap()
+        .unwrap();
+    assert!(
+        smallest.violation().contains("(load case "),
+        "{}",
+        smallest.violation()
+    );
 }

@@ -190,9 +190,8 @@ fn list(cell: &Cell, count: usize, seed: u64, measured: bool) -> Vec<Candidate> 
         .into_iter()
         .enumerate()
         .map(|(i, q)| Candidate {
-            name: i.to_string(),
-            q,
             wrench: (measured && i % 3 > 0).then(|| Wrench::force(dice.vector(300.0))),
+            ..Candidate::new(i.to_string(), q)
         })
         .collect()
 }

@@ -14,6 +14,7 @@ use stiffarm::files::check_name;
 use stiffarm::files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
 use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
+use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::index::Index;
@@ -164,6 +165,26 @@ impl Outputs {
             .into_iter()
             .flatten()
             .any(Target::is_stdout)
+    }
+
+    /// Refuses states of the sheet that no reading under the cell's load cases can have.
+    pub fn check_states(&self, cell: &Cell) -> Result<()> {
+        if cell.setup.load.cases().is_empty() {
+            return Ok(());
+        }
+        for state in &self.options.states {
+            let known = match Role::of(state) {
+                Role::Unloaded => Ok(()),
+                Role::Loaded => cell.setup.of_state(state).map(|_| ()),
+                Role::Preload => {
+                    let message = "With several load cases differences are taken against unloaded readings, not a preload.";
+                    Err(Error::new(Code::Unsupported, message)
+                        .hint("leave the preload out, or put one load alone into [load]"))
+                }
+            };
+            known.map_err(|error| error.key("--states"))?;
+        }
+        Ok(())
     }
 
     /// Writes postures as plan, as sheet and as picture of `cell`, where these are wanted.

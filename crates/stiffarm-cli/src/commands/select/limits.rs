@@ -121,6 +121,6 @@ fn lines(index: Index, value: f64, prices: &[LimitPrice]) -> String {
         ]);
     }
     let mut out = table.to_string();
-    out += "each row is a search of its own; a difference of a few tenths of a per cent may be its luck\n";
+    out += "each row is a search of its own; a difference of a few tenths of a per cent may be its luck; where it found nothing better, the plan itself counts\n";
     out
 }

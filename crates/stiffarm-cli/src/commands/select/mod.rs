@@ -28,6 +28,7 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
     let index = Index::from_name(&args.index)?;
     let outputs = Outputs::new(session, &args.output)?;
     let mut named = session.read_cell(&args.cell)?;
+    outputs.check_states(&named.cell)?;
     let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
     let job = Job {

@@ -133,7 +133,8 @@ fn remarks(planned: &Planned<'_>) -> String {
     if let (Index::Prediction, Some(sizes)) = (planned.plan.selection.index, sizes) {
         out += &format!("prediction takes {}\n", sizes.in_words());
     }
-    out += &repeated(&planned.plan.repeats);
+    let several = !cell.setup.load.cases().is_empty();
+    out += &repeated(&planned.plan.repeats, several);
     for remark in posture_remarks(cell, planned.given) {
         out += &format!("{}: given {remark}\n", yellow("note"));
     }
@@ -156,7 +157,7 @@ fn remarks(planned: &Planned<'_>) -> String {
 }
 
 /// What to measure more than once.
-fn repeated(repeats: &[Vec<String>]) -> String {
+fn repeated(repeats: &[Vec<String>], several_loads: bool) -> String {
     let Some(first) = repeats.first() else {
         return String::new();
     };
@@ -177,10 +178,15 @@ fn repeated(repeats: &[Vec<String>]) -> String {
         .collect();
     let said = format!(
         "{}: measure {}: drive away in between. Against noise alone posture {} is worth more a second time than any \
-         other once; what else may be wrong shows better at another posture (--index prediction)",
+         other once; what else may be wrong shows better at another posture{}",
         yellow("note"),
         list(&each),
-        first[0]
+        first[0],
+        match several_loads {
+            // That index counts one load.
+            true => "",
+            false => " (--index prediction)",
+        }
     );
     wrapped(&said, columns()) + "\n"
 }

@@ -48,7 +48,11 @@ pub struct Written {
 /// Runs the study and writes its folder.
 pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
-    let options = options(args)?;
+    let mut options = options(args)?;
+    if args.splits.indices.is_empty() && !named.cell.setup.load.cases().is_empty() {
+        // It counts one load per posture.
+        options.indices.retain(|index| *index != Index::Prediction);
+    }
     let measurements = session.read_measurements(from, None, &named.cell)?;
     let reduce = session.read_registration(args.splits.registration.as_deref())?;
     check_folder(session, &args.output_dir, FILES, args.force)?;

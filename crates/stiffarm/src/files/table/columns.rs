@@ -257,6 +257,13 @@ impl MeasurementColumns {
         if Role::of(state) != Role::Loaded {
             return Ok(0);
         }
+        if self.state.is_none() && !cell.setup.load.cases().is_empty() {
+            let names: Vec<&str> = cell.setup.load.cases().iter().map(|c| &*c.name).collect();
+            let message = "The table has no column state, which says under which load case a row was measured.";
+            return Err(table
+                .heading_error(None, Code::TableHeading, message)
+                .hint(format!("add it, with one of: {}", names.join(", "))));
+        }
         let at = self.state.unwrap_or(self.posture).at;
         cell.setup.of_state(state).map_err(|error| {
             let hint = error.hint_text().unwrap_or_default().to_string();

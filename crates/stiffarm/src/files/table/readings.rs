@@ -290,8 +290,26 @@ impl Reader<'_, '_> {
         }
         let mut states = group.of(&[Role::Preload, Role::Loaded]);
         let count = group.of(&[Role::Preload, Role::Loaded]).count();
-        if !self.cell.setup.load.cases().is_empty() {
-            // Each state is under the load case of its name.
+        let cases = self.cell.setup.load.cases();
+        if !cases.is_empty() {
+            // Each state is under the load case of its name; several under one differ in size.
+            for case in cases {
+                let own = group.of(&[Role::Loaded]);
+                let own: Vec<_> = own.filter(|(_, s)| case.is_of(&s.state)).collect();
+                let unknown = own.iter().find(|(_, state)| state.load.is_none());
+                if let (true, Some((row, state))) = (own.len() > 1, unknown) {
+                    let message = format!(
+                        "Posture \"{name}\" has {} states under load case {}, but the force of \"{}\" is not given.",
+                        own.len(),
+                        case.name,
+                        state.state
+                    );
+                    return Err(self.fault(row, message).hint(match case.load.size() {
+                        Some(_) => "add the column load_n: the force in each of them; or the measured forces fx_n, fy_n, fz_n",
+                        None => "add the columns fx_n, fy_n, fz_n: the force on the robot in each state",
+                    }));
+                }
+            }
             return Ok(());
         }
         let Some((row, state)) = states.find(|(_, state)| state.load.is_none()) else {

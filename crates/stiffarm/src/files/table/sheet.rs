@@ -65,16 +65,25 @@ fn default_states(cell: &Cell) -> Vec<String> {
 pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> String {
     let states = options.all_states(cell);
     let forces = asks_for_forces(cell) || cell.sensor.is_some();
-    let loads = states
+    let loaded: Vec<&str> = states
         .iter()
+        .map(String::as_str)
         .filter(|state| Role::of(state) != Role::Unloaded)
-        .count();
-    let has_magnitude = cell.setup.load.size().is_some();
+        .collect();
+    // Several states under one load differ in its size.
+    let cases = cell.setup.load.cases();
+    let several = match cases {
+        [] => loaded.len() > 1 && cell.setup.load.size().is_some(),
+        _ => cases.iter().any(|case| {
+            let own = loaded.iter().filter(|state| case.is_of(state));
+            own.count() > 1 && case.load.size().is_some()
+        }),
+    };
     let layout = Layout {
         values: Values::Positions,
         forces,
         moments: cell.sensor.is_some(),
-        loads: loads > 1 && has_magnitude && !forces,
+        loads: several && !forces,
         times: true,
     };
     let points = cell.setup.tool.measuring_points.iter();

@@ -37,6 +37,7 @@ use super::series::PostureSeries;
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
+use crate::model::load::LoadCase;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
 use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
@@ -298,6 +299,24 @@ fn incomplete(cell: &Cell, series: &[PostureSeries<'_>], findings: &mut Vec<Find
         if posture.states(posture.reference).next().is_none() {
             no_reference.push(posture.name());
             continue;
+        }
+        let taken = |case: &&LoadCase| {
+            let mut states = posture.states(Role::Loaded);
+            !states.any(|i| case.is_of(&posture.readings.states[i].state))
+        };
+        let missing = cell.setup.load.cases().iter().filter(taken);
+        let missing: Vec<&str> = missing.map(|case| case.name.as_str()).collect();
+        if !missing.is_empty() {
+            findings.push(Finding::new(
+                "load-case-not-measured",
+                Severity::Caution,
+                posture.name(),
+                format!(
+                    "Posture {}: not measured under {}, which the plan counted.",
+                    posture.name(),
+                    crate::findings::list(&missing)
+                ),
+            ));
         }
         let lost: BTreeSet<&str> = posture
             .points

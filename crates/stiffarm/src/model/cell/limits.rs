@@ -69,6 +69,7 @@ impl Limits {
             out.push(LimitMargin {
                 kind,
                 point: names[subject].clone(),
+                load: None,
                 margin,
             });
         });

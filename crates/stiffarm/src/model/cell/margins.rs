@@ -116,6 +116,7 @@ impl<'a> Margins<'a> {
         margins.extend(scene.map(|m| LimitMargin {
             kind: m.kind,
             point: m.subject,
+            load: None,
             margin: m.margin,
         }));
         margins

@@ -20,6 +20,8 @@ pub struct PostureMargins<'a> {
 
 #[derive(Debug, Clone)]
 struct UnderLoad<'a> {
+    /// Of several load cases its name.
+    name: Option<String>,
     margins: Margins<'a>,
     terms: PostureTerms,
 }
@@ -54,7 +56,9 @@ impl Cell {
                 _ => Cow::Owned(self.scene.without_all(&OF_THE_POSTURE)),
             };
             let zero = Wrench::force(Vector3::zeros());
+            let name = self.setup.load.cases().get(number);
             Ok(UnderLoad {
+                name: name.map(|case| case.name.clone()),
                 terms: PostureTerms::new(&setup, &middle, Some(&zero))?,
                 margins: Margins::of(setup, &self.limits, scene),
             })
@@ -127,9 +131,7 @@ impl PostureMargins<'_> {
     pub fn named(&mut self, q: &[f64]) -> Result<Vec<LimitMargin>> {
         self.move_to(q)?;
         let cases = self.cases.iter_mut();
-        Ok(cases
-            .flat_map(|case| case.margins.named(&case.terms))
-            .collect())
+        Ok(cases.flat_map(UnderLoad::named).collect())
     }
 
     /// The smallest margin of the posture `q` by name, `None` without limits; those of displacements
@@ -141,7 +143,7 @@ impl PostureMargins<'_> {
         self.move_to(q)?;
         let mut best: Option<(f64, LimitMargin)> = None;
         for case in &mut self.cases {
-            if let Some(margin) = case.margins.smallest(&case.terms) {
+            for margin in case.named() {
                 let compared = case.margins.compared(&margin);
                 if best.as_ref().is_none_or(|(least, _)| compared < *least) {
                     best = Some((compared, margin));
@@ -175,5 +177,18 @@ impl PostureMargins<'_> {
             first = end;
         }
         Ok(())
+    }
+}
+
+impl UnderLoad<'_> {
+    /// All margins by name, of several loads with that of the load.
+    fn named(&mut self) -> Vec<LimitMargin> {
+        let mut named = self.margins.named(&self.terms);
+        for margin in &mut named {
+            if margin.kind.is_of_load() || margin.point == "loading point" {
+                margin.load.clone_from(&self.name);
+            }
+        }
+        named
     }
 }

@@ -2,7 +2,7 @@
 
 use super::MeasuredPosture;
 use crate::error::Result;
-use crate::model::load::Wrench;
+use crate::model::load::{LoadCase, Wrench};
 use crate::model::observation::{PostureTerms, Setup};
 
 /// A posture that may be measured, or was.
@@ -15,6 +15,9 @@ pub struct Candidate {
     /// Wrench on the robot at the loading point, base axes; `None` where the cell's load
     /// gives it.
     pub wrench: Option<Wrench>,
+    /// Where the cell has load cases and the posture was measured: the states that it was measured
+    /// in, one per case, with their wrenches. Empty where it is measured under all of them.
+    pub states: Vec<(String, Option<Wrench>)>,
 }
 
 impl Candidate {
@@ -26,11 +29,27 @@ impl Candidate {
         PostureTerms::new(setup, &self.q, self.wrench.as_ref())
     }
 
-    /// The same under each load of the setup, or under the wrench that is its own.
+    /// A posture that may be measured under the cell's load.
+    pub fn new(name: impl Into<String>, q: Vec<f64>) -> Self {
+        Candidate {
+            name: name.into(),
+            q,
+            wrench: None,
+            states: Vec::new(),
+        }
+    }
+
+    /// The same under each load of the setup, or under what it was measured with.
     ///
     /// # Errors
     /// As [`PostureTerms::new`].
     pub fn states(&self, setup: &Setup) -> Result<Vec<PostureTerms>> {
+        if !self.states.is_empty() {
+            let terms = |(state, wrench): &(String, Option<Wrench>)| {
+                PostureTerms::new(&*setup.of_state(state)?, &self.q, wrench.as_ref())
+            };
+            return self.states.iter().map(terms).collect();
+        }
         match self.wrench {
             Some(_) => Ok(vec![self.terms(setup)?]),
             None => {
@@ -40,10 +59,14 @@ impl Candidate {
         }
     }
 
-    /// The postures of an experiment in their order; of several load states of one, that
-    /// under the largest force.
-    pub fn of_measured(measured: &[MeasuredPosture]) -> Vec<Candidate> {
+    /// The postures of an experiment with this setup in their order; of several states of one
+    /// under one load, that under the largest force.
+    pub fn of_measured(setup: &Setup, measured: &[MeasuredPosture]) -> Vec<Candidate> {
         let force = |wrench: &Option<Wrench>| wrench.map_or(0.0, |w| w.force.norm());
+        let cases = setup.load.cases();
+        if !cases.is_empty() {
+            return Candidate::under_cases(cases, measured);
+        }
         let mut out: Vec<Candidate> = Vec::new();
         for own in measured.iter().filter(|own| !own.displacements.is_empty()) {
             let known = out.iter_mut().find(|c| c.name == own.posture.name);
@@ -53,10 +76,37 @@ impl Candidate {
                 }
                 Some(_) => {}
                 None => out.push(Candidate {
-                    name: own.posture.name.clone(),
-                    q: own.posture.q.clone(),
                     wrench: own.wrench,
+                    ..Candidate::new(own.posture.name.clone(), own.posture.q.clone())
                 }),
+            }
+        }
+        out
+    }
+
+    /// Each posture with the load cases that it was measured under.
+    fn under_cases(cases: &[LoadCase], measured: &[MeasuredPosture]) -> Vec<Candidate> {
+        // A state without a wrench is under the whole load of the cell.
+        let force = |wrench: &Option<Wrench>| wrench.map_or(f64::INFINITY, |w| w.force.norm());
+        let mut out: Vec<Candidate> = Vec::new();
+        for own in measured.iter().filter(|own| !own.displacements.is_empty()) {
+            let at = match out.iter().position(|c| c.name == own.posture.name) {
+                Some(at) => at,
+                None => {
+                    let (name, q) = (own.posture.name.clone(), own.posture.q.clone());
+                    out.push(Candidate::new(name, q));
+                    out.len() - 1
+                }
+            };
+            let case = |state: &str| cases.iter().position(|case| case.is_of(state));
+            let states = &mut out[at].states;
+            let known = states.iter_mut().find(|(s, _)| case(s) == case(&own.state));
+            match known {
+                Some(known) if force(&own.wrench) > force(&known.1) => {
+                    *known = (own.state.clone(), own.wrench);
+                }
+                Some(_) => {}
+                None => states.push((own.state.clone(), own.wrench)),
             }
         }
         out

@@ -41,6 +41,9 @@ pub struct NearestLimit {
     pub kind: LimitKind,
     /// What comes nearest: two shapes, a point, a joint.
     pub subject: String,
+    /// Of several load cases the one under which it comes nearest, where the limit depends on the load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<String>,
     /// Margin of a length or a displacement \[m\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub margin_m: Option<f64>,
@@ -58,6 +61,7 @@ impl From<&LimitMargin> for NearestLimit {
         NearestLimit {
             kind: margin.kind,
             subject: margin.point.clone(),
+            load: margin.load.clone(),
             margin_m: of(MarginUnit::Length).or(of(MarginUnit::Displacement)),
             margin_rad: of(MarginUnit::Angle),
             margin_share: of(MarginUnit::Share),

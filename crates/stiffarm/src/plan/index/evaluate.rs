@@ -10,6 +10,7 @@ use crate::model::observation::PostureTerms;
 use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Values of every index; `None` where an index does not exist: a joint is
 /// undetermined, J_N is singular, or the cell has no prior or no tasks.
@@ -233,6 +234,11 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
         whiten_posture(&mut block, rho);
         whitened.rows_mut(rows * s, rows).copy_from(&block);
     }
+    let mut ranges = Vec::with_capacity(postures.len());
+    for posture in postures {
+        let start = ranges.last().map_or(0, |range: &Range<usize>| range.end);
+        ranges.push(start..start + rows * posture.as_ref().len());
+    }
     let mut k_jn = Vec::with_capacity(postures.len());
     for terms in postures.iter().map(|own| &own.as_ref()[0]) {
         k_jn.push(cell.characteristic_length.and_then(|length| {
@@ -266,13 +272,7 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
             let s = weighted.singular_values(|j| 1.0 / prior[j])?;
             d = Some(std * (-s.iter().map(|v| v.ln()).sum::<f64>() / n as f64).exp());
         }
-        drop_one = drop_one_error(
-            &whitened,
-            rows * states.len() / postures.len(),
-            postures.len(),
-            prior,
-            std,
-        )?;
+        drop_one = drop_one_error(&whitened, &ranges, prior, std)?;
     }
     let task = match cell.tasks.is_empty() {
         true => None,
@@ -351,8 +351,7 @@ const EXACT_DROP_ONE: usize = 60;
 /// changes the information, from the information matrices.
 fn drop_one_by_information(
     whitened: &DMatrix<f64>,
-    rows: usize,
-    postures: usize,
+    postures: &[Range<usize>],
     prior: &[f64],
     std: f64,
 ) -> Option<f64> {
@@ -362,8 +361,8 @@ fn drop_one_by_information(
     }
     let total = scaled.tr_mul(&scaled);
     let mut worst = 0.0_f64;
-    for p in 0..postures {
-        let block = scaled.rows(rows * p, rows);
+    for rows in postures {
+        let block = scaled.rows(rows.start, rows.len());
         let (values, _) = symmetric_eigen(&total - block.tr_mul(&block))?;
         let n = values.len();
         if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
@@ -377,22 +376,19 @@ fn drop_one_by_information(
 
 fn drop_one_error(
     whitened: &DMatrix<f64>,
-    rows: usize,
-    postures: usize,
+    postures: &[Range<usize>],
     prior: &[f64],
     std: f64,
 ) -> Result<Option<f64>> {
-    if postures < 2 {
+    if postures.len() < 2 {
         return Ok(None);
     }
-    if postures > EXACT_DROP_ONE {
-        return Ok(drop_one_by_information(
-            whitened, rows, postures, prior, std,
-        ));
+    if postures.len() > EXACT_DROP_ONE {
+        return Ok(drop_one_by_information(whitened, postures, prior, std));
     }
     let mut worst = Some(0.0_f64);
-    for p in 0..postures {
-        let rest = whitened.clone().remove_rows(rows * p, rows);
+    for rows in postures {
+        let rest = whitened.clone().remove_rows(rows.start, rows.len());
         let error = rms(&relative_errors(&Factor::new(&rest)?, prior, std));
         worst = worst.zip(error).map(|(a, b)| a.max(b));
     }

@@ -40,13 +40,18 @@ pub fn limit_prices(
         }
         let free = cell.without_limit(kind);
         let found = select(&free, index, count, options, control)?;
+        // The plan under all limits is one without this one, too.
+        let better = match index.larger_is_better() {
+            true => found.value.max(value),
+            false => found.value.min(value),
+        };
         let price = match index.larger_is_better() {
-            true => found.value / value - 1.0,
-            false => value / found.value - 1.0,
+            true => better / value - 1.0,
+            false => value / better - 1.0,
         };
         prices.push(LimitPrice {
             kind,
-            value: found.value,
+            value: better,
             price,
         });
     }

@@ -137,7 +137,7 @@ impl<'a> Setting<'a> {
         let springs = cell.setup.robot.spring_count();
         cell.prior.get_or_insert_with(|| vec![GUESS; springs]);
         let sizes = cell.elastic_sizes()?.0.times(options.size_factor);
-        let known = Candidate::of_measured(fit.postures());
+        let known = Candidate::of_measured(&fit.cell().setup, fit.postures());
         let candidates = fit
             .system()
             .blocks

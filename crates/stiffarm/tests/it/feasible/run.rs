@@ -143,11 +143,7 @@ fn chosen(
                 list.push(bounds.map(|b| dice.between(b[0], b[1])).collect());
             }
             let list = list.into_iter().enumerate();
-            let list = list.map(|(i, q)| Candidate {
-                name: i.to_string(),
-                q,
-                wrench: None,
-            });
+            let list = list.map(|(i, q)| Candidate::new(i.to_string(), q));
             let list: Vec<Candidate> = list.collect();
             let mut options = CandidateOptions::default();
             options.starts = 4;

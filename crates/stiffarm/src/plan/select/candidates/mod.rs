@@ -127,7 +127,7 @@ pub struct CandidateSelection {
 /// let list: Vec<Candidate> = random_group(&cell, StartKind::Uniform, 20, 1, 0)?
 ///     .into_iter()
 ///     .enumerate()
-///     .map(|(i, q)| Candidate { name: i.to_string(), q, wrench: None })
+///     .map(|(i, q)| Candidate::new(i.to_string(), q))
 ///     .collect();
 /// let options = CandidateOptions::default();
 /// let best = select_candidates(&cell, Index::ExpectedError, 4, &list, &options, Control::default())?;
@@ -246,7 +246,8 @@ fn sorted(cell: &Cell, candidates: &[Candidate]) -> Result<(Vec<usize>, Vec<Forb
 fn too_few(count: usize, candidates: &[Candidate], forbidden: &[ForbiddenCandidate]) -> Error {
     let allowed = candidates.len() - forbidden.len();
     let mut message = format!(
-        "{count} postures cannot be chosen: {allowed} of {} candidates meet the cell's bounds and limits.",
+        "{count} {} cannot be chosen: {allowed} of {} candidates meet the cell's bounds and limits.",
+        if count == 1 { "posture" } else { "postures" },
         candidates.len()
     );
     if let Some(first) = forbidden.first() {
