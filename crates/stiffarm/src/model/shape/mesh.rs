@@ -12,11 +12,15 @@ pub struct TriangleMesh {
     pub triangles: Vec<[usize; 3]>,
 }
 
+/// Largest coordinate of a mesh \[m\].
+const FARTHEST: f64 = 1e6;
+
 impl TriangleMesh {
     /// A mesh of these triangles \[m\].
     ///
     /// # Errors
-    /// No triangles, a corner that is not there, or a coordinate that is not finite.
+    /// No triangles, a corner that is not there, or a coordinate that is not finite or beyond
+    /// a thousand kilometres, which no squares of lengths would survive.
     pub fn new(vertices: Vec<Vector3<f64>>, triangles: Vec<[usize; 3]>) -> Result<Self> {
         if triangles.is_empty() {
             return Err(Error::new(Code::TooFewData, "The mesh has no triangles."));
@@ -34,6 +38,13 @@ impl TriangleMesh {
             return Err(Error::new(
                 Code::NotFinite,
                 "The mesh has a coordinate that is not finite.",
+            ));
+        }
+        let farthest = vertices.iter().map(|v| v.amax()).fold(0.0, f64::max);
+        if farthest > FARTHEST {
+            return Err(Error::new(
+                Code::InvalidValue,
+                format!("The mesh has a coordinate of {farthest:.1e} m, which cannot be meant."),
             ));
         }
         Ok(TriangleMesh {
