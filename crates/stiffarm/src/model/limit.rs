@@ -183,7 +183,11 @@ impl LimitMargin {
 
     /// The margin itself in words: `12 mm`, `3.1°`, `4 %`, `0.125 mm` of a displacement.
     pub fn words(&self) -> String {
-        self.amount(self.margin)
+        // A limit that is met to rounding has no negative room.
+        self.amount(match self.is_violated() {
+            true => self.margin,
+            false => self.margin.max(0.0),
+        })
     }
 
     fn amount(&self, value: f64) -> String {
