@@ -150,7 +150,7 @@ fn setup(cell: &Cell) -> String {
             format!("{}: {}{at}", case.name, load(&case.load)),
         ));
     }
-    if cell.setup.load.cases().is_empty() {
+    if !cell.setup.load.has_cases() {
         lines.push(("load", load(&cell.setup.load)));
     }
     lines.push(("limits", limits(cell)));

@@ -96,24 +96,20 @@ fn posture_table(cell: &Cell, postures: &[Posture]) -> Table {
 /// Where postures leave the cell's bounds or limits, one sentence each.
 fn posture_remarks(cell: &Cell, postures: &[Posture]) -> Vec<String> {
     let mut remarks = Vec::new();
+    let known = cell.setup.load != Load::Measured;
+    let mut margins = cell.posture_margins().ok().filter(|_| known);
     for posture in postures {
-        for (j, (q, bounds)) in posture.q.iter().zip(&cell.bounds).enumerate() {
-            if *q < bounds[0] - 1e-9 || *q > bounds[1] + 1e-9 {
-                let [low, high] = bounds.map(rad_to_shortest_deg);
-                remarks.push(format!(
-                    "posture {}: {} at {}° lies outside the cell's bounds, {low}° to {high}°",
-                    posture.name,
-                    cell.setup.robot.joints()[j].name,
-                    rad_to_shortest_deg(*q)
-                ));
-            }
+        for (j, angle) in cell.outside_bounds(&posture.q) {
+            let [low, high] = cell.bounds[j].map(rad_to_shortest_deg);
+            remarks.push(format!(
+                "posture {}: {} at {}° lies outside the cell's bounds, {low}° to {high}°",
+                posture.name,
+                cell.setup.robot.joints()[j].name,
+                rad_to_shortest_deg(angle)
+            ));
         }
-        if cell.setup.load == Load::Measured {
-            continue;
-        }
-        let margins = cell.posture_margins();
-        let smallest = margins.and_then(|mut margins| margins.smallest(&posture.q));
-        let smallest = smallest.unwrap_or(None);
+        let smallest = margins.as_mut().map(|margins| margins.smallest(&posture.q));
+        let smallest = smallest.and_then(|found| found.unwrap_or(None));
         if let Some(margin) = smallest.filter(LimitMargin::is_violated) {
             remarks.push(format!("posture {} {}", posture.name, margin.violation()));
         }

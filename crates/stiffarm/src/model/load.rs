@@ -1,5 +1,6 @@
 //! Loads and the wrench they put on the loading point.
 
+use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use nalgebra::Vector3;
 
@@ -187,6 +188,35 @@ impl Load {
             Load::Cases(cases) => cases,
             _ => &[],
         }
+    }
+
+    /// True where every posture is measured under each of several loads.
+    pub fn has_cases(&self) -> bool {
+        !self.cases().is_empty()
+    }
+
+    /// Names of its load cases, for a sentence.
+    pub fn case_names(&self) -> String {
+        let names: Vec<&str> = self.cases().iter().map(|case| case.name.as_str()).collect();
+        names.join(", ")
+    }
+
+    /// Number of the load case that readings of the state `state` were taken under; 0 where
+    /// there is a single load.
+    ///
+    /// # Errors
+    /// A state that belongs to none of the load cases.
+    pub fn case_of(&self, state: &str) -> Result<usize> {
+        let found = self.cases().iter().position(|case| case.is_of(state));
+        found.or((!self.has_cases()).then_some(0)).ok_or_else(|| {
+            let message = format!("The state \"{state}\" belongs to no load case of the cell.");
+            Error::new(Code::InvalidValue, message)
+                .key("state")
+                .hint(format!(
+                    "name states after the load cases, with -2 and so on where one is taken again: {}",
+                    self.case_names()
+                ))
+        })
     }
 
     /// The loads that a posture is measured under: its cases, or itself.

@@ -205,13 +205,12 @@ fn tasks(cell: &Cell) -> Result<(nalgebra::Isometry3<f64>, Vec<LoadedPosture>)> 
 
 /// The cell under the load case that is asked for.
 fn under_case(cell: Cell, args: &PredictArgs) -> Result<Cell> {
-    let cases = cell.setup.load.cases();
     match &args.load_case {
         Some(name) => cell.under(name).map_err(|e| e.key("--load-case")),
-        None if args.cell_load && !cases.is_empty() => {
-            let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+        None if args.cell_load && cell.setup.load.has_cases() => {
+            let names = cell.setup.load.case_names();
             let message = "The cell has several load cases, and postures bend under one at a time.";
-            let hint = format!("add --load-case with one of them: {}", names.join(", "));
+            let hint = format!("add --load-case with one of them: {names}");
             Err(Error::new(Code::Usage, message)
                 .key("--cell-load")
                 .hint(hint))

@@ -169,13 +169,13 @@ impl Outputs {
 
     /// Refuses states of the sheet that no reading under the cell's load cases can have.
     pub fn check_states(&self, cell: &Cell) -> Result<()> {
-        if cell.setup.load.cases().is_empty() {
+        if !cell.setup.load.has_cases() {
             return Ok(());
         }
         for state in &self.options.states {
             let known = match Role::of(state) {
                 Role::Unloaded => Ok(()),
-                Role::Loaded => cell.setup.of_state(state).map(|_| ()),
+                Role::Loaded => cell.setup.load.case_of(state).map(|_| ()),
                 Role::Preload => {
                     let message = "With several load cases differences are taken against unloaded readings, not a preload.";
                     Err(Error::new(Code::Unsupported, message)

@@ -133,7 +133,7 @@ fn remarks(planned: &Planned<'_>) -> String {
     if let (Index::Prediction, Some(sizes)) = (planned.plan.selection.index, sizes) {
         out += &format!("prediction takes {}\n", sizes.in_words());
     }
-    let several = !cell.setup.load.cases().is_empty();
+    let several = cell.setup.load.has_cases();
     out += &repeated(&planned.plan.repeats, several);
     for remark in posture_remarks(cell, planned.given) {
         out += &format!("{}: given {remark}\n", yellow("note"));

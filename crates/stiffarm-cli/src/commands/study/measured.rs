@@ -49,7 +49,7 @@ pub struct Written {
 pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let mut options = options(args)?;
-    if args.splits.indices.is_empty() && !named.cell.setup.load.cases().is_empty() {
+    if args.splits.indices.is_empty() && named.cell.setup.load.has_cases() {
         // It counts one load per posture.
         options.indices.retain(|index| *index != Index::Prediction);
     }

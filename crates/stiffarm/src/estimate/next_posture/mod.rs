@@ -194,9 +194,7 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
     let mut shares = DVector::zeros(labels.len());
     for (d, label) in labels.iter().enumerate() {
         let (posture, point) = fit.experiment().behind(label);
-        let cases = cell.setup.load.cases();
-        let case = cases.iter().position(|case| case.is_of(&posture.state));
-        let case = case.unwrap_or(0);
+        let case = cell.setup.load.case_of(&posture.state)?;
         let whole = PostureTerms::new(&setups[case], &posture.posture.q, None)?;
         let whole = DVector::from_column_slice(whole.torque());
         let size = whole.norm_squared();

@@ -1,7 +1,7 @@
 //! The best of many single postures within the cell's bounds and limits.
 
 use crate::error::{Code, Error, Result};
-use crate::model::cell::Cell;
+use crate::model::cell::{Cell, PostureMargins};
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::streams::chain_rng;
@@ -39,8 +39,9 @@ pub(super) fn best_posture(
 ) -> Result<Option<Vec<f64>>> {
     let begin = Instant::now();
     // Infinite outside the limits.
-    let at = |q: &[f64]| -> Result<f64> {
-        match cell.posture_margins()?.least(q)? < 0.0 {
+    let ready = cell.posture_margins()?;
+    let at = |margins: &mut PostureMargins<'_>, q: &[f64]| -> Result<f64> {
+        match margins.least(q)? < 0.0 {
             true => Ok(f64::INFINITY),
             false => value(q),
         }
@@ -56,7 +57,7 @@ pub(super) fn best_posture(
         }
         let random = random_group(cell, StartKind::Uniform, CANDIDATES, options.seed, round)?;
         let mut found = in_order(&random, |(_, q)| {
-            let value = at(q)?;
+            let value = at(&mut ready.clone(), q)?;
             Ok(Candidate {
                 q: q.clone(),
                 value,
@@ -67,7 +68,9 @@ pub(super) fn best_posture(
         found.sort_by(|a, b| a.value.total_cmp(&b.value));
         found.truncate(IMPROVED);
         let improved = in_order(&found, |(i, start)| {
-            improve(cell, options.seed, (round, i), start, control, &at)
+            let mut margins = ready.clone();
+            let at = |q: &[f64]| at(&mut margins, q);
+            improve(cell, options.seed, (round, i), start, control, at)
         })?;
         if control.stopped() && best.is_none() {
             return Err(Error::new(Code::Interrupted, "The search was stopped."));
@@ -89,7 +92,7 @@ fn improve(
     (round, start): (u64, usize),
     from: &Candidate,
     control: Control<'_>,
-    at: &impl Fn(&[f64]) -> Result<f64>,
+    mut at: impl FnMut(&[f64]) -> Result<f64>,
 ) -> Result<Candidate> {
     let mut rng = chain_rng(seed, round, start);
     let n = from.q.len();

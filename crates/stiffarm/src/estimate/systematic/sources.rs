@@ -257,15 +257,13 @@ impl Nominal<'_> {
         shift: impl Fn(&mut Setup, Vector3<f64>),
         concerns: impl Fn(&MeasuredPosture) -> bool,
     ) -> Result<Vec<Part>> {
-        let cases = self.cell.setup.load.cases();
         let mut parts = Vec::new();
         for (load, members) in groups {
             parts.extend(self.axes(|axis_name, axis| {
                 let mut truths = setups.to_vec();
                 truths.iter_mut().for_each(|truth| shift(truth, axis));
                 self.part(&format!("{load}{axis_name}"), |posture, terms, nominal| {
-                    let case = cases.iter().position(|case| case.is_of(&posture.state));
-                    let case = case.unwrap_or(0);
+                    let case = self.cell.setup.load.case_of(&posture.state)?;
                     match members.contains(&case) && concerns(posture) {
                         true => self.moved(&truths[case], posture, terms, nominal),
                         false => Ok(nominal * 0.0),

@@ -257,21 +257,19 @@ impl MeasurementColumns {
         if Role::of(state) != Role::Loaded {
             return Ok(0);
         }
-        if self.state.is_none() && !cell.setup.load.cases().is_empty() {
-            let names: Vec<&str> = cell.setup.load.cases().iter().map(|c| &*c.name).collect();
+        let load = &cell.setup.load;
+        if self.state.is_none() && load.has_cases() {
             let message = "The table has no column state, which says under which load case a row was measured.";
             return Err(table
                 .heading_error(None, Code::TableHeading, message)
-                .hint(format!("add it, with one of: {}", names.join(", "))));
+                .hint(format!("add it, with one of: {}", load.case_names())));
         }
         let at = self.state.unwrap_or(self.posture).at;
-        cell.setup.of_state(state).map_err(|error| {
+        load.case_of(state).map_err(|error| {
             let hint = error.hint_text().unwrap_or_default().to_string();
             let named = table.error(row, at, Code::UnknownName, error.message());
             named.hint(hint)
-        })?;
-        let cases = cell.setup.load.cases().iter();
-        Ok(cases.take_while(|case| !case.is_of(state)).count())
+        })
     }
 
     /// Time \[s\], where the row has one.

@@ -207,7 +207,7 @@ impl Experiment {
                 (true, _) => ForceRecord::ForceAndMoment,
                 (false, Some(_)) => ForceRecord::Load,
                 // Each of several loads is as the cell says.
-                (false, None) if !cell.setup.load.cases().is_empty() => ForceRecord::Nothing,
+                (false, None) if cell.setup.load.has_cases() => ForceRecord::Nothing,
                 (false, None) => ForceRecord::Force,
             },
             base_reflectors: vec![NamedPoint {

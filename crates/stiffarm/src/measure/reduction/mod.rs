@@ -262,8 +262,9 @@ fn expected_force(
     posture: &PostureSeries<'_>,
     measured: &[MeasuredPosture],
 ) -> Vec<Option<f64>> {
-    let several = !cell.setup.load.cases().is_empty();
-    let full_of = |m: &MeasuredPosture| cell.setup.of_state(&m.state).ok()?.load.size();
+    let load = &cell.setup.load;
+    let several = load.has_cases();
+    let full_of = |m: &MeasuredPosture| load.each().nth(load.case_of(&m.state).ok()?)?.size();
     let states = &posture.readings.states;
     let unloaded = posture.reference == Role::Unloaded;
     let reference = posture

@@ -38,7 +38,8 @@ pub(super) fn wrench(
 ) -> Result<Option<Wrench>> {
     let state = &posture.readings.states[number];
     let setup = &*cell.setup.of_state(&state.state)?;
-    if !cell.setup.load.cases().is_empty() && posture.reference == Role::Preload {
+    let several = cell.setup.load.has_cases();
+    if several && posture.reference == Role::Preload {
         return Err(missing(
             posture,
             state,
@@ -47,7 +48,6 @@ pub(super) fn wrench(
         ));
     }
     if columns == WrenchColumns::None {
-        let several = !cell.setup.load.cases().is_empty();
         return by_load(setup, several, posture, state, number);
     }
     let Some(loaded) = &state.wrench else {

@@ -177,12 +177,11 @@ impl Cell {
         if let Some(number) = cases.iter().position(|case| case.name == name) {
             return Ok(self.cases().swap_remove(number));
         }
-        let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
         let message = format!("The cell has no load case \"{name}\".");
         Err(
-            Error::new(Code::InvalidValue, message).hint(match names[..] {
-                [] => "it has a single load: leave the name out".to_string(),
-                _ => format!("its load cases: {}", names.join(", ")),
+            Error::new(Code::InvalidValue, message).hint(match self.setup.load.has_cases() {
+                false => "it has a single load: leave the name out".to_string(),
+                true => format!("its load cases: {}", self.setup.load.case_names()),
             }),
         )
     }
@@ -246,6 +245,13 @@ impl Cell {
             )
             .key("robot.characteristic_length_mm")
         })
+    }
+
+    /// Joints whose angle is outside the cell's bounds, by more than rounding, with the angle \[rad\].
+    pub fn outside_bounds(&self, q: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        let outside = |q: f64, b: &[f64; 2]| q < b[0] - 1e-9 || q > b[1] + 1e-9;
+        let joints = q.iter().zip(&self.bounds).enumerate();
+        joints.filter_map(move |(j, (q, bounds))| outside(*q, bounds).then_some((j, *q)))
     }
 
     /// First joint whose angle leaves the machine's limits, with the angle \[rad\].

@@ -45,24 +45,27 @@ impl Cell {
         let middle: Vec<f64> = self.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
         let unloaded =
             (self.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
-        let several = !self.setup.load.cases().is_empty();
-        let setups = match several {
-            false => vec![Cow::Borrowed(&self.setup)],
-            true => self.setup.cases().into_iter().map(Cow::Owned).collect(),
+        let each = match self.setup.load.has_cases() {
+            false => vec![(Cow::Borrowed(&self.setup), Cow::Borrowed(&self.scene))],
+            true => {
+                let cells = self.limit_cases().into_iter();
+                cells
+                    .map(|own| (Cow::Owned(own.setup), Cow::Owned(own.scene)))
+                    .collect()
+            }
         };
-        let cases = setups.into_iter().enumerate().map(|(number, setup)| {
-            let scene = match number {
-                0 => Cow::Borrowed(&self.scene),
-                _ => Cow::Owned(self.scene.without_all(&OF_THE_POSTURE)),
-            };
-            let zero = Wrench::force(Vector3::zeros());
-            let name = self.setup.load.cases().get(number);
-            Ok(UnderLoad {
-                name: name.map(|case| case.name.clone()),
-                terms: PostureTerms::new(&setup, &middle, Some(&zero))?,
-                margins: Margins::of(setup, &self.limits, scene),
-            })
-        });
+        let cases = each
+            .into_iter()
+            .enumerate()
+            .map(|(number, (setup, scene))| {
+                let zero = Wrench::force(Vector3::zeros());
+                let name = self.setup.load.cases().get(number);
+                Ok(UnderLoad {
+                    name: name.map(|case| case.name.clone()),
+                    terms: PostureTerms::new(&setup, &middle, Some(&zero))?,
+                    margins: Margins::of(setup, &self.limits, scene),
+                })
+            });
         Ok(PostureMargins {
             cases: cases.collect::<Result<_>>()?,
             unloaded,

@@ -2,7 +2,7 @@
 
 use super::MeasuredPosture;
 use crate::error::Result;
-use crate::model::load::{LoadCase, Wrench};
+use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup};
 
 /// A posture that may be measured, or was.
@@ -63,9 +63,8 @@ impl Candidate {
     /// under one load, that under the largest force.
     pub fn of_measured(setup: &Setup, measured: &[MeasuredPosture]) -> Vec<Candidate> {
         let force = |wrench: &Option<Wrench>| wrench.map_or(0.0, |w| w.force.norm());
-        let cases = setup.load.cases();
-        if !cases.is_empty() {
-            return Candidate::under_cases(cases, measured);
+        if setup.load.has_cases() {
+            return Candidate::under_cases(&setup.load, measured);
         }
         let mut out: Vec<Candidate> = Vec::new();
         for own in measured.iter().filter(|own| !own.displacements.is_empty()) {
@@ -85,7 +84,7 @@ impl Candidate {
     }
 
     /// Each posture with the load cases that it was measured under.
-    fn under_cases(cases: &[LoadCase], measured: &[MeasuredPosture]) -> Vec<Candidate> {
+    fn under_cases(load: &Load, measured: &[MeasuredPosture]) -> Vec<Candidate> {
         // A state without a wrench is under the whole load of the cell.
         let force = |wrench: &Option<Wrench>| wrench.map_or(f64::INFINITY, |w| w.force.norm());
         let mut out: Vec<Candidate> = Vec::new();
@@ -98,7 +97,7 @@ impl Candidate {
                     out.len() - 1
                 }
             };
-            let case = |state: &str| cases.iter().position(|case| case.is_of(state));
+            let case = |state: &str| load.case_of(state).ok();
             let states = &mut out[at].states;
             let known = states.iter_mut().find(|(s, _)| case(s) == case(&own.state));
             match known {

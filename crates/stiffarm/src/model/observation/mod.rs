@@ -31,14 +31,9 @@ pub struct Setup {
 impl Setup {
     /// The setup under each of its loads: itself alone where there are no load cases.
     pub fn cases(&self) -> Vec<Setup> {
-        let under = |case: &LoadCase| Setup {
-            robot: self.robot.clone(),
-            tool: self.tool.loaded_at(case.loading_point),
-            load: case.load.clone(),
-        };
         match self.load.cases() {
             [] => vec![self.clone()],
-            cases => cases.iter().map(under).collect(),
+            cases => cases.iter().map(|case| self.under(case)).collect(),
         }
     }
 
@@ -46,24 +41,20 @@ impl Setup {
     /// where there are no load cases.
     ///
     /// # Errors
-    /// A state that belongs to none of the load cases.
+    /// As [`Load::case_of`].
     pub fn of_state(&self, state: &str) -> Result<Cow<'_, Setup>> {
-        let cases = self.load.cases();
-        if cases.is_empty() {
-            return Ok(Cow::Borrowed(self));
-        }
-        match cases.iter().position(|case| case.is_of(state)) {
-            Some(number) => Ok(Cow::Owned(self.cases().swap_remove(number))),
-            None => {
-                let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
-                let message = format!("The state \"{state}\" belongs to no load case of the cell.");
-                Err(Error::new(Code::InvalidValue, message)
-                    .key("state")
-                    .hint(format!(
-                        "name states after the load cases, with -2 and so on where one is taken again: {}",
-                        names.join(", ")
-                    )))
-            }
+        let case = self.load.cases().get(self.load.case_of(state)?);
+        Ok(match case {
+            None => Cow::Borrowed(self),
+            Some(case) => Cow::Owned(self.under(case)),
+        })
+    }
+
+    fn under(&self, case: &LoadCase) -> Setup {
+        Setup {
+            robot: self.robot.clone(),
+            tool: self.tool.loaded_at(case.loading_point),
+            load: case.load.clone(),
         }
     }
 }

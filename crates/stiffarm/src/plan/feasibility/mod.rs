@@ -89,9 +89,6 @@ fn largest_torques(cell: &Cell, setups: &[Setup], states: &[PostureTerms]) -> Ve
     each.reduce(larger).unwrap_or_default()
 }
 
-/// How far an angle may be beyond a bound: rounding of a file \[rad\].
-const BOUND: f64 = 1e-9;
-
 /// What forbids the posture `q` (controller angles, rad) in the cell, as the end of a sentence about
 /// it: the first bound that it is outside of, else the limit that it violates most.
 ///
@@ -99,21 +96,13 @@ const BOUND: f64 = 1e-9;
 /// Angles or bounds that do not fit the robot; a rope without a direction.
 pub fn forbidden(cell: &Cell, q: &[f64]) -> Result<Option<String>> {
     check_angles(&cell.setup.robot, q)?;
-    for (joint, (q, bounds)) in cell
-        .setup
-        .robot
-        .joints()
-        .iter()
-        .zip(q.iter().zip(&cell.bounds))
-    {
-        if *q < bounds[0] - BOUND || *q > bounds[1] + BOUND {
-            let [low, high] = bounds.map(rad_to_shortest_deg);
-            let angle = rad_to_shortest_deg(*q);
-            let name = &joint.name;
-            return Ok(Some(format!(
-                "has {name} at {angle}°, outside the cell's bounds, {low}° to {high}°"
-            )));
-        }
+    if let Some((j, angle)) = cell.outside_bounds(q).next() {
+        let [low, high] = cell.bounds[j].map(rad_to_shortest_deg);
+        let angle = rad_to_shortest_deg(angle);
+        let name = &cell.setup.robot.joints()[j].name;
+        return Ok(Some(format!(
+            "has {name} at {angle}°, outside the cell's bounds, {low}° to {high}°"
+        )));
     }
     let smallest = cell.posture_margins()?.smallest(q)?;
     let violated = smallest.filter(LimitMargin::is_violated);

@@ -63,7 +63,7 @@ impl LoadDesign {
     /// reversed box, or a number that is not finite.
     pub fn prepare(&self, cell: &Cell) -> Result<Cell> {
         let mut cell = cell.clone();
-        if !self.is_empty() && !cell.setup.load.cases().is_empty() {
+        if !self.is_empty() && cell.setup.load.has_cases() {
             let message = "A cell with several load cases has no single load that could be chosen.";
             return Err(Error::new(Code::Unsupported, message)
                 .key("load.case")

@@ -56,12 +56,7 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     };
     // Of several load cases the states of one: others pull from elsewhere, however alike
     // their torques.
-    let cases = cell.setup.load.cases();
-    let case = |s: usize| {
-        cases
-            .iter()
-            .position(|c| c.is_of(&measured[states[s]].state))
-    };
+    let case = |s: usize| cell.setup.load.case_of(&measured[states[s]].state).ok();
     let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE * t.norm() * leader.norm();
     let kept: Vec<usize> = (0..states.len())
         .filter(|&s| alike(&torques[s]) && case(s) == case(first))

@@ -52,22 +52,16 @@ impl Kernel {
     /// # Errors
     /// A load that only a measurement gives; k(J_N) with fewer than six joints.
     pub fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
-        let cases = match cell.setup.load.cases() {
-            [] => vec![Case::new(cell, wanted, count)?],
-            _ => {
-                let mut cases = Vec::new();
-                for (number, own) in cell.limit_cases().iter().enumerate() {
-                    let first = number == 0;
-                    let wanted = Wanted {
-                        // k(J_N) is the posture's, whatever the load.
-                        dexterity: wanted.dexterity.filter(|_| first),
-                        ..wanted
-                    };
-                    cases.push(Case::new(own, wanted, count)?);
-                }
-                cases
-            }
-        };
+        let each = cell.limit_cases().into_iter().enumerate();
+        let cases = each.map(|(number, own)| {
+            let wanted = Wanted {
+                // k(J_N) is the posture's, whatever the load.
+                dexterity: wanted.dexterity.filter(|_| number == 0),
+                ..wanted
+            };
+            Case::new(&own, wanted, count)
+        });
+        let cases = cases.collect::<Result<_>>()?;
         Ok(Kernel { cases, count })
     }
 

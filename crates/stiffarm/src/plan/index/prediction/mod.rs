@@ -128,7 +128,7 @@ impl PredictionModel {
     }
 
     fn without_targets(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
-        if !cell.setup.load.cases().is_empty() {
+        if cell.setup.load.has_cases() {
             return Err(PredictionModel::several_loads());
         }
         let std = cell.noise.displacement_std();
