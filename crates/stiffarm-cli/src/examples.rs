@@ -38,6 +38,12 @@ pub const SELECT: &str = "Examples:
 
   As in the paper, from an initial group under the novel index:
   $ stiffarm select builtin:comau --index novel --from builtin:comau-group1";
+pub const ROUTE: &str = "Examples:
+  The order to drive in, with the moves between the postures:
+  $ stiffarm route cell.toml plan.csv --output driven.csv
+
+  The plan as it stands, each move checked:
+  $ stiffarm route builtin:comau-shapes builtin:comau-group1 --keep-order";
 pub const EVALUATE: &str = "Examples:
   $ stiffarm evaluate builtin:comau builtin:comau-group1 plan.csv
   $ stiffarm evaluate builtin:comau plan.csv --json";

@@ -6,6 +6,7 @@ mod init;
 mod measured;
 mod path;
 mod pose;
+mod route;
 mod select;
 mod simulate;
 mod values;
@@ -16,6 +17,7 @@ pub use init::{DhChoice, InitArgs};
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::{PoseArgs, PoseFrame, PosePoint};
+pub use route::RouteArgs;
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
 pub use simulate::{ErrorArgs, SimulateArgs};
 pub use work::{MapArgs, RegionArgs, Steps};
@@ -110,6 +112,9 @@ pub enum Command {
     /// Stiffness of the loaded tool over the workspace, and the best place for a workpiece
     #[command(after_help = examples::MAP)]
     Map(Box<MapArgs>),
+    /// The order of a plan's postures and the joint moves between them, checked for what they might touch
+    #[command(after_help = examples::ROUTE)]
+    Route(RouteArgs),
     /// Maps of dexterity and of K_C's influence over joints 2 and 3, to choose zones for postures
     #[command(after_help = examples::ZONES)]
     Zones(ZonesArgs),
@@ -338,6 +343,8 @@ pub enum SchemaChoice {
     ResultPose,
     /// Output of `pose --from --json`
     ResultPoseFrom,
+    /// Output of `route --json`
+    ResultRoute,
     /// Output of `study --json`, and study.json
     ResultStudy,
     /// Output of `study --measured --json`

@@ -86,3 +86,17 @@ mod tests {
         assert!(triple("deg")("180,0,1e300").is_err());
     }
 }
+
+/// Steps of angles: 0, or what a pendant may take.
+pub fn angle_step() -> impl Fn(&str) -> Result<f64, String> + Clone {
+    |text| {
+        let step = number("deg")(text)?;
+        match step == 0.0 || (1e-6..=1.0).contains(&step) {
+            true => Ok(step),
+            false => Err(
+                "give a step from 0.000001 to 1 degree, or 0 to leave the angles as they are"
+                    .to_string(),
+            ),
+        }
+    }
+}

@@ -15,6 +15,7 @@ pub mod pose;
 pub mod predict;
 pub mod register;
 pub mod robots;
+pub mod route;
 pub mod schema;
 pub mod select;
 pub mod simulate;

@@ -17,6 +17,7 @@ pub mod pose;
 pub mod posture;
 pub mod process;
 pub mod robot;
+pub mod route;
 pub mod scene;
 pub mod shape;
 pub mod stiffness;

@@ -50,6 +50,11 @@ pub(crate) fn list_rng(seed: u64, start: u64) -> ChaCha8Rng {
     stream(seed, LISTS | start)
 }
 
+/// The random numbers of one part of the search for a route.
+pub(crate) fn route_rng(seed: u64, part: u64) -> ChaCha8Rng {
+    stream(seed, LISTS | (1 << 58) | part)
+}
+
 /// The random numbers of one split of an experiment.
 pub(crate) fn split_rng(seed: u64, split: u64) -> ChaCha8Rng {
     stream(seed, LISTS | (1 << 59) | split)

@@ -9,5 +9,6 @@ pub mod characteristic_length;
 pub mod check;
 pub mod feasibility;
 pub mod index;
+pub mod route;
 pub mod select;
 pub mod zones;

@@ -6,6 +6,7 @@ use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{At, RawCell, RawLimits, RawNoise, RawStiffness, RawTool, RawValidation};
 use super::robot;
+use super::route::route;
 use super::scene::{scene, with_link_shapes};
 use super::source::Source;
 use super::task::tasks;
@@ -45,6 +46,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let validation = validation(source, raw.validation.as_ref(), &robot)?;
     let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
     let work = work(source, raw.work.as_ref(), &tool)?;
+    let route = route(source, raw.route.as_ref(), &robot, entry)?;
     let tracker = tracker(source, raw.tracker.as_ref())?;
     let uncertainty = uncertainty(source, raw.uncertainty.as_ref(), &load)?;
     let columns = columns(source, raw.columns.as_ref(), &robot)?;
@@ -71,6 +73,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         uncertainty,
         columns,
         work,
+        route,
     })
 }
 

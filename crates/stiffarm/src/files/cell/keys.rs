@@ -2,7 +2,7 @@
 
 use super::raw::{
     RawBounds, RawCell, RawClearance, RawElastic, RawForce, RawLimits, RawLinkShape, RawLoad,
-    RawMilling, RawNoise, RawPoint, RawPosture, RawRobot, RawSensor, RawSeries, RawShape,
+    RawMilling, RawNoise, RawPoint, RawPosture, RawRobot, RawRoute, RawSensor, RawSeries, RawShape,
     RawStation, RawStiffness, RawTask, RawTool, RawTracker, RawUncertainty, RawValidation, RawWork,
 };
 use super::source::Source;
@@ -26,7 +26,7 @@ struct Section {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [Section; 26] = [
+const SECTIONS: [Section; 27] = [
     Section { path: "", array: false, keys: keys_of::<RawCell> },
     Section { path: "robot", array: false, keys: keys_of::<RawRobot> },
     Section { path: "robot.shape", array: true, keys: keys_of::<RawLinkShape> },
@@ -49,6 +49,7 @@ const SECTIONS: [Section; 26] = [
     Section { path: "work", array: false, keys: keys_of::<RawWork> },
     Section { path: "work.force", array: false, keys: keys_of::<RawForce> },
     Section { path: "work.milling", array: false, keys: keys_of::<RawMilling> },
+    Section { path: "route", array: false, keys: keys_of::<RawRoute> },
     Section { path: "sensor", array: false, keys: keys_of::<RawSensor> },
     Section { path: "tracker", array: false, keys: keys_of::<RawTracker> },
     Section { path: "tracker.station", array: true, keys: keys_of::<RawStation> },

@@ -17,6 +17,7 @@ mod load;
 mod own;
 mod raw;
 mod robot;
+mod route;
 mod scene;
 #[cfg(feature = "schema")]
 mod schema;

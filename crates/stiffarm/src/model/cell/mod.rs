@@ -22,6 +22,7 @@ use crate::model::load::Load;
 use crate::model::observation::Setup;
 use crate::model::posture::Posture;
 use crate::model::robot::Robot;
+use crate::model::route::RouteRules;
 use crate::model::scene::Scene;
 use crate::model::tool::Tool;
 use crate::model::work::Work;
@@ -112,6 +113,8 @@ pub struct Cell {
     pub columns: Columns,
     /// Tool tip, workpiece and process.
     pub work: Work,
+    /// How the robot drives from posture to posture.
+    pub route: RouteRules,
 }
 
 impl Cell {
@@ -156,6 +159,7 @@ impl Cell {
             uncertainty: Uncertainty::default(),
             columns: Columns::default(),
             work: Work::default(),
+            route: RouteRules::default(),
         }
     }
 

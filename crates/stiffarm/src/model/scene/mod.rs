@@ -27,6 +27,7 @@ pub use sight::{Facing, SeenFrom, Sight, Station};
 pub use torque::TorqueLimits;
 pub(crate) use work::Work;
 
+use crate::model::observation::Setup;
 use pairs::Pair;
 
 /// Shapes of arm, tool and surroundings with what is asked of them. Empty: nothing is.
@@ -108,6 +109,28 @@ impl Scene {
             displacement: None,
             ..self.clone()
         }
+    }
+
+    /// What is left of it on the way from posture to posture, where less room will do: shapes, and the
+    /// rope where it stays on, keep half their distance. Beams, torques and displacements are of the reading.
+    #[must_use]
+    pub fn on_the_way(&self, load_stays_on: bool) -> Self {
+        let rope = self.rope.as_ref().filter(|_| load_stays_on);
+        let rope = rope.filter(|rope| rope.clearance.is_some());
+        Scene {
+            clearance: 0.5 * self.clearance,
+            rope: rope.map(|rope| RopeRules {
+                clearance: rope.clearance.map(|clearance| 0.5 * clearance),
+                cone: None,
+                ..rope.clone()
+            }),
+            ..self.at_work()
+        }
+    }
+
+    /// Most that any point of arm and tool moves by a turn of each serial joint \[m/rad\].
+    pub(crate) fn reach(&self, setup: &Setup) -> Vec<f64> {
+        work::reach(self, setup)
     }
 
     /// The same scene without what `kind` asks: what that costs a plan is the difference.

@@ -147,7 +147,7 @@ fn still(known: &Known, travel: f64, enough: f64) -> Option<f64> {
 }
 
 /// Most that any point of arm and tool is away from each joint's axis in any posture \[m\].
-fn reach(scene: &Scene, setup: &Setup) -> Vec<f64> {
+pub(super) fn reach(scene: &Scene, setup: &Setup) -> Vec<f64> {
     let robot = &setup.robot;
     let n = robot.joint_count();
     // Farthest point of what each joint's own frame carries, then from joint to joint.

@@ -6,11 +6,13 @@
 
 mod columns;
 mod instruments;
+mod route;
 mod scene;
 mod work;
 
 pub(super) use columns::{RawColumn, RawColumns};
 pub(super) use instruments::{RawSensor, RawTracker, RawUncertainty};
+pub(super) use route::RawRoute;
 pub(super) use scene::{RawClearance, RawLinkShape, RawShape, RawStation};
 pub(super) use work::{RawForce, RawMilling, RawWork};
 
@@ -89,6 +91,8 @@ pub(super) struct RawCell {
     pub task: Option<At<Vec<At<RawTask>>>>,
     /// What the robot works with along a path: tool tip, workpiece, load of the process.
     pub work: Option<At<RawWork>>,
+    /// How the robot drives from posture to posture.
+    pub route: Option<At<RawRoute>>,
     /// The force sensor whose readings stand in tables of raw readings.
     pub sensor: Option<At<RawSensor>>,
     /// The laser tracker: where its readings' axes are, and how exact it is.

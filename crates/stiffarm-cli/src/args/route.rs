@@ -1,0 +1,31 @@
+//! The command line of `stiffarm route`.
+
+use super::values::angle_step;
+use clap::Args;
+
+#[derive(Debug, Args)]
+pub struct RouteArgs {
+    /// Cell file
+    pub cell: String,
+    /// The plan
+    #[arg(value_name = "POSTURES.csv")]
+    pub plan: String,
+    /// Keep the order of the plan
+    #[arg(long)]
+    pub keep_order: bool,
+    /// Keep the plan's angles: no other turns, no wrist the other way round
+    #[arg(long)]
+    pub keep_angles: bool,
+    /// Steps that angles are rounded to [deg]; 0 leaves them as they are
+    #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
+    pub angle_step_deg: f64,
+    /// Seed of the random numbers, for ways around obstacles and for many postures
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Write the postures in this order, as they are to be driven to
+    #[arg(long, value_name = "plan.csv", help_heading = "Output")]
+    pub output: Option<String>,
+    /// Overwrite an existing file
+    #[arg(long, help_heading = "Output")]
+    pub force: bool,
+}

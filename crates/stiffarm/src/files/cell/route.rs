@@ -1,0 +1,73 @@
+//! `[route]`: how the robot drives from posture to posture.
+
+use super::instruments::choice;
+use super::raw::{At, RawRoute};
+use super::robot::angles;
+use super::source::Source;
+use crate::error::{Code, Result};
+use crate::model::robot::{CatalogueEntry, Robot};
+use crate::model::route::RouteRules;
+use crate::units::{deg_to_rad, percent_to_fraction, rad_to_shortest_deg};
+
+/// Largest joint speed that is not a slip \[deg/s\].
+const FASTEST_DEG_S: f64 = 2000.0;
+
+/// What the cell says of the drive; joint speeds are the catalogue's unless it gives others.
+pub(super) fn route(
+    source: &Source<'_>,
+    table: Option<&At<RawRoute>>,
+    robot: &Robot,
+    entry: Option<&CatalogueEntry>,
+) -> Result<RouteRules> {
+    let mut rules = RouteRules::default();
+    let known = entry.map_or(&[][..], |entry| entry.speeds_deg_s);
+    if known.len() == robot.joint_count() {
+        rules.joint_speeds = Some(known.iter().map(|v| deg_to_rad(*v)).collect());
+    }
+    let Some(raw) = table.map(At::get) else {
+        return Ok(rules);
+    };
+    if let Some(list) = &raw.joint_speeds_deg_s {
+        let key = "route.joint_speeds_deg_s";
+        let speeds = source.positives(list, key, robot.joint_count(), "one per joint")?;
+        if let Some(fast) = speeds.iter().find(|v| **v > FASTEST_DEG_S) {
+            let message = format!("No joint turns at {fast}°/s.");
+            let error = source.error(Code::InvalidValue, key, list.span(), message);
+            return Err(error.hint("give the largest speed of each joint in degrees per second, as the data sheet has it"));
+        }
+        rules.joint_speeds = Some(speeds.into_iter().map(deg_to_rad).collect());
+    }
+    if let Some(value) = &raw.speed_percent {
+        let key = "route.speed_percent";
+        let percent = source.positive(value, key)?;
+        if percent > 100.0 {
+            let message = format!("{percent} % is faster than the joints turn.");
+            let error = source.error(Code::InvalidValue, key, value.span(), message);
+            return Err(error.hint("give a share of the largest joint speeds, 100 at most"));
+        }
+        rules.speed_share = percent_to_fraction(percent);
+    }
+    if let Some(list) = &raw.start_deg {
+        let key = "route.start_deg";
+        let start = angles(source, list, key, robot)?;
+        if let Some((j, angle)) = robot.outside_limits(&start) {
+            let joint = &robot.joints()[j];
+            let [low, high] = joint.limits.map(rad_to_shortest_deg);
+            let message = format!(
+                "The start has {} at {}°, outside the machine's limits, {low}° to {high}°.",
+                joint.name,
+                rad_to_shortest_deg(angle)
+            );
+            let error = source.error(Code::OutsideLimits, key, list.span(), message);
+            return Err(error.hint("give the controller angles of a safe posture, in degrees"));
+        }
+        rules.start = Some(start);
+    }
+    if let Some(text) = &raw.load {
+        let hint =
+            "load = \"off\" where it is taken off before each move, or \"on\" where it stays on";
+        let names = [("off", false), ("on", true)];
+        rules.load_stays_on = choice(source, text, "route.load", &names, hint)?;
+    }
+    Ok(rules)
+}

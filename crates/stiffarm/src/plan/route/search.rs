@@ -1,0 +1,130 @@
+//! A way around, where one via posture is not enough: two trees of free moves that grow towards each
+//! other (Kuffner and LaValle 2000, RRT-Connect, doi:10.1109/ROBOT.2000.844730), and the way then shortened.
+
+use super::rounding::nearest;
+use super::way::{Ways, between};
+use crate::error::Result;
+use crate::numerics::streams::route_rng;
+use rand::RngExt;
+
+/// Times that the trees are grown.
+const GROWTHS: usize = 1500;
+/// Longest branch that is tried at once, by the largest turn of a joint \[rad\].
+const BRANCH: f64 = 0.6;
+/// Shortcuts that are tried.
+const SHORTCUTS: usize = 60;
+
+struct Tree {
+    postures: Vec<Vec<f64>>,
+    parents: Vec<usize>,
+}
+
+impl Tree {
+    fn new(root: &[f64]) -> Self {
+        Tree {
+            postures: vec![root.to_vec()],
+            parents: vec![0],
+        }
+    }
+
+    /// Grows from its nearest posture towards `goal` by one branch: the posture reached.
+    fn grow(&mut self, ways: &mut Ways<'_>, goal: &[f64]) -> Result<Option<usize>> {
+        let distance = |q: &Vec<f64>| largest_turn(q, goal);
+        let numbered = self.postures.iter().map(distance).enumerate();
+        let Some((near, apart)) = numbered.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return Ok(None);
+        };
+        if apart == 0.0 {
+            return Ok(Some(near));
+        }
+        let share = (BRANCH / apart).min(1.0);
+        let next = match share < 1.0 {
+            true => nearest(
+                &between(&self.postures[near], goal, share),
+                super::VIA_STEP_DEG,
+            ),
+            false => goal.to_vec(),
+        };
+        if ways.room(&next)? < 0.0 || !ways.is_free(&self.postures[near], &next)? {
+            return Ok(None);
+        }
+        self.postures.push(next);
+        self.parents.push(near);
+        Ok(Some(self.postures.len() - 1))
+    }
+
+    /// From a posture to the root.
+    fn back(&self, mut at: usize) -> Vec<Vec<f64>> {
+        let mut out = vec![self.postures[at].clone()];
+        while at != 0 {
+            at = self.parents[at];
+            out.push(self.postures[at].clone());
+        }
+        out
+    }
+}
+
+/// Via postures of a free way, `None` where none was found.
+pub(super) fn connect(
+    ways: &mut Ways<'_>,
+    from: &[f64],
+    to: &[f64],
+    bounds: &[[f64; 2]],
+    seed: u64,
+) -> Result<Option<Vec<Vec<f64>>>> {
+    let mut rng = route_rng(seed, 0);
+    let mut trees = [Tree::new(from), Tree::new(to)];
+    for growth in 0..GROWTHS {
+        let goal: Vec<f64> = bounds
+            .iter()
+            .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
+            .collect();
+        let (grown, other) = (growth % 2, 1 - growth % 2);
+        let Some(new) = trees[grown].grow(ways, &goal)? else {
+            continue;
+        };
+        let aim = trees[grown].postures[new].clone();
+        // The other tree comes as far as it can.
+        loop {
+            let Some(met) = trees[other].grow(ways, &aim)? else {
+                break;
+            };
+            if largest_turn(&trees[other].postures[met], &aim) == 0.0 {
+                let (mut first, second) = (trees[grown].back(new), trees[other].back(met));
+                first.reverse();
+                first.extend(second.into_iter().skip(1));
+                if grown == 1 {
+                    first.reverse();
+                }
+                return shortened(ways, first, &mut rng).map(Some);
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// Leaves out postures of a way while the rest stays free; the ends are not given back.
+fn shortened(
+    ways: &mut Ways<'_>,
+    mut way: Vec<Vec<f64>>,
+    rng: &mut impl RngExt,
+) -> Result<Vec<Vec<f64>>> {
+    for _ in 0..SHORTCUTS {
+        if way.len() <= 2 {
+            break;
+        }
+        let first = rng.random_range(0..way.len() - 2);
+        let last = rng.random_range(first + 2..way.len());
+        if ways.is_free(&way[first], &way[last])? {
+            way.drain(first + 1..last);
+        }
+    }
+    way.pop();
+    way.remove(0);
+    Ok(way)
+}
+
+fn largest_turn(a: &[f64], b: &[f64]) -> f64 {
+    let turns = a.iter().zip(b);
+    turns.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+}
