@@ -53,13 +53,46 @@ pub fn plain(text: &str) -> String {
     parts.map(shown).collect()
 }
 
-/// Columns that sentences may take: `COLUMNS`, else the terminal's, else 80; no
-/// more than can be read well.
+/// Columns that sentences may take: all there are, but no more than can be read well.
 pub fn columns() -> usize {
+    all_columns().min(WIDEST)
+}
+
+/// Columns that tables may take: `COLUMNS`, else the terminal's, else 80.
+pub fn all_columns() -> usize {
     let stated = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok());
     let terminal = || terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
-    let columns = stated.or_else(terminal).unwrap_or(USUAL);
-    columns.clamp(NARROWEST, WIDEST)
+    stated.or_else(terminal).unwrap_or(USUAL).max(NARROWEST)
+}
+
+/// The text in lines of at most `columns`, broken at spaces; a word that is longer is broken too.
+pub fn lines(text: &str, columns: usize) -> Vec<String> {
+    let mut out = vec![String::new()];
+    for word in text.split(' ') {
+        let last = out.len() - 1;
+        let own = width(word);
+        let used = width(&out[last]);
+        if used > 0 && used + 1 + own <= columns {
+            out[last] = format!("{} {word}", out[last]);
+            continue;
+        }
+        if used > 0 {
+            out.push(String::new());
+        }
+        let last = out.len() - 1;
+        out[last] = word.to_string();
+        // A styled word stays whole: its marks must not be torn apart.
+        while width(&out[out.len() - 1]) > columns && !word.contains(MARK.as_str()) {
+            let long = out.pop().unwrap_or_default();
+            let cut = long
+                .char_indices()
+                .nth(columns)
+                .map_or(long.len(), |(at, _)| at);
+            out.push(long[..cut].to_string());
+            out.push(long[cut..].to_string());
+        }
+    }
+    out
 }
 
 /// The sentence in lines of at most `columns`, those after the first indented. A word

@@ -77,27 +77,121 @@ fn space(field: &str, width: usize) -> String {
     " ".repeat(width.saturating_sub(screen::width(field)))
 }
 
+impl Table {
+    /// The columns in blocks that fit `limit`, each with the first column before its own: one block where
+    /// all of them fit. A last column of sentences is broken into lines where it has room for that.
+    fn blocks(&self, limit: usize) -> Vec<Block> {
+        let widths: Vec<usize> = (0..self.headings.len()).map(|c| self.width(c)).collect();
+        let mut blocks: Vec<Block> = Vec::new();
+        for (column, width) in widths.iter().enumerate() {
+            let last = blocks.last_mut();
+            let is_first = column == 0;
+            let is_sentence =
+                column + 1 == widths.len() && self.headings[column].1 == Align::Left && !is_first;
+            if let Some(block) = last {
+                let left = limit.saturating_sub(block.width() + BETWEEN);
+                if *width <= left {
+                    block.push(column, *width);
+                    continue;
+                }
+                if is_sentence && left >= NARROWEST {
+                    block.push(column, left);
+                    continue;
+                }
+            }
+            let mut block = Block::default();
+            if !is_first {
+                block.push(0, widths[0]);
+            }
+            let left = limit.saturating_sub(block.width() + BETWEEN);
+            block.push(
+                column,
+                match is_sentence && left >= NARROWEST {
+                    true => left.min(*width),
+                    false => *width,
+                },
+            );
+            // The first column alone is no block.
+            match blocks.last_mut() {
+                Some(only) if only.columns.len() == 1 => *only = block,
+                _ => blocks.push(block),
+            }
+        }
+        blocks
+    }
+
+    /// One line of a block for each line of its longest field.
+    fn lines(&self, block: &Block, fields: &[String], style: Style) -> String {
+        let broken: Vec<Vec<String>> = block
+            .columns
+            .iter()
+            .map(|(column, width)| {
+                let field = fields.get(*column).map_or("", String::as_str);
+                match screen::width(field) > *width {
+                    true => screen::lines(field, *width),
+                    false => vec![field.to_string()],
+                }
+            })
+            .collect();
+        let height = broken.iter().map(Vec::len).max().unwrap_or(1);
+        let mut out = String::new();
+        for at in 0..height {
+            let padded = block
+                .columns
+                .iter()
+                .zip(&broken)
+                .map(|((column, width), lines)| {
+                    let field = lines.get(at).map_or("", String::as_str);
+                    match self.headings[*column].1 {
+                        Align::Left => format!("{field}{}", space(field, *width)),
+                        Align::Right => format!("{}{field}", space(field, *width)),
+                    }
+                });
+            let line = padded.collect::<Vec<_>>().join(&" ".repeat(BETWEEN));
+            out += &paint(style, line.trim_end());
+            out.push('\n');
+        }
+        out
+    }
+
+    /// The table in `limit` columns.
+    fn fitted(&self, limit: usize) -> String {
+        let headings: Vec<String> = self.headings.iter().map(|(h, _)| h.clone()).collect();
+        let blocks = self.blocks(limit);
+        let shown = blocks.iter().map(|block| {
+            let rows = self.rows.iter();
+            let rows = rows.map(|row| self.lines(block, row, Style::new()));
+            self.lines(block, &headings, Style::new().bold()) + &rows.collect::<String>()
+        });
+        shown.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Spaces between columns.
+const BETWEEN: usize = 2;
+/// Columns of a terminal that sentences are broken to at least.
+const NARROWEST: usize = 20;
+
+/// Columns of a table side by side, with their widths.
+#[derive(Debug, Default)]
+struct Block {
+    columns: Vec<(usize, usize)>,
+}
+
+impl Block {
+    fn push(&mut self, column: usize, width: usize) {
+        self.columns.push((column, width));
+    }
+
+    fn width(&self) -> usize {
+        let widths: usize = self.columns.iter().map(|(_, width)| width).sum();
+        widths + BETWEEN * self.columns.len().saturating_sub(1)
+    }
+}
+
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let widths: Vec<usize> = (0..self.headings.len()).map(|c| self.width(c)).collect();
-        let line =
-            |fields: &[String]| {
-                let padded = self.headings.iter().zip(&widths).enumerate().map(
-                    |(c, ((_, align), width))| {
-                        let field = fields.get(c).map_or("", String::as_str);
-                        match align {
-                            Align::Left => format!("{field}{}", space(field, *width)),
-                            Align::Right => format!("{}{field}", space(field, *width)),
-                        }
-                    },
-                );
-                padded.collect::<Vec<_>>().join("  ").trim_end().to_string()
-            };
-        let headings: Vec<String> = self.headings.iter().map(|(h, _)| h.clone()).collect();
-        writeln!(f, "{}", paint(Style::new().bold(), &line(&headings)))?;
-        self.rows
-            .iter()
-            .try_for_each(|row| writeln!(f, "{}", line(row)))
+        f.write_str(&self.fitted(screen::all_columns()))
     }
 }
 
@@ -138,5 +232,39 @@ mod tests {
             text,
             "joint    k [N·m/rad]  note\njoint 1      9.500e5\n6              1.5e5\n"
         );
+    }
+
+    #[test]
+    fn a_wide_table_is_told_in_blocks_and_sentences_in_lines() {
+        let mut table = Table::new(["joint", "first [mm]", "second [mm]", "between"]);
+        table.align(3, Align::Left);
+        table.row([
+            "joint 1",
+            "1.5",
+            "22.5",
+            "a sentence of a few words, and more",
+        ]);
+        table.row(["joint 2", "2.5", "3", ""]);
+        let fitted = |limit| screen::plain(&table.fitted(limit));
+        assert_eq!(
+            fitted(56),
+            "joint    first [mm]  second [mm]  between\n\
+             joint 1         1.5         22.5  a sentence of a few\n                                  \
+             words, and more\n\
+             joint 2         2.5            3\n"
+        );
+        assert_eq!(
+            fitted(40),
+            "joint    first [mm]  second [mm]\njoint 1         1.5         22.5\njoint 2         2.5            3\n\n\
+             joint    between\njoint 1  a sentence of a few words, and\n         more\njoint 2\n"
+        );
+        for limit in 30..90 {
+            assert!(
+                fitted(limit)
+                    .lines()
+                    .all(|line| screen::width(line) <= limit),
+                "{limit}"
+            );
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The command line of `stiffarm select`.
 
-use super::values::{above_zero, count, numbers};
+use super::values::{above_zero, angle_step, count, numbers};
 use clap::{Args, ValueEnum};
 use std::time::Duration;
 
@@ -115,6 +115,9 @@ pub struct LoadArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
+    /// Steps that the angles of new postures are rounded to [deg]; 0 leaves them as they are
+    #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
+    pub angle_step_deg: f64,
     /// Write the postures to this file; with --curve the curve as CSV
     #[arg(long, value_name = "plan.csv")]
     pub output: Option<String>,

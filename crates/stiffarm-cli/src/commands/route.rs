@@ -95,7 +95,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
 }
 
 /// The stops under the names that their postures have in the plan.
-pub(super) fn stops(plan: &[Posture], route: &Route) -> Vec<Posture> {
+fn stops(plan: &[Posture], route: &Route) -> Vec<Posture> {
     let stops = route.order.iter().zip(&route.postures);
     stops
         .map(|(at, q)| Posture {
@@ -123,8 +123,11 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-/// What to know before driving a route.
-pub(super) fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Vec<Finding> {
+/// Code of the finding about a move without a free way.
+pub(super) const BLOCKED: &str = "move-blocked";
+
+/// Moves without a free way.
+pub(super) fn blocked_moves(stops: &[Posture], route: &Route) -> Vec<Finding> {
     let mut findings = Vec::new();
     for blocked in route.moves.iter().filter(|m| !m.free) {
         let what = blocked.nearest.as_ref().map_or(String::new(), |nearest| {
@@ -134,12 +137,18 @@ pub(super) fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Vec<Find
             )
         });
         findings.push(Finding::new(
-            "move-blocked",
+            BLOCKED,
             Severity::Serious,
             format!("move {}", between(stops, blocked)),
             format!("no free way was found:{what}. Drive it by hand over via postures of your own, or move what is in the way."),
         ));
     }
+    findings
+}
+
+/// What to know before driving a route.
+fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Vec<Finding> {
+    let mut findings = blocked_moves(stops, route);
     if !route.checked.contains(&LimitKind::Shapes) {
         findings.push(Finding::new(
             "moves-not-checked",
@@ -204,6 +213,9 @@ pub(super) fn sentence(cell: &Cell, route: &Route) -> String {
             "; every move keeps clear of {}",
             stiffarm::findings::list(&kinds)
         );
+    }
+    if !route.checked.contains(&LimitKind::Shapes) {
+        out += "; the cell has no shapes, so nothing says what the arm may touch on the way";
     }
     match via {
         0 => {}

@@ -18,9 +18,10 @@ use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::select::RoundReport;
+use stiffarm::plan::route::{Route, RouteOptions, rounded, route};
+use stiffarm::plan::select::{RoundReport, Selection};
 use stiffarm::units::m_to_mm;
-use stiffarm::{Code, Error, Result};
+use stiffarm::{Code, Control, Error, Result};
 use stiffarm_report::{Full, cell_drawing, render_drawing};
 
 /// Postures of a plan unless their number is given.
@@ -66,6 +67,49 @@ impl Job<'_> {
 
     pub fn seed(&self) -> u64 {
         self.args.budget.seed.unwrap_or(SEED)
+    }
+
+    /// Steps that angles are rounded to \[deg\], where they are.
+    pub fn angle_step(&self) -> Option<f64> {
+        let step = self.args.output.angle_step_deg;
+        (step > 0.0).then_some(step)
+    }
+
+    /// A selection as it is driven: with angles that one can type, each posture in the equivalent nearest to the
+    /// one before, in the shortest order unless that is to be kept. A search that was
+    /// stopped keeps its order.
+    pub fn driven(
+        &self,
+        cell: &Cell,
+        selection: Selection,
+        given: &[Posture],
+        keep: bool,
+        control: Control<'_>,
+    ) -> Result<(Selection, Route)> {
+        let (group, route) = self.route(cell, &selection.group, keep || control.stopped())?;
+        Ok((selection.with_group(cell, given, group)?, route))
+    }
+
+    /// The same of postures alone.
+    pub fn route<Q: AsRef<[f64]>>(
+        &self,
+        cell: &Cell,
+        postures: &[Q],
+        keep: bool,
+    ) -> Result<(Vec<Vec<f64>>, Route)> {
+        let group = match self.angle_step() {
+            Some(step) => rounded(cell, postures, step)?,
+            None => postures.iter().map(|q| q.as_ref().to_vec()).collect(),
+        };
+        let mut options = RouteOptions::default();
+        options.keep_order = keep;
+        options.keep_angles = keep;
+        options.step_deg = self.angle_step();
+        options.seed = self.seed();
+        let mut route = route(cell, &group, &options, Control::default())?;
+        // The plan is written in this order.
+        route.order = (0..group.len()).collect();
+        Ok((route.postures.clone(), route))
     }
 
     /// First lines of every table.

@@ -4,6 +4,7 @@ use super::certificate::{self, Bounds};
 use super::job::{Job, Mode, POSTURES, to_usize};
 use super::planned::{Options, Plan, Planned};
 use super::{load, table};
+use crate::commands::route::blocked_moves;
 use crate::progress::Progress;
 use std::collections::HashSet;
 use stiffarm::Control;
@@ -43,7 +44,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let max_iterations = args.existing.max_iterations.unwrap_or(MAX_ITERATIONS);
 
     let progress = Progress::new(session, "selecting postures");
-    let (selection, cell, selected, bounds, sensitivity, prices) =
+    let (selection, route, cell, selected, bounds, sensitivity, prices) =
         progress.watch(|control| -> Result<_> {
             let selection = match &initial {
                 Some(group) => {
@@ -62,6 +63,8 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
                 }
             };
             let cell = load::applied(job.cell(), selection.load.as_ref());
+            let keep = initial.is_some();
+            let (selection, route) = job.driven(&cell, selection, &given, keep, control)?;
             let selected = named(&selection, initial.as_deref(), &given);
             let bounds = match &initial {
                 Some(_) => Bounds::default(),
@@ -83,7 +86,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
                 }
                 false => None,
             };
-            Ok((selection, cell, selected, bounds, examined, prices))
+            Ok((selection, route, cell, selected, bounds, examined, prices))
         })?;
     drop(progress);
 
@@ -126,7 +129,12 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         sensitivity,
         prices,
         selection,
-        findings: job.findings(),
+        findings: {
+            let mut findings = job.findings();
+            findings.extend(blocked_moves(&selected, &route));
+            findings
+        },
+        route,
     };
     let is_random = initial.is_none() || args.sensitivity;
     let options = Options {
@@ -139,6 +147,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         max_iterations: initial.is_some().then_some(max_iterations),
         rounds: args.budget.rounds,
         time_limit_s: args.budget.time_limit.map(|limit| limit.as_secs_f64()),
+        angle_step_deg: job.angle_step(),
         load: load::options(&global.load),
         certificate: initial.is_none() && !args.no_certificate,
         sensitivity: args.sensitivity,

@@ -9,6 +9,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::certificate::{Certificate, JointEfficiency};
 use stiffarm::plan::index::GroupEvaluation;
+use stiffarm::plan::route::Route;
 use stiffarm::plan::select::{LimitPrice, LoadDesign, Selection, Sensitivity};
 
 /// Options of the result.
@@ -24,6 +25,8 @@ pub struct Options {
     pub rounds: Option<u64>,
     /// Time after which no further round was begun \[s\]; `null` without one.
     pub time_limit_s: Option<f64>,
+    /// Steps that angles were rounded to \[deg\]; `null` where they were not.
+    pub angle_step_deg: Option<f64>,
     /// What of the load might be chosen; `null` where nothing.
     pub load: Option<load::LoadOptions>,
     /// Whether a certificate was wanted.
@@ -63,7 +66,9 @@ pub struct Plan {
     pub sensitivity: Option<Sensitivity>,
     /// What each kind of limit costs, the dearest first; `null` unless asked for.
     pub prices: Option<Vec<LimitPrice>>,
-    /// What to distrust about the robot of the catalogue.
+    /// The moves between the selected postures, in their order, each given posture aside.
+    pub route: Route,
+    /// What to distrust about the robot of the catalogue, and moves without a free way.
     pub findings: Vec<Finding>,
 }
 

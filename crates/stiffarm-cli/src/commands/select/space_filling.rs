@@ -1,6 +1,7 @@
 //! `--space-filling`: postures that cover the joint space evenly, as a baseline.
 
 use super::job::{Job, Mode, POSTURES, to_usize};
+use crate::commands::route::{blocked_moves, sentence};
 use crate::commands::{evaluate, posture_table};
 use crate::numbers::{coarse_mm, significant};
 use crate::progress::Progress;
@@ -10,6 +11,7 @@ use serde::Serialize;
 use stiffarm::findings::Finding;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::{GroupEvaluation, evaluate as evaluate_group};
+use stiffarm::plan::route::Route;
 use stiffarm::plan::select::{smallest_distance, smallest_margin, space_filling};
 use stiffarm::units::rad_to_shortest_deg;
 use stiffarm::{Result, Termination};
@@ -21,6 +23,8 @@ pub struct Options {
     pub mode: Mode,
     /// Number of postures.
     pub postures: usize,
+    /// Steps that angles were rounded to \[deg\]; `null` where they were not.
+    pub angle_step_deg: Option<f64>,
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
 }
@@ -41,7 +45,9 @@ pub struct SpaceFilling {
     pub smallest_margin_m: Option<f64>,
     /// Every index and expected deviation of the postures.
     pub evaluation: GroupEvaluation,
-    /// What to distrust about the robot of the catalogue.
+    /// The moves between the postures, in their order.
+    pub route: Route,
+    /// What to distrust about the robot of the catalogue, and moves without a free way.
     pub findings: Vec<Finding>,
 }
 
@@ -52,9 +58,15 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let progress = Progress::new(job.session, "spreading postures");
     let found = progress.watch(|control| space_filling(cell, count, job.seed(), control))?;
     drop(progress);
-    let group = PostureGroup::from_angles("space-filling", found.postures);
+    let stopped = found.termination == Termination::Interrupted;
+    let (postures, route) = job.route(cell, &found.postures, stopped)?;
+    let group = PostureGroup::from_angles("space-filling", postures);
     let result = SpaceFilling {
-        findings: job.findings(),
+        findings: {
+            let mut findings = job.findings();
+            findings.extend(blocked_moves(&group.postures, &route));
+            findings
+        },
         postures_deg: group
             .postures
             .iter()
@@ -65,12 +77,14 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         termination: found.termination,
         smallest_margin_m: smallest_margin(cell, &group.postures)?,
         evaluation: evaluate_group(cell, &group.name, &group.postures)?,
+        route,
     };
     job.outputs
         .write_postures(job.session, cell, &group.postures)?;
     let options = Options {
         mode: Mode::SpaceFilling,
         postures: count,
+        angle_step_deg: job.angle_step(),
         characteristic_length_m: cell.characteristic_length,
     };
     let envelope = job
@@ -101,6 +115,9 @@ fn table(job: &Job<'_>, group: &PostureGroup, result: &SpaceFilling) -> String {
             "smallest margin to the cell's limits: {} mm\n",
             coarse_mm(margin.max(0.0))
         );
+    }
+    if result.route.moves.len() > 0 {
+        out += &sentence(cell, &result.route);
     }
     out += &title("Postures");
     out += &posture_table(cell, &group.postures).to_string();

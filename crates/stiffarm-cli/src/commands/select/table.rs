@@ -5,7 +5,7 @@ use super::job::{Job, postures_text, shown};
 use super::planned::Planned;
 use super::{limits, load, sensitivity};
 use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
-use crate::commands::{posture_remarks, posture_table};
+use crate::commands::{posture_remarks, posture_table, route, wrapped_line};
 use crate::numbers::{coarse_mm, percent, significant};
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title, yellow};
@@ -38,12 +38,15 @@ pub fn plan(job: &Job<'_>, planned: &Planned<'_>) -> String {
         out += &format!("{what}: none; {why}\n");
     }
     out += &remarks(planned);
+    let blocked = plan.findings.iter().filter(|f| f.code == route::BLOCKED);
+    out += &blocked.map(|f| wrapped_line(f) + "\n").collect::<String>();
     if let Some(chosen) = &selection.load {
         out += &title("Load chosen with the postures");
         out +=
             "the plan holds for this load: put these lines into cell.toml before anything else\n";
         out += &load::lines(planned.design, chosen);
     }
+    out += &route_line(planned);
     out += &title("Postures");
     out += &postures(job, planned);
     out += &limits::nearest(planned.cell, &planned.plan.posture_names, &selection.limits);
@@ -57,6 +60,14 @@ pub fn plan(job: &Job<'_>, planned: &Planned<'_>) -> String {
         None => {}
     }
     out
+}
+
+/// In which order to drive, and what is known of the moves.
+fn route_line(planned: &Planned<'_>) -> String {
+    match planned.selected.len() {
+        0 | 1 => String::new(),
+        _ => route::sentence(planned.cell, &planned.plan.route),
+    }
 }
 
 /// The index, what it was before, and why a local search ended.

@@ -6,8 +6,6 @@ use crate::model::cell::{Cell, PostureMargins};
 use crate::model::inverse::{InverseKinematics, Method};
 use crate::model::kinematics::Frames;
 
-/// Most equivalents of a posture that are looked at, those of the smallest angles.
-const MOST: usize = 6;
 /// Difference of two joint axes that is rounding (m, of the direction).
 const SAME_AXIS: f64 = 1e-8;
 /// Difference of two angles that is rounding \[rad\].
@@ -21,16 +19,18 @@ pub(super) struct Equivalents<'a> {
     margins: PostureMargins<'a>,
     inverse: InverseKinematics,
     step_deg: Option<f64>,
+    most: usize,
 }
 
 impl<'a> Equivalents<'a> {
-    /// Of a plan whose angles are whole steps, or any.
-    pub fn new(cell: &'a Cell, step_deg: Option<f64>) -> Result<Self> {
+    /// Of a plan whose angles are whole steps, or any; of each posture the `most` of the smallest angles.
+    pub fn new(cell: &'a Cell, step_deg: Option<f64>, most: usize) -> Result<Self> {
         Ok(Equivalents {
             cell,
             margins: cell.posture_margins()?,
             inverse: InverseKinematics::new(&cell.setup.robot),
             step_deg,
+            most,
         })
     }
 
@@ -69,7 +69,7 @@ impl<'a> Equivalents<'a> {
         }
         let size = |q: &Vec<f64>| q.iter().map(|angle| angle * angle).sum::<f64>();
         found.sort_by(|a, b| size(a).total_cmp(&size(b)));
-        found.truncate(MOST);
+        found.truncate(self.most);
         Ok(found)
     }
 

@@ -26,6 +26,9 @@ use way::{Way, Ways, between, on_the_way};
 
 /// Steps of the angles of via postures \[deg\].
 const VIA_STEP_DEG: f64 = 0.01;
+/// Most equivalents of a posture that are looked at, and most of all postures together.
+const MOST_EQUIVALENTS: usize = 6;
+const MOST_PLACES: usize = 1200;
 /// Times that the order is looked for again after moves turned out to be in the way of something.
 const MOST_ORDERS: usize = 60;
 /// Cost of a move without a known way, against the dearest that has one.
@@ -199,6 +202,7 @@ pub fn route<Q: AsRef<[f64]>>(
         stands,
         start: cell.route.start.as_deref(),
         known: HashMap::new(),
+        apart: Vec::new(),
     };
     let order = search.order(&mut ways, plan.len(), options, control)?;
     search.finish(cell, &plan, &way_cell, &mut ways, &order, options)
@@ -210,7 +214,8 @@ fn standing_places(
     plan: &[Vec<f64>],
     options: &RouteOptions,
 ) -> Result<(Vec<Vec<f64>>, Vec<usize>)> {
-    let mut equivalents = Equivalents::new(cell, options.step_deg)?;
+    let most = (MOST_PLACES / plan.len().max(1)).clamp(1, MOST_EQUIVALENTS);
+    let mut equivalents = Equivalents::new(cell, options.step_deg, most)?;
     let (mut stands, mut of) = (Vec::new(), Vec::new());
     for (posture, q) in plan.iter().enumerate() {
         let own = match options.keep_angles {
@@ -263,6 +268,8 @@ struct Search<'a> {
     start: Option<&'a [f64]>,
     /// Ways that were looked for, the lower place first.
     known: HashMap<Pair, Option<Way>>,
+    /// Pairs between which a search found none.
+    apart: Vec<Pair>,
 }
 
 impl Search<'_> {
@@ -322,7 +329,11 @@ impl Search<'_> {
             return Ok(true);
         }
         let (from, to) = (self.at(pair.0).to_vec(), self.at(pair.1).to_vec());
-        let way = ways.way(&from, &to)?;
+        let search = !self.is_apart(pair);
+        let way = ways.way(&from, &to, search)?;
+        if way.is_none() && search {
+            self.apart.push(pair);
+        }
         let direct = ways.seconds(&from, &to);
         let more = match &way {
             Some(way) => way.seconds - direct,
@@ -343,6 +354,37 @@ impl Search<'_> {
             _ => {}
         }
         Ok(more <= 1e-9)
+    }
+
+    /// Whether a search between places that have ways to these two found none: it need not be made again.
+    fn is_apart(&self, (a, b): Pair) -> bool {
+        let reached = |from: Option<usize>| {
+            let mut seen = vec![from];
+            let mut next = 0;
+            while next < seen.len() {
+                let at = seen[next];
+                next += 1;
+                let found = self.known.iter().filter(|(_, way)| way.is_some());
+                for ((x, y), _) in found {
+                    let other = match at {
+                        at if at == *x => *y,
+                        at if at == *y => *x,
+                        _ => continue,
+                    };
+                    if !seen.contains(&other) {
+                        seen.push(other);
+                    }
+                }
+            }
+            seen
+        };
+        if self.apart.is_empty() {
+            return false;
+        }
+        let (a, b) = (reached(a), reached(b));
+        let splits =
+            |(x, y): &Pair| (a.contains(x) && b.contains(y)) || (a.contains(y) && b.contains(x));
+        self.apart.iter().any(splits)
     }
 
     /// The route of an order.

@@ -8,9 +8,9 @@ use crate::numerics::streams::route_rng;
 use rand::RngExt;
 
 /// Times that the trees are grown.
-const GROWTHS: usize = 1500;
-/// Longest branch that is tried at once, by the largest turn of a joint \[rad\].
-const BRANCH: f64 = 0.6;
+const GROWTHS: usize = 2000;
+/// Lengths of the branches that are tried, by the largest turn of a joint \[rad\].
+const BRANCHES: [f64; 4] = [0.6, 0.2, 0.06, 0.02];
 /// Shortcuts that are tried.
 const SHORTCUTS: usize = 60;
 
@@ -37,20 +37,23 @@ impl Tree {
         if apart == 0.0 {
             return Ok(Some(near));
         }
-        let share = (BRANCH / apart).min(1.0);
-        let next = match share < 1.0 {
-            true => nearest(
-                &between(&self.postures[near], goal, share),
-                super::VIA_STEP_DEG,
-            ),
-            false => goal.to_vec(),
-        };
-        if ways.room(&next)? < 0.0 || !ways.is_free(&self.postures[near], &next)? {
-            return Ok(None);
+        // Out of a narrow place only short branches lead.
+        for length in BRANCHES {
+            let share = (length / apart).min(1.0);
+            let next = match share < 1.0 {
+                true => nearest(
+                    &between(&self.postures[near], goal, share),
+                    super::VIA_STEP_DEG,
+                ),
+                false => goal.to_vec(),
+            };
+            if ways.is_clear(&next)? && ways.is_free(&self.postures[near], &next)? {
+                self.postures.push(next);
+                self.parents.push(near);
+                return Ok(Some(self.postures.len() - 1));
+            }
         }
-        self.postures.push(next);
-        self.parents.push(near);
-        Ok(Some(self.postures.len() - 1))
+        Ok(None)
     }
 
     /// From a posture to the root.

@@ -11,6 +11,7 @@ use crate::model::load::Load;
 use crate::model::posture::Posture;
 use sobol_burley::sample;
 use std::collections::VecDeque;
+use std::f64::consts::PI;
 
 /// What a move may lack of floor and keep-out cylinder \[m\]: postures may lie on them, and a straight
 /// joint move between two such postures dips a little.
@@ -104,9 +105,15 @@ impl<'a> Ways<'a> {
             .sum()
     }
 
-    /// The room of a posture \[m\], at least [`FAR`] where there is more; negative where it touches.
-    pub fn room(&mut self, q: &[f64]) -> Result<f64> {
-        self.margins.evaluate(q, FAR, &mut self.values, None)?;
+    /// Whether a posture touches nothing.
+    pub fn is_clear(&mut self, q: &[f64]) -> Result<bool> {
+        Ok(self.room(q, 0.0)? >= 0.0)
+    }
+
+    /// The room of a posture \[m\], or a part of it that is `enough`; negative where it touches.
+    fn room(&mut self, q: &[f64], enough: f64) -> Result<f64> {
+        self.margins
+            .evaluate(q, enough.min(FAR), &mut self.values, None)?;
         Ok(self
             .values
             .iter()
@@ -136,11 +143,11 @@ impl<'a> Ways<'a> {
                 return Ok(false);
             }
             let middle = 0.5 * (first + last);
-            let room = self.room(&between(from, to, middle))?;
+            let half = 0.5 * travel * (last - first);
+            let room = self.room(&between(from, to, middle), half)?;
             if room < 0.0 {
                 return Ok(false);
             }
-            let half = 0.5 * travel * (last - first);
             if room < half && half > FINEST {
                 open.push_back((first, middle));
                 open.push_back((middle, last));
@@ -150,19 +157,19 @@ impl<'a> Ways<'a> {
     }
 
     /// The shortest way that was found, `None` where none was: the joint move itself, else over a via
-    /// posture, else one that is searched for.
-    pub fn way(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Way>> {
+    /// posture, else, where that is wanted, one that is searched for.
+    pub fn way(&mut self, from: &[f64], to: &[f64], search: bool) -> Result<Option<Way>> {
         if self.is_free(from, to)? {
             return Ok(Some(self.along(from, to, Vec::new())));
         }
-        if self.room(from)? < 0.0 || self.room(to)? < 0.0 {
+        if !self.is_clear(from)? || !self.is_clear(to)? {
             return Ok(None);
         }
         let over_one = self.over_one(from, to)?;
-        if over_one.is_some() {
+        if over_one.is_some() || !search {
             return Ok(over_one);
         }
-        let bounds = self.bounds(from, to);
+        let bounds = self.machine_bounds(from, to);
         let found = connect(self, from, to, &bounds, self.seed)?;
         Ok(found.map(|via| self.along(from, to, via)))
     }
@@ -207,14 +214,29 @@ impl<'a> Ways<'a> {
         for (_, via) in timed {
             // Typed like every other posture.
             let via = super::rounding::nearest(&via, super::VIA_STEP_DEG);
-            if self.room(&via)? >= 0.0 && self.is_free(from, &via)? && self.is_free(&via, to)? {
+            if self.is_clear(&via)? && self.is_free(from, &via)? && self.is_free(&via, to)? {
                 return Ok(Some(self.along(from, to, vec![via])));
             }
         }
         Ok(None)
     }
 
-    /// Where via postures may be: the cell's bounds, widened to hold both ends.
+    /// Where a way is searched for: within the machine's limits, half a turn about the ends at most.
+    fn machine_bounds(&self, from: &[f64], to: &[f64]) -> Vec<[f64; 2]> {
+        let joints = self.cell.setup.robot.joints().iter();
+        let joints = joints.zip(from.iter().zip(to));
+        joints
+            .map(|(joint, (from, to))| {
+                let [low, high] = joint.limits;
+                [
+                    low.max(from.min(*to) - PI).min(from.min(*to)),
+                    high.min(from.max(*to) + PI).max(from.max(*to)),
+                ]
+            })
+            .collect()
+    }
+
+    /// Where via postures are tried: the cell's bounds, widened to hold both ends.
     fn bounds(&self, from: &[f64], to: &[f64]) -> Vec<[f64; 2]> {
         let ends = from.iter().zip(to);
         let bounds = self.cell.bounds.iter().zip(ends);

@@ -7,7 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Termination;
 use crate::plan::feasibility::PostureLimits;
-use crate::plan::index::{GroupEvaluation, Index};
+use crate::plan::index::{GroupEvaluation, Index, evaluate};
 use serde::Serialize;
 
 /// Result of a selection.
@@ -77,6 +77,35 @@ impl Selection {
     /// The selected postures as a named group.
     pub fn to_group(&self, name: &str) -> PostureGroup {
         PostureGroup::from_angles(name, self.group.iter().cloned())
+    }
+
+    /// The same search with other angles of the selected postures (rad): in another order, rounded, or
+    /// equivalent ones. Index, indices and margins are theirs; `cell` has the load that was chosen, `given` are
+    /// the postures that were given.
+    ///
+    /// # Errors
+    /// Angles that do not fit the robot, or at which the index does not exist.
+    pub fn with_group<Q: AsRef<[f64]>>(
+        self,
+        cell: &Cell,
+        given: &[Q],
+        group: Vec<Vec<f64>>,
+    ) -> Result<Self> {
+        let before = given.iter().map(AsRef::as_ref);
+        let all: Vec<&[f64]> = before.chain(group.iter().map(Vec::as_slice)).collect();
+        let evaluation = evaluate(cell, self.index.as_str(), &all)?;
+        let value = evaluation.indices.get(self.index);
+        let value =
+            value.ok_or_else(|| no_result(cell, self.index, &evaluation, self.termination))?;
+        let limits = limits_of(cell, &group)?;
+        Ok(Selection {
+            value,
+            evaluation,
+            smallest_margin_m: smallest_length(&limits),
+            limits,
+            group,
+            ..self
+        })
     }
 }
 

@@ -135,6 +135,7 @@ pub fn reference_cell() -> Cell {
         sensor: None,
         tracker: Default::default(),
         uncertainty: Default::default(),
+        route: Default::default(),
         columns: Default::default(),
         work: Default::default(),
     }

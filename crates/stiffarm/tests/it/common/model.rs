@@ -183,6 +183,7 @@ impl Model {
             sensor: None,
             tracker: Default::default(),
             uncertainty: Default::default(),
+            route: Default::default(),
             columns: Default::default(),
             work: Default::default(),
         }

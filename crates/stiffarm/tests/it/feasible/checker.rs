@@ -411,6 +411,30 @@ impl<'a> Checker<'a> {
         next("sight", by_station.fold(f64::NEG_INFINITY, f64::max))
     }
 
+    /// What is left on the way from posture to posture \[m\]: shapes keep half their distance, floor and
+    /// keep-out cylinder are met to a millimetre.
+    pub fn room_on_the_way(&self, q: &[f64]) -> f64 {
+        let at = self.reached(&self.case.arm.serial(q));
+        let bodies = self.bodies(&at);
+        let half = self.case.clearance.shapes.unwrap_or(20.0) * 0.5e-3;
+        let apart = |pair: &(usize, usize)| least_of(&bodies[pair.0], &bodies[pair.1]) - half;
+        let mut least = self.pairs.iter().map(apart).fold(f64::INFINITY, f64::min);
+        let mut points = vec![at.flange.point(&self.case.loading.map(|v| v * 1e-3))];
+        points.push(at.flange.origin());
+        points.extend(self.measured(&at));
+        if let Some(floor) = self.case.limits.floor {
+            let low = points.iter().map(|p| p.z - floor * 1e-3 + 1e-3);
+            least = low.fold(least, f64::min);
+        }
+        if let Some(radius) = self.case.limits.keep_out {
+            points.push(at.axes[at.axes.len() - 2].0);
+            let (foot, axis) = at.axes[0];
+            let far = |p: &V| (p - foot).cross(&axis).norm() - radius * 1e-3 + 1e-3;
+            least = points.iter().map(far).fold(least, f64::min);
+        }
+        least
+    }
+
     /// How far a station is from what stands, base included, and a measuring point from the tool; the
     /// smallest, with the distance that beams keep taken off.
     pub fn places(&self) -> f64 {

@@ -9,6 +9,7 @@ pub mod cases;
 pub mod checker;
 pub mod compare;
 pub mod distance;
+pub mod routes;
 pub mod run;
 pub mod text;
 

@@ -7,6 +7,7 @@ use stiffarm::files::cell::parse_cell;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::plan::index::Index;
+use stiffarm::plan::route::rounded;
 use stiffarm::plan::select::{
     CandidateOptions, GlobalOptions, LocalOptions, StartKind, random_group, select,
     select_candidates, select_from, space_filling,
@@ -15,6 +16,8 @@ use stiffarm::{Code, Control, Error};
 
 /// What a margin may lack \[m, rad, share\].
 const TOLERANCE: f64 = 1e-6;
+/// Most that a posture at its limits may be moved for angles that one can type \[rad\].
+const MOST_ROUNDED: f64 = 0.02;
 /// Random postures where the library finds none, and how many of them may be feasible.
 const POSTURES: u64 = 2_000;
 const MOST: u64 = 4;
@@ -106,7 +109,29 @@ fn ended(number: u64, case: &Case, mode: Mode, index: Index) -> Result<End, Stri
             return Err(format!("{q:?} violates {}", violated.join(", ")));
         }
     }
+    typed(&checker, &cell, &group)?;
     Ok(End::Postures(count))
+}
+
+/// Postures at their limits too can be rounded to what one types.
+fn typed(checker: &Checker<'_>, cell: &Cell, group: &[Vec<f64>]) -> Result<(), String> {
+    let rounded = rounded(cell, group, 0.01).map_err(|error| error.to_string())?;
+    for (q, typed) in group.iter().zip(&rounded) {
+        let violated = checker.violated(typed, TOLERANCE);
+        if !violated.is_empty() {
+            return Err(format!("{q:?} rounded violates {}", violated.join(", ")));
+        }
+        for (q, typed) in q.iter().zip(typed) {
+            let steps = typed.to_degrees() * 100.0;
+            if (steps - steps.round()).abs() > 1e-6 {
+                return Err(format!("{typed} rad is no whole step"));
+            }
+            if (q - typed).abs() > MOST_ROUNDED {
+                return Err(format!("{q} rad is rounded to {typed}"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The postures that a mode gives.
@@ -158,7 +183,7 @@ fn chosen(
 
 /// Takes the pairs that the library leaves out from the checker's, where the rules allow that; the
 /// rest must be the library's own.
-fn leave_out(
+pub fn leave_out(
     checker: &mut Checker<'_>,
     case: &Case,
     cell: &Cell,
