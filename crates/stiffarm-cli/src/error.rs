@@ -142,6 +142,11 @@ fn json(error: &Error) -> String {
     to_json(&object).unwrap_or_default()
 }
 
+/// The error with the lines of the file it is about, where a command goes on after it.
+pub fn in_words(session: &Session, error: &Error) -> String {
+    draw(session, error)
+}
+
 /// The error with the lines of the file it is about.
 fn draw(session: &Session, error: &Error) -> String {
     let place = error.place();

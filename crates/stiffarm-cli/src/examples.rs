@@ -56,6 +56,16 @@ pub const SIMULATE: &str = "Examples:
 
   An arm that gives way beyond its joint axes, and what the mixed model gains:
   $ stiffarm simulate builtin:comau plan.csv --elastic mixed --runs 20";
+pub const MEASURE: &str = "Examples:
+  What the readings so far are worth, and what to measure next:
+  $ stiffarm measure builtin:comau plan.csv tracked.csv --once --until 3%
+
+  Beside the robot, each posture as it arrives (Ctrl-C ends; start again to go on):
+  stiffarm measure cell.toml plan.csv readings.csv --until 3%
+
+  A rehearsal, in two terminals:
+  stiffarm simulate builtin:comau plan.csv --readings day.csv --slowly 2
+  stiffarm measure builtin:comau plan.csv day.csv --until 3%";
 pub const REGISTER: &str = "Examples:
   $ stiffarm register builtin:example-pairs --output registration.json
   $ stiffarm register builtin:example-pairs --exclude B --std-mm 0.03";

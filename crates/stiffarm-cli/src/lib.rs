@@ -95,6 +95,7 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Evaluate(args) => commands::evaluate::run(session, args),
         Command::Simulate(args) => commands::simulate::run(session, args),
         Command::Register(args) => commands::register::run(session, args),
+        Command::Measure(args) => commands::measure::run(session, args),
         Command::Identify(args) => commands::identify::run(session, args),
         Command::Validate(args) => commands::validate::run(session, args),
         Command::Predict(args) => commands::predict::run(session, args),

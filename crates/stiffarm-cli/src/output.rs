@@ -87,7 +87,7 @@ impl Session {
     pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
         match self.json {
             true => self.print_exact(&to_json(envelope)?),
-            false => self.print(&table()),
+            false => self.print(&(table() + &self.written())),
         }
     }
 

@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
-use stiffarm::findings::visible;
+use stiffarm::findings::{list, visible};
 use stiffarm::{Code, Error, Result};
 
 /// Threads that are started on a machine of fewer cores.
@@ -43,6 +43,8 @@ pub struct Session {
     outputs: RefCell<Vec<FileId>>,
     /// Why a file could not be written.
     failure: RefCell<Option<Error>>,
+    /// Names of the files that were written, for the end of what is printed.
+    written: RefCell<Vec<String>>,
     /// Takes what is printed, instead of the process's own output.
     pub captured: Option<Rc<RefCell<Captured>>>,
 }
@@ -61,7 +63,22 @@ impl Session {
             inputs: RefCell::new(Vec::new()),
             outputs: RefCell::new(Vec::new()),
             failure: RefCell::new(None),
+            written: RefCell::default(),
             captured,
+        }
+    }
+
+    /// A session that speaks the same way and has read nothing yet, for files that are read again.
+    pub fn afresh(&self) -> Self {
+        Session {
+            json: self.json,
+            quiet: self.quiet,
+            color: self.color,
+            inputs: RefCell::default(),
+            outputs: RefCell::default(),
+            failure: RefCell::default(),
+            written: RefCell::default(),
+            captured: self.captured.clone(),
         }
     }
 
@@ -144,6 +161,19 @@ impl Session {
     /// result, and then ends with this error.
     pub fn fail(&self, error: Error) {
         self.failure.borrow_mut().get_or_insert(error);
+    }
+
+    /// Remembers that a file was written.
+    pub fn has_written(&self, name: String) {
+        self.written.borrow_mut().push(name);
+    }
+
+    /// What was written, as the last line of what is printed; nothing where nothing was.
+    pub fn written(&self) -> String {
+        match self.written.borrow().as_slice() {
+            [] => String::new(),
+            names => format!("\nwrote {}\n", list(names)),
+        }
     }
 
     /// True where a file could not be written.

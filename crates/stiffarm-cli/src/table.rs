@@ -18,6 +18,7 @@ pub enum Align {
 pub struct Table {
     headings: Vec<(String, Align)>,
     rows: Vec<Vec<String>>,
+    lead: usize,
 }
 
 impl Table {
@@ -27,6 +28,7 @@ impl Table {
         let mut table = Table {
             headings: headings.collect(),
             rows: Vec::new(),
+            lead: 1,
         };
         table.align(0, Align::Left);
         table
@@ -59,16 +61,15 @@ impl Table {
         }
     }
 
-    fn width(&self, column: usize) -> usize {
-        let fields = self
-            .rows
-            .iter()
-            .filter_map(|row| row.get(column))
-            .map(|f| screen::width(f));
-        fields
-            .chain([screen::width(&self.headings[column].0)])
-            .max()
-            .unwrap_or(0)
+    /// Says how many columns name a row; they come again where a table is told in blocks. One, unless said.
+    pub fn lead(&mut self, columns: usize) {
+        self.lead = columns;
+    }
+
+    /// Columns that the fields below a heading take.
+    fn field_width(&self, column: usize) -> usize {
+        let fields = self.rows.iter().filter_map(|row| row.get(column));
+        fields.map(|field| screen::width(field)).max().unwrap_or(0)
     }
 }
 
@@ -78,50 +79,75 @@ fn space(field: &str, width: usize) -> String {
 }
 
 impl Table {
-    /// The columns in blocks that fit `limit`, each with the first column before its own: one block where
-    /// all of them fit. A last column of sentences is broken into lines where it has room for that.
+    /// Widths of the columns: what they hold, and where that is more than `limit` narrower, first those whose
+    /// heading is much wider than what stands below it, then those of words.
+    fn widths(&self, limit: usize) -> Vec<usize> {
+        let fields: Vec<usize> = (0..self.headings.len())
+            .map(|c| self.field_width(c))
+            .collect();
+        let headings = self
+            .headings
+            .iter()
+            .map(|(heading, _)| screen::width(heading));
+        let mut widths: Vec<usize> = headings.zip(&fields).map(|(h, f)| h.max(*f)).collect();
+        let room = limit.saturating_sub(BETWEEN * widths.len().saturating_sub(1));
+        let longest_word = |text: &str| text.split(' ').map(screen::width).max().unwrap_or(0);
+        let least: Vec<usize> = self
+            .headings
+            .iter()
+            .zip(&fields)
+            .map(|((heading, _), field)| longest_word(heading).max(*field))
+            .collect();
+        narrow(&mut widths, &least, room);
+        let of_words = |(column, (heading, align)): (usize, &(String, Align))| match column > 0
+            && *align == Align::Left
+        {
+            true => NARROWEST.max(longest_word(heading)).min(least[column]),
+            false => least[column],
+        };
+        let least: Vec<usize> = self.headings.iter().enumerate().map(of_words).collect();
+        let whole = widths.clone();
+        narrow(&mut widths, &least, room);
+        if widths.iter().sum::<usize>() <= room {
+            return widths;
+        }
+        // Blocks are needed anyway, and have room for whole columns, but for sentences.
+        let first = whole.first().copied().unwrap_or(0);
+        let most = limit.saturating_sub(first + BETWEEN).max(NARROWEST);
+        let columns = whole.iter().zip(&least).enumerate();
+        columns
+            .map(|(column, (whole, least))| match column {
+                0 => *whole,
+                _ => (*whole).min(most).max(*least),
+            })
+            .collect()
+    }
+
+    /// The columns in blocks that fit `limit`, each with the first columns before its own: one block where
+    /// all of them fit.
     fn blocks(&self, limit: usize) -> Vec<Block> {
-        let widths: Vec<usize> = (0..self.headings.len()).map(|c| self.width(c)).collect();
-        let mut blocks: Vec<Block> = Vec::new();
-        for (column, width) in widths.iter().enumerate() {
-            let last = blocks.last_mut();
-            let is_first = column == 0;
-            let is_sentence =
-                column + 1 == widths.len() && self.headings[column].1 == Align::Left && !is_first;
-            if let Some(block) = last {
-                let left = limit.saturating_sub(block.width() + BETWEEN);
-                if *width <= left {
-                    block.push(column, *width);
-                    continue;
-                }
-                if is_sentence && left >= NARROWEST {
-                    block.push(column, left);
-                    continue;
-                }
+        let widths = self.widths(limit);
+        let total = |columns: usize| Block::of(&widths, 0..columns).width();
+        // First columns as wide as the terminal would leave room for nothing else.
+        let lead = (1..=self.lead)
+            .rev()
+            .find(|lead| total(*lead) <= limit / 2)
+            .unwrap_or(1);
+        let mut blocks = vec![Block::of(&widths, 0..lead.min(widths.len()))];
+        for column in lead..widths.len() {
+            let last = blocks.len() - 1;
+            let fits = blocks[last].width() + BETWEEN + widths[column] <= limit;
+            if !fits && blocks[last].columns.len() > lead {
+                blocks.push(Block::of(&widths, 0..lead));
             }
-            let mut block = Block::default();
-            if !is_first {
-                block.push(0, widths[0]);
-            }
-            let left = limit.saturating_sub(block.width() + BETWEEN);
-            block.push(
-                column,
-                match is_sentence && left >= NARROWEST {
-                    true => left.min(*width),
-                    false => *width,
-                },
-            );
-            // The first column alone is no block.
-            match blocks.last_mut() {
-                Some(only) if only.columns.len() == 1 => *only = block,
-                _ => blocks.push(block),
-            }
+            let last = blocks.len() - 1;
+            blocks[last].columns.push((column, widths[column]));
         }
         blocks
     }
 
     /// One line of a block for each line of its longest field.
-    fn lines(&self, block: &Block, fields: &[String], style: Style) -> String {
+    fn lines(&self, block: &Block, fields: &[String], is_heading: bool) -> String {
         let broken: Vec<Vec<String>> = block
             .columns
             .iter()
@@ -134,6 +160,10 @@ impl Table {
             })
             .collect();
         let height = broken.iter().map(Vec::len).max().unwrap_or(1);
+        let style = match is_heading {
+            true => Style::new().bold(),
+            false => Style::new(),
+        };
         let mut out = String::new();
         for at in 0..height {
             let padded = block
@@ -141,7 +171,10 @@ impl Table {
                 .iter()
                 .zip(&broken)
                 .map(|((column, width), lines)| {
-                    let field = lines.get(at).map_or("", String::as_str);
+                    // Headings stand on what they head.
+                    let above = if is_heading { height - lines.len() } else { 0 };
+                    let at = at.checked_sub(above);
+                    let field = at.and_then(|at| lines.get(at)).map_or("", String::as_str);
                     match self.headings[*column].1 {
                         Align::Left => format!("{field}{}", space(field, *width)),
                         Align::Right => format!("{}{field}", space(field, *width)),
@@ -160,10 +193,22 @@ impl Table {
         let blocks = self.blocks(limit);
         let shown = blocks.iter().map(|block| {
             let rows = self.rows.iter();
-            let rows = rows.map(|row| self.lines(block, row, Style::new()));
-            self.lines(block, &headings, Style::new().bold()) + &rows.collect::<String>()
+            let rows = rows.map(|row| self.lines(block, row, false));
+            self.lines(block, &headings, true) + &rows.collect::<String>()
         });
         shown.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Narrows the widest columns first, down to `least` each, until they take `room` together.
+fn narrow(widths: &mut [usize], least: &[usize], room: usize) {
+    while widths.iter().sum::<usize>() > room {
+        let excess = |column: &usize| widths[*column].saturating_sub(least[*column]);
+        let widest = (0..widths.len())
+            .filter(|c| excess(c) > 0)
+            .max_by_key(|c| (excess(c), *c));
+        let Some(column) = widest else { return };
+        widths[column] -= 1;
     }
 }
 
@@ -179,8 +224,10 @@ struct Block {
 }
 
 impl Block {
-    fn push(&mut self, column: usize, width: usize) {
-        self.columns.push((column, width));
+    fn of(widths: &[usize], columns: std::ops::Range<usize>) -> Self {
+        Block {
+            columns: columns.map(|column| (column, widths[column])).collect(),
+        }
     }
 
     fn width(&self) -> usize {
@@ -247,16 +294,23 @@ mod tests {
         table.row(["joint 2", "2.5", "3", ""]);
         let fitted = |limit| screen::plain(&table.fitted(limit));
         assert_eq!(
-            fitted(56),
+            fitted(62),
             "joint    first [mm]  second [mm]  between\n\
-             joint 1         1.5         22.5  a sentence of a few\n                                  \
-             words, and more\n\
+             joint 1         1.5         22.5  a sentence of a few words,\n                                  \
+             and more\n\
              joint 2         2.5            3\n"
         );
+        // Headings are broken before words are.
         assert_eq!(
-            fitted(40),
-            "joint    first [mm]  second [mm]\njoint 1         1.5         22.5\njoint 2         2.5            3\n\n\
-             joint    between\njoint 1  a sentence of a few words, and\n         more\njoint 2\n"
+            fitted(47),
+            "          first  second  between\njoint      [mm]    [mm]\n\
+             joint 1     1.5    22.5  a sentence of a few\n                        words, and more\n\
+             joint 2     2.5       3\n"
+        );
+        assert_eq!(
+            fitted(34),
+            "         first  second\njoint     [mm]    [mm]\njoint 1    1.5    22.5\njoint 2    2.5       3\n\n\
+             joint    between\njoint 1  a sentence of a few words,\n         and more\njoint 2\n"
         );
         for limit in 30..90 {
             assert!(

@@ -3,6 +3,7 @@
 mod capsules;
 mod fit;
 mod init;
+mod measure;
 mod measured;
 mod path;
 mod pose;
@@ -14,6 +15,7 @@ mod work;
 
 pub use capsules::{CapsulesArgs, MeshUnit};
 pub use init::{DhChoice, InitArgs};
+pub use measure::MeasureArgs;
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::{PoseArgs, PoseFrame, PosePoint};
@@ -94,6 +96,9 @@ pub enum Command {
     /// Monte Carlo simulation of identifications with tracker noise
     #[command(after_help = examples::SIMULATE)]
     Simulate(SimulateArgs),
+    /// Beside the robot: judge each posture as its readings arrive, and say when it is enough
+    #[command(after_help = examples::MEASURE)]
+    Measure(MeasureArgs),
     /// Transform from tracker to base axes from pairs of points, with residuals and uncertainty
     #[command(after_help = examples::REGISTER)]
     Register(RegisterArgs),
@@ -339,6 +344,8 @@ pub enum SchemaChoice {
     ResultZones,
     /// Output of `capsules --json`
     ResultCapsules,
+    /// Output of `measure --once --json`
+    ResultMeasure,
     /// Output of `pose --json`
     ResultPose,
     /// Output of `pose --from --json`

@@ -1,8 +1,9 @@
 //! Options of `stiffarm simulate`.
 
 use super::fit::ElasticArg;
-use super::values::{count, number};
+use super::values::{count, number, pause};
 use clap::Args;
+use std::time::Duration;
 use stiffarm::estimate::elastic::ElasticChoice;
 
 #[derive(Debug, Args)]
@@ -40,6 +41,9 @@ pub struct SimulateArgs {
     /// loads going up and down, repeats, drift, a base reflector (exact model)
     #[arg(long, value_name = "readings.csv")]
     pub readings: Option<String>,
+    /// The readings come as on a day in the cell: one load state more after each pause, for `stiffarm measure`
+    #[arg(long, value_name = "S", requires = "readings", value_parser = pause())]
+    pub slowly: Option<Duration>,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,

@@ -1,6 +1,7 @@
 //! Values that several commands read alike. Each number is refused where it cannot be
 //! meant: nothing that is computed from an option is infinite.
 
+use std::time::Duration;
 use stiffarm::units::Sense;
 
 /// A number of things to make: at least one, and not by a slip a million.
@@ -98,5 +99,13 @@ pub fn angle_step() -> impl Fn(&str) -> Result<f64, String> + Clone {
                     .to_string(),
             ),
         }
+    }
+}
+
+/// A pause between two things, in seconds.
+pub fn pause() -> impl Fn(&str) -> Result<Duration, String> + Clone {
+    |text| match text.trim().parse::<f64>() {
+        Ok(seconds) if (0.02..=3600.0).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err("give seconds from 0.02 to 3600".to_string()),
     }
 }

@@ -39,13 +39,9 @@ pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
     if let Some(target) = target {
         let drawing = cell_drawing(&named.cell, &postures, full)?;
         write_all(session, &[(target, render_drawing(&drawing))])?;
-        if let (false, Some(name)) = (session.has_failed() || on_stdout, &args.figure) {
+        if !session.has_failed() && !on_stdout && !drawing.notes.is_empty() {
             let notes = drawing.notes.iter().map(|note| format!("{}\n", note.text));
-            written = format!(
-                "{}{}wrote {name}\n",
-                title("Picture"),
-                notes.collect::<String>()
-            );
+            written = title("Picture") + &notes.collect::<String>();
         }
     }
     let text = || table(&named, &result) + &written;

@@ -115,9 +115,9 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         }
         out + &corrections(&result.compensation)
             + &notes(&result)
-            + &match session.has_failed() {
-                true => String::new(),
-                false => wrote(args),
+            + match (&args.output, &args.figure) {
+                (None, None) => "\n`--output commanded.csv` writes the path to command.\n",
+                _ => "",
             }
     })?;
     Ok(exit(&result))
@@ -130,15 +130,6 @@ fn exit(result: &Compensated) -> Exit {
         .iter()
         .chain(&result.postures.findings);
     Exit::finding(all.clone().any(|f| f.severity == Severity::Serious))
-}
-
-fn wrote(args: &CompensateArgs) -> String {
-    let files = [&args.output, &args.figure];
-    let names: Vec<&str> = files.into_iter().flatten().map(String::as_str).collect();
-    match names.is_empty() {
-        true => "\n`--output commanded.csv` writes the path to command.\n".to_string(),
-        false => format!("\nwrote {}\n", names.join(" and ")),
-    }
 }
 
 /// The path to command, in the columns of the path or as `write` says.

@@ -11,6 +11,7 @@ pub mod identify;
 pub mod init;
 pub mod man;
 pub mod map;
+pub mod measure;
 pub mod pose;
 pub mod predict;
 pub mod register;

@@ -1,8 +1,8 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    capsules, check, compensate, evaluate, identify, map, pose, predict, register, route, select,
-    simulate, study, validate, zones,
+    capsules, check, compensate, evaluate, identify, map, measure, pose, predict, register, route,
+    select, simulate, study, validate, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
@@ -60,6 +60,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
+        SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),
         SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
         SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
         SchemaChoice::ResultRoute => of::<route::Options, route::Routed>("route"),

@@ -158,6 +158,17 @@ pub fn check_targets(session: &Session, targets: &[Option<&Target>]) -> Result<(
 /// # Errors
 /// A file is an input of the same command, or standard output cannot be written.
 pub fn write_all<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result<()> {
+    write_unsaid(session, files)?;
+    for (target, _) in files.iter().filter(|_| !session.has_failed()) {
+        if let Target::File(path) | Target::Device(path) = target {
+            session.has_written(shown(path));
+        }
+    }
+    Ok(())
+}
+
+/// The same where the command itself says what was written.
+fn write_unsaid<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result<()> {
     for (target, _) in files {
         let Target::File(path) = target else { continue };
         session.refuse_input(path)?;
@@ -196,7 +207,7 @@ pub fn write_folder(
     match targets {
         Ok(targets) => {
             let texts = files.into_iter().map(|(_, text)| text);
-            write_all(session, &targets.into_iter().zip(texts).collect::<Vec<_>>())
+            write_unsaid(session, &targets.into_iter().zip(texts).collect::<Vec<_>>())
         }
         Err(error) => {
             session.fail(error);

@@ -12,5 +12,6 @@ pub mod identify;
 pub mod mixed;
 pub mod next_posture;
 pub mod simulate;
+pub mod standing;
 pub mod systematic;
 pub mod validate;

@@ -151,14 +151,6 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         for finding in of_path().chain(&result.prediction.findings) {
             out += &finding_line(finding);
         }
-        let names: Vec<&str> = [&args.output, &args.figure]
-            .into_iter()
-            .flatten()
-            .map(String::as_str)
-            .collect();
-        if !names.is_empty() && !session.has_failed() {
-            out += &format!("\nwrote {}\n", names.join(" and "));
-        }
         out
     })?;
     Ok(exit)

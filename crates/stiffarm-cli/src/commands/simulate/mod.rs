@@ -1,6 +1,7 @@
 //! `stiffarm simulate`: Monte Carlo of identifications with tracker noise.
 
 pub mod elastic;
+mod slowly;
 
 use crate::args::{ErrorArgs, SimulateArgs};
 use crate::files::{Target, check_targets, write_all};
@@ -82,7 +83,11 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     if let Some(target) = readings {
         let done = Experiment::as_measured(cell);
         let table = experiment(cell, first, truth, &done, args.seed, 0)?;
-        files.push((target, write_readings(&table, cell)));
+        let text = write_readings(&table, cell);
+        match args.slowly {
+            Some(pause) => write_slowly(session, &target, &text, pause)?,
+            None => files.push((target, text)),
+        }
     }
     write_all(session, &files)?;
     let table = || named.line() + &table(cell, &result, !model_errors.is_exact());
@@ -177,6 +182,7 @@ fn group_table(cell: &Cell, group: &GroupSimulation, joints: &[String]) -> Table
             .chain(["mean".to_string()]),
     );
     table.align(2, crate::table::Align::Left);
+    table.lead(3);
     for level in &group.levels {
         let factor = format!("× {}", level.variance_factor);
         let noise = format!(

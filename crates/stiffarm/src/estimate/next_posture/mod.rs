@@ -12,9 +12,11 @@
 //! shares of the load, each as often read.
 
 mod load;
+mod planned;
 mod search;
 
 pub use load::AssumedLoad;
+pub use planned::{PlannedErrors, planned_errors};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{Block, Estimator, Fit, Identification, Verdict, columns, rms};

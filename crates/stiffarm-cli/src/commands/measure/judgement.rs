@@ -1,0 +1,170 @@
+//! What the readings so far are worth: everything that one look at the files gives.
+
+use crate::args::MeasureArgs;
+use crate::session::Session;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use stiffarm::Result;
+use stiffarm::estimate::identify::{Fit, IdentifyOptions};
+use stiffarm::estimate::next_posture::{NextPosture, next_posture, planned_errors};
+use stiffarm::estimate::standing::{Standing, is_better, standing};
+use stiffarm::estimate::systematic::systematic_errors;
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::measure::prepare;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::measurement::Measurements;
+use stiffarm::model::posture::Posture;
+use stiffarm::plan::route::rounded;
+use stiffarm::plan::select::GlobalOptions;
+use stiffarm::{Control, Error};
+
+/// Rounds of the search for a better posture.
+const ROUNDS: u64 = 1;
+/// Steps of the angles of a posture that is proposed \[deg\].
+const STEP_DEG: f64 = 0.01;
+
+/// How the day stands.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct Judgement {
+    /// Postures of which a displacement can be formed, in the order of the readings.
+    pub measured: Vec<String>,
+    /// Postures that are begun.
+    pub begun: Vec<String>,
+    /// Planned postures that are left, in order; those begun are among them.
+    pub left: Vec<String>,
+    /// What is suspicious about the readings.
+    pub readings: Vec<Finding>,
+    /// What they give; `null` while that cannot be said.
+    pub standing: Option<Standing>,
+    /// Why that cannot be said yet.
+    pub standing_missing: Option<String>,
+    /// A posture that would help much more than the next planned one; `null` where there is none, or none
+    /// was looked for.
+    pub better: Option<NextPosture>,
+}
+
+/// Looks at the files once. `search` allows to look for a better posture.
+///
+/// # Errors
+/// Files that cannot be read or hold something wrong.
+pub fn judge(
+    session: &Session,
+    cell: &Cell,
+    plan: &[Posture],
+    args: &MeasureArgs,
+    search: bool,
+    control: Control<'_>,
+) -> Result<Judgement> {
+    let measurements = session.read_measurements(&args.readings, Some(&args.plan), cell)?;
+    let reduce = session.read_registration(args.registration.as_deref())?;
+    let begun = begun(&measurements);
+    let left_without = |measured: &BTreeSet<String>| -> Vec<Posture> {
+        let open = plan
+            .iter()
+            .filter(|posture| !measured.contains(&posture.name));
+        open.cloned().collect()
+    };
+    let not_yet = |error: &Error| Judgement {
+        measured: Vec::new(),
+        begun: begun.clone(),
+        left: names(&left_without(&BTreeSet::new())),
+        readings: Vec::new(),
+        standing: None,
+        standing_missing: Some(error.message().to_string()),
+        better: None,
+    };
+    let measured = match prepare(cell, measurements, &reduce) {
+        Ok(measured) => measured,
+        // The first posture is not complete yet.
+        Err(error) if error.code() == stiffarm::Code::TooFewData => return Ok(not_yet(&error)),
+        Err(error) => return Err(error),
+    };
+    let mut done: Vec<String> = Vec::new();
+    for posture in &measured.postures {
+        if !done.contains(&posture.posture.name) {
+            done.push(posture.posture.name.clone());
+        }
+    }
+    let known: BTreeSet<String> = done.iter().cloned().collect();
+    let left = left_without(&known);
+    let readings: Vec<Finding> = measured
+        .findings()
+        .filter(|f| f.code != stiffarm::measure::NOT_MEASURED_YET)
+        .cloned()
+        .collect();
+    let mut out = Judgement {
+        begun: begun
+            .into_iter()
+            .filter(|name| !known.contains(name))
+            .collect(),
+        measured: done,
+        left: names(&left),
+        readings,
+        standing: None,
+        standing_missing: None,
+        better: None,
+    };
+    let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
+    let found =
+        systematic_errors(&fit).and_then(|budget| standing(&fit, &budget, &left, args.until));
+    match found {
+        Ok(found) => out.standing = Some(found),
+        Err(error) => {
+            out.standing_missing = Some(error.message().to_string());
+            return Ok(out);
+        }
+    }
+    let sound = out.readings.iter().all(|f| f.severity != Severity::Serious);
+    let reached = out.standing.as_ref().and_then(|standing| standing.reached);
+    if search && sound && reached != Some(true) {
+        out.better = better(&fit, cell, &left, args.seed, control)?;
+    }
+    Ok(out)
+}
+
+/// A posture that helps much more than the next planned one, with angles that one can type.
+fn better(
+    fit: &Fit,
+    cell: &Cell,
+    left: &[Posture],
+    seed: u64,
+    control: Control<'_>,
+) -> Result<Option<NextPosture>> {
+    let mut options = GlobalOptions::default();
+    options.seed = seed;
+    options.rounds = Some(ROUNDS);
+    let Ok(planned) = planned_errors(fit, left) else {
+        return Ok(None);
+    };
+    // Stopped, or no posture helps: the plan stands.
+    let Ok(mut found) = next_posture(fit, &options, control) else {
+        return Ok(None);
+    };
+    if !is_better(&found, &planned) {
+        return Ok(None);
+    }
+    found.angles = rounded(cell, &[&found.angles], STEP_DEG)?.swap_remove(0);
+    Ok(Some(found))
+}
+
+/// Postures with a reading.
+fn begun(measurements: &Measurements) -> Vec<String> {
+    match measurements {
+        Measurements::Readings(table) => {
+            let postures = table.postures.iter().chain(&table.incomplete);
+            let names = postures.map(|posture| posture.posture.name.clone());
+            names.filter(|name| table.has_readings_of(name)).collect()
+        }
+        Measurements::Displacements(postures) => {
+            postures.iter().map(|p| p.posture.name.clone()).collect()
+        }
+    }
+}
+
+fn names(postures: &[Posture]) -> Vec<String> {
+    postures
+        .iter()
+        .map(|posture| posture.name.clone())
+        .collect()
+}

@@ -1,0 +1,159 @@
+//! Waits for readings and says what each change of the files brings. The files are the only memory: what is begun again
+//! reads them from the start, so nothing is lost when it is stopped.
+
+use super::judgement::{Judgement, judge};
+use super::{is_serious, words};
+use crate::args::MeasureArgs;
+use crate::commands::wrapped_line;
+use crate::interrupt;
+use crate::output::Exit;
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::table::green;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::Posture;
+use stiffarm::{Code, Control, Error, Result};
+
+/// Longest time without a look at whether the user stopped.
+const NAP: Duration = Duration::from_millis(50);
+
+/// Waits, judges and tells until the goal is reached, the plan is measured, or the user stops.
+pub(super) fn watch(session: &Session, args: &MeasureArgs) -> Result<Exit> {
+    if args.readings.iter().any(|from| from == "-") {
+        let message = "Standard input cannot be waited for.";
+        return Err(Error::new(Code::Usage, message).hint("give a file, or add --once"));
+    }
+    interrupt::listen();
+    let named = session.read_cell(&args.cell)?;
+    let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
+    session.print(&format!(
+        "{}waiting for readings of {} postures; Ctrl-C ends, and starting again goes on\n",
+        named.line(),
+        plan.len()
+    ))?;
+    let mut day = Day::default();
+    loop {
+        if interrupt::stopped() {
+            return Ok(Exit::Interrupted);
+        }
+        let stamp = stamp(&args.readings);
+        if stamp.is_some() && stamp != day.stamp {
+            day.stamp = stamp;
+            if let Some(exit) = day.look(session, &named.cell, &plan, args)? {
+                return Ok(exit);
+            }
+        }
+        let mut slept = Duration::ZERO;
+        while slept < args.every && !interrupt::stopped() {
+            let nap = NAP.min(args.every - slept);
+            std::thread::sleep(nap);
+            slept += nap;
+        }
+    }
+}
+
+/// Size and time of each file that is there; `None` where none is.
+fn stamp(files: &[String]) -> Option<Vec<Option<(u64, SystemTime)>>> {
+    let of = |file: &String| {
+        let meta = std::fs::metadata(Path::new(file)).ok()?;
+        Some((meta.len(), meta.modified().ok()?))
+    };
+    let all: Vec<_> = files.iter().map(of).collect();
+    all.iter().any(Option::is_some).then_some(all)
+}
+
+/// What has been said so far.
+#[derive(Default)]
+struct Day {
+    stamp: Option<Vec<Option<(u64, SystemTime)>>>,
+    measured: Vec<String>,
+    findings: Vec<Finding>,
+    failure: Option<String>,
+    reached: bool,
+}
+
+impl Day {
+    /// Looks at the files again; an exit where there is nothing left to wait for.
+    fn look(
+        &mut self,
+        session: &Session,
+        cell: &Cell,
+        plan: &[Posture],
+        args: &MeasureArgs,
+    ) -> Result<Option<Exit>> {
+        // A look of its own: what is quoted in messages is what is there now.
+        let own = session.afresh();
+        let progress = Progress::new(session, "judging the readings");
+        let found = progress
+            .watch(|control: Control<'_>| judge(&own, cell, plan, args, !args.no_search, control));
+        drop(progress);
+        let found = match found {
+            Ok(found) => found,
+            Err(error) if error.code() == Code::Interrupted => return Ok(Some(Exit::Interrupted)),
+            // An export in the middle of being written, or a slip: said once, and waited for.
+            Err(error) => {
+                let text = crate::error::in_words(&own, &error);
+                if self.failure.as_deref() != Some(text.as_str()) {
+                    session.print(&format!("\n{text}"))?;
+                    self.failure = Some(text);
+                }
+                return Ok(None);
+            }
+        };
+        if self.failure.take().is_some() {
+            session.print("the readings can be read again\n")?;
+        }
+        session.print(&self.news(cell, plan, &found, args.until))?;
+        let reached = found.standing.as_ref().and_then(|s| s.reached) == Some(true);
+        let serious = is_serious(&found);
+        self.measured = found.measured;
+        self.findings = found.readings;
+        self.reached = reached;
+        Ok(match (serious, reached || found.left.is_empty()) {
+            (false, true) => Some(Exit::finding(args.until.is_some() && !reached)),
+            // Something is still to be settled.
+            _ => None,
+        })
+    }
+
+    /// What is new since the last look; nothing where only parts of a posture have come.
+    fn news(&self, cell: &Cell, plan: &[Posture], found: &Judgement, goal: Option<f64>) -> String {
+        let is_new = |name: &&String| !self.measured.contains(name);
+        let postures: Vec<String> = found.measured.iter().filter(is_new).cloned().collect();
+        let known = |list: &[Finding], f: &Finding| {
+            let same = |other: &Finding| other.code == f.code && other.subject == f.subject;
+            list.iter().any(same)
+        };
+        let new: Vec<Finding> = found
+            .readings
+            .iter()
+            .filter(|f| !known(&self.findings, f))
+            .cloned()
+            .collect();
+        let settled = self
+            .findings
+            .iter()
+            .filter(|f| f.severity == Severity::Serious && !known(&found.readings, f));
+        let settled: Vec<&Finding> = settled.collect();
+        if postures.is_empty() && new.is_empty() && settled.is_empty() {
+            return String::new();
+        }
+        let mut out = "\n".to_string();
+        for finding in &settled {
+            out += &format!("{}: {}\n", green("settled"), finding.subject);
+        }
+        out += &words::soundness(&postures, &new);
+        for finding in &new {
+            out += &(wrapped_line(finding) + "\n");
+        }
+        out += &words::verdict(found, goal);
+        if !is_serious(found) {
+            out += &words::joints(found);
+            out += &words::next(cell, plan, found);
+        }
+        out
+    }
+}
