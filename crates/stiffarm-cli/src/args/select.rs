@@ -118,8 +118,9 @@ pub struct OutputArgs {
     /// Write the postures to this file; with --curve the curve as CSV
     #[arg(long, value_name = "plan.csv")]
     pub output: Option<String>,
-    /// Write a sheet for the readings, pre-filled per posture, load state and point
-    #[arg(long, value_name = "measurements.csv", conflicts_with = "curve")]
+    /// Write a sheet for the readings, pre-filled per posture, load state and point: CSV, or
+    /// a workbook with a page to print where the name ends in .xlsx
+    #[arg(long, value_name = "measurements.xlsx", conflicts_with = "curve")]
     pub sheet: Option<String>,
     /// Draw the cell at the postures, the one with the least room in full
     #[arg(long, value_name = "FILE.svg", conflicts_with = "curve")]

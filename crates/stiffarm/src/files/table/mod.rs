@@ -55,7 +55,9 @@ pub use path::{PathFormat, PathKind, PathTable, read_path, write_path};
 pub use poses::{NamedPose, read_poses, write_poses};
 pub use postures::read_postures;
 pub use readings::read_readings;
-pub use sheet::{SheetOptions, displacement_sheet, reading_sheet};
+#[cfg(feature = "xlsx")]
+pub use sheet::write_sheet_workbook;
+pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, reading_sheet};
 pub(crate) use text::decode;
 pub use write::{write_displacements, write_postures, write_readings};
 

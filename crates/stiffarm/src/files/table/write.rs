@@ -117,6 +117,7 @@ fn target<'n>(reading: &'n Reading, cell: &'n Cell) -> &'n String {
 }
 
 /// The columns of a measurement table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) values: Values,
     pub(super) forces: bool,

@@ -41,7 +41,7 @@ fn sheets_to_fill_in() -> Check {
             options(&[], false, false),
         ),
     ] {
-        let sheet = reading_sheet(one, &options, &cell);
+        let sheet = reading_sheet(one, &options, &cell).to_csv();
         report += &format!("» {what}\n{sheet}\n");
         let error = readings(&sheet, &cell).unwrap_err();
         assert!(error.message().contains("is empty"), "{error}");

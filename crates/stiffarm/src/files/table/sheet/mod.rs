@@ -1,4 +1,13 @@
-//! Sheets to fill in beside the robot.
+//! Sheets to fill in beside the robot: rows as data first, then text or a workbook.
+
+mod loads;
+#[cfg(feature = "xlsx")]
+mod page;
+#[cfg(feature = "xlsx")]
+mod workbook;
+
+#[cfg(feature = "xlsx")]
+pub use workbook::write_sheet_workbook;
 
 use super::columns::Values;
 use super::displacements::DEFAULT_STATE;
@@ -57,33 +66,100 @@ fn default_states(cell: &Cell) -> Vec<String> {
     }
 }
 
+/// A table to fill in: one row per reading, in measuring order.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Sheet {
+    /// What stands above the columns, units included.
+    pub headings: Vec<String>,
+    /// The rows, in the order in which they are taken.
+    pub rows: Vec<SheetRow>,
+    layout: Layout,
+}
+
+/// One reading to take.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct SheetRow {
+    /// The posture, with the controller angles to drive to \[rad\].
+    pub posture: Posture,
+    /// Name of the load state.
+    pub state: String,
+    /// Name of the measuring point, or of the reflector on the base.
+    pub point: String,
+    /// Force of rope, cylinder or weight in this state \[N\], where the cell or the
+    /// state's name gives it.
+    pub load: Option<f64>,
+}
+
+impl Sheet {
+    /// Makes a row for each posture, state and point.
+    fn new(
+        layout: Layout,
+        postures: &[Posture],
+        states: &[String],
+        points: &[&str],
+        cell: &Cell,
+    ) -> Self {
+        let loads = match layout.loads {
+            true => loads::planned(states, &cell.setup.load),
+            false => vec![None; states.len()],
+        };
+        let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
+        for posture in postures {
+            for (state, load) in states.iter().zip(&loads) {
+                rows.extend(points.iter().map(|point| SheetRow {
+                    posture: posture.clone(),
+                    state: state.clone(),
+                    point: (*point).to_string(),
+                    load: *load,
+                }));
+            }
+        }
+        Sheet {
+            headings: layout.heading(cell),
+            rows,
+            layout,
+        }
+    }
+
+    /// What stands in the fields of a row; an empty text is to be filled in.
+    fn fields(&self, row: &SheetRow) -> Vec<String> {
+        let mut fields = vec![
+            row.posture.name.clone(),
+            row.state.clone(),
+            row.point.clone(),
+        ];
+        fields.extend([""; 3].map(String::from));
+        fields.extend(self.layout.optional(None, row.load, None));
+        fields.extend(degrees(&row.posture.q));
+        fields
+    }
+
+    /// The sheet as CSV text.
+    pub fn to_csv(&self) -> String {
+        let rows = self.rows.iter().map(|row| line(&self.fields(row)));
+        line(&self.headings) + &rows.collect::<String>()
+    }
+}
+
 /// A sheet for raw readings: the rows of [`read_readings`](super::read_readings)
 /// for each posture, load state and point, with empty fields for what is to be
 /// read. It has columns of force where the cell has a sensor or its load is
-/// measured, `load_n` where a rope, cylinder or weight has several load states, and the
+/// measured, else `load_n` where the load is a rope, cylinder or weight, and the
 /// angles of the posture, to be replaced by those that the controller shows.
-pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> String {
+///
+/// `load_n` is filled in where it is certain: with the cell's own force where a load has
+/// one state, or with the one number in the state's name (`up-250`, `500N`) where it is a
+/// force that the cell's load can have.
+pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> Sheet {
     let states = options.all_states(cell);
     let forces = asks_for_forces(cell) || cell.sensor.is_some();
-    let loaded: Vec<&str> = states
-        .iter()
-        .map(String::as_str)
-        .filter(|state| Role::of(state) != Role::Unloaded)
-        .collect();
-    // Several states under one load differ in its size.
-    let cases = cell.setup.load.cases();
-    let several = match cases {
-        [] => loaded.len() > 1 && cell.setup.load.size().is_some(),
-        _ => cases.iter().any(|case| {
-            let own = loaded.iter().filter(|state| case.is_of(state));
-            own.count() > 1 && case.load.size().is_some()
-        }),
-    };
     let layout = Layout {
         values: Values::Positions,
         forces,
         moments: cell.sensor.is_some(),
-        loads: several && !forces,
+        loads: !forces && cell.setup.load.each().any(|load| load.size().is_some()),
         times: true,
     };
     let points = cell.setup.tool.measuring_points.iter();
@@ -91,17 +167,17 @@ pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) 
     if options.base_reflector {
         points.push("base");
     }
-    let states: Vec<&str> = states.iter().map(String::as_str).collect();
-    rows(&layout, postures, &states, &points, cell)
+    Sheet::new(layout, postures, &states, &points, cell)
 }
 
 /// A sheet for displacements that were calculated elsewhere: the rows of
 /// [`read_displacements`](super::read_displacements) for each posture, load
 /// state (if none is named `loaded`, or the cell's load cases) and measuring point.
-pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> String {
-    let own = default_states(cell);
-    let own: Vec<&str> = own.iter().map(String::as_str).collect();
-    let states = if states.is_empty() { &own } else { states };
+pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> Sheet {
+    let states = match states {
+        [] => default_states(cell),
+        _ => states.iter().map(|state| (*state).to_string()).collect(),
+    };
     let layout = Layout {
         values: Values::Displacements,
         forces: asks_for_forces(cell),
@@ -111,33 +187,9 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
     };
     let points = cell.setup.tool.measuring_points.iter();
     let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
-    rows(&layout, postures, states, &points, cell)
+    Sheet::new(layout, postures, &states, &points, cell)
 }
 
 fn asks_for_forces(cell: &Cell) -> bool {
     cell.setup.load == Load::Measured || cell.setup.tool.has_sensor
-}
-
-/// A heading, and a row to fill in for each posture, state and point.
-fn rows(
-    layout: &Layout,
-    postures: &[Posture],
-    states: &[&str],
-    points: &[&str],
-    cell: &Cell,
-) -> String {
-    let mut text = line(&layout.heading(cell));
-    for posture in postures {
-        for state in states {
-            for point in points {
-                let names = [posture.name.as_str(), state, point];
-                let mut fields: Vec<String> = names.map(String::from).into();
-                fields.extend([""; 3].map(String::from));
-                fields.extend(layout.optional(None, None, None));
-                fields.extend(degrees(&posture.q));
-                text += &line(&fields);
-            }
-        }
-    }
-    text
 }
