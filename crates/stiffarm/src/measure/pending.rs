@@ -17,32 +17,20 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
     }
     let filled = table.filled();
     let rows = filled + table.pending.len();
-    let mut whole: Vec<&str> = Vec::new();
-    let mut partly: Vec<String> = Vec::new();
-    let mut rest = table.pending.as_slice();
     let mut seen: Vec<&str> = Vec::new();
-    while let Some(first) = rest.first() {
-        let name = first.posture.as_str();
-        rest = &rest[1..];
-        if seen.contains(&name) {
-            continue;
-        }
-        seen.push(name);
-        match table.has_readings_of(name) {
-            false => whole.push(name),
-            true => partly.push(missing(table, name)),
+    for row in &table.pending {
+        // Rows of a posture mostly stand together.
+        if seen.last() != Some(&row.posture.as_str()) && !seen.contains(&row.posture.as_str()) {
+            seen.push(&row.posture);
         }
     }
-    let mut parts = Vec::new();
-    if !whole.is_empty() {
-        let word = if whole.len() == 1 {
-            "posture"
-        } else {
-            "postures"
-        };
-        parts.push(format!("{word} {}", shortened(&whole)));
-    }
-    parts.extend((!partly.is_empty()).then(|| format!("of posture {}", shortened(&partly))));
+    let open: Vec<String> = seen
+        .iter()
+        .map(|posture| match table.has_readings_of(posture) {
+            false => (*posture).to_string(),
+            true => missing(table, posture),
+        })
+        .collect();
     let left_out: Vec<&str> = table
         .incomplete
         .iter()
@@ -51,7 +39,7 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
     let left_out = match left_out.as_slice() {
         [] => String::new(),
         names => format!(
-            " Left out until it is measured unloaded and loaded: {}.",
+            " Left out until measured both unloaded and loaded: {}.",
             shortened(names)
         ),
     };
@@ -60,8 +48,13 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
         Severity::Note,
         "readings",
         format!(
-            "Not measured yet: {}; {filled} of {rows} rows are filled in.{left_out}",
-            parts.join("; ")
+            "Not measured yet: {} {}; {filled} of {rows} rows are filled in.{left_out}",
+            if open.len() == 1 {
+                "posture"
+            } else {
+                "postures"
+            },
+            shortened(&open)
         ),
     ))
 }

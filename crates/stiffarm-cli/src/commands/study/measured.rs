@@ -54,7 +54,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         // It counts one load per posture.
         options.indices.retain(|index| *index != Index::Prediction);
     }
-    let measurements = session.read_measurements(from, None, &named.cell)?;
+    let measurements = session.read_measurements(&[from.to_string()], None, &named.cell)?;
     let reduce = session.read_registration(args.splits.registration.as_deref())?;
     check_folder(session, &args.output_dir, FILES, args.force)?;
     let measured = prepare(&named.cell, measurements, &reduce)?;
