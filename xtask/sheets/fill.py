@@ -54,10 +54,24 @@ def rows_to_fill(planned, readings):
         yield number, name, values
 
 
+def check_made(book):
+    """The sheet is what docs/readings.md says of it."""
+    table, page = book.worksheets[0], book.worksheets[1]
+    assert table.protection.sheet and not table.protection.password, "protected, without a password"
+    assert table.freeze_panes == "D2", table.freeze_panes
+    assert all(cell.protection.locked for row in table["A1:C9"] for cell in row), "the plan is locked"
+    assert not table.column_dimensions["A"].protection.locked, "rows below are open"
+    kinds = [(str(v.sqref).split(":")[0], v.type) for v in table.data_validations.dataValidation]
+    lists = [place for place, kind in kinds if kind == "list"]
+    assert lists == ["A2", "B2", "C2"] and len(kinds) == table.max_column, kinds
+    assert (page.title, str(page.page_setup.paperSize)) == ("Print", page.PAPERSIZE_A4), page.title
+
+
 def fill_openpyxl(sheet, filled, readings):
     import openpyxl
 
     book = openpyxl.load_workbook(sheet)
+    check_made(book)
     table = book.worksheets[0]
     headings = [cell.value for cell in table[1]]
     planned = [tuple(cell.value for cell in row[:3]) for row in table.iter_rows(min_row=2)]

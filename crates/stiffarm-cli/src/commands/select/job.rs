@@ -24,7 +24,7 @@ use stiffarm::plan::index::Index;
 use stiffarm::plan::select::RoundReport;
 use stiffarm::units::m_to_mm;
 use stiffarm::{Code, Error, Result};
-use stiffarm_report::{Full, cell_drawing, render_drawing};
+use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 
 /// Postures of a plan unless their number is given.
 pub(super) const POSTURES: u64 = 6;
@@ -148,6 +148,7 @@ pub(super) struct Outputs {
     main: Option<Target>,
     sheet: Option<(Target, SheetFormat)>,
     figure: Option<Target>,
+    print: Option<Target>,
     sheet_of: SheetChoice,
     options: SheetOptions,
 }
@@ -161,8 +162,9 @@ impl Outputs {
         };
         let format = args.sheet.as_deref().map(SheetFormat::of).transpose()?;
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
-        let figure = target(&args.figure)?;
-        check_targets(session, &[main.as_ref(), sheet.as_ref(), figure.as_ref()])?;
+        let (figure, print) = (target(&args.figure)?, target(&args.print)?);
+        let all = [&main, &sheet, &figure, &print].map(Option::as_ref);
+        check_targets(session, &all)?;
         for state in &args.states {
             check_name(state).map_err(|e| e.key("--states"))?;
         }
@@ -185,6 +187,7 @@ impl Outputs {
             main,
             sheet: sheet.zip(format),
             figure,
+            print,
             sheet_of,
             options,
         })
@@ -192,10 +195,9 @@ impl Outputs {
 
     fn use_stdout(&self) -> bool {
         let sheet = self.sheet.as_ref().map(|(target, _)| target);
-        [self.main.as_ref(), sheet, self.figure.as_ref()]
-            .into_iter()
-            .flatten()
-            .any(Target::is_stdout)
+        let own = [&self.main, &self.figure, &self.print].map(Option::as_ref);
+        let mut all = own.into_iter().chain([sheet]).flatten();
+        all.any(Target::is_stdout)
     }
 
     /// Refuses states of the sheet that no reading under the cell's load cases can have.
@@ -233,15 +235,19 @@ impl Outputs {
         if let Some(plan) = &self.main {
             files.push((plan.clone(), Box::new(write_postures(postures))));
         }
+        let sheet = || match self.sheet_of {
+            SheetChoice::Readings => reading_sheet(postures, &self.options, cell),
+            SheetChoice::Displacements => {
+                let states = self.options.states.iter();
+                let states: Vec<&str> = states.map(String::as_str).collect();
+                displacement_sheet(postures, &states, cell)
+            }
+        };
+        if let Some(page) = &self.print {
+            files.push((page.clone(), Box::new(plan_page(cell, &sheet())?)));
+        }
         if let Some((target, format)) = &self.sheet {
-            let sheet = match self.sheet_of {
-                SheetChoice::Readings => reading_sheet(postures, &self.options, cell),
-                SheetChoice::Displacements => {
-                    let states = self.options.states.iter();
-                    let states: Vec<&str> = states.map(String::as_str).collect();
-                    displacement_sheet(postures, &states, cell)
-                }
-            };
+            let sheet = sheet();
             let contents: Box<dyn Contents> = match format {
                 SheetFormat::Text => Box::new(sheet.to_csv()),
                 SheetFormat::Workbook => Box::new(write_sheet_workbook(&sheet, cell)?),

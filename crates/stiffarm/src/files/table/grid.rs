@@ -1,6 +1,7 @@
 //! A table as headings and rows, whatever file it came from.
 
 use super::foreign::own_unit;
+use super::naming::{DATE, NAME, normal};
 use super::quantity::Unit;
 pub(super) use super::rows::{Field, Row, Rows};
 use crate::error::{Code, Error, Result};
@@ -63,17 +64,6 @@ pub(super) struct Table<'a> {
 pub(super) struct Column {
     pub(super) at: usize,
     pub(super) unit: Option<Unit>,
-}
-
-/// The column whose text is split into posture, state and point.
-pub(super) const NAME: &str = "name";
-
-/// A column of dates beside one of times.
-pub(super) const DATE: &str = "date";
-
-/// A name of a column without case, outer spaces and the two signs for micro.
-pub(super) fn normal(name: &str) -> String {
-    name.trim().to_lowercase().replace(['µ', 'μ'], "u")
 }
 
 impl<'a> Table<'a> {

@@ -2,7 +2,8 @@
 //! each with one of its units.
 
 use super::foreign::suggestion;
-use super::grid::{Column, Table, normal};
+use super::grid::{Column, Table};
+use super::naming::normal;
 use super::quantity::{Quantity, Unit};
 use crate::error::{Code, Error, Result, did_you_mean};
 use std::collections::BTreeMap;
@@ -96,7 +97,7 @@ impl<'a> Table<'a> {
             let message = "The first line holds numbers; it must name the columns.";
             let mut hint = format!("columns: {}", list(known, ","));
             if is_foreign(known) {
-                hint += "; or say in [columns] of the cell file what the columns are, for example order = [\"name\", \"x_mm\", \"y_mm\", \"z_mm\"], or which software wrote them: profile = \"…\"";
+                hint += "; or say in [columns] of the cell file what the columns are, for example order = [\"name\", \"x_mm\", \"y_mm\", \"z_mm\"], or which software wrote them, for example profile = \"spatialanalyzer\"";
             }
             return Err(self
                 .heading_error(None, Code::TableHeading, message)
@@ -181,10 +182,12 @@ impl<'a> Table<'a> {
         let keys = suggestion(&self.headings, is_known).filter(|_| foreign);
         let suggested = keys.map(|keys| {
             format!(
-                "say in [columns] of the cell file what these headings are, for example: {keys}"
+                "say in [columns] of the cell file what these headings are, each with the unit that the file has, for example: {keys}"
             )
         });
-        if let Some(hint) = suggested.clone().filter(|_| others > 1) {
+        // A heading of ours with a unit of its own is a matter of that unit.
+        let own = known.iter().any(|k| k.stem == stem(name)) && stem(name) != name;
+        if let Some(hint) = suggested.clone().filter(|_| others > 1 && !own) {
             return error.hint(hint);
         }
         if let Some((joint, unit)) = joint_number(name).filter(|_| joints > 0) {

@@ -33,6 +33,7 @@ mod foreign;
 mod grid;
 mod heading;
 mod measurements;
+mod naming;
 mod pairs;
 mod path;
 mod poses;

@@ -55,6 +55,16 @@ fn rows_without_a_position_are_not_measured_yet() -> Check {
          Left out until measured both unloaded and loaded: P2."
     );
 
+    // Written and read again it is the same.
+    let written = write_readings(&part, &cell);
+    let again = readings(&written, &cell)?;
+    assert_eq!(
+        without_lines(again.clone()).postures,
+        without_lines(part.clone()).postures
+    );
+    assert_eq!(sentence(&again), sentence(&part));
+    assert_eq!(write_readings(&again, &cell), written);
+
     // One point of a state is missing: what is there counts.
     let point = readings(
         &sheet(|p, s, q| p != "P2" || s == "unloaded" || q == "left"),

@@ -1,6 +1,6 @@
 //! Which row of a file is the heading, and units in brackets.
 
-use crate::files::table::grid::{DATE, NAME, normal};
+use crate::files::table::naming::{DATE, NAME, normal};
 use crate::files::table::quantity::Quantity;
 use crate::model::cell::Columns;
 

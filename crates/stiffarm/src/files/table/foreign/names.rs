@@ -1,7 +1,8 @@
 //! Names that hold several names: `collection::group::point`.
 
 use crate::error::{Code, Result};
-use crate::files::table::grid::{Column, Field, Heading, NAME, Rows, Table};
+use crate::files::table::grid::{Column, Field, Heading, Rows, Table};
+use crate::files::table::naming::NAME;
 use crate::model::cell::NamePattern;
 
 /// Replaces the column `name` by the columns of the pattern.

@@ -1,6 +1,7 @@
 //! What to write into `[columns]` for the headings of a file.
 
-use crate::files::table::grid::{Heading, NAME};
+use crate::files::table::grid::Heading;
+use crate::files::table::naming::NAME;
 
 /// Headings that a hint lists before it is cut.
 const MOST: usize = 12;
@@ -22,7 +23,12 @@ pub(in crate::files::table) fn suggestion(
             taken.extend(OURS.iter().find(|own| **own == heading.name));
             continue;
         }
-        let there = |key: &str| taken.contains(&key) || headings.iter().any(|h| h.name == key);
+        let there = |key: &str| {
+            taken.contains(&key)
+                || headings
+                    .iter()
+                    .any(|h| h.name == key && h.name != heading.name)
+        };
         match key(&heading.name).filter(|key| !there(key)) {
             Some(key) => {
                 taken.push(key);
@@ -63,7 +69,14 @@ fn key(name: &str) -> Option<&'static str> {
         .filter(|word| !word.is_empty())
         .collect();
     let has = |wanted: &[&str]| words.iter().any(|word| wanted.contains(word));
-    let metres = words.last() == Some(&"m");
+    let unit = match () {
+        () if has(&["m", "metres", "meters"]) => 1,
+        () if has(&["um", "microns"]) => 2,
+        () if has(&["in", "inch", "inches"]) => 3,
+        // No unit of ours: nothing to map it to.
+        () if has(&["cm", "dm", "km", "ft", "feet"]) => return None,
+        () => 0,
+    };
     let deviation = has(&[
         "nominal",
         "dev",
@@ -78,9 +91,9 @@ fn key(name: &str) -> Option<&'static str> {
     ]);
     match () {
         () if deviation => None,
-        () if has(&["x", "x1"]) => Some(if metres { "x_m" } else { "x_mm" }),
-        () if has(&["y", "y1"]) => Some(if metres { "y_m" } else { "y_mm" }),
-        () if has(&["z", "z1"]) => Some(if metres { "z_m" } else { "z_mm" }),
+        () if has(&["x", "x1"]) => Some(["x_mm", "x_m", "x_um", "x_in"][unit]),
+        () if has(&["y", "y1"]) => Some(["y_mm", "y_m", "y_um", "y_in"][unit]),
+        () if has(&["z", "z1"]) => Some(["z_mm", "z_m", "z_um", "z_in"][unit]),
         () if has(&["time", "timestamp", "datetime", "zeit", "heure"]) => Some("time_s"),
         () if has(&["date", "datum"]) => Some("date"),
         () if has(&["collection", "pose", "workpiece"]) => Some("posture"),
@@ -88,5 +101,28 @@ fn key(name: &str) -> Option<&'static str> {
         () if has(&["target", "reflector", "smr", "point"]) && !has(&["name"]) => Some("point"),
         () if has(&["name", "label", "feature", "object", "id"]) => Some(NAME),
         () => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_of_a_heading_is_that_of_its_key() {
+        for (name, wanted) in [
+            ("center x", Some("x_mm")),
+            ("actual y (m)", Some("y_m")),
+            ("z [um]", Some("z_um")),
+            ("x inch", Some("x_in")),
+            ("center x (cm)", None),
+            ("dev x", None),
+            ("x nominal", None),
+            ("point id", Some("point")),
+            ("point name", Some(NAME)),
+            ("measured at", None),
+        ] {
+            assert_eq!(key(name), wanted, "{name}");
+        }
     }
 }

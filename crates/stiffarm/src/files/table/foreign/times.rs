@@ -1,7 +1,8 @@
 //! Times as clocks and spreadsheets show them, as seconds since the first reading.
 
 use crate::error::{Code, Error, Result};
-use crate::files::table::grid::{DATE, Heading, Style, Table};
+use crate::files::table::grid::{Field, Heading, Style, Table};
+use crate::files::table::naming::DATE;
 use crate::model::cell::DateOrder;
 
 /// What a cell of a workbook that holds a date or a time begins with.
@@ -31,6 +32,16 @@ pub(super) fn to_seconds(table: &mut Table<'_>, dates: Option<DateOrder>) -> Res
     };
     let date = find(&|heading| heading.name == DATE);
     let in_days = table.headings[at].name == DAYS;
+    let plain = |field: &Field| {
+        field.text.is_empty() || (!field.other && field.text.parse::<f64>().is_ok())
+    };
+    let all_plain = {
+        let mut fields = table.rows.below().filter_map(|row| row.fields.get(at));
+        fields.all(plain)
+    };
+    if !in_days && date.is_none() && all_plain {
+        return Ok(());
+    }
     let stamps = stamps(table, at, date, in_days)?;
     if !in_days && date.is_none() && stamps.iter().all(|s| matches!(s.1, Clock::Number(_))) {
         return Ok(());

@@ -136,6 +136,28 @@ impl Sheet {
         fields
     }
 
+    /// The names in the column of postures (0), states (1) or points (2), each once, in their order.
+    #[cfg(feature = "xlsx")]
+    fn names(&self, column: u16) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            let name = match column {
+                0 => &row.posture.name,
+                1 => &row.state,
+                _ => &row.point,
+            };
+            // Postures come in blocks; there are few states and points.
+            let known = match column {
+                0 => names.last() == Some(&name.as_str()),
+                _ => names.contains(&name.as_str()),
+            };
+            if !known {
+                names.push(name);
+            }
+        }
+        names
+    }
+
     /// The sheet as CSV text.
     pub fn to_csv(&self) -> String {
         let rows = self.rows.iter().map(|row| line(&self.fields(row)));

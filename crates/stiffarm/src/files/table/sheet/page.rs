@@ -1,11 +1,14 @@
 //! The page to print: the plan's postures, and a box to tick for each reading.
 
 use super::Sheet;
-use super::workbook::{PAPER_A4, names};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
+use crate::model::measurement::ReadingTarget;
 use crate::units::rad_to_deg;
 use rust_xlsxwriter::{Format, FormatAlign, FormatBorder, Worksheet, XlsxError};
+
+/// A4 in the format's list of papers (ECMA-376 Part 1, 18.3.1.63, paperSize 9).
+pub(super) const PAPER_A4: u8 = 9;
 
 type Done = std::result::Result<(), XlsxError>;
 
@@ -92,14 +95,21 @@ impl Page<'_> {
 
     /// A line for each posture and state in measuring order, with a box per point.
     fn readings(&mut self, sheet: &Sheet) -> Done {
-        let points = names(sheet, 2);
+        let points = sheet.names(2);
         let loads = sheet.headings.iter().any(|heading| heading == "load_n");
         let mut headings: Vec<String> = ["posture", "state"].map(String::from).to_vec();
         if loads {
             headings.push("load_n".to_string());
         }
         let first = headings.len() as u16;
-        headings.extend(points.iter().map(|point| format!("point {point}")));
+        headings.extend(
+            points
+                .iter()
+                .map(|point| match ReadingTarget::is_base_name(point) {
+                    true => (*point).to_string(),
+                    false => format!("point {point}"),
+                }),
+        );
         self.headings(&headings)?;
         let tick = self.boxed.clone().set_align(FormatAlign::Center);
         let per_state = points.len().max(1);

@@ -1,7 +1,7 @@
 //! A sheet as a workbook: headings with units, fields to fill in, drop-downs, and a page to print.
 
 use super::Sheet;
-use super::page;
+use super::page::{self, PAPER_A4};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::units::rad_to_shortest_deg;
@@ -67,27 +67,6 @@ fn build(sheet: &Sheet, cell: &Cell) -> std::result::Result<Vec<u8>, XlsxError> 
     workbook.save_to_buffer()
 }
 
-/// The names of postures, states and points, each once, in their order.
-pub(super) fn names(sheet: &Sheet, column: u16) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for row in &sheet.rows {
-        let name = match column {
-            0 => &row.posture.name,
-            1 => &row.state,
-            _ => &row.point,
-        };
-        // Postures come in blocks; there are few states and points.
-        let known = match column {
-            0 => names.last() == Some(&name.as_str()),
-            _ => names.contains(&name.as_str()),
-        };
-        if !known {
-            names.push(name);
-        }
-    }
-    names
-}
-
 /// The first worksheet.
 fn table(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), XlsxError> {
     let boxed = || {
@@ -145,9 +124,6 @@ fn table(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), Xl
     Ok(())
 }
 
-/// A4 in the format's list of papers (ECMA-376 Part 1, 18.3.1.63, paperSize 9).
-pub(super) const PAPER_A4: u8 = 9;
-
 /// Digits on the screen; the value keeps all.
 fn number_format(format: Format, heading: &str) -> Format {
     let (_, unit) = heading.rsplit_once('_').unwrap_or_default();
@@ -161,7 +137,7 @@ fn number_format(format: Format, heading: &str) -> Format {
 /// Width of a column in characters.
 fn width(sheet: &Sheet, column: u16, heading: &str) -> f64 {
     let names = match column < NAMES {
-        true => names(sheet, column),
+        true => sheet.names(column),
         false => Vec::new(),
     };
     let longest = names.iter().map(|name| name.chars().count()).max();
@@ -172,7 +148,7 @@ fn width(sheet: &Sheet, column: u16, heading: &str) -> f64 {
 /// One of the names of the plan; another is possible, with a warning.
 fn choice(sheet: &Sheet, column: u16) -> std::result::Result<DataValidation, XlsxError> {
     let letter = ["A", "B", "C"][usize::from(column)];
-    let count = names(sheet, column).len().max(1);
+    let count = sheet.names(column).len().max(1);
     let list = format!("={CHOICES}!${letter}$1:${letter}${count}");
     DataValidation::new()
         .allow_list_formula(Formula::new(list))
@@ -197,7 +173,7 @@ fn numbers(heading: &str) -> std::result::Result<DataValidation, XlsxError> {
 /// What the drop-downs offer.
 fn choices(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), XlsxError> {
     for column in 0..NAMES {
-        for (line, name) in (0..).zip(names(sheet, column)) {
+        for (line, name) in (0..).zip(sheet.names(column)) {
             worksheet.write_string(line, column, name)?;
         }
     }
