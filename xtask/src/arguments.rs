@@ -13,10 +13,12 @@ Usage: cargo xtask <command> [options]
 Commands:
   test [--install] [--require PARTS]
       Runs every test and closes with one line, `total: N passed, N failed, N skipped`.
-      --install         installs what a part needs and the machine lacks; nothing in this version, which
-                        needs Rust alone
-      --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, python, browser
+      --install         installs what a part needs and the machine lacks: LibreOffice for the sheets
+      --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, sheets, python,
+                        browser
       Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
+  sheets [--install]
+      Sheets filled by openpyxl and by LibreOffice, a part of test, alone.
   generate [--check]
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
@@ -85,6 +87,11 @@ pub enum Command {
     Lint,
     /// The library with every set of its features.
     Features,
+    /// Sheets that other programs fill, alone.
+    Sheets {
+        /// Install what the machine lacks.
+        install: bool,
+    },
     /// [`Command::Lint`], then [`Command::Test`].
     Ci(TestOptions),
 }
@@ -120,6 +127,8 @@ pub enum Part {
     Rust,
     /// The Rust tests that read the reference data.
     Reference,
+    /// Sheets that openpyxl and LibreOffice fill.
+    Sheets,
     /// The Python package.
     Python,
     /// The pages in a real browser.
@@ -127,13 +136,20 @@ pub enum Part {
 }
 
 impl Part {
-    const ALL: [Part; 4] = [Part::Rust, Part::Reference, Part::Python, Part::Browser];
+    const ALL: [Part; 5] = [
+        Part::Rust,
+        Part::Reference,
+        Part::Sheets,
+        Part::Python,
+        Part::Browser,
+    ];
 
     /// The name that `--require` takes.
     pub fn name(self) -> &'static str {
         match self {
             Part::Rust => "rust",
             Part::Reference => "reference",
+            Part::Sheets => "sheets",
             Part::Python => "python",
             Part::Browser => "browser",
         }
@@ -156,6 +172,11 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [flag] => Err(unexpected(name, flag)),
             [_, second, ..] => Err(unexpected(name, second)),
         },
+        "sheets" => match rest {
+            [] => Ok(Command::Sheets { install: false }),
+            [flag] if flag == "--install" => Ok(Command::Sheets { install: true }),
+            [first, ..] => Err(unexpected(name, first)),
+        },
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
         "robots" => parse_robots(rest),
         "fuzz" => Ok(Command::Fuzz(rest.to_vec())),
@@ -166,7 +187,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, generate, outputs, robots, fuzz, lint, features, ci or help",
+            "use test, sheets, generate, outputs, robots, fuzz, lint, features, ci or help",
         )),
     }
 }
@@ -342,6 +363,10 @@ mod tests {
             Command::Generate { check: true }
         );
         assert_eq!(parsed("lint").unwrap(), Command::Lint);
+        assert_eq!(
+            parsed("sheets --install").unwrap(),
+            Command::Sheets { install: true }
+        );
         assert_eq!(parsed("features").unwrap(), Command::Features);
     }
 

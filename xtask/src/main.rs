@@ -10,6 +10,7 @@ mod generate;
 mod outputs;
 mod robots;
 mod run;
+mod sheets;
 mod structure;
 mod tally;
 mod test;
@@ -44,6 +45,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Outputs(options) => outputs::run(&workspace, &options),
         Command::Robots { folder, check } => robots::run(&workspace, &folder, check),
         Command::Fuzz(words) => fuzz::run(&workspace, &words),
+        Command::Sheets { install } => sheets::alone(&workspace, install),
         Command::Lint => checks::lint(&workspace),
         Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),

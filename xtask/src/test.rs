@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use crate::arguments::{Part, TestOptions};
 use crate::run::{Cargo, Failure, Workspace, quoted};
+use crate::sheets::{self, Filled, Outcome};
 use crate::tally::{Ignored, Tally, Total};
 
 /// Names the folder of the reference data; the tests read it, and their `#[ignore]` reason names it.
@@ -30,16 +31,30 @@ struct Skip {
 pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     let start = Instant::now();
     refuse_later_parts(workspace.root(), &options.require)?;
-    if options.install {
-        println!("--install: nothing to install, the tests of this version need Rust alone");
-    }
     let reference = reference_folder(std::env::var_os(REFERENCE_VARIABLE));
 
-    let (tally, complaint) = run_rust(workspace, reference.as_deref().ok())?;
+    let (mut tally, complaint) = run_rust(workspace, reference.as_deref().ok())?;
+    let compiles = complaint.is_none();
     let mut failures = Vec::from_iter(complaint);
     failures.extend(untested_parts(workspace.root()));
 
-    let skips = skips(&tally.ignored, &reference, &options.require);
+    let mut skips = skips(&tally.ignored, &reference, &options.require);
+    if compiles {
+        for Filled { name, outcome } in sheets::run(workspace, options.install)? {
+            match outcome {
+                Outcome::Passed => tally.passed += 1,
+                Outcome::Failed(why) => failures.push(format!(
+                    "{name}: {why}; fix: cargo xtask sheets shows it alone"
+                )),
+                Outcome::Skipped { reason, fix } => skips.push(Skip {
+                    part: Part::Sheets,
+                    name: name.to_string(),
+                    reason,
+                    fix: fix.to_string(),
+                }),
+            }
+        }
+    }
     let (unmet, allowed): (Vec<_>, Vec<_>) = skips
         .iter()
         .partition(|skip| options.require.contains(&skip.part));

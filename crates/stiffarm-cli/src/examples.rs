@@ -43,7 +43,7 @@ pub const ROUTE: &str = "Examples:
   $ stiffarm route cell.toml plan.csv --output driven.csv
 
   The plan as it stands, each move checked:
-  $ stiffarm route builtin:comau-shapes builtin:comau-group1 --keep-order";
+  $ stiffarm route builtin:comau builtin:comau-group1 --keep-order";
 pub const EVALUATE: &str = "Examples:
   $ stiffarm evaluate builtin:comau builtin:comau-group1 plan.csv
   $ stiffarm evaluate builtin:comau plan.csv --json";

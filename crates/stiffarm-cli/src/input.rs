@@ -7,7 +7,9 @@ use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell_bytes_with;
 use stiffarm::files::registration::read_registration;
-use stiffarm::files::table::{holds_measurements, read_measurements, read_postures, sha256_hex};
+use stiffarm::files::table::{
+    holds_measurements, read_measurements, read_measurements_of, read_postures, sha256_hex,
+};
 use stiffarm::findings::visible;
 use stiffarm::measure::prepare;
 use stiffarm::measure::reduction::ReduceOptions;
@@ -106,14 +108,14 @@ impl Session {
         Ok(groups)
     }
 
-    /// Reads displacements or raw readings, with controller angles from
+    /// Reads displacements or raw readings from one file or several, with controller angles from
     /// `postures` where that is given.
     ///
     /// # Errors
     /// A file that cannot be read, or anything wrong with its table.
     pub fn read_measurements(
         &self,
-        from: &str,
+        from: &[String],
         postures: Option<&str>,
         cell: &Cell,
     ) -> Result<Measurements> {
@@ -121,8 +123,19 @@ impl Session {
         let postures = postures
             .map(|from| self.read_postures("postures", from, robot))
             .transpose()?;
-        let (name, bytes) = self.read("measurements", from)?;
-        read_measurements(&bytes, &name, cell, postures.as_deref())
+        let mut files = Vec::with_capacity(from.len());
+        for (number, from) in (1..).zip(from) {
+            let role = match number {
+                1 => "measurements".to_string(),
+                _ => format!("measurements_{number}"),
+            };
+            files.push(self.read(&role, from)?);
+        }
+        let files: Vec<(&[u8], &str)> = files
+            .iter()
+            .map(|(name, bytes)| (bytes.as_slice(), name.as_str()))
+            .collect();
+        read_measurements_of(&files, cell, postures.as_deref())
     }
 
     /// Reads candidates to choose from: a table of postures, or one of measurements, whose

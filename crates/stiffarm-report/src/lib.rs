@@ -14,6 +14,7 @@ pub mod figure;
 mod map;
 mod path;
 mod placement;
+mod plan_page;
 pub mod study;
 mod zones;
 
@@ -25,4 +26,5 @@ pub use map::{map_figure, map_table};
 
 pub use path::{PathCurvePoint, path_figure};
 pub use placement::{placement_figure, placement_table};
+pub use plan_page::plan_page;
 pub use zones::{zones_figure, zones_table};

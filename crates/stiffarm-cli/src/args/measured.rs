@@ -29,9 +29,9 @@ pub struct RegisterArgs {
 pub struct IdentifyArgs {
     /// Cell file
     pub cell: String,
-    /// Measurements (.csv or .xlsx)
-    #[arg(value_name = "MEASUREMENTS.csv")]
-    pub measurements: String,
+    /// Measurements (.csv or .xlsx); several files are read as one table
+    #[arg(value_name = "MEASUREMENTS.csv", required = true)]
+    pub measurements: Vec<String>,
     /// Controller angles by posture name, where the measurements have none
     #[arg(long, value_name = "POSTURES.csv")]
     pub postures: Option<String>,
@@ -80,9 +80,9 @@ pub struct ValidateArgs {
     /// Result of `identify`, or {"stiffness_nm_per_rad": [k1, …]}; none with --folds
     #[arg(value_name = "STIFFNESS.json")]
     pub stiffness: Option<String>,
-    /// Measurements (.csv or .xlsx)
-    #[arg(value_name = "MEASUREMENTS.csv")]
-    pub measurements: String,
+    /// Measurements (.csv or .xlsx); several files are read as one table
+    #[arg(value_name = "MEASUREMENTS.csv", required = true)]
+    pub measurements: Vec<String>,
     /// Controller angles by posture name, where the measurements have none
     #[arg(long, value_name = "POSTURES.csv")]
     pub postures: Option<String>,

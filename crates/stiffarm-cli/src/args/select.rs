@@ -1,7 +1,7 @@
 //! The command line of `stiffarm select`.
 
 use super::values::{above_zero, angle_step, count, numbers};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use std::time::Duration;
 
 /// Most postures of one plan: more is a slip.
@@ -113,7 +113,8 @@ pub struct LoadArgs {
 
 /// Files to write.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Output")]
+#[command(next_help_heading = "Output",
+          group = ArgGroup::new("readings").args(["sheet", "print"]).multiple(true))]
 pub struct OutputArgs {
     /// Steps that the angles of new postures are rounded to [deg]; 0 leaves them as they are
     #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
@@ -121,24 +122,33 @@ pub struct OutputArgs {
     /// Write the postures to this file; with --curve the curve as CSV
     #[arg(long, value_name = "plan.csv")]
     pub output: Option<String>,
-    /// Write a sheet for the readings, pre-filled per posture, load state and point
-    #[arg(long, value_name = "measurements.csv", conflicts_with = "curve")]
+    /// Write a sheet for the readings, pre-filled per posture, load state and point: CSV, or
+    /// a workbook with a page to print where the name ends in .xlsx
+    #[arg(long, value_name = "measurements.xlsx", conflicts_with = "curve")]
     pub sheet: Option<String>,
+    /// Write a page to print on A4: each posture with its angles, its picture and boxes to tick
+    #[arg(long, value_name = "plan.html", conflicts_with = "curve")]
+    pub print: Option<String>,
     /// Draw the cell at the postures, the one with the least room in full
     #[arg(long, value_name = "FILE.svg", conflicts_with = "curve")]
     pub figure: Option<String>,
     /// Load states of the sheet, in the order in which they are taken, for example
     /// preload,up-250,up-500,down-250; an unloaded state comes first [default: loaded]
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "sheet")]
+    #[arg(
+        long,
+        value_name = "NAME,…",
+        value_delimiter = ',',
+        requires = "readings"
+    )]
     pub states: Vec<String>,
     /// In the sheet, each posture ends unloaded once more, which shows the drift
-    #[arg(long, requires = "sheet")]
+    #[arg(long, requires = "readings")]
     pub drift: bool,
     /// In the sheet, a reflector on the robot's base is read in each state
-    #[arg(long, requires = "sheet")]
+    #[arg(long, requires = "readings")]
     pub base_reflector: bool,
     /// What the sheet is for [default: readings]
-    #[arg(long, value_name = "KIND", requires = "sheet")]
+    #[arg(long, value_name = "KIND", requires = "readings")]
     pub sheet_of: Option<SheetChoice>,
     /// Overwrite existing files
     #[arg(long)]

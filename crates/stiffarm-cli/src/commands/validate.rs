@@ -12,6 +12,7 @@ use crate::session::Session;
 use crate::table::{Align, Table, green, red, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::path::Path;
 use stiffarm::estimate::elastic::{ElasticChoice, elastic};
 use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource};
 use stiffarm::estimate::mixed::MixedFit;
@@ -69,12 +70,17 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
     }
     match (&args.stiffness, args.folds) {
         (Some(stiffness), None) => held_out(session, args, stiffness),
-        (None, Some(folds)) => cross(session, args, folds),
+        (None, Some(folds)) => cross(session, args, &args.measurements, folds),
         (None, None) => Err(Error::new(
             Code::Usage,
             "There is no joint stiffness to validate.",
         )
         .hint("give the file that `stiffarm identify --output` wrote before the measurements, or --folds")),
+        // A table of measurements before others is no stiffness.
+        (Some(first), Some(folds)) if !is_stiffness(first) => {
+            let first = std::slice::from_ref(first);
+            cross(session, args, &[first, &args.measurements].concat(), folds)
+        }
         (Some(_), Some(_)) => Err(Error::new(
             Code::Usage,
             "With --folds the stiffness is identified anew in each fold, so no file of stiffness can be given.",
@@ -82,6 +88,11 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         .key("--folds")
         .hint("give the cell and the measurements alone")),
     }
+}
+
+fn is_stiffness(path: &str) -> bool {
+    let ending = Path::new(path).extension();
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
 }
 
 /// Validates a saved stiffness.
@@ -96,7 +107,7 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
     }
     let named = session.read_cell(&args.cell)?;
     let saved = session.read_stiffness(stiffness, &named.cell)?;
-    let measured = measured(session, args, &named.cell)?;
+    let measured = measured(session, args, &args.measurements, &named.cell)?;
     let cell = &named.cell;
     let model = args.model.into();
     let tolerance = args.tolerance_mm.map(mm_to_m);
@@ -110,7 +121,7 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
 }
 
 /// Predicts each posture from fits without it.
-fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
+fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) -> Result<Exit> {
     if Model::from(args.model) != Model::Linear {
         return Err(Error::new(
             Code::Unsupported,
@@ -120,7 +131,7 @@ fn cross(session: &Session, args: &ValidateArgs, folds: Folds) -> Result<Exit> {
     }
     let named = session.read_cell(&args.cell)?;
     let fit = args.fit.options(&named.cell.setup.robot)?;
-    let measured = measured(session, args, &named.cell)?;
+    let measured = measured(session, args, from, &named.cell)?;
     let cell = &named.cell;
     let count = match folds {
         Folds::Count(count) => count,
@@ -216,9 +227,13 @@ fn options(args: &ValidateArgs, fit: Option<FitOptions>) -> Options {
 }
 
 /// The measurements, or those of `--only`.
-fn measured(session: &Session, args: &ValidateArgs, cell: &Cell) -> Result<Measured> {
-    let measurements =
-        session.read_measurements(&args.measurements, args.postures.as_deref(), cell)?;
+fn measured(
+    session: &Session,
+    args: &ValidateArgs,
+    from: &[String],
+    cell: &Cell,
+) -> Result<Measured> {
+    let measurements = session.read_measurements(from, args.postures.as_deref(), cell)?;
     let reduce = session.read_registration(args.registration.as_deref())?;
     let mut measured = prepare(cell, measurements, &reduce)?;
     if measured.reduction.is_some() {

@@ -31,6 +31,12 @@ impl Contents for String {
     }
 }
 
+impl Contents for Vec<u8> {
+    fn write_to(&self, out: &mut dyn Write) -> Result<()> {
+        out.write_all(self)
+    }
+}
+
 /// Rows that `0` writes.
 pub struct Rows<F>(pub F);
 

@@ -229,7 +229,7 @@ fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
 
 fn is_table(path: &Path) -> bool {
     !path.extension().is_some_and(|e| {
-        ["svg", "json"]
+        ["svg", "json", "xlsx", "html"]
             .iter()
             .any(|other| e.eq_ignore_ascii_case(other))
     })

@@ -171,9 +171,26 @@ fn a_sheet_with_two_sizes_of_one_load_asks_for_them() {
                 --sheet sheet.csv";
     assert_eq!(folder.run(line).code, Some(0));
     let sheet = std::fs::read_to_string(folder.path("sheet.csv")).unwrap();
-    assert!(sheet.lines().next().unwrap().contains("load_n"));
+    let loads = |sheet: &str| -> Vec<String> {
+        let own = sheet.lines().filter(|line| line.starts_with("1,"));
+        let own = own.filter(|line| line.split(',').nth(2) == Some("1"));
+        let fields = own.map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
+        fields.map(|f| format!("{} {}", f[1], f[6])).collect()
+    };
+    // Sizes are those of the names, else those of the cell: a mass of 50 kg weighs 490 N.
+    let expected = ["unloaded ", "left-250 250", "left-500 500", "push 400"];
+    assert_eq!(loads(&sheet), expected);
     let line = "select cell.toml --space-filling --postures 2 --sheet plain.csv";
     assert_eq!(folder.run(line).code, Some(0));
     let sheet = std::fs::read_to_string(folder.path("plain.csv")).unwrap();
-    assert!(!sheet.lines().next().unwrap().contains("load_n"));
+    let expected = [
+        "unloaded ",
+        "left 500",
+        "unloaded-2 ",
+        "push 400",
+        "unloaded-3 ",
+    ];
+    let loads = loads(&sheet);
+    assert_eq!(loads[..5], expected);
+    assert!(loads[5].starts_with("weight 490."), "{}", loads[5]);
 }

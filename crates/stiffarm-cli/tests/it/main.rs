@@ -24,6 +24,7 @@ mod register;
 mod saved;
 mod select;
 mod shapes;
+mod sheets;
 mod support;
 mod validate;
 mod work;

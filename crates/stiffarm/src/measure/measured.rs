@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::findings::{Finding, Severity};
+use crate::measure::pending::{not_measured_yet, nothing_measured};
 use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
 use crate::measure::screening::{Screening, screen_series};
 use crate::measure::series::PostureSeries;
@@ -94,7 +95,8 @@ impl From<&Measured> for Measured {
 }
 
 /// Makes measurements ready to be identified from: displacements as they are,
-/// raw readings screened and reduced.
+/// raw readings screened and reduced. Rows that are not filled in yet are said in a note
+/// ([`not_measured_yet`]).
 ///
 /// ```
 /// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
@@ -122,6 +124,9 @@ pub fn prepare(
         Measurements::Displacements(postures) => return Ok(postures.into()),
         Measurements::Readings(table) => table,
     };
+    if let Some(error) = nothing_measured(&table) {
+        return Err(error);
+    }
     let series = PostureSeries::all(&table);
     let given = options.base_from_tracker.as_ref();
     let screening = screen_series(cell, &table, &series, given)?;
@@ -132,6 +137,7 @@ pub fn prepare(
             None => error,
         }
     })?;
+    reduction.findings.extend(not_measured_yet(&table));
     Ok(Measured {
         postures: std::mem::take(&mut reduction.measured),
         readings_per_displacement: Some(READINGS),

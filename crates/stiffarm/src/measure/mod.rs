@@ -3,9 +3,11 @@
 
 pub mod experiment;
 mod measured;
+mod pending;
 pub mod reduction;
 pub mod registration;
 pub mod screening;
 mod series;
 
 pub use measured::{Measured, prepare};
+pub use pending::{NOT_MEASURED_YET, not_measured_yet};

@@ -86,7 +86,11 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
         .as_deref()
         .map(|from| session.read_postures("postures", from, robot))
         .transpose()?;
-    let (file, bytes) = session.read("measurements", &args.measurements)?;
+    let [measurements] = args.measurements.as_slice() else {
+        let error = Error::new(Code::Usage, "--clamped reads one table.").key("--clamped");
+        return Err(error.hint("give all postures in one file"));
+    };
+    let (file, bytes) = session.read("measurements", measurements)?;
     let mut clamped = read_clamped(&bytes, &file, &named.cell, postures.as_deref())?;
     if clamped.is_empty() {
         let message = "The table has no measurements, only a heading.";

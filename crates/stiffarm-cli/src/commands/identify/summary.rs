@@ -10,6 +10,7 @@ use crate::table::{Align, Table, red, yellow};
 use stiffarm::estimate::identify::{Fit, JointEstimate, Verdict, implausible_scale};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors, SystematicSource};
 use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::measure::NOT_MEASURED_YET;
 
 /// Half widths beyond this part of k are no ±: 1/H is far from linear there.
 const NO_LONGER: f64 = 0.5;
@@ -75,6 +76,9 @@ pub(super) fn summary(
     let serious = computed.clone().filter(is_serious);
     serious.for_each(|f| say(marked(f).trim_end()));
     if !details {
+        let is_pending = |f: &&Finding| f.code == NOT_MEASURED_YET;
+        let pending = measured.findings().filter(is_pending);
+        pending.for_each(|f| say(marked(f).trim_end()));
         messages::resampled(result)
             .iter()
             .for_each(|text| say(text));

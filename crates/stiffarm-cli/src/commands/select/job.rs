@@ -2,7 +2,7 @@
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::commands::wrapped_line;
-use crate::files::{Target, check_targets, write_all};
+use crate::files::{Contents, Target, check_targets, write_all};
 use crate::input::NamedCell;
 use crate::numbers::optional;
 use crate::output::Envelope;
@@ -10,8 +10,11 @@ use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::path::Path;
 use stiffarm::files::check_name;
-use stiffarm::files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures};
+use stiffarm::files::table::{
+    SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
+};
 use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
@@ -22,7 +25,7 @@ use stiffarm::plan::route::{Route, RouteOptions, rounded, route};
 use stiffarm::plan::select::{RoundReport, Selection};
 use stiffarm::units::m_to_mm;
 use stiffarm::{Code, Control, Error, Result};
-use stiffarm_report::{Full, cell_drawing, render_drawing};
+use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 
 /// Postures of a plan unless their number is given.
 pub(super) const POSTURES: u64 = 6;
@@ -158,11 +161,38 @@ impl Job<'_> {
     }
 }
 
+/// What a sheet is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum SheetFormat {
+    /// CSV text.
+    Text,
+    /// An .xlsx workbook.
+    Workbook,
+}
+
+impl SheetFormat {
+    /// The format that the name of a file says.
+    fn of(path: &str) -> Result<Self> {
+        let ending = Path::new(path).extension();
+        let ending = ending.map_or_else(String::new, |e| e.to_string_lossy().to_lowercase());
+        match ending.as_str() {
+            "xlsx" => Ok(SheetFormat::Workbook),
+            "xls" | "xlsm" | "xlsb" | "xltx" | "ods" | "fods" | "numbers" => {
+                let message = format!("A sheet is not written as .{ending}.");
+                let error = Error::new(Code::Unsupported, message).key("--sheet");
+                Err(error.hint("name it .xlsx, which spreadsheet programs open, or .csv"))
+            }
+            _ => Ok(SheetFormat::Text),
+        }
+    }
+}
+
 /// Where plan and sheet go, checked before any work is done for them.
 pub(super) struct Outputs {
     main: Option<Target>,
-    sheet: Option<Target>,
+    sheet: Option<(Target, SheetFormat)>,
     figure: Option<Target>,
+    print: Option<Target>,
     sheet_of: SheetChoice,
     options: SheetOptions,
 }
@@ -174,9 +204,11 @@ impl Outputs {
                 .map(|path| Target::new(path, args.force))
                 .transpose()
         };
+        let format = args.sheet.as_deref().map(SheetFormat::of).transpose()?;
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
-        let figure = target(&args.figure)?;
-        check_targets(session, &[main.as_ref(), sheet.as_ref(), figure.as_ref()])?;
+        let (figure, print) = (target(&args.figure)?, target(&args.print)?);
+        let all = [&main, &sheet, &figure, &print].map(Option::as_ref);
+        check_targets(session, &all)?;
         for state in &args.states {
             check_name(state).map_err(|e| e.key("--states"))?;
         }
@@ -197,18 +229,19 @@ impl Outputs {
         }
         Ok(Outputs {
             main,
-            sheet,
+            sheet: sheet.zip(format),
             figure,
+            print,
             sheet_of,
             options,
         })
     }
 
     fn use_stdout(&self) -> bool {
-        [&self.main, &self.sheet, &self.figure]
-            .into_iter()
-            .flatten()
-            .any(Target::is_stdout)
+        let sheet = self.sheet.as_ref().map(|(target, _)| target);
+        let own = [&self.main, &self.figure, &self.print].map(Option::as_ref);
+        let mut all = own.into_iter().chain([sheet]).flatten();
+        all.any(Target::is_stdout)
     }
 
     /// Refuses states of the sheet that no reading under the cell's load cases can have.
@@ -238,24 +271,32 @@ impl Outputs {
         cell: &Cell,
         postures: &[Posture],
     ) -> Result<()> {
-        let mut files: Vec<(Target, String)> = Vec::new();
+        let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
         if let Some(figure) = &self.figure {
             let drawing = cell_drawing(cell, postures, Full::Tightest)?;
-            files.push((figure.clone(), render_drawing(&drawing)));
+            files.push((figure.clone(), Box::new(render_drawing(&drawing))));
         }
         if let Some(plan) = &self.main {
-            files.push((plan.clone(), write_postures(postures)));
+            files.push((plan.clone(), Box::new(write_postures(postures))));
         }
-        if let Some(sheet) = &self.sheet {
-            let text = match self.sheet_of {
-                SheetChoice::Readings => reading_sheet(postures, &self.options, cell),
-                SheetChoice::Displacements => {
-                    let states = self.options.states.iter();
-                    let states: Vec<&str> = states.map(String::as_str).collect();
-                    displacement_sheet(postures, &states, cell)
-                }
+        let sheet = || match self.sheet_of {
+            SheetChoice::Readings => reading_sheet(postures, &self.options, cell),
+            SheetChoice::Displacements => {
+                let states = self.options.states.iter();
+                let states: Vec<&str> = states.map(String::as_str).collect();
+                displacement_sheet(postures, &states, cell)
+            }
+        };
+        if let Some(page) = &self.print {
+            files.push((page.clone(), Box::new(plan_page(cell, &sheet())?)));
+        }
+        if let Some((target, format)) = &self.sheet {
+            let sheet = sheet();
+            let contents: Box<dyn Contents> = match format {
+                SheetFormat::Text => Box::new(sheet.to_csv()),
+                SheetFormat::Workbook => Box::new(write_sheet_workbook(&sheet, cell)?),
             };
-            files.push((sheet.clone(), text));
+            files.push((target.clone(), contents));
         }
         write_all(session, &files)
     }

@@ -12,6 +12,7 @@ use crate::session::Session;
 use crate::table::{Table, red, title};
 use schemars::JsonSchema;
 use serde::Serialize;
+use slowly::write_slowly;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::{
     GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,

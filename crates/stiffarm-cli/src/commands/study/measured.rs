@@ -14,7 +14,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::measure::prepare;
+use stiffarm::findings::Finding;
+use stiffarm::measure::{NOT_MEASURED_YET, prepare};
 use stiffarm::plan::index::Index;
 use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
 use stiffarm_report::render_svg;
@@ -53,10 +54,13 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         // It counts one load per posture.
         options.indices.retain(|index| *index != Index::Prediction);
     }
-    let measurements = session.read_measurements(from, None, &named.cell)?;
+    let measurements = session.read_measurements(&[from.to_string()], None, &named.cell)?;
     let reduce = session.read_registration(args.splits.registration.as_deref())?;
     check_folder(session, &args.output_dir, FILES, args.force)?;
     let measured = prepare(&named.cell, measurements, &reduce)?;
+    let is_pending = |f: &&Finding| f.code == NOT_MEASURED_YET;
+    let pending = measured.findings().filter(is_pending);
+    pending.for_each(|f| session.remark(&format!("{}\n", f.sentence)));
     let progress = Progress::new(session, "splitting the experiment");
     let study =
         progress.watch(|control| measured_study(&named.cell, measured, &options, control))?;

@@ -23,7 +23,8 @@ mod ticks;
 pub use drawing::render_drawing;
 pub use look::series_colour;
 
-use canvas::{Anchor, Canvas, Font, Rect, escape, num};
+pub(crate) use canvas::escape;
+use canvas::{Anchor, Canvas, Font, Rect, num};
 use legend::Legend;
 use look::Looks;
 use plan::{LEADING, Plan, Shown};

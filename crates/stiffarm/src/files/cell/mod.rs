@@ -15,6 +15,7 @@ mod keys;
 mod lists;
 mod load;
 mod own;
+mod profiles;
 mod raw;
 mod robot;
 mod route;

@@ -40,7 +40,7 @@ pub fn measurements_template(cell: &Cell) -> String {
             .collect(),
     };
     let options = SheetOptions::default();
-    let sheet = reading_sheet(std::slice::from_ref(&example), &options, cell);
+    let sheet = reading_sheet(std::slice::from_ref(&example), &options, cell).to_csv();
     let (heading, rows) = sheet.split_once('\n').unwrap_or((&sheet, ""));
     let forces = heading.contains("fx_n");
     let force = if cell.sensor.is_some() {

@@ -245,6 +245,11 @@ impl MeasurementColumns {
         vector(table, row, &self.vector)
     }
 
+    /// True where all three lengths are empty.
+    pub(super) fn has_no_position(&self, table: &Table<'_>, row: &Row) -> bool {
+        self.vector.iter().all(|c| table.is_blank(row, *c))
+    }
+
     /// Refuses a loaded state that belongs to none of the cell's load cases; the number of the
     /// one it belongs to, 0 where there is a single load.
     pub(super) fn load_case(

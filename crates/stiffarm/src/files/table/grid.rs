@@ -1,103 +1,21 @@
 //! A table as headings and rows, whatever file it came from.
 
+use super::foreign::own_unit;
+use super::naming::{DATE, NAME, normal};
 use super::quantity::Unit;
+pub(super) use super::rows::{Field, Row, Rows};
 use crate::error::{Code, Error, Result};
 use crate::files::names::fault_of;
 use crate::model::cell::Columns;
 use crate::units::{LARGEST_NUMBER, Sense};
-use smol_str::SmolStr;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::fmt::Display;
 use std::hash::Hash;
-use std::ops::Range;
 
 /// Lengths of a table in another unit have an error of their own: so many times the
 /// limit of others is left to it.
 const LENGTHS: f64 = 10.0;
-
-/// A field and where it begins, counted from 1: a character column of a text,
-/// a column of a spreadsheet.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Field {
-    pub(super) text: SmolStr,
-    pub(super) column: u32,
-    /// The text says what a spreadsheet's cell holds that is neither text nor
-    /// number: a date, ….
-    pub(super) other: bool,
-}
-
-/// A row and its line, counted from 1; it has one field per heading.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Row<'t> {
-    pub(super) line: usize,
-    pub(super) fields: &'t [Field],
-    /// A quotation mark is not closed on this line.
-    pub(super) open_quote: bool,
-}
-
-/// Rows with their fields one after the other: a million small lists would leave
-/// the memory in pieces.
-#[derive(Debug, Default)]
-pub(super) struct Rows {
-    fields: Vec<Field>,
-    spans: Vec<Span>,
-}
-
-/// Where a row's fields stand.
-#[derive(Debug)]
-struct Span {
-    line: usize,
-    fields: Range<usize>,
-    open_quote: bool,
-}
-
-impl Rows {
-    /// Adds a row.
-    pub(super) fn push(
-        &mut self,
-        line: usize,
-        fields: impl IntoIterator<Item = Field>,
-        open_quote: bool,
-    ) {
-        let start = self.fields.len();
-        self.fields.extend(fields);
-        self.spans.push(Span {
-            line,
-            fields: start..self.fields.len(),
-            open_quote,
-        });
-    }
-
-    #[cfg(feature = "xlsx")]
-    pub(super) fn is_empty(&self) -> bool {
-        self.spans.is_empty()
-    }
-
-    fn row(&self, span: &Span) -> Row<'_> {
-        Row {
-            line: span.line,
-            fields: &self.fields[span.fields.clone()],
-            open_quote: span.open_quote,
-        }
-    }
-
-    /// The rows below the heading, which is the first.
-    fn below(&self) -> impl Iterator<Item = Row<'_>> {
-        self.spans[1..].iter().map(|span| self.row(span))
-    }
-
-    /// Leaves empty fields at the ends of rows out, down to `keep` fields:
-    /// spreadsheets pad rows.
-    fn drop_empty_ends(&mut self, keep: usize) {
-        for span in &mut self.spans {
-            let range = &mut span.fields;
-            while range.len() > keep && self.fields[range.end - 1].text.is_empty() {
-                range.end -= 1;
-            }
-        }
-    }
-}
 
 /// A heading.
 #[derive(Debug, Clone)]
@@ -126,9 +44,10 @@ pub(super) enum Style {
 #[derive(Debug)]
 pub(super) struct Table<'a> {
     pub(super) headings: Vec<Heading>,
-    file: &'a str,
+    /// Names of the files, for messages.
+    pub(super) files: Vec<&'a str>,
     pub(super) style: Style,
-    rows: Rows,
+    pub(super) rows: Rows,
     /// What another software calls its columns, by the cell file.
     pub(super) foreign: Vec<String>,
     /// What a reader who misses a column should know, for example that only
@@ -136,6 +55,8 @@ pub(super) struct Table<'a> {
     pub(super) aside: Option<String>,
     /// What separates the columns of a text.
     pub(super) delimiter: char,
+    /// The columns are those of `order` in `[columns]`: the file has no heading.
+    pub(super) by_order: bool,
 }
 
 /// Where a column stands, and its unit if it has one.
@@ -145,15 +66,10 @@ pub(super) struct Column {
     pub(super) unit: Option<Unit>,
 }
 
-/// A name of a column without case, outer spaces and the two signs for micro.
-pub(super) fn normal(name: &str) -> String {
-    name.trim().to_lowercase().replace(['µ', 'μ'], "u")
-}
-
 impl<'a> Table<'a> {
     /// A table from rows of which the first is the heading.
     pub(super) fn new(file: &'a str, style: Style, mut rows: Rows, foreign: &Columns) -> Self {
-        let heading = rows.row(&rows.spans[0]);
+        let heading = rows.at(0);
         let named = heading.fields.iter().rposition(|f| !f.text.is_empty());
         let headings: Vec<Heading> = heading.fields[..named.map_or(0, |last| last + 1)]
             .iter()
@@ -161,9 +77,28 @@ impl<'a> Table<'a> {
                 let given = normal(&field.text);
                 let same = |other: &String| normal(other) == given;
                 let ours = foreign.names.iter().find(|(_, theirs)| same(theirs));
+                let ours = ours.map(|(ours, _)| ours.clone());
+                let name = || {
+                    foreign
+                        .name
+                        .as_ref()
+                        .filter(|n| same(n))
+                        .map(|_| NAME.into())
+                };
+                let date = || {
+                    foreign
+                        .date
+                        .as_ref()
+                        .filter(|d| same(d))
+                        .map(|_| DATE.into())
+                };
                 Heading {
                     ignored: foreign.ignore.iter().any(same),
-                    name: ours.map_or(given.clone(), |(ours, _)| ours.clone()),
+                    name: ours
+                        .or_else(name)
+                        .or_else(date)
+                        .or_else(|| own_unit(&given))
+                        .unwrap_or_else(|| given.clone()),
                     shown: field.text.to_string(),
                     column: field.column as usize,
                 }
@@ -171,7 +106,7 @@ impl<'a> Table<'a> {
             .collect();
         rows.drop_empty_ends(headings.len());
         Table {
-            file,
+            files: vec![file],
             style,
             rows,
             headings,
@@ -183,6 +118,17 @@ impl<'a> Table<'a> {
                 .collect(),
             aside: None,
             delimiter: ',',
+            by_order: false,
+        }
+    }
+
+    /// Says that the columns are those of `order`: each `-` among them does not matter.
+    pub(super) fn set_by_order(&mut self, by_order: bool) {
+        self.by_order = by_order;
+        if by_order {
+            for heading in &mut self.headings {
+                heading.ignored |= heading.name == "-";
+            }
         }
     }
 
@@ -210,7 +156,7 @@ impl<'a> Table<'a> {
         Ok(rows)
     }
 
-    fn check_length(&self, row: &Row) -> Result<()> {
+    pub(super) fn check_length(&self, row: &Row) -> Result<()> {
         let (found, expected) = (row.fields.len(), self.headings.len());
         if found == expected {
             return Ok(());
@@ -222,7 +168,7 @@ impl<'a> Table<'a> {
             let text = held.map_or("", |field| field.text.as_str());
             let message = format!("\"{text}\" lies beyond the last column of the heading.");
             return Err(Error::new(Code::TableRow, message)
-                .file(self.file)
+                .file(self.file(row))
                 .line(row.line, held.map(|field| field.column as usize))
                 .hint("give its column a heading, or empty the cell"));
         }
@@ -236,7 +182,7 @@ impl<'a> Table<'a> {
                  the row has {found} fields, the heading {expected}."
             );
             return Err(Error::new(Code::DecimalComma, message)
-                .file(self.file)
+                .file(self.file(row))
                 .line(row.line, Some(row.fields[at].column as usize))
                 .hint(format!(
                     "write {whole}.{fraction}, or separate the columns with semicolons"
@@ -244,10 +190,14 @@ impl<'a> Table<'a> {
         }
         let message = format!("Fields in this row: {found}; columns in the heading: {expected}.");
         let error = Error::new(Code::TableRow, message)
-            .file(self.file)
+            .file(self.file(row))
             .line(row.line, None);
         Err(if row.open_quote {
             error.hint("a quotation mark is not closed on this line")
+        } else if self.by_order {
+            error.hint(
+                "the file has no heading that is known, so order in [columns] of the cell file names its columns; \"-\" stands for one that does not matter",
+            )
         } else {
             error
         })
@@ -262,13 +212,18 @@ impl<'a> Table<'a> {
         message: impl Into<String>,
     ) -> Error {
         Error::new(code, message)
-            .file(self.file)
+            .file(self.file(row))
             .line(row.line, Some(row.fields[column].column as usize))
             .key(self.headings[column].shown.as_str())
     }
 
+    /// Name of the file that a row stands in.
+    fn file(&self, row: &Row) -> &'a str {
+        self.files[row.source]
+    }
+
     fn heading_line(&self) -> usize {
-        self.rows.spans[0].line
+        self.rows.at(0).line
     }
 
     /// An error at the heading.
@@ -278,7 +233,7 @@ impl<'a> Table<'a> {
         code: Code,
         message: impl Into<String>,
     ) -> Error {
-        let error = Error::new(code, message).file(self.file);
+        let error = Error::new(code, message).file(self.files[0]);
         let Some(heading) = column.map(|column| &self.headings[column]) else {
             return error.line(self.heading_line(), None);
         };

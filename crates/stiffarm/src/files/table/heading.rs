@@ -1,7 +1,9 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
-use super::grid::{Column, Table, normal};
+use super::foreign::suggestion;
+use super::grid::{Column, Table};
+use super::naming::normal;
 use super::quantity::{Quantity, Unit};
 use crate::error::{Code, Error, Result, did_you_mean};
 use std::collections::BTreeMap;
@@ -86,13 +88,20 @@ pub(super) struct Found<'t, 'a> {
 impl<'a> Table<'a> {
     /// Checks that each column is known, stands once, and has the unit of its group.
     pub(super) fn check_heading(&self, known: &[Known], joints: usize) -> Result<Found<'_, 'a>> {
-        let numeric = |text: &str| text.parse::<f64>().is_ok();
+        let numeric = |text: &str| text.replacen(',', ".", 1).parse::<f64>().is_ok();
         let (first, rest) = (self.headings.first(), self.headings.get(1..).unwrap_or(&[]));
-        if first.is_some() && !rest.is_empty() && rest.iter().all(|h| numeric(&h.name)) {
+        let all = first.is_some() && !rest.is_empty() && rest.iter().all(|h| numeric(&h.name));
+        // Three coordinates, whatever separates them.
+        let words = self.headings.iter().flat_map(|h| h.name.split_whitespace());
+        if all || words.filter(|word| numeric(word)).count() >= 3 {
             let message = "The first line holds numbers; it must name the columns.";
+            let mut hint = format!("columns: {}", list(known, ","));
+            if is_foreign(known) {
+                hint += "; or say in [columns] of the cell file what the columns are, for example order = [\"name\", \"x_mm\", \"y_mm\", \"z_mm\"], or which software wrote them, for example profile = \"spatialanalyzer\"";
+            }
             return Err(self
                 .heading_error(None, Code::TableHeading, message)
-                .hint(format!("columns: {}", list(known, ","))));
+                .hint(hint));
         }
         let mut columns = BTreeMap::new();
         let mut groups: BTreeMap<&str, Column> = BTreeMap::new();
@@ -152,7 +161,34 @@ impl<'a> Table<'a> {
             "The table has no column of this name.",
         );
         if self.headings.len() == 1 {
-            return error.hint("separate the columns with commas, semicolons or tabs");
+            let hint = "separate the columns with commas, semicolons or tabs".to_string();
+            let shown = &self.headings[0].shown;
+            let mut signs = ["//", "%", "!", "*"].into_iter();
+            let sign = signs.find(|sign| shown.starts_with(sign));
+            return error.hint(match (is_foreign(known), sign) {
+                (true, Some(sign)) => format!(
+                    "where such lines are remarks, write comment = \"{sign}\" into [columns] of the cell file"
+                ),
+                (true, None) if shown.contains(' ') => {
+                    hint + "; where spaces do, write separator = \"space\" into [columns] of the cell file"
+                }
+                _ => hint,
+            });
+        }
+        let is_known = |name: &str| known.iter().any(|k| k.column(name, 0).is_some());
+        let foreign = is_foreign(known);
+        let others = self.headings.iter().filter(|heading| !heading.ignored);
+        let others = others.filter(|heading| !is_known(&heading.name)).count();
+        let keys = suggestion(&self.headings, is_known).filter(|_| foreign);
+        let suggested = keys.map(|keys| {
+            format!(
+                "say in [columns] of the cell file what these headings are, each with the unit that the file has, for example: {keys}"
+            )
+        });
+        // A heading of ours with a unit of its own is a matter of that unit.
+        let own = known.iter().any(|k| k.stem == stem(name)) && stem(name) != name;
+        if let Some(hint) = suggested.clone().filter(|_| others > 1 && !own) {
+            return error.hint(hint);
         }
         if let Some((joint, unit)) = joint_number(name).filter(|_| joints > 0) {
             let own = known.iter().find(|k| k.stem == format!("q{joint}"));
@@ -172,12 +208,11 @@ impl<'a> Table<'a> {
             return error.hint(format!("it has no unit: name the column {}", same.stem));
         }
         let names: Vec<String> = known.iter().flat_map(Known::headings).collect();
-        let foreign = self.foreign.iter().map(String::as_str);
-        let nearest = did_you_mean(name, names.iter().map(String::as_str).chain(foreign));
-        error.hint(nearest.unwrap_or_else(|| {
+        let theirs = self.foreign.iter().map(String::as_str);
+        let nearest = did_you_mean(name, names.iter().map(String::as_str).chain(theirs));
+        error.hint(nearest.or(suggested).unwrap_or_else(|| {
             let mut hint = format!("known columns: {}", list(known, ", "));
-            // Only measurements and paths come from another software.
-            if known.iter().any(|k| k.stem == "point") {
+            if foreign {
                 hint +=
                     "; [columns] in the cell file maps other headings to these, or ignores them";
             }
@@ -231,6 +266,11 @@ impl Found<'_, '_> {
         });
         columns.collect()
     }
+}
+
+/// True for the columns of measurements and paths, which alone come from another software.
+fn is_foreign(known: &[Known]) -> bool {
+    known.iter().any(|k| k.stem == "point")
 }
 
 /// The known headings in their usual units.

@@ -21,7 +21,20 @@ pub fn read_measurements(
     cell: &Cell,
     postures: Option<&[Posture]>,
 ) -> Result<Measurements> {
-    let table = Table::read(bytes, file_name, &cell.columns)?;
+    read_measurements_of(&[(bytes, file_name)], cell, postures)
+}
+
+/// Reads several files with the same columns, for example one per posture, as one
+/// measurement table; each file is its bytes and its name for messages.
+///
+/// # Errors
+/// Files with different columns, and everything of [`read_measurements`].
+pub fn read_measurements_of(
+    files: &[(&[u8], &str)],
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+) -> Result<Measurements> {
+    let table = Table::read_all(files, &cell.columns)?;
     let read = || match Values::of(&table, cell.setup.robot.joint_count())? {
         Values::Positions => readings(&table, cell, postures).map(Measurements::Readings),
         Values::Displacements => {

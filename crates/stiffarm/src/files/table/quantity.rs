@@ -83,10 +83,11 @@ mod units {
     pub(super) static FORCE: [Unit; 2] = [unit("n", same, same), unit("kn", kn_to_n, |n| n / 1e3)];
     pub(super) static MOMENT: [Unit; 2] = [unit("nm", same, same), unit("nmm", nmm_to_nm, |nm| nm * 1e3)];
     pub(super) static ANGLE: [Unit; 2] = [unit("deg", deg_to_rad, rad_to_deg), unit("rad", same, same)];
-    pub(super) static TIME: [Unit; 3] = [
+    pub(super) static TIME: [Unit; 4] = [
         unit("s", same, same),
         unit("ms", ms_to_s, |s| s * 1e3),
         unit("min", min_to_s, |s| s / 60.0),
+        unit("d", |d| d * 86400.0, |s| s / 86400.0),
     ];
 }
 

@@ -6,7 +6,8 @@ use crate::error::{Code, Error, Result, did_you_mean};
 use crate::model::cell::Cell;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{
-    PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
+    PendingReading, PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings,
+    WrenchColumns,
 };
 use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
@@ -25,6 +26,10 @@ const ANGLE_TOLERANCE_DEG: f64 = 2.0;
 /// `[sensor]`, the wrench on the robot in base axes at the loading point; they
 /// may be left empty in unloaded rows. `load_n` is the force of the cell's rope
 /// or weight in that state.
+///
+/// A row whose position is empty is not measured yet: it is named in
+/// [`ReadingTable::pending`], and a posture that such rows leave without an unloaded or
+/// a loaded reading in [`ReadingTable::incomplete`].
 ///
 /// Each state keeps the angles that the table has for it. The posture's own
 /// angles are those of its first unloaded state (else of its first state) or,
@@ -74,15 +79,35 @@ pub(super) fn readings(
                 row,
                 planned: reader.columns.planned(table, row, plan.as_ref())?,
                 states: Vec::new(),
+                pending: Vec::new(),
             });
         }
         reader.add(&mut groups[number], row)?;
     }
-    let postures = groups.into_iter().map(|group| reader.close(group));
-    Ok(ReadingTable {
-        postures: postures.collect::<Result<_>>()?,
+    let mut out = ReadingTable {
+        postures: Vec::new(),
         wrench_columns: reader.columns.wrench_columns(),
-    })
+        pending: Vec::new(),
+        incomplete: Vec::new(),
+    };
+    for mut group in groups {
+        let pending = std::mem::take(&mut group.pending);
+        let waiting = !pending.is_empty();
+        out.pending.extend(pending.iter().cloned());
+        if group.states.is_empty() {
+            continue;
+        }
+        let name = group.row.fields[reader.columns.posture.at].text.to_string();
+        match reader.check_states(&group, &name) {
+            Err(_) if waiting => out.incomplete.push(reader.close(group, name)),
+            Err(error) => return Err(error),
+            Ok(()) => {
+                reader.check_loads(&group, &pending, &name)?;
+                out.postures.push(reader.close(group, name));
+            }
+        }
+    }
+    Ok(out)
 }
 
 /// The rows of one posture: the first one, and its states with theirs.
@@ -90,6 +115,8 @@ struct Group<'t> {
     row: &'t Row<'t>,
     planned: Option<&'t Posture>,
     states: Vec<(&'t Row<'t>, StateReadings)>,
+    /// Its rows without a position.
+    pending: Vec<PendingReading>,
 }
 
 impl Group<'_> {
@@ -114,6 +141,16 @@ impl Reader<'_, '_> {
         let name = self.state_name(row)?;
         self.columns.load_case(self.table, row, self.cell, name)?;
         let role = Role::of(name);
+        if columns.has_no_position(table, row) {
+            self.target(row)?;
+            group.pending.push(PendingReading {
+                posture: row.fields[columns.posture.at].text.to_string(),
+                state: name.to_string(),
+                point: row.fields[columns.point.at].text.to_string(),
+                line: row.line,
+            });
+            return Ok(());
+        }
         let state = StateReadings {
             state: name.to_string(),
             angles: columns.own_angles(table, row, self.cell)?,
@@ -235,18 +272,15 @@ impl Reader<'_, '_> {
     }
 
     /// The posture, once all its rows are read.
-    fn close(&self, group: Group<'_>) -> Result<PostureReadings> {
-        let name = group.row.fields[self.columns.posture.at].text.to_string();
-        self.check_states(&group, &name)?;
-        self.check_loads(&group, &name)?;
+    fn close(&self, group: Group<'_>, name: String) -> PostureReadings {
         let reference = group.of(&[Role::Unloaded]).chain(&group.states).next();
         let own = reference.and_then(|(_, state)| state.angles.clone());
         let planned = || Some(group.planned?.q.clone());
         let q = own.or_else(planned).unwrap_or_default();
-        Ok(PostureReadings {
+        PostureReadings {
             posture: Posture { name, q },
             states: group.states.into_iter().map(|(_, state)| state).collect(),
-        })
+        }
     }
 
     /// Some point must have been read both with and without the load.
@@ -283,13 +317,18 @@ impl Reader<'_, '_> {
         Err(self.fault(group.row, message).hint(hint))
     }
 
-    /// Without forces, several loads need to be told apart.
-    fn check_loads(&self, group: &Group<'_>, name: &str) -> Result<()> {
+    /// Without forces, several loads need to be told apart, those of `pending` rows among them.
+    fn check_loads(&self, group: &Group<'_>, pending: &[PendingReading], name: &str) -> Result<()> {
         if self.columns.wrench_columns() != WrenchColumns::None {
             return Ok(());
         }
         let mut states = group.of(&[Role::Preload, Role::Loaded]);
-        let count = group.of(&[Role::Preload, Role::Loaded]).count();
+        let mut to_come: Vec<&str> = pending.iter().map(|row| row.state.as_str()).collect();
+        to_come.retain(|state| Role::of(state) != Role::Unloaded);
+        to_come.retain(|state| !group.states.iter().any(|(_, own)| own.state == *state));
+        to_come.sort_unstable();
+        to_come.dedup();
+        let count = group.of(&[Role::Preload, Role::Loaded]).count() + to_come.len();
         let cases = self.cell.setup.load.cases();
         if !cases.is_empty() {
             // Each state is under the load case of its name; several under one differ in size.
@@ -297,12 +336,11 @@ impl Reader<'_, '_> {
                 let own = group.of(&[Role::Loaded]);
                 let own: Vec<_> = own.filter(|(_, s)| case.is_of(&s.state)).collect();
                 let unknown = own.iter().find(|(_, state)| state.load.is_none());
-                if let (true, Some((row, state))) = (own.len() > 1, unknown) {
+                let count = own.len() + to_come.iter().filter(|s| case.is_of(s)).count();
+                if let (true, Some((row, state))) = (count > 1, unknown) {
                     let message = format!(
-                        "Posture \"{name}\" has {} states under load case {}, but the force of \"{}\" is not given.",
-                        own.len(),
-                        case.name,
-                        state.state
+                        "Posture \"{name}\" has {count} states under load case {}, but the force of \"{}\" is not given.",
+                        case.name, state.state
                     );
                     return Err(self.fault(row, message).hint(match case.load.size() {
                         Some(_) => "add the column load_n: the force in each of them; or the measured forces fx_n, fy_n, fz_n",

@@ -1,9 +1,10 @@
 //! Tables in CSV text, and the choice between text and workbook.
 
+use super::foreign;
 use super::grid::{Field, Rows, Style, Table};
 use super::workbook;
 use crate::error::{Code, Error, Result};
-use crate::model::cell::Columns;
+use crate::model::cell::{Columns, Separator};
 use std::borrow::Cow;
 
 /// The bytes as text.
@@ -37,58 +38,106 @@ impl<'a> Table<'a> {
     /// Reads a workbook or a text, by their content; `foreign` names the
     /// columns that another software calls otherwise.
     pub(super) fn read(bytes: &[u8], file: &'a str, foreign: &Columns) -> Result<Self> {
+        Table::read_all(&[(bytes, file)], foreign)
+    }
+
+    /// Reads several files with the same columns as one table.
+    pub(super) fn read_all(files: &[(&[u8], &'a str)], columns: &Columns) -> Result<Self> {
+        let mut tables = files
+            .iter()
+            .map(|(bytes, file)| Table::read_one(bytes, file, columns));
+        let mut table = tables.next().unwrap_or_else(|| {
+            let error = Error::new(Code::TooFewData, "There is no file to read.");
+            Err(error.hint("give a table"))
+        })?;
+        for other in tables {
+            foreign::join(&mut table, other?)?;
+        }
+        foreign::finish(&mut table, columns)?;
+        Ok(table)
+    }
+
+    fn read_one(bytes: &[u8], file: &'a str, columns: &Columns) -> Result<Self> {
         if workbook::is_one(bytes) {
-            return workbook::read(bytes, file, foreign);
+            return workbook::read(bytes, file, columns);
         }
         let text = decode(bytes, file)?.trim_start_matches('\u{feff}');
         let text = match text.contains('\r') {
             true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),
             false => Cow::Borrowed(text),
         };
-        let mut lines = (1..)
+        let remark = |line: &str| {
+            let line = line.trim_start();
+            let theirs = columns.comment.as_deref();
+            line.starts_with('#') || theirs.is_some_and(|comment| line.starts_with(comment))
+        };
+        let mut lines: Vec<(usize, &str)> = (1..)
             .zip(text.split('\n'))
-            .filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
-            .peekable();
+            .filter(|(_, line)| !line.trim().is_empty() && !remark(line))
+            .collect();
         // Excel writes the separator into a first line `sep=;`.
-        let announced = lines
-            .next_if(|(_, line)| {
-                line.get(..4)
-                    .is_some_and(|s| s.eq_ignore_ascii_case("sep="))
-            })
-            .and_then(|(_, line)| line.chars().nth(4))
-            .filter(|delimiter| [',', ';', '\t'].contains(delimiter));
-        let Some((heading_line, heading)) = lines.next() else {
+        let announcement = lines.first().filter(|(_, line)| {
+            line.get(..4)
+                .is_some_and(|s| s.eq_ignore_ascii_case("sep="))
+        });
+        let announced = announcement.and_then(|(_, line)| line.chars().nth(4));
+        let announced = announced.filter(|delimiter| [',', ';', '\t'].contains(delimiter));
+        lines.drain(..usize::from(announcement.is_some()));
+        let given = columns.separator.map(Separator::character).or(announced);
+        let titles = foreign::find(
+            lines.iter().map(|(_, line)| {
+                let delimiter = given.unwrap_or_else(|| by_heading(line));
+                fields(line, delimiter).into_iter().map(|(text, _)| text)
+            }),
+            columns,
+        );
+        // Without a heading that is known, the cell file may say what the columns are.
+        let by_order = titles.is_none() && !columns.order.is_empty();
+        lines.drain(..titles.unwrap_or(0));
+        let Some((first_line, first)) = lines.first().copied() else {
             return Err(
                 Error::new(Code::TableHeading, "The table is empty: it has no heading.")
                     .file(file)
                     .hint("the first line names the columns"),
             );
         };
-        let by_heading = if heading.contains(';') {
-            ';'
-        } else if heading.contains('\t') && !heading.contains(',') {
-            '\t'
-        } else {
-            ','
-        };
-        let delimiter = announced.unwrap_or(by_heading);
+        let delimiter = given.unwrap_or_else(|| match by_order {
+            true if !first.contains([',', ';', '\t']) => ' ',
+            _ => by_heading(first),
+        });
         let style = match delimiter {
             ',' => Style::Commas,
             _ => Style::Others,
         };
         let mut rows = Rows::default();
-        split(heading_line, heading, delimiter, &mut rows);
-        lines.for_each(|(line, text)| split(line, text, delimiter, &mut rows));
-        let mut table = Table::new(file, style, rows, foreign);
+        if by_order {
+            rows.push(first_line, named(&columns.order), false);
+        }
+        for (line, text) in lines {
+            split(line, text, delimiter, &mut rows);
+        }
+        let mut table = Table::new(file, style, rows, columns);
         table.delimiter = delimiter;
+        table.set_by_order(by_order);
         Ok(table)
+    }
+}
+
+/// What separates the columns below this heading.
+fn by_heading(heading: &str) -> char {
+    if heading.contains(';') {
+        ';'
+    } else if heading.contains('\t') && !heading.contains(',') {
+        '\t'
+    } else {
+        ','
     }
 }
 
 /// Adds one line, split into trimmed fields.
 fn split(line: usize, text: &str, delimiter: char, rows: &mut Rows) {
     // Most lines have no quotation marks; a path has a hundred thousand of them.
-    if !text.contains('"') {
+    if !text.contains('"') && delimiter != ' ' {
         let mut column = 1;
         let fields = text.split(delimiter).map(|text| {
             let start = column;
@@ -101,6 +150,21 @@ fn split(line: usize, text: &str, delimiter: char, rows: &mut Rows) {
         });
         return rows.push(line, fields, false);
     }
+    let fields = fields(text, delimiter)
+        .into_iter()
+        .map(|(text, column)| Field {
+            text: text.into(),
+            column,
+            other: false,
+        });
+    rows.push(line, fields, text.matches('"').count() % 2 == 1);
+}
+
+/// The trimmed fields of a line, with the columns in which they begin.
+fn fields(text: &str, delimiter: char) -> Vec<(String, u32)> {
+    if delimiter == ' ' {
+        return spaced(text);
+    }
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter as u8)
         .terminator(csv::Terminator::Any(b'\n'))
@@ -111,12 +175,47 @@ fn split(line: usize, text: &str, delimiter: char, rows: &mut Rows) {
     // One line of valid UTF-8 in memory: reading it cannot fail.
     let _ = reader.read_record(&mut record);
     let starts = starts(text, delimiter);
-    let fields = record.iter().enumerate().map(|(i, text)| Field {
-        text: text.trim().into(),
-        column: starts.get(i).copied().unwrap_or(1),
+    let fields = record.iter().enumerate();
+    fields
+        .map(|(i, text)| (text.trim().to_string(), starts.get(i).copied().unwrap_or(1)))
+        .collect()
+}
+
+/// The fields of a line that are separated by spaces or tabs; quotation marks keep a text together.
+fn spaced(text: &str) -> Vec<(String, u32)> {
+    let mut out: Vec<(String, u32)> = Vec::new();
+    let mut quote = None;
+    let mut inside = false;
+    for (column, c) in (1..).zip(text.chars()) {
+        match quote {
+            Some(mark) if c == mark => quote = None,
+            None if c.is_whitespace() => inside = false,
+            None if !inside && ['"', '\''].contains(&c) => {
+                quote = Some(c);
+                inside = true;
+                out.push((String::new(), column));
+            }
+            _ => {
+                if !inside {
+                    out.push((String::new(), column));
+                    inside = true;
+                }
+                if let Some((field, _)) = out.last_mut() {
+                    field.push(c);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The heading that the cell file gives to a table without one.
+pub(super) fn named(order: &[String]) -> impl Iterator<Item = Field> {
+    (1..).zip(order).map(|(column, name)| Field {
+        text: name.as_str().into(),
+        column,
         other: false,
-    });
-    rows.push(line, fields, text.matches('"').count() % 2 == 1);
+    })
 }
 
 /// Character columns, from 1, at which the fields of a line begin.

@@ -75,9 +75,11 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
 
 /// Raw readings in the columns that [`read_readings`](super::read_readings)
 /// reads. Each state is written with its own angles or, where it has none, with
-/// the posture's; forces in the columns that the table had.
+/// the posture's; forces in the columns that the table had. What is not measured
+/// yet comes last, as rows without a position.
 pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
-    let states = || table.postures.iter().flat_map(|posture| &posture.states);
+    let postures = || table.postures.iter().chain(&table.incomplete);
+    let states = || postures().flat_map(|posture| &posture.states);
     let mut readings = states().flat_map(|state| &state.readings);
     let layout = Layout {
         values: Values::Positions,
@@ -87,7 +89,7 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
         times: readings.any(|reading| reading.time.is_some()),
     };
     let mut text = line(&layout.heading(cell));
-    for posture in &table.postures {
+    for posture in postures() {
         for state in &posture.states {
             let q = state.angles.as_ref().unwrap_or(&posture.posture.q);
             for reading in &state.readings {
@@ -100,6 +102,19 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
                 text += &line(&fields);
             }
         }
+    }
+    // In the order of the postures above, then those of which nothing is measured.
+    let mut begun = Vec::new();
+    for posture in postures() {
+        let own = table.pending.iter();
+        begun.extend(own.filter(|row| row.posture == posture.posture.name));
+    }
+    let others = table.pending.iter();
+    let others = others.filter(|row| postures().all(|p| p.posture.name != row.posture));
+    for row in begun.into_iter().chain(others) {
+        let mut fields = vec![row.posture.clone(), row.state.clone(), row.point.clone()];
+        fields.resize(layout.heading(cell).len(), String::new());
+        text += &line(&fields);
     }
     text
 }
@@ -117,6 +132,7 @@ fn target<'n>(reading: &'n Reading, cell: &'n Cell) -> &'n String {
 }
 
 /// The columns of a measurement table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) values: Values,
     pub(super) forces: bool,

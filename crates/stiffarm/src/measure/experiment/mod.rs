@@ -342,6 +342,8 @@ pub fn experiment(
             ForceRecord::Force => WrenchColumns::Force,
             ForceRecord::ForceAndMoment => WrenchColumns::ForceAndMoment,
         },
+        pending: Vec::new(),
+        incomplete: Vec::new(),
     })
 }
 

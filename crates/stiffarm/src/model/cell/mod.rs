@@ -9,7 +9,7 @@ mod posture_margins;
 mod task;
 
 pub use crate::model::limit::{LimitKind, LimitMargin, MarginUnit};
-pub use columns::Columns;
+pub use columns::{Columns, DateOrder, NamePart, NamePattern, Separator};
 pub use limits::Limits;
 pub use margins::Margins;
 pub use posture_margins::PostureMargins;

@@ -6,7 +6,8 @@ mod readings;
 
 pub use candidate::Candidate;
 pub use readings::{
-    PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
+    PendingReading, PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings,
+    WrenchColumns,
 };
 
 use crate::model::load::Wrench;

@@ -110,4 +110,49 @@ pub struct ReadingTable {
     pub postures: Vec<PostureReadings>,
     /// Which columns of force there were.
     pub wrench_columns: WrenchColumns,
+    /// Rows that name a reading and have no position: not measured yet, posture by posture.
+    pub pending: Vec<PendingReading>,
+    /// Postures that give no displacement as long as their pending rows are empty: read
+    /// unloaded and not yet loaded, or the other way round.
+    pub incomplete: Vec<PostureReadings>,
+}
+
+/// A reading that is not taken yet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PendingReading {
+    /// Name of the posture.
+    pub posture: String,
+    /// Name of the load state.
+    pub state: String,
+    /// Name of the measuring point, or of the reflector on the base.
+    pub point: String,
+    /// Line of the table it stands on, counted from 1.
+    pub line: usize,
+}
+
+impl ReadingTable {
+    /// Rows that are filled in.
+    pub fn filled(&self) -> usize {
+        self.states().map(|(_, state)| state.readings.len()).sum()
+    }
+
+    /// True where a posture of this name has a reading.
+    pub fn has_readings_of(&self, posture: &str) -> bool {
+        self.states().any(|(name, _)| name == posture)
+    }
+
+    /// True where a posture of this name has a reading in this state.
+    pub fn has_readings_in(&self, posture: &str, state: &str) -> bool {
+        self.states()
+            .any(|(name, own)| name == posture && own.state == state)
+    }
+
+    /// The states that have readings, with the names of their postures.
+    fn states(&self) -> impl Iterator<Item = (&str, &StateReadings)> {
+        let postures = self.postures.iter().chain(&self.incomplete);
+        postures.flat_map(|posture| {
+            let states = posture.states.iter().filter(|s| !s.readings.is_empty());
+            states.map(|state| (posture.posture.name.as_str(), state))
+        })
+    }
 }

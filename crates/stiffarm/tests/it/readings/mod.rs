@@ -3,6 +3,8 @@
 
 #![cfg(feature = "files")]
 
+mod exports;
+mod filling;
 #[cfg(feature = "xlsx")]
 mod round_trip;
 mod sheets;

@@ -78,6 +78,8 @@ fn any_table() -> impl Strategy<Value = ReadingTable> {
         let posture = (states, -150.0..150.0f64, -60.0..80.0f64);
         prop::collection::vec(posture, 1..5).prop_map(move |postures| ReadingTable {
             wrench_columns: columns,
+            pending: Vec::new(),
+            incomplete: Vec::new(),
             postures: (1..)
                 .zip(postures)
                 .map(|(number, ((a, b, c, d), q1, q2))| {

@@ -5,7 +5,7 @@ use super::*;
 /// What is replaced in [`FULL`] by what.
 const SLIPS: &[(&str, &str)] = &[
     ("x_mm,y_mm,z_mm", "x_mm,y_mm,z_m"),
-    ("x_mm,y_mm,z_mm", "x [mm],y [mm],z [mm]"),
+    ("x_mm,y_mm,z_mm", "x [ell],y [ell],z [ell]"),
     ("x_mm,y_mm,z_mm", "x,y,z"),
     ("x_mm,y_mm,z_mm", "x_cm,y_cm,z_cm"),
     ("x_mm,y_mm,z_mm", "x_mm,y_mm,remark"),

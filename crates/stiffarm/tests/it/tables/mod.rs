@@ -234,7 +234,7 @@ fn a_mixed_list_is_written_with_the_load_of_the_cell() -> Check {
 fn a_displacement_sheet_is_a_table_to_fill_in() -> Check {
     let cell = measured_cell();
     let planned = postures(POSTURES)?;
-    let sheet = displacement_sheet(&planned, &["up", "down"], &cell);
+    let sheet = displacement_sheet(&planned, &["up", "down"], &cell).to_csv();
     insta::assert_snapshot!("displacement_sheet", sheet);
     let error = displacements(&sheet, &cell).unwrap_err();
     assert!(error.message().contains("is empty"), "{error}");

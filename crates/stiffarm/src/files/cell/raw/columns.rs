@@ -82,6 +82,45 @@ impl JsonSchema for RawColumns {
                     "items": { "type": "string" },
                     "description": "Headings of columns that do not matter.",
                 },
+                "order": {
+                    "type": "array",
+                    "items": { "type": "string" },
+                    "description": "The columns of a table without a heading, by our headings; \
+                                    name, date, and - for one that does not matter.",
+                },
+                "profile": {
+                    "enum": ["spatialanalyzer", "powerinspect"],
+                    "description": "Software whose export this is: defaults of the other keys.",
+                },
+                "name": {
+                    "type": "string",
+                    "description": "What the table calls the column that name_pattern splits (default: name).",
+                },
+                "name_pattern": {
+                    "type": "string",
+                    "description": "How that column holds posture, state and point: \
+                                    {posture}::{state}::{point}; {} does not matter.",
+                },
+                "date": {
+                    "type": "string",
+                    "description": "What the table calls a column of dates beside one of times.",
+                },
+                "dates": {
+                    "enum": ["day-first", "month-first"],
+                    "description": "Order of day and month in dates like 05/11/2026.",
+                },
+                "separator": {
+                    "enum": ["comma", "semicolon", "tab", "space"],
+                    "description": "What separates the columns, where the heading does not show it.",
+                },
+                "comment": {
+                    "type": "string",
+                    "description": "What a line of remarks begins with, beside #.",
+                },
+                "sheet": {
+                    "type": "string",
+                    "description": "Worksheet of a workbook (default: the first).",
+                },
             },
             "patternProperties": {
                 "^q[1-9][0-9]*_(deg|rad)$": {

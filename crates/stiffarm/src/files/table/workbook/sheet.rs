@@ -3,7 +3,9 @@
 use super::HINT;
 use super::unpacked;
 use crate::error::{Code, Error, Result};
+use crate::files::table::foreign::{DATED, date_of, find};
 use crate::files::table::grid::{Field, Rows, Style, Table};
+use crate::files::table::text::named;
 use crate::model::cell::Columns;
 use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
 use std::collections::BTreeMap;
@@ -32,7 +34,7 @@ const OTHERS: usize = 16;
 const CELLS_OF_OTHERS: usize = 100_000;
 
 /// A cell's text, or what it holds that is neither text nor number.
-type Held = Result<String, &'static str>;
+type Held = std::result::Result<String, String>;
 
 /// The cells of a sheet that hold something, by row and column from 0.
 type Cells = BTreeMap<u32, BTreeMap<u32, Held>>;
@@ -41,12 +43,17 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
     unpacked::check(bytes).map_err(|e| e.file(file))?;
     // The reader of the format counts letters and digits of a place without
     // looking whether they fit, and stops the program where they do not.
-    let read = catch_unwind(AssertUnwindSafe(|| read(bytes)));
+    let read = catch_unwind(AssertUnwindSafe(|| read(bytes, foreign)));
     let read = read.unwrap_or_else(|_| {
         let message = "The file cannot be read as an .xlsx workbook: its places make no sense.";
         Err(Error::new(Code::FileRead, message))
     });
-    let Sheet { name, rows, aside } = read.map_err(|e| match e.hint_text() {
+    let Sheet {
+        name,
+        rows,
+        aside,
+        by_order,
+    } = read.map_err(|e| match e.hint_text() {
         Some(_) => e.file(file),
         None => e.file(file).hint(HINT),
     })?;
@@ -59,6 +66,7 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
     }
     let mut table = Table::new(file, Style::Sheet, rows, foreign);
     table.aside = aside;
+    table.set_by_order(by_order);
     Ok(table)
 }
 
@@ -67,6 +75,7 @@ struct Sheet {
     name: String,
     rows: Rows,
     aside: Option<String>,
+    by_order: bool,
 }
 
 fn broken(error: XlsxError) -> Error {
@@ -74,7 +83,7 @@ fn broken(error: XlsxError) -> Error {
     Error::new(Code::FileRead, message)
 }
 
-fn read(bytes: &[u8]) -> Result<Sheet> {
+fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
     let mut workbook = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
     let sheets = workbook.sheets_metadata().iter();
     let names: Vec<String> = sheets
@@ -87,17 +96,34 @@ fn read(bytes: &[u8]) -> Result<Sheet> {
             "The workbook has no sheets.",
         ));
     };
-    let rows = rows(cells(&mut workbook, first)?)?;
+    if let Some(wanted) = &foreign.sheet {
+        let Some(name) = names.iter().find(|name| *name == wanted) else {
+            let message = format!("The workbook has no sheet \"{wanted}\".");
+            return Err(Error::new(Code::UnknownName, message).hint(format!(
+                "sheet in [columns] of the cell file names one of: {}",
+                names.join(", ")
+            )));
+        };
+        let (rows, by_order) = rows(cells(&mut workbook, name)?, foreign)?;
+        return Ok(Sheet {
+            name: name.clone(),
+            rows,
+            aside: None,
+            by_order,
+        });
+    }
+    let (rows, by_order) = rows(cells(&mut workbook, first)?, foreign)?;
     // Other sheets matter only to those who miss something in the first.
     let mut others = others.iter().take(OTHERS);
     let with_data = others.find(|name| holds_something(&mut workbook, name));
     let aside = with_data.map(|other| {
-        format!("only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to the front")
+        format!("only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to the front, or name it in [columns] of the cell file: sheet = \"{other}\"")
     });
     Ok(Sheet {
         name: first.clone(),
         rows,
         aside,
+        by_order,
     })
 }
 
@@ -109,12 +135,33 @@ fn held(value: &DataRef<'_>) -> Option<Held> {
         DataRef::Float(number) => Ok(number.to_string()),
         DataRef::String(text) => Ok(text.trim().to_string()),
         DataRef::SharedString(text) => Ok(text.trim().to_string()),
-        DataRef::Bool(_) => Err("true or false"),
-        DataRef::DateTime(_) | DataRef::DateTimeIso(_) => Err("a date or time"),
-        DataRef::DurationIso(_) => Err("a duration"),
-        DataRef::Error(_) => Err("an error of its formula"),
+        DataRef::Bool(_) => Err("true or false".to_string()),
+        DataRef::DateTime(time) => Err(shown_time(time.as_f64())),
+        DataRef::DateTimeIso(text) => Err(format!("{DATED}{text}")),
+        DataRef::DurationIso(_) => Err("a duration".to_string()),
+        DataRef::Error(_) => Err("an error of its formula".to_string()),
     };
     (!held.as_ref().is_ok_and(String::is_empty)).then_some(held)
+}
+
+/// A count of days from the beginning of 1900, as spreadsheets keep times, to a microsecond.
+fn shown_time(days: f64) -> String {
+    // 25569 days lie between the first day of spreadsheets and 1970-01-01.
+    let (day, time) = (days.floor(), (days - days.floor()) * 86400e6);
+    let alone = day == 0.0;
+    let (mut day, mut micros) = (day as i64 - 25569, time.round() as i64);
+    if micros >= 86_400_000_000 {
+        (day, micros) = (day + 1, 0);
+    }
+    let (year, month, date) = date_of(day);
+    let (seconds, micros) = (micros / 1_000_000, micros % 1_000_000);
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    let time = format!("{hours:02}:{minutes:02}:{seconds:02}.{micros:06}");
+    match alone {
+        // A time without a date is a part of the first day.
+        true => format!("{DATED}{time}"),
+        false => format!("{DATED}{year:04}-{month:02}-{date:02} {time}"),
+    }
 }
 
 fn holds_something(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> bool {
@@ -177,16 +224,30 @@ fn too_large() -> Error {
 }
 
 /// The rows as of a text: comments left out, gaps filled with empty fields.
-fn rows(mut cells: Cells) -> Result<Rows> {
+fn rows(mut cells: Cells, foreign: &Columns) -> Result<(Rows, bool)> {
     let mut rows = Rows::default();
     cells.retain(|_, row| {
         let first = row.values().next();
-        !first.is_some_and(|held| held.as_ref().is_ok_and(|text| text.starts_with('#')))
+        let remark = |text: &String| {
+            let theirs = foreign.comment.as_deref();
+            text.starts_with('#') || theirs.is_some_and(|comment| text.starts_with(comment))
+        };
+        !first.is_some_and(|held| held.as_ref().is_ok_and(remark))
     });
+    // Titles above the heading.
+    let texts = |row: &BTreeMap<u32, Held>| -> Vec<String> {
+        let texts = row.values().filter_map(|held| held.as_ref().ok());
+        texts.cloned().collect()
+    };
+    let heading = find(cells.values().map(texts), foreign);
+    let by_order = heading.is_none() && !foreign.order.is_empty();
+    for _ in 0..heading.unwrap_or(0) {
+        cells.pop_first();
+    }
     // The table may begin in any column; it is as wide as its heading.
     let heading = cells.iter().next();
     let Some((line, mut columns)) = heading.map(|(line, row)| (line, row.keys().copied())) else {
-        return Ok(rows);
+        return Ok((rows, by_order));
     };
     let left = columns.next().unwrap_or_default();
     let right = columns.next_back().unwrap_or(left);
@@ -203,17 +264,20 @@ fn rows(mut cells: Cells) -> Result<Rows> {
     if cells.len().saturating_mul((right - left + 1) as usize) > MOST_CELLS {
         return Err(too_large());
     }
+    if by_order {
+        rows.push(*line as usize + 1, named(&foreign.order), false);
+    }
     for (line, mut row) in cells {
         let beside: Vec<u32> = row.keys().copied().filter(|c| !width.contains(c)).collect();
         let fields = width.clone().chain(beside).map(|column| {
             let held = row.remove(&column).unwrap_or(Ok(String::new()));
             Field {
                 other: held.is_err(),
-                text: held.unwrap_or_else(String::from).into(),
+                text: held.unwrap_or_else(|other| other).into(),
                 column: column + 1,
             }
         });
         rows.push(line as usize + 1, fields, false);
     }
-    Ok(rows)
+    Ok((rows, by_order))
 }

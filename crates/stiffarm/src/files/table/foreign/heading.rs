@@ -1,0 +1,125 @@
+//! Which row of a file is the heading, and units in brackets.
+
+use crate::files::table::naming::{DATE, NAME, normal};
+use crate::files::table::quantity::Quantity;
+use crate::model::cell::Columns;
+
+/// Rows above a heading: titles, remarks, settings.
+const MOST_ABOVE: usize = 100;
+
+/// Columns that must be known for a row below the first to be a heading.
+const ENOUGH: usize = 3;
+
+/// Number of the first row, from 0, in which enough columns are known or mapped; `None` where
+/// none of the first rows is one.
+pub(in crate::files::table) fn find<R, F>(
+    rows: impl IntoIterator<Item = R>,
+    foreign: &Columns,
+) -> Option<usize>
+where
+    R: IntoIterator<Item = F>,
+    F: AsRef<str>,
+{
+    let mut rows = rows.into_iter().take(MOST_ABOVE);
+    rows.position(|row| {
+        let fields = row.into_iter();
+        fields
+            .filter(|field| is_known(field.as_ref(), foreign))
+            .take(ENOUGH)
+            .count()
+            == ENOUGH
+    })
+}
+
+fn is_known(field: &str, foreign: &Columns) -> bool {
+    let name = normal(field);
+    if name.is_empty() {
+        return false;
+    }
+    let theirs = foreign.names.values().chain(&foreign.ignore);
+    let mut theirs = theirs.chain(&foreign.name).chain(&foreign.date);
+    theirs.any(|other| normal(other) == name) || is_own(&name) || own_unit(&name).is_some()
+}
+
+/// True for a heading of ours.
+fn is_own(name: &str) -> bool {
+    let (base, unit) = name.split_once('_').unwrap_or((name, ""));
+    match quantity(base) {
+        Some(quantity) => match quantity.units() {
+            [] => unit.is_empty(),
+            units => units.iter().any(|own| own.suffix == unit),
+        },
+        None => base == NAME || base == DATE,
+    }
+}
+
+/// What a column of this name without unit holds.
+fn quantity(base: &str) -> Option<Quantity> {
+    let joint = |prefix: &str| {
+        let number = base.strip_prefix(prefix);
+        number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    match base {
+        "posture" | "state" | "point" => Some(Quantity::Name),
+        "x" | "y" | "z" | "dx" | "dy" | "dz" => Some(Quantity::Length),
+        "fx" | "fy" | "fz" | "load" => Some(Quantity::Force),
+        "mx" | "my" | "mz" => Some(Quantity::Moment),
+        "time" => Some(Quantity::Time),
+        _ if joint("q") || joint("dq") => Some(Quantity::Angle),
+        _ => None,
+    }
+}
+
+/// Our heading for one whose unit stands in brackets: `X [mm]`, `x (m)`, `Fx [N]`.
+pub(in crate::files::table) fn own_unit(name: &str) -> Option<String> {
+    let inside = name
+        .strip_suffix(']')
+        .and_then(|name| name.split_once('['))
+        .or_else(|| name.strip_suffix(')').and_then(|name| name.split_once('(')));
+    let (base, unit) = inside?;
+    let unit = match unit.trim() {
+        "°" => "deg".to_string(),
+        unit => unit.replace(['·', '*', ' '], ""),
+    };
+    let base = base.trim();
+    let known = quantity(base)?.units().iter().any(|own| own.suffix == unit);
+    known.then(|| format!("{base}_{unit}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_in_brackets_become_ours() {
+        for (theirs, ours) in [
+            ("x [mm]", Some("x_mm")),
+            ("z(m)", Some("z_m")),
+            ("fx [n]", Some("fx_n")),
+            ("mz [n·m]", Some("mz_nm")),
+            ("q3 [°]", Some("q3_deg")),
+            ("time [s]", Some("time_s")),
+            ("x [furlong]", None),
+            ("center x [mm]", None),
+            ("x", None),
+        ] {
+            assert_eq!(own_unit(theirs).as_deref(), ours, "{theirs}");
+        }
+    }
+
+    #[test]
+    fn the_heading_is_the_first_row_with_enough_known_columns() {
+        let foreign = Columns {
+            ignore: vec!["Comment".to_string()],
+            ..Columns::default()
+        };
+        let rows = |text: &str| -> Vec<Vec<String>> {
+            let row = |line: &str| line.split(',').map(String::from).collect();
+            text.lines().map(row).collect()
+        };
+        let found = |text: &str| find(rows(text), &foreign);
+        assert_eq!(found("Job,x_mm\nComment,X [mm],Y [mm]\n1,2,3"), Some(1));
+        assert_eq!(found("posture,state,point\n"), Some(0));
+        assert_eq!(found("a,b,c\n1,2,3"), None);
+    }
+}

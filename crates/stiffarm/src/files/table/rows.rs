@@ -1,0 +1,120 @@
+//! Rows of a table with their fields, whatever file they came from.
+
+use smol_str::SmolStr;
+use std::ops::Range;
+
+/// A field and where it begins, counted from 1: a character column of a text,
+/// a column of a spreadsheet.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Field {
+    pub(super) text: SmolStr,
+    pub(super) column: u32,
+    /// The text says what a spreadsheet's cell holds that is neither text nor
+    /// number: a date, ….
+    pub(super) other: bool,
+}
+
+/// A row and its line, counted from 1; it has one field per heading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Row<'t> {
+    pub(super) line: usize,
+    pub(super) fields: &'t [Field],
+    /// A quotation mark is not closed on this line.
+    pub(super) open_quote: bool,
+    /// Which of the files it stands in.
+    pub(super) source: usize,
+}
+
+/// Rows with their fields one after the other: a million small lists would leave
+/// the memory in pieces.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    fields: Vec<Field>,
+    spans: Vec<Span>,
+}
+
+/// Where a row's fields stand.
+#[derive(Debug)]
+struct Span {
+    line: usize,
+    fields: Range<usize>,
+    open_quote: bool,
+    source: usize,
+}
+
+impl Rows {
+    /// Adds a row.
+    pub(super) fn push(
+        &mut self,
+        line: usize,
+        fields: impl IntoIterator<Item = Field>,
+        open_quote: bool,
+    ) {
+        let start = self.fields.len();
+        self.fields.extend(fields);
+        self.spans.push(Span {
+            line,
+            fields: start..self.fields.len(),
+            open_quote,
+            source: 0,
+        });
+    }
+
+    /// Adds a row like `row` with other fields, of the file `source`.
+    pub(super) fn push_as(
+        &mut self,
+        row: &Row<'_>,
+        source: usize,
+        fields: impl IntoIterator<Item = Field>,
+    ) {
+        self.push(row.line, fields, row.open_quote);
+        if let Some(span) = self.spans.last_mut() {
+            span.source = source;
+        }
+    }
+
+    /// The fields of all rows, to be changed in place.
+    pub(super) fn fields_mut(&mut self, row: usize) -> &mut [Field] {
+        &mut self.fields[self.spans[row].fields.clone()]
+    }
+
+    /// How many rows there are, the heading among them.
+    pub(super) fn len(&self) -> usize {
+        self.spans.len()
+    }
+
+    #[cfg(feature = "xlsx")]
+    pub(super) fn is_empty(&self) -> bool {
+        self.spans.is_empty()
+    }
+
+    /// The row with this number; 0 is the heading.
+    pub(super) fn at(&self, number: usize) -> Row<'_> {
+        self.row(&self.spans[number])
+    }
+
+    fn row(&self, span: &Span) -> Row<'_> {
+        Row {
+            source: span.source,
+            line: span.line,
+            fields: &self.fields[span.fields.clone()],
+            open_quote: span.open_quote,
+        }
+    }
+
+    /// The rows below the heading, which is the first.
+    pub(super) fn below(&self) -> impl Iterator<Item = Row<'_>> {
+        self.spans[1..].iter().map(|span| self.row(span))
+    }
+
+    /// Leaves empty fields at the ends of rows out, down to `keep` fields:
+    /// spreadsheets pad rows.
+    pub(super) fn drop_empty_ends(&mut self, keep: usize) {
+        for span in &mut self.spans {
+            let range = &mut span.fields;
+            while range.len() > keep && self.fields[range.end - 1].text.is_empty() {
+                range.end -= 1;
+            }
+        }
+    }
+}

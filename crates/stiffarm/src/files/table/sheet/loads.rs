@@ -1,0 +1,169 @@
+//! The force of each load state, where it is certain before anything is measured.
+
+use crate::model::load::Load;
+use crate::model::measurement::Role;
+
+/// A bare number below this counts states, as in `loaded-2`; it is no force \[N\].
+const SMALLEST_BARE: f64 = 10.0;
+
+/// Nor is one below this part of the cell's own force.
+const SMALLEST_PART: f64 = 0.05;
+
+/// The forces of `states` \[N\]: the number in a state's name, or the cell's own where the
+/// state is the only one under its load. `None` where neither is certain.
+pub(super) fn planned(states: &[String], load: &Load) -> Vec<Option<f64>> {
+    states
+        .iter()
+        .map(|state| planned_load(state, states, load))
+        .collect()
+}
+
+fn planned_load(state: &str, states: &[String], load: &Load) -> Option<f64> {
+    let role = Role::of(state);
+    if role == Role::Unloaded {
+        return None;
+    }
+    let loaded = |other: &&String| Role::of(other) == Role::Loaded;
+    let (size, rest, under_it) = match load.cases() {
+        [] => (load.size()?, state, states.iter().filter(loaded).count()),
+        cases => {
+            let case = cases.iter().find(|case| case.is_of(state))?;
+            let own = states.iter().filter(loaded).filter(|s| case.is_of(s));
+            let rest = state.strip_prefix(case.name.as_str())?;
+            (case.load.size()?, rest, own.count())
+        }
+    };
+    match number(rest, size) {
+        Number::None if role == Role::Loaded && under_it == 1 => Some(size),
+        Number::Force(force) if force <= size => Some(force),
+        _ => None,
+    }
+}
+
+/// What the digits in a name say.
+#[derive(Debug, PartialEq)]
+enum Number {
+    /// There are none, or they count states.
+    None,
+    /// One force \[N\].
+    Force(f64),
+    /// Something that may be a force, or not.
+    Unclear,
+}
+
+fn number(name: &str, size: f64) -> Number {
+    let digit = |c: char| c.is_ascii_digit();
+    let Some(start) = name.find(digit) else {
+        return Number::None;
+    };
+    let rest = &name[start..];
+    let end = rest
+        .find(|c: char| !c.is_ascii_digit() && c != '.')
+        .unwrap_or(rest.len());
+    let (digits, behind) = rest.split_at(end);
+    let Ok(value) = digits.parse::<f64>() else {
+        return Number::Unclear;
+    };
+    if behind.contains(digit) || name[..start].ends_with(['.', ',']) {
+        return Number::Unclear;
+    }
+    let letters = |c: char| c.is_alphabetic() || c == '%';
+    let unit: String = behind
+        .trim_start_matches([' ', '_', '-'])
+        .chars()
+        .take_while(|c| letters(*c))
+        .collect();
+    let parted = behind.starts_with([' ', '_', '-']);
+    match unit.to_lowercase().as_str() {
+        "n" | "newton" if value > 0.0 => Number::Force(value),
+        "kn" if value > 0.0 => Number::Force(1000.0 * value),
+        "" => bare(value, size),
+        // `250-up`: a word behind the number, not a unit of it.
+        "up" | "down" if parted => bare(value, size),
+        _ => Number::Unclear,
+    }
+}
+
+fn bare(value: f64, size: f64) -> Number {
+    match value >= SMALLEST_BARE && value >= SMALLEST_PART * size {
+        true => Number::Force(value),
+        false => Number::None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::load::LoadCase;
+    use nalgebra::Vector3;
+
+    fn rope(magnitude: f64) -> Load {
+        Load::Rope {
+            anchor: Vector3::zeros(),
+            magnitude,
+        }
+    }
+
+    fn of(states: &[&str], load: &Load) -> Vec<Option<f64>> {
+        let states: Vec<String> = states.iter().map(|s| s.to_string()).collect();
+        planned(&states, load)
+    }
+
+    #[test]
+    fn the_only_state_has_the_load_of_the_cell_and_a_number_its_own() {
+        let rope = rope(-500.0);
+        assert_eq!(of(&["unloaded", "loaded"], &rope), [None, Some(500.0)]);
+        assert_eq!(of(&["loaded-2"], &rope), [Some(500.0)]);
+        assert_eq!(
+            of(
+                &["up-250", "500N", "load-300", "up250", "0.4kN", "250-up"],
+                &rope
+            ),
+            [250.0, 500.0, 300.0, 250.0, 400.0, 250.0].map(Some)
+        );
+        // A light preload may be named with its force, and does not make the load one of several.
+        let states = ["preload-100", "loaded"];
+        assert_eq!(of(&states, &rope), [Some(100.0), Some(500.0)]);
+        assert_eq!(of(&["preload", "loaded"], &rope), [None, Some(500.0)]);
+    }
+
+    #[test]
+    fn what_is_not_certain_stays_empty() {
+        let rope = rope(500.0);
+        for unclear in [
+            "up-600",
+            "up-250-2",
+            "250kg",
+            "50%",
+            "1.2.3",
+            "2026-11-23",
+            "2nd",
+            "x.5",
+        ] {
+            assert_eq!(of(&[unclear], &rope), [None], "{unclear}");
+        }
+        // Several states of one load without a number.
+        assert_eq!(of(&["up", "down"], &rope), [None, None]);
+        assert_eq!(of(&["loaded", "loaded-2"], &rope), [None, None]);
+        assert_eq!(of(&["loaded"], &Load::Measured), [None]);
+    }
+
+    #[test]
+    fn load_cases_have_their_own() {
+        let case = |name: &str, load| LoadCase {
+            name: name.to_string(),
+            load,
+            loading_point: None,
+        };
+        let weight = Load::Weight {
+            magnitude: 120.0,
+            direction: -Vector3::z(),
+        };
+        let load = Load::Cases(vec![case("side-300", rope(300.0)), case("weight", weight)]);
+        let states = ["unloaded", "side-300", "unloaded-2", "weight"];
+        let found = of(&states, &load);
+        assert_eq!(found, [None, Some(300.0), None, Some(120.0)]);
+        let states = ["side-300-150", "side-300-300", "weight-500"];
+        assert_eq!(of(&states, &load), [Some(150.0), Some(300.0), None]);
+    }
+}

@@ -1,0 +1,265 @@
+//! Exports of tracker software, made up in its style (tests/exports/README.md).
+
+use super::*;
+use stiffarm::files::table::read_measurements_of;
+
+/// The readings of all exports, as a table of our own.
+const PLAIN: &str = "\
+posture,state,point,x_mm,y_mm,z_mm,time_s
+P1,unloaded,left,1500.125,-200.5,900.25,0
+P1,unloaded,right,1350.0625,-50.25,900.5,12.5
+P1,loaded,left,1500.25,-200.75,899.5,61
+P1,loaded,right,1350.1875,-50.5,899.75,75.25
+P2,unloaded,left,402.5,1433.125,880.75,1260
+P2,unloaded,right,251.25,1290.5,881,1272.5
+P2,loaded,left,402.75,1433.375,880.125,1320
+P2,loaded,right,251.5,1290.75,880.375,1334.75
+";
+
+macro_rules! export {
+    ($name:literal) => {
+        ($name, &include_bytes!(concat!("../../exports/", $name))[..])
+    };
+}
+
+fn read(files: &[(&str, &[u8])], columns: &str) -> stiffarm::Result<ReadingTable> {
+    let cell = cell_with(ROPE, &format!("[columns]\n{columns}"));
+    let files: Vec<(&[u8], &str)> = files.iter().map(|(name, bytes)| (*bytes, *name)).collect();
+    match read_measurements_of(&files, &cell, Some(&postures()))? {
+        Measurements::Readings(table) => Ok(table),
+        Measurements::Displacements(_) => panic!("the table has positions"),
+    }
+}
+
+/// Positions to a nanometre and times to ten microseconds, which days in a double know; the same names.
+fn assert_same(table: &ReadingTable, wanted: &ReadingTable, times: bool, what: &str) {
+    let flat = |table: &ReadingTable| -> Vec<(String, String, Reading)> {
+        let postures = table.postures.iter();
+        let states = postures.flat_map(|p| p.states.iter().map(|s| (p.posture.name.clone(), s)));
+        states
+            .flat_map(|(p, s)| {
+                let readings = s.readings.iter().cloned();
+                readings.map(move |r| (p.clone(), s.state.clone(), r))
+            })
+            .collect()
+    };
+    let (found, wanted) = (flat(table), flat(wanted));
+    assert_eq!(found.len(), wanted.len(), "{what}");
+    for ((p, s, r), (wp, ws, wr)) in found.iter().zip(&wanted) {
+        assert_eq!((p, s, &r.target), (wp, ws, &wr.target), "{what}");
+        assert!((r.position - wr.position).norm() < 1e-9, "{what}: {r:?}");
+        match (times, r.time, wr.time) {
+            (true, Some(time), Some(wanted)) => {
+                assert!((time - wanted).abs() < 1e-5, "{what}: {time} {wanted}");
+            }
+            (false, None, _) => {}
+            other => panic!("{what}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn ten_exports_hold_the_same_readings() -> Check {
+    let wanted = planned(PLAIN, &rope_cell())?;
+    let mut count = 0;
+    let mut check = |files: &[(&str, &[u8])], columns: &str, times| -> Check {
+        let table = read(files, columns).map_err(|e| format!("{}: {e}", files[0].0))?;
+        assert_same(&table, &wanted, times, files[0].0);
+        count += 1;
+        Ok(())
+    };
+    let sa = "profile = 'spatialanalyzer'\n";
+    check(&[export!("spatialanalyzer-comma.txt")], sa, false)?;
+    check(&[export!("spatialanalyzer-space.txt")], sa, false)?;
+    check(
+        &[export!("spatialanalyzer-times.txt")],
+        &format!("{sa}order = ['name', 'x_m', 'y_m', 'z_m', 'time_s']"),
+        true,
+    )?;
+    check(
+        &[export!("polyworks-style.csv")],
+        "time_s = 'Zeit'\nname_pattern = '{posture}_{state}_{point}'",
+        true,
+    )?;
+    check(
+        &[export!("metrolog-style.txt")],
+        "name = 'Label'\nname_pattern = '{point} / {posture} / {state}'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'\n\
+         date = 'Date'\ntime_s = 'Heure'\nignore = ['DX']",
+        true,
+    )?;
+    check(
+        &[export!("leica-style.csv")],
+        "point = 'Point ID'\nposture = 'Workpiece'\nstate = 'Group'\ntime_s = 'Timestamp'\nignore = ['RMS']",
+        true,
+    )?;
+    check(
+        &[export!("api-style.csv")],
+        "name = 'Target'\nname_pattern = '{posture}-{state}-{point}'\nx_mm = 'Coordinate 1'\ny_mm = 'Coordinate 2'\n\
+         z_mm = 'Coordinate 3'\ntime_d = 'Time'",
+        true,
+    )?;
+    check(
+        &[export!("powerinspect.txt")],
+        "profile = 'powerinspect'\nname_pattern = '{posture} {state} {point}'",
+        false,
+    )?;
+    check(
+        &[export!("two-files-P1.csv"), export!("two-files-P2.csv")],
+        "name = 'Group'\nname_pattern = '{posture}.{state}'\npoint = 'Target'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'",
+        false,
+    )?;
+    if cfg!(feature = "xlsx") {
+        check(
+            &[export!("faro-style.xlsx")],
+            "sheet = 'Points'\nname = 'Feature'\nname_pattern = '{posture}|{state}|{point}'\nx_mm = 'Actual X'\n\
+             y_mm = 'Actual Y'\nz_mm = 'Actual Z'\ntime_s = 'Measured at'",
+            true,
+        )?;
+        assert_eq!(count, 10);
+    }
+    // A table of our own is still read with a profile, and one whose names stand apart.
+    let own = read(&[("own.csv", PLAIN.as_bytes())], sa)?;
+    assert_same(&own, &wanted, true, "own");
+    Ok(())
+}
+
+#[test]
+fn the_suggested_columns_read_the_export() -> Check {
+    // What the message of a refused file says can be pasted.
+    let (name, bytes) = export!("two-files-P1.csv");
+    let text = std::str::from_utf8(bytes)?.replace("P1.unloaded", "unloaded");
+    let text = text.replace("P1.loaded", "loaded").replace('\n', ",P1\n");
+    let text = text.replacen(",P1\n", ",Pose no\n", 1);
+    let error = read(&[(name, text.as_bytes())], "").unwrap_err();
+    let hint = error.hint_text().unwrap_or_default();
+    let (_, keys) = hint.split_once("for example: ").ok_or("no example")?;
+    let table = read(&[(name, text.as_bytes())], &keys.replace(", ", "\n"))?;
+    assert_eq!(table.postures.len(), 1);
+    assert_eq!(table.postures[0].states[1].readings.len(), 2);
+    Ok(())
+}
+
+#[test]
+fn each_refused_export_says_the_next_step() {
+    let (_, comma) = export!("spatialanalyzer-comma.txt");
+    let (_, space) = export!("spatialanalyzer-space.txt");
+    let (_, leica) = export!("leica-style.csv");
+    let (_, poly) = export!("polyworks-style.csv");
+    let (_, metrolog) = export!("metrolog-style.txt");
+    let (_, faro) = export!("faro-style.xlsx");
+    let (_, two) = export!("two-files-P1.csv");
+    let named = "name = 'Group'\nname_pattern = '{posture}.{state}'\npoint = 'Target'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'";
+    let clocks = |times: [&str; 3]| {
+        let rows = [
+            ",unloaded,left,1,2,3,",
+            ",unloaded,right,1,2,3,",
+            ",loaded,left,1,2,3,",
+        ];
+        let rows = rows
+            .iter()
+            .zip(times)
+            .map(|(row, time)| format!("P1{row}{time}\n"));
+        let rows: String = rows.collect();
+        format!("posture,state,point,x_mm,y_mm,z_mm,time_s\n{rows}").into_bytes()
+    };
+    let either = clocks([
+        "5/11/2026 14:05:00",
+        "6/11/2026 14:05:00",
+        "7/11/2026 9:00:00",
+    ]);
+    let mixed = clocks(["5/11/2026 14:05:00", "", "14:05:00"]);
+    let midnight = clocks(["23:59:50", "23:59:58", "0:00:10"]);
+    let words = clocks(["0", "a minute later", "2"]);
+    let turned = clocks(["13/11/2026 9:00", "11/13/2026 9:01", ""]);
+    let mut report = String::new();
+    let mut note = |what: &str, files: &[(&str, &[u8])], columns: &str| {
+        let error = read(files, columns).unwrap_err();
+        report += &format!("» {what}\n{error}\n");
+    };
+    note("no heading, commas", &[("sa.txt", comma)], "comment = '//'");
+    note("no heading, spaces", &[("sa.txt", space)], "comment = '//'");
+    note("remarks of another sign", &[("sa.txt", comma)], "");
+    note("headings that are not known", &[("two.csv", two)], "");
+    note(
+        "the same below titles",
+        &[("leica.csv", leica)],
+        "ignore = ['Job']",
+    );
+    note(
+        "names that hold several",
+        &[("poly.csv", poly)],
+        "time_s = 'Zeit'",
+    );
+    note(
+        "a name that does not fit",
+        &[("poly.csv", poly)],
+        "time_s = 'Zeit'\nname_pattern = '{posture}-{state}-{point}'",
+    );
+    note(
+        "another number of columns",
+        &[("sa.txt", comma)],
+        "profile = 'spatialanalyzer'\norder = ['name', 'x_mm', 'y_mm', 'z_mm']",
+    );
+    note(
+        "one heading missing",
+        &[("metrolog.txt", metrolog)],
+        "name = 'Label'\nname_pattern = '{point} / {posture} / {state}'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'\ntime_s = 'Heure'",
+    );
+    note("day or month", &[("m.csv", &either)], "");
+    note("two forms", &[("m.csv", &mixed)], "");
+    note("midnight", &[("m.csv", &midnight)], "");
+    note("no time", &[("m.csv", &words)], "");
+    note("two orders", &[("m.csv", &turned)], "");
+    note(
+        "the order is another",
+        &[("m.csv", &turned)],
+        "dates = 'day-first'",
+    );
+    note(
+        "files that differ",
+        &[("a.csv", two), ("b.csv", PLAIN.as_bytes())],
+        named,
+    );
+    if cfg!(feature = "xlsx") {
+        note("the wrong sheet", &[("faro.xlsx", faro)], "");
+        note("no such sheet", &[("faro.xlsx", faro)], "sheet = 'Point'");
+        insta::assert_snapshot!("refused_exports", report);
+    }
+    // With the order given, the same file is read.
+    assert!(read(&[("m.csv", &either)], "dates = 'month-first'").is_ok());
+    let one_day = clocks([
+        "5/11/2026 14:05:00",
+        "5/11/2026 14:06:00",
+        "5/11/2026 14:07:00",
+    ]);
+    assert!(read(&[("m.csv", &one_day)], "").is_ok());
+}
+
+#[test]
+fn slips_in_the_columns_of_a_cell() {
+    let mut report = String::new();
+    for columns in [
+        "profile = 'spatialanalyser'",
+        "profile = 'gom'",
+        "name_pattern = '{pose}::{point}'",
+        "name_pattern = '{posture}{point}'",
+        "dates = 'us'",
+        "separator = 'pipe'",
+        "order = 'x_mm'",
+        "order = ['x_mm', 'q9_deg']",
+        "order = ['x_mm', '-', '-', 'x_mm']",
+        "sheet = ['a']",
+        "name = 'Name'\npoint = 'name'",
+    ] {
+        let text = format!(
+            "format = 1\nrobot.dh_modified = [[0, 0, 800, 0], [-90, 400, 0, -90]]\n\
+             robot.limits_deg = [[-170, 170], [-75, 95]]\ntool.loading_point_mm = [200, 0, 250]\n\
+             [[tool.measuring_point]]\nname = 'left'\nposition_mm = [150, 0, 200]\n[load]\n{ROPE}\n[columns]\n{columns}\n"
+        );
+        report += &format!(
+            "» {columns}\n{}\n",
+            parse_cell(&text, "cell.toml").unwrap_err()
+        );
+    }
+    insta::assert_snapshot!("slips_in_columns", report);
+}
