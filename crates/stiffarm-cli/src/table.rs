@@ -295,17 +295,16 @@ mod tests {
         let fitted = |limit| screen::plain(&table.fitted(limit));
         assert_eq!(
             fitted(62),
-            "joint    first [mm]  second [mm]  between\n\
-             joint 1         1.5         22.5  a sentence of a few words,\n                                  \
-             and more\n\
-             joint 2         2.5            3\n"
+            "           first   second\njoint       [mm]     [mm]  between\n\
+             joint 1      1.5     22.5  a sentence of a few words, and more\n\
+             joint 2      2.5        3\n"
         );
         // Headings are broken before words are.
         assert_eq!(
             fitted(47),
-            "          first  second  between\njoint      [mm]    [mm]\n\
-             joint 1     1.5    22.5  a sentence of a few\n                        words, and more\n\
-             joint 2     2.5       3\n"
+            "         first  second\njoint     [mm]    [mm]  between\n\
+             joint 1    1.5    22.5  a sentence of a few\n                        words, and more\n\
+             joint 2    2.5       3\n"
         );
         assert_eq!(
             fitted(34),

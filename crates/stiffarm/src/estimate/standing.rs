@@ -1,17 +1,21 @@
 //! How an experiment stands while it is measured: what the readings so far give, what the postures that are
 //! left are expected to bring, and whether that is enough.
 //!
-//! What is expected is a forecast: the scatter of the readings stays as it is, and the standard errors
-//! shrink as the information of the planned postures says. Common errors do not shrink with readings, so
-//! no number of postures brings a joint below them.
+//! What is expected is a forecast on the safe side: the scatter of the readings stays as it is, the standard
+//! errors shrink as the information of the planned postures says, and the common errors stay what they
+//! are. In truth further readings bound most of those too, but never the scale of the force: no
+//! number of postures brings a joint below that.
 
 use super::identify::{Fit, Verdict};
 use super::next_posture::{NextPosture, PlannedErrors, planned_errors};
 use super::systematic::{JointUncertainty, SystematicErrors};
 use crate::error::Result;
-use crate::findings::{Finding, Severity, list, percent};
+use crate::findings::{Finding, Severity, percent};
+use crate::numerics::half_width::Level;
 use serde::Serialize;
 
+/// The source of common error that is the scale of every force.
+const FORCE_SCALE: &str = "force-scale";
 /// A posture of one's own choice is worth naming if it beats the planned one by this share.
 const WORTH_NAMING: f64 = 0.85;
 
@@ -25,11 +29,11 @@ pub struct JointStanding {
     pub stiffness_nm_per_rad: Option<f64>,
     /// Half width of its interval with all errors (fraction of k).
     pub total: Option<f64>,
-    /// Half width by the common errors alone: no reading makes it smaller (fraction of k).
+    /// Half width by the common errors alone, as far as the readings so far leave them (fraction of k).
     pub systematic: Option<f64>,
-    /// What `total` is expected to be with the next planned posture.
+    /// What `total` is expected to be at most with the next planned posture.
     pub with_next: Option<f64>,
-    /// What it is expected to be with all planned postures.
+    /// What it is expected to be at most with all planned postures.
     pub with_all: Option<f64>,
 }
 
@@ -45,8 +49,8 @@ pub struct Standing {
     pub largest: Option<f64>,
     /// Whether every joint is known to the goal; `None` without one.
     pub reached: Option<bool>,
-    /// Planned postures after which the goal is expected to be reached; `None` without a goal, where it is
-    /// reached, or where all of them are not enough.
+    /// Planned postures after which the goal is expected to be reached at the latest; `None` without a goal,
+    /// where it is reached, or where that is not sure with all of them.
     pub postures_to_goal: Option<usize>,
     /// What to know about the goal, in sentences.
     pub findings: Vec<Finding>,
@@ -100,7 +104,9 @@ pub fn standing<Q: AsRef<[f64]>>(
         (0..planned.len()).find(enough).map(|after| after + 1)
     });
     let findings = match (goal, reached) {
-        (Some(goal), Some(false)) => out_of_reach(&joints, goal).into_iter().collect(),
+        (Some(goal), Some(false)) => out_of_reach(budget, found.estimates.confidence, goal)?
+            .into_iter()
+            .collect(),
         _ => Vec::new(),
     };
     Ok(Standing {
@@ -133,27 +139,26 @@ fn total_after(
     Some(statistical.hypot(own.systematic.unwrap_or(0.0)))
 }
 
-/// Says where the common errors alone are beyond the goal.
-fn out_of_reach(joints: &[JointStanding], goal: f64) -> Option<Finding> {
-    let beyond: Vec<&JointStanding> = joints
+/// Says where the scale of the force alone is beyond the goal: no residual ever shows it.
+fn out_of_reach(budget: &SystematicErrors, confidence: f64, goal: f64) -> Result<Option<Finding>> {
+    let quantile = Level::new(confidence)?.quantile();
+    let scale = budget
+        .sources
         .iter()
-        .filter(|joint| joint.systematic.is_some_and(|part| part > goal))
-        .collect();
-    let most = worst(beyond.iter().map(|joint| joint.systematic))?;
-    let names: Vec<&str> = beyond.iter().map(|joint| joint.name.as_str()).collect();
+        .find(|source| source.name == FORCE_SCALE);
+    let Some(scale) = scale.filter(|source| quantile * source.size > goal) else {
+        return Ok(None);
+    };
     let sentence = format!(
-        "The systematic errors alone leave ± {} at {}: no number of postures reaches ± {}. Declare what is better known \
-         in [uncertainty] (identify --details shows which source matters), or ask for less.",
-        percent(most),
-        list(&names),
+        "The force is known to {} (one standard uncertainty{}), which alone leaves ± {} of every stiffness: no number of \
+         postures reaches ± {}. Declare uncertainty.force_scale_percent where it is known better, or ask for less.",
+        percent(scale.size),
+        if scale.declared { "" } else { ", assumed" },
+        percent(quantile * scale.size),
         percent(goal)
     );
-    Some(Finding::new(
-        "goal-out-of-reach",
-        Severity::Caution,
-        "goal",
-        sentence,
-    ))
+    let finding = Finding::new("goal-out-of-reach", Severity::Caution, "goal", sentence);
+    Ok(Some(finding))
 }
 
 /// Whether a posture that was searched for is worth measuring instead of the next planned one: by the

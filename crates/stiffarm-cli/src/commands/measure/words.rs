@@ -104,12 +104,17 @@ fn to_go(standing: &Standing, goal: f64, left: usize) -> String {
     let goal = short(goal);
     match standing.postures_to_goal {
         Some(1) => format!("; the goal of ± {goal} % should take 1 more posture"),
-        Some(count) => format!("; the goal of ± {goal} % should take {count} more postures"),
+        Some(count) => {
+            format!("; the goal of ± {goal} % should take {count} more postures at most")
+        }
         None if left == 0 => format!("; the goal of ± {goal} % is not reached with the whole plan"),
         // A forecast of joints that are not determined would be a guess.
         None if standing.largest.is_none() => format!("; the goal is ± {goal} %"),
         None => {
-            format!("; the {left} postures left are not expected to reach the goal of ± {goal} %")
+            format!(
+                "; whether the {} left reach the goal of ± {goal} % is not sure",
+                postures_text(left)
+            )
         }
     }
 }
@@ -122,7 +127,7 @@ pub(super) fn joints(found: &Judgement) -> String {
     let half = |part: Option<f64>| part.map_or(NONE.to_string(), short);
     let mut headings = vec!["joint", "k [N·m/rad]", "± [%]", "systematic [%]"];
     if !found.left.is_empty() {
-        headings.extend(["with the next [%]", "with all [%]"]);
+        headings.extend(["with the next ≤ [%]", "with all ≤ [%]"]);
     }
     let mut table = Table::new(headings);
     for joint in &standing.joints {
@@ -206,4 +211,12 @@ fn angles(q: &[f64]) -> String {
 /// A fraction in percent with two digits.
 fn short(fraction: f64) -> String {
     significant(100.0 * fraction, 2)
+}
+
+/// `1 posture`, `6 postures`.
+fn postures_text(count: usize) -> String {
+    match count {
+        1 => "1 posture".to_string(),
+        count => format!("{count} postures"),
+    }
 }
