@@ -51,9 +51,9 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
     for step in &program.steps {
         match step {
             Step::Wait(said) => {
-                let lines = text::wrapped(said, WIDTH - SAID.len());
+                let lines = text::said(said, WIDTH - SAID.len());
                 body.extend(lines.iter().map(|line| format!("'{SAID}{line}")));
-                let first = text::wrapped(said, WIDTH);
+                let first = text::said(said, WIDTH);
                 body.push(format!("MSG \"{}\"", first[0]));
                 body.push("PAUSE".to_string());
             }

@@ -56,7 +56,7 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
             Step::Wait(said) => {
                 src.push("WAIT SEC 0".to_string());
                 src.extend(
-                    text::wrapped(said, WIDTH)
+                    text::said(said, WIDTH)
                         .iter()
                         .map(|line| format!("MsgNotify (\"{line}\")")),
                 );

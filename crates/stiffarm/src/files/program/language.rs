@@ -83,7 +83,7 @@ impl Language {
     pub fn speed_of(self) -> &'static str {
         match self {
             Language::Krl | Language::Ls | Language::Inform | Language::Pdl2 | Language::Csv => {
-                "each axis's largest speed"
+                "the largest speed of each axis"
             }
             Language::Rapid => "1000 mm/s and 500 deg/s of the tool",
             Language::Urscript => "60 deg/s of the fastest joint",

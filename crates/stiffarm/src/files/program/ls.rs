@@ -41,7 +41,7 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
         match step {
             Step::Wait(said) => {
                 body.extend(
-                    text::wrapped(said, MESSAGE)
+                    text::said(said, MESSAGE)
                         .iter()
                         .map(|line| format!("  MESSAGE[{line}] ;")),
                 );

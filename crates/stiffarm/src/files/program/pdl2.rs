@@ -38,7 +38,7 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
     for step in &program.steps {
         match step {
             Step::Wait(said) => {
-                let said = text::wrapped(said, MESSAGE);
+                let said = text::said(said, MESSAGE);
                 lines.extend(
                     said.iter()
                         .map(|line| format!("  WRITE LUN_CRT ('{line}', NL)")),

@@ -67,11 +67,20 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
+/// What is said at a wait, in lines of at most `width` characters; never nothing.
+pub fn said(text: &str, width: usize) -> Vec<String> {
+    match plain(text).as_str() {
+        "" => wrapped("Continue", width),
+        text => wrapped(text, width),
+    }
+}
+
 /// The header in comment lines of at most `width` characters, with what the language adds.
 pub fn header(program: &Program, language: Language, width: usize) -> Vec<String> {
     let speed = format!("A speed of 100 per cent is {}.", language.speed_of());
     let lines = program.header.iter().chain([&speed]);
-    lines.flat_map(|line| wrapped(line, width)).collect()
+    let lines = lines.flat_map(|line| wrapped(line, width));
+    lines.filter(|line| !line.is_empty()).collect()
 }
 
 /// A name of at most `width` characters.

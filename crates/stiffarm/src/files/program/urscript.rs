@@ -43,7 +43,7 @@ pub fn write(program: &Program) -> Vec<ProgramFile> {
             Step::Wait(said) => {
                 lines.push(format!(
                     "  popup(\"{}\", title=\"stiffarm\", blocking=True)",
-                    text::plain(said)
+                    text::said(said, usize::MAX).concat()
                 ));
             }
             Step::Move(target) => {
