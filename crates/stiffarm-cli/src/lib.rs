@@ -102,6 +102,7 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Map(args) => commands::map::run(session, args),
         Command::Zones(args) => commands::zones::run(session, args),
         Command::Pose(args) => commands::pose::run(session, args),
+        Command::Export(args) => commands::export::run(session, args),
         Command::Capsules(args) => commands::capsules::run(session, args),
         Command::Robots(args) => commands::robots::run(session, args),
         Command::Schema(args) => commands::schema::run(session, args),

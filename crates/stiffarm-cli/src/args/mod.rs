@@ -1,6 +1,7 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
 mod capsules;
+mod export;
 mod fit;
 mod init;
 mod measured;
@@ -12,6 +13,7 @@ mod values;
 mod work;
 
 pub use capsules::{CapsulesArgs, MeshUnit};
+pub use export::{ControllerArgs, ExportArgs};
 pub use init::{DhChoice, InitArgs};
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
@@ -116,6 +118,9 @@ pub enum Command {
     /// Poses of postures as the robot's pendant shows them, and all postures of a pose
     #[command(after_help = examples::POSE)]
     Pose(PoseArgs),
+    /// A plan as a program for the robot's controller, and such a program compared with the plan
+    #[command(after_help = examples::EXPORT)]
+    Export(Box<ExportArgs>),
     /// Capsules around the meshes of a tool or a link, ready for cell.toml
     #[command(after_help = examples::CAPSULES)]
     Capsules(CapsulesArgs),
@@ -338,6 +343,10 @@ pub enum SchemaChoice {
     ResultPose,
     /// Output of `pose --from --json`
     ResultPoseFrom,
+    /// Output of `export --json`
+    ResultExport,
+    /// Output of `export --compare --json`
+    ResultExportCompare,
     /// Output of `study --json`, and study.json
     ResultStudy,
     /// Output of `study --measured --json`

@@ -1,7 +1,7 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    capsules, check, compensate, evaluate, identify, map, pose, predict, register, select,
+    capsules, check, compensate, evaluate, export, identify, map, pose, predict, register, select,
     simulate, study, validate, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
@@ -62,6 +62,10 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
         SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
         SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
+        SchemaChoice::ResultExport => of::<export::Options, export::Exported>("export"),
+        SchemaChoice::ResultExportCompare => {
+            of::<export::Options, export::compare::Compared>("export --compare")
+        }
         SchemaChoice::ResultStudyMeasured => {
             of::<study::measured::Options, study::measured::Written>("study --measured")
         }
