@@ -2,6 +2,7 @@
 
 use stiffarm::files::program::Stop;
 use stiffarm::model::cell::Cell;
+use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
 
 /// What is known about the ways between the postures; it stands in every program and on the screen.
@@ -11,7 +12,14 @@ pub const WAYS: &str = "The moves between the postures are straight in joint spa
 /// The stops of the program, with the way to each and what is to be done there. The only place that
 /// decides how the robot gets from one posture to the next: by one joint move, in the plan's order.
 pub fn moves(_cell: &Cell, plan: &[Posture], states: &[String]) -> Vec<Stop> {
-    let task = format!("measure {}", states.join(", "));
+    let mut task = format!("measure {}", states.join(", "));
+    // No load travels with the arm.
+    if states
+        .last()
+        .is_some_and(|last| Role::of(last) != Role::Unloaded)
+    {
+        task += ", then unload";
+    }
     plan.iter()
         .map(|posture| Stop::new(posture.clone(), task.clone()))
         .collect()

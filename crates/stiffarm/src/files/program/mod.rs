@@ -173,15 +173,16 @@ pub fn program_of_stops(
     speed_percent: u8,
 ) -> Program {
     let mut speed = (speed_percent / 2).clamp(1, FIRST_SPEED);
-    let first_via = stops.first().and_then(|stop| stop.via.first());
-    let first = start
-        .or(first_via)
-        .or(stops.first().map(|stop| &stop.posture));
+    let first_stop = stops.first().map(|stop| match stop.via.first() {
+        Some(via) => (MoveKind::Via, via),
+        None => (MoveKind::Posture, &stop.posture),
+    });
+    let first = start.map(|start| (MoveKind::Start, start)).or(first_stop);
     let mut steps = Vec::new();
-    if let Some(first) = first {
+    if let Some((kind, first)) = first {
+        let place = format!("{} {}", kind.as_str(), first.name);
         steps.push(Step::Wait(format!(
-            "Cell empty. Slow move to {}. Is the path free?",
-            first.name
+            "Cell empty. Slow move to {place}. Path free?"
         )));
     }
     let mut go = |posture: &Posture, kind| {
@@ -199,10 +200,14 @@ pub fn program_of_stops(
         steps.extend(stop.before.iter().cloned().map(Step::Wait));
         steps.extend(stop.via.iter().map(|via| go(via, MoveKind::Via)));
         steps.push(go(&stop.posture, MoveKind::Posture));
-        steps.push(Step::Wait(format!("{}: {}", stop.posture.name, stop.task)));
+        let said = format!("posture {}: {}", stop.posture.name, stop.task);
+        steps.push(Step::Wait(said));
     }
     if let Some(start) = start {
-        steps.push(Step::Wait(format!("All measured. Back to {}", start.name)));
+        steps.push(Step::Wait(format!(
+            "All measured. Back to start {}",
+            start.name
+        )));
         steps.push(go(start, MoveKind::Start));
     }
     Program {

@@ -117,7 +117,8 @@ pub struct Violation {
     pub limit: Option<NearestLimit>,
 }
 
-/// Every bound and every limit of the cell that the postures violate, in their order.
+/// The bounds that the postures are outside of, and of each kind of limit that they violate the one
+/// violated most, posture by posture.
 ///
 /// # Errors
 /// Angles or bounds that do not fit the robot; a rope without a direction.
@@ -133,9 +134,12 @@ pub fn violations(cell: &Cell, postures: &[Posture]) -> Result<Vec<Violation>> {
         };
         let outside = cell.outside_bounds(&posture.q);
         found.extend(outside.map(|joint| violation(beyond_bounds(cell, joint), None)));
-        let violated = margins.named(&posture.q)?;
-        let violated = violated.iter().filter(|margin| margin.is_violated());
-        found.extend(violated.map(|m| violation(m.violation(), Some(NearestLimit::from(m)))));
+        let named = margins.named(&posture.q)?;
+        for kind in LimitKind::ALL {
+            let own = named.iter().filter(|m| m.kind == kind && m.is_violated());
+            let worst = own.min_by(|a, b| a.margin.total_cmp(&b.margin));
+            found.extend(worst.map(|m| violation(m.violation(), Some(NearestLimit::from(m)))));
+        }
     }
     Ok(found)
 }
