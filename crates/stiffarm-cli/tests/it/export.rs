@@ -85,8 +85,9 @@ fn what_is_printed() {
     );
     let line =
         format!("{GROUP} --language krl --start home.csv --speed-percent 20 --output-dir program");
-    let printed = folder.run(&line).transcript(&line);
-    is_narrow(&printed);
+    let ran = folder.run(&line);
+    is_narrow(&ran.out);
+    let printed = ran.transcript(&line);
     assert_snapshot!("export_krl", printed.replace('\\', "/"));
     let src = folder.read("program/measure_comau_group1.src");
     assert_eq!(src.matches("PTP XP").count(), 8);

@@ -47,14 +47,7 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
     let planned: Vec<&Move> = planned.moves().filter(wanted).collect();
     let moves: Vec<&Move> = found.moves().filter(wanted).collect();
     let differences = compare_moves(&planned, &moves, task.language, deg_to_rad(TOLERANCE_DEG));
-    let postures: Vec<Posture> = found
-        .moves()
-        .filter(|target| target.kind == MoveKind::Posture)
-        .map(|target| Posture {
-            name: target.name.clone(),
-            q: target.q.clone(),
-        })
-        .collect();
+    let postures = at_limits(task, &found, &differences);
     let result = Compared {
         program: found.name.clone(),
         same: differences.is_empty(),
@@ -71,6 +64,31 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
         || text,
     )?;
     Ok(Exit::finding(is_finding))
+}
+
+/// The postures of the program, to be held against the limits: those that are the plan's as the plan
+/// has them, for one that lies on a limit is rounded to either side of it.
+fn at_limits(task: &Task, found: &Program, differences: &[Difference]) -> Vec<Posture> {
+    let is_other = |name: &str| {
+        differences.iter().any(|difference| match difference {
+            Difference::Angle { posture, .. } | Difference::Added { posture } => posture == name,
+            Difference::Missing { .. } | Difference::Order { .. } => false,
+        })
+    };
+    let own = |target: &Move| {
+        let planned = task.plan.iter().find(|posture| posture.name == target.name);
+        planned.filter(|_| !is_other(&target.name)).cloned()
+    };
+    let measured = found
+        .moves()
+        .filter(|target| target.kind == MoveKind::Posture);
+    let postures = measured.map(|target| {
+        own(target).unwrap_or_else(|| Posture {
+            name: target.name.clone(),
+            q: target.q.clone(),
+        })
+    });
+    postures.collect()
 }
 
 fn read(session: &Session, args: &ExportArgs, task: &Task) -> Result<Program> {

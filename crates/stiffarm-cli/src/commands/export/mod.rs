@@ -14,6 +14,7 @@ use moves::{WAYS, moves};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
+use stiffarm::files::check_name;
 use stiffarm::files::program::{
     Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
     write_program,
@@ -100,6 +101,9 @@ impl Task {
             .map(|from| only_posture(session, from, &cell))
             .transpose()?;
         let language = Language::from(args.language);
+        for state in &args.states {
+            check_name(state).map_err(|e| e.key("--states"))?;
+        }
         let mut sheet = SheetOptions::default();
         sheet.states.clone_from(&args.states);
         let states = sheet.all_states(&cell.cell);

@@ -13,6 +13,7 @@
 //! The date of the head is a constant, so that equal plans give equal bytes. CR LF, as the
 //! controller writes.
 
+use super::characters;
 use super::cursor::{Cursor, Steps, lines};
 use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::Result;
@@ -51,9 +52,9 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
     for step in &program.steps {
         match step {
             Step::Wait(said) => {
-                let lines = text::said(said, WIDTH - SAID.len());
+                let lines = characters::said(said, WIDTH - SAID.len());
                 body.extend(lines.iter().map(|line| format!("'{SAID}{line}")));
-                let first = text::said(said, WIDTH);
+                let first = characters::said(said, WIDTH);
                 body.push(format!("MSG \"{}\"", first[0]));
                 body.push("PAUSE".to_string());
             }

@@ -10,6 +10,7 @@
 //!
 //! CR LF: the controller's file system is that of Windows.
 
+use super::characters;
 use super::cursor::{Cursor, Steps, lines};
 use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::{Code, Error, Result};
@@ -26,11 +27,9 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
     let mut src: Vec<String> = ["&ACCESS RVP", "&REL 1"].map(String::from).into();
     let mut dat = src.clone();
     src.push(format!("DEF {} ( )", program.name));
-    src.extend(
-        text::header(program, Language::Krl, WIDTH)
-            .iter()
-            .map(|line| format!("; {line}")),
-    );
+    let header = text::header(program, Language::Krl, WIDTH);
+    let header = header.iter().map(|line| format!("; {line}"));
+    src.extend(header.clone());
     src.extend(
         [
             ";FOLD INI",
@@ -50,13 +49,14 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
             .map(|tool| format!("BAS (#TOOL,{tool})")),
     );
     dat.push(format!("DEFDAT {}", program.name));
+    dat.extend(header);
     let (mut moves, mut speed) = (0, None);
     for step in &program.steps {
         match step {
             Step::Wait(said) => {
                 src.push("WAIT SEC 0".to_string());
                 src.extend(
-                    text::said(said, WIDTH)
+                    characters::said(said, WIDTH)
                         .iter()
                         .map(|line| format!("MsgNotify (\"{line}\")")),
                 );

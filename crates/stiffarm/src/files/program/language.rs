@@ -1,6 +1,6 @@
 //! The languages, and what each can hold.
 
-use super::text;
+use super::characters;
 use crate::error::{Code, Error, Result};
 
 /// Language of a robot controller.
@@ -208,7 +208,7 @@ impl Language {
     /// A name for a program that the language allows, close to `wanted`.
     pub fn name_for(self, wanted: &str) -> String {
         let naming = self.naming();
-        let plain: String = text::plain(wanted)
+        let plain: String = characters::plain(wanted)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
             .collect();
@@ -231,35 +231,28 @@ impl Language {
             true => c.is_ascii_uppercase(),
             false => c.is_ascii_alphabetic(),
         };
-        let wrong = if !name.chars().next().is_some_and(letter) {
-            "must begin with a letter".to_string()
-        } else if !name
-            .chars()
-            .all(|c| letter(c) || c.is_ascii_digit() || c == '_')
-        {
-            "may hold letters, digits and _ only".to_string()
+        let letters = match naming.upper_case {
+            true => "capital letter",
+            false => "letter",
+        };
+        let is_part = |c: char| letter(c) || c.is_ascii_digit() || c == '_';
+        let is_word = |word: &&str| word.eq_ignore_ascii_case(name);
+        let wrong = if !name.starts_with(letter) {
+            format!("must begin with a {letters}")
+        } else if !name.chars().all(is_part) {
+            format!("may hold {letters}s, digits and _ only")
         } else if name.len() > naming.longest {
             format!("must have at most {} characters", naming.longest)
-        } else if naming
-            .reserved
-            .iter()
-            .any(|word| word.eq_ignore_ascii_case(name))
-        {
+        } else if naming.reserved.iter().any(is_word) {
             "must not be a word of the language".to_string()
         } else {
             return Ok(());
         };
-        let capitals = match naming.upper_case {
-            true => ", in capitals",
-            false => "",
-        };
-        Err(Error::new(
-            Code::InvalidValue,
-            format!(
-                "The name \"{name}\" of the program {wrong} in {}{capitals}.",
-                self.title()
-            ),
-        )
-        .hint(format!("for example {}", self.name_for(name))))
+        let message = format!(
+            "The name \"{name}\" of the program {wrong} in {}.",
+            self.title()
+        );
+        Err(Error::new(Code::InvalidValue, message)
+            .hint(format!("for example {}", self.name_for(name))))
     }
 }

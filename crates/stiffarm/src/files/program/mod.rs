@@ -29,6 +29,7 @@
 //! # }
 //! ```
 
+mod characters;
 mod compare;
 mod csv;
 mod cursor;

@@ -8,6 +8,7 @@
 //!
 //! CR LF: the controller's tools run on Windows.
 
+use super::characters;
 use super::cursor::{Cursor, Steps, lines};
 use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::Result;
@@ -38,7 +39,7 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
     for step in &program.steps {
         match step {
             Step::Wait(said) => {
-                let said = text::said(said, MESSAGE);
+                let said = characters::said(said, MESSAGE);
                 lines.extend(
                     said.iter()
                         .map(|line| format!("  WRITE LUN_CRT ('{line}', NL)")),

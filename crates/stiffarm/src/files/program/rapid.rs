@@ -9,6 +9,7 @@
 //!
 //! CR LF: RobotStudio writes modules so.
 
+use super::characters;
 use super::cursor::{Cursor, Steps, lines};
 use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::Result;
@@ -40,7 +41,7 @@ pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
         match step {
             Step::Wait(said) => {
                 body.extend(
-                    text::said(said, MESSAGE)
+                    characters::said(said, MESSAGE)
                         .iter()
                         .map(|line| format!("    TPWrite \"{line}\";")),
                 );

@@ -7,6 +7,7 @@
 //!
 //! LF: the controller runs Linux.
 
+use super::characters;
 use super::cursor::{Cursor, Steps, lines};
 use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::Result;
@@ -43,7 +44,7 @@ pub fn write(program: &Program) -> Vec<ProgramFile> {
             Step::Wait(said) => {
                 lines.push(format!(
                     "  popup(\"{}\", title=\"stiffarm\", blocking=True)",
-                    text::said(said, usize::MAX).concat()
+                    characters::said(said, usize::MAX).concat()
                 ));
             }
             Step::Move(target) => {

@@ -103,7 +103,8 @@ fn data(dat: &ProgramFile, own: &str, joints: usize) -> Checked<Vec<Vec<f64>>> {
     )?;
     holds(lines.last() == Some(&"ENDDAT"), "ENDDAT")?;
     let mut points = Vec::new();
-    for line in &lines[3..lines.len() - 1] {
+    let declared = lines[3..lines.len() - 1].iter();
+    for line in declared.skip_while(|line| line.starts_with("; ")) {
         let mut tokens = Tokens::of(line, '"')?;
         tokens.word("DECL")?;
         tokens.word("E6AXIS")?;

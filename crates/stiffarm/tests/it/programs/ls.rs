@@ -146,7 +146,7 @@ fn attributes(lines: &[&str]) -> Checked<usize> {
 fn positions(lines: &[&str], joints: usize) -> Checked<(Vec<Vec<f64>>, String)> {
     let rows = joints.div_ceil(3);
     let each = 4 + rows;
-    holds(lines.len() % each == 0, "lines of the points")?;
+    holds(lines.len().is_multiple_of(each), "lines of the points")?;
     let mut tool: Option<String> = None;
     let mut points = Vec::new();
     for (number, point) in lines.chunks(each).enumerate() {

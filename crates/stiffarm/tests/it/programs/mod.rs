@@ -465,7 +465,7 @@ proptest! {
         before in ".{0,80}",
     ) {
         for language in CONTROLLERS {
-            let mut posture = |name: &str, a: f64| Posture { name: name.to_string(), q: vec![a.to_radians(); 6] };
+            let posture = |name: &str, a: f64| Posture { name: name.to_string(), q: vec![a.to_radians(); 6] };
             let mut stops = [Stop::new(posture(&names[0], 1.5), task.clone()), Stop::new(posture(&names[1], -2.25), task.clone())];
             stops[0].before.push(before.clone());
             let name = language.name_for(&plan);
@@ -477,7 +477,11 @@ proptest! {
             prop_assert!(found.is_ok(), "{:?} {:?}\n{}", language, found, files[0].text);
             let read = read_program(&files, language, &options, 6).unwrap();
             prop_assert_eq!(read.moves().count(), 2);
-            let tolerance = if language == Language::Inform { 2e-5 } else { 1e-9 };
+            let tolerance = match language {
+                Language::Inform => 2e-5,
+                Language::Urscript => 1e-8,
+                _ => 1e-9,
+            };
             for (read, target) in read.moves().zip(program.moves()) {
                 for (a, b) in read.q.iter().zip(&target.q) {
                     prop_assert!((a - b).abs() < tolerance);
