@@ -60,7 +60,7 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
     let is_finding = !result.same || !result.violations.is_empty();
     let text = table(task, &result);
     session.show(
-        &session.envelope("export --compare", None, task.options(args), result),
+        &session.envelope("export", None, task.options(args), result),
         || text,
     )?;
     Ok(Exit::finding(is_finding))

@@ -1,12 +1,13 @@
 //! KUKA KRL: a `.src` with the moves and a `.dat` with the points.
 //!
 //! Grammar: KUKA, *Operating and Programming Instructions for System Integrators*, KUKA System
-//! Software 8.x; the reference of openkuka.github.io/krl (`E6AXIS`, `$VEL_AXIS`, `KrlMsg_T`: a
-//! message has at most 80 characters). The head of the `.src` is the controller's own template: without
-//! `BAS (#INITMOV,0)` no speed is set. `BAS (#VEL_PTP,n)` sets `$VEL_AXIS`, per cent of each axis's
-//! largest speed. Axes that an aggregate does not name stay where they are. `MsgNotify` is of the
-//! message library that comes with KSS 8; `WAIT SEC 0` before it stops the advance run, so that the
-//! text appears when the robot is there, and `HALT` waits for the start key.
+//! Software 8.x, and *Expert Documentation, Programming Messages*, KSS 8.2; the reference of
+//! openkuka.github.io/krl (`E6AXIS`, `$VEL_AXIS`, `KrlMsg_T`: a message has at most 80 characters).
+//! The head of the `.src` is the controller's own template: without `BAS (#INITMOV,0)` no speed is
+//! set. `BAS (#VEL_PTP,n)` sets `$VEL_AXIS`, per cent of each axis's largest speed. Axes that an
+//! aggregate does not name stay where they are. `MsgNotify` is of the message library that comes
+//! with KSS 8; `WAIT SEC 0` before it stops the advance run, so that the text appears when the robot
+//! is there, and `HALT` waits for the start key.
 //!
 //! CR LF: the controller's file system is that of Windows.
 
