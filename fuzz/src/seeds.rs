@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use stiffarm::files::builtin;
+use stiffarm::files::program::{Language, ProgramOptions, Stop, program_of_stops, write_program};
 
 /// What a file is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,11 +33,13 @@ pub enum Kind {
     Urdf,
     /// Denavit–Hartenberg rows.
     Rows,
+    /// A controller program; two files stand one after the other.
+    Program,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 12] = [
+    pub const ALL: [Kind; 13] = [
         Kind::Cell,
         Kind::Postures,
         Kind::Displacements,
@@ -49,6 +52,7 @@ impl Kind {
         Kind::Registration,
         Kind::Urdf,
         Kind::Rows,
+        Kind::Program,
     ];
 }
 
@@ -76,6 +80,31 @@ pub fn of(kind: Kind) -> Vec<&'static str> {
     fit.map(|seed| seed.text.as_str()).collect()
 }
 
+/// Group 1 in every language.
+fn programs() -> Vec<String> {
+    let Ok(cell) = stiffarm::Cell::built_in("comau") else {
+        return Vec::new();
+    };
+    let postures = builtin::postures("comau-group1", &cell.setup.robot).unwrap_or_default();
+    let stop = |posture| Stop::new(posture, "measure unloaded, loaded");
+    let stops: Vec<Stop> = postures.into_iter().map(stop).collect();
+    let written = |language: &Language| {
+        let program = program_of_stops(language.name_for("plan"), vec![], &stops, None, 10);
+        let files = write_program(&program, *language, &program_options(*language));
+        let files = files.unwrap_or_default();
+        files.into_iter().map(|file| file.text).collect()
+    };
+    Language::ALL.iter().map(written).collect()
+}
+
+/// What a language needs beside the program.
+pub fn program_options(language: Language) -> ProgramOptions {
+    ProgramOptions {
+        pulses_per_degree: (language == Language::Inform).then(|| vec![1000.0; 6]),
+        ..ProgramOptions::default()
+    }
+}
+
 fn gathered(folder: &Scratch) -> Vec<Seed> {
     let mut seeds = Vec::new();
     let mut add = |kind, text: String| seeds.push(Seed { kind, text });
@@ -92,6 +121,9 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     }
     let group = builtin::postures_text("comau-group1").unwrap_or_default();
     add(Kind::Postures, group.to_string());
+    for text in programs() {
+        add(Kind::Program, text);
+    }
     add(Kind::Postures, input("given.csv"));
     add(
         Kind::Pairs,

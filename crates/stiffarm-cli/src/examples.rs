@@ -130,6 +130,21 @@ pub const POSE: &str = "Examples:
   All postures that hold the poses, full turns included:
   $ stiffarm pose builtin:comau --from poses.csv --convention kuka \\
       --output all.csv";
+pub const EXPORT: &str = "Examples:
+  The plan for a KUKA, for an ABB arm, as a table:
+  $ stiffarm export builtin:comau plan.csv --language krl --output-dir program
+  $ stiffarm export builtin:comau plan.csv --language rapid --tool spindle \\
+      --speed-percent 20 --output-dir program
+  $ stiffarm export builtin:comau plan.csv --language csv --output-dir program
+
+  A Yaskawa job holds pulses, which are counted at the robot:
+  $ stiffarm export builtin:comau plan.csv --language inform \\
+      --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2 \\
+      --output-dir program
+
+  Is the program on the controller still the plan?
+  $ stiffarm export builtin:comau plan.csv --language rapid \\
+      --compare program/measure_plan.mod";
 pub const CAPSULES: &str = "Examples:
   How many capsules, how large; then as tables of the tool for cell.toml:
   $ stiffarm capsules builtin:spindle.obj --unit mm

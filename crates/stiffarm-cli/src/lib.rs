@@ -104,6 +104,7 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Zones(args) => commands::zones::run(session, args),
         Command::Pose(args) => commands::pose::run(session, args),
         Command::Route(args) => commands::route::run(session, args),
+        Command::Export(args) => commands::export::run(session, args),
         Command::Capsules(args) => commands::capsules::run(session, args),
         Command::Robots(args) => commands::robots::run(session, args),
         Command::Schema(args) => commands::schema::run(session, args),

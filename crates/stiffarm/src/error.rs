@@ -55,6 +55,8 @@ pub enum Code {
     Unsupported,
     /// The JSON result file cannot be used.
     ResultFile,
+    /// A controller program that cannot be read.
+    Program,
     /// No postures or no displacements to work with.
     TooFewData,
     /// Point pairs that determine no registration.
@@ -73,7 +75,7 @@ pub enum Code {
 
 impl Code {
     /// Every code, in the order of the documentation.
-    pub const ALL: [Code; 29] = [
+    pub const ALL: [Code; 30] = [
         Code::FileRead,
         Code::FileWrite,
         Code::FileExists,
@@ -96,6 +98,7 @@ impl Code {
         Code::Unreachable,
         Code::Unsupported,
         Code::ResultFile,
+        Code::Program,
         Code::TooFewData,
         Code::Registration,
         Code::NotIdentifiable,
@@ -174,6 +177,10 @@ impl Code {
                 "The robot or set-up is not supported by this version.",
             ),
             Code::ResultFile => ("result-file", "A saved result cannot be used here."),
+            Code::Program => (
+                "program",
+                "A controller program cannot be read, or holds a move that is no joint move to stated angles.",
+            ),
             Code::TooFewData => (
                 "too-few-data",
                 "Nothing to work with: no postures, no displacements, or all excluded.",

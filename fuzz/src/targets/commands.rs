@@ -17,7 +17,7 @@ use stiffarm::files::table::{read_measurements, read_path, read_postures, write_
 
 /// Command lines that end soon; files by the names of [`FILES`], `out.…` is written.
 /// After `|` the schema of their object.
-const LINES: [&str; 41] = [
+const LINES: [&str; 43] = [
     "check cell.toml | check",
     "check cell.toml --figure out.svg | check",
     "check builtin:comau --postures postures.csv --figure out.svg | check",
@@ -53,6 +53,8 @@ const LINES: [&str; 41] = [
     "compensate cell.toml prior builtin:contour --output out-path.csv | compensate",
     "pose cell.toml postures.csv --output out-poses.csv | pose",
     "pose builtin:comau --from poses.csv --convention yaskawa --output out.csv | pose-from",
+    "export cell.toml postures.csv --language krl --output-dir folder | export",
+    "export builtin:comau postures.csv --language rapid --output-dir folder --despite-limits | export",
     "map builtin:comau s.json --plane z=800 --steps 3 | map",
     "map cell.toml prior --plane z=800 --steps 3 --output-dir folder | map",
     "map cell.toml prior --place builtin:contour --steps 2 --refine 0 | map-place",

@@ -12,6 +12,7 @@ use stiffarm::estimate::clamped::ClampedPosture;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::{parse_cell_bytes, template_of, template_with_shapes};
 use stiffarm::files::mesh::parse_mesh;
+use stiffarm::files::program::{Language, Program, ProgramFile, read_program, write_program};
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::{
@@ -77,6 +78,7 @@ makers! {
     make_registration, Registration, Json;
     make_urdf, Urdf, Json;
     make_rows, Rows, Table;
+    make_program, Program, Table;
 }
 
 /// The bytes of a file.
@@ -136,6 +138,13 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
         Kind::Registration => read_registration(file, NAME).is_ok(),
         Kind::Urdf => described(file).is_ok(),
         Kind::Rows => read_dh_rows(file, NAME, NAME, DhConvention::Modified).is_ok(),
+        Kind::Program => {
+            let text = String::from_utf8_lossy(file);
+            Language::ALL.into_iter().any(|language| {
+                let options = seeds::program_options(language);
+                read_program(&program_files(language, &text), language, &options, 6).is_ok()
+            })
+        }
     };
     std::panic::catch_unwind(read).unwrap_or(true)
 }
@@ -252,6 +261,52 @@ pub fn poses(input: &Input) -> Verdict {
         }
     }
     judged(&read(Convention::Yaskawa))
+}
+
+/// A controller program: the first language that takes it is judged, and gives the same moves
+/// back; otherwise what each says must be sound.
+pub fn program(input: &Input) -> Verdict {
+    let text = String::from_utf8_lossy(bytes(input)).into_owned();
+    for language in Language::ALL {
+        let options = seeds::program_options(language);
+        let files = program_files(language, &text);
+        match read_program(&files, language, &options, 6) {
+            Err(error) => error_is_sound(&error)?,
+            Ok(read) => {
+                is_finite(&read)?;
+                let again = Program {
+                    name: language.name_for("again"),
+                    ..read.clone()
+                };
+                let Ok(files) = write_program(&again, language, &options) else {
+                    return Err(format!("read and not written: {read:?}"));
+                };
+                let back = read_program(&files, language, &options, 6)
+                    .map_err(|e| format!("written and not read: {e}"))?;
+                let count = |program: &Program| program.steps.len();
+                return match count(&back) == count(&read) {
+                    true => Ok(true),
+                    false => Err("written with another number of steps".to_string()),
+                };
+            }
+        }
+    }
+    Ok(false)
+}
+
+/// The files of a program whose texts stand one after the other.
+fn program_files(language: Language, text: &str) -> Vec<ProgramFile> {
+    let file = |name: &str, text: &str| ProgramFile {
+        name: name.to_string(),
+        text: text.to_string(),
+    };
+    match language {
+        Language::Krl => {
+            let at = text.rfind("&ACCESS").unwrap_or(0);
+            vec![file("a.src", &text[..at]), file("a.dat", &text[at..])]
+        }
+        _ => vec![file("a.txt", text)],
+    }
 }
 
 /// The table of a path.

@@ -199,7 +199,7 @@ mod tests {
         let all = calls(&format!("{COMMANDS}{FANUC}")).unwrap();
         let begins = |name: &str| all.iter().any(|c| !c.is_wrong && c.words[0] == name);
         for name in "study init check select evaluate simulate register identify validate predict compensate map zones \
-                     capsules robots schema completions man docs"
+                     export capsules robots schema completions man docs"
             .split(' ')
         {
             assert!(begins(name), "{name}");

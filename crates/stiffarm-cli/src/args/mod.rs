@@ -1,6 +1,7 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
 mod capsules;
+mod export;
 mod fit;
 mod init;
 mod measure;
@@ -14,6 +15,7 @@ mod values;
 mod work;
 
 pub use capsules::{CapsulesArgs, MeshUnit};
+pub use export::{ControllerArgs, ExportArgs};
 pub use init::{DhChoice, InitArgs};
 pub use measure::MeasureArgs;
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
@@ -126,6 +128,9 @@ pub enum Command {
     /// Poses of postures as the robot's pendant shows them, and all postures of a pose
     #[command(after_help = examples::POSE)]
     Pose(PoseArgs),
+    /// A plan as a program for the robot's controller, and such a program compared with the plan
+    #[command(after_help = examples::EXPORT)]
+    Export(Box<ExportArgs>),
     /// Capsules around the meshes of a tool or a link, ready for cell.toml
     #[command(after_help = examples::CAPSULES)]
     Capsules(CapsulesArgs),
@@ -352,6 +357,10 @@ pub enum SchemaChoice {
     ResultPoseFrom,
     /// Output of `route --json`
     ResultRoute,
+    /// Output of `export --json`
+    ResultExport,
+    /// Output of `export --compare --json`
+    ResultExportCompare,
     /// Output of `study --json`, and study.json
     ResultStudy,
     /// Output of `study --measured --json`

@@ -7,6 +7,7 @@ pub mod completions;
 pub mod docs;
 mod earlier;
 pub mod evaluate;
+pub mod export;
 pub mod identify;
 pub mod init;
 pub mod man;

@@ -1,8 +1,8 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    capsules, check, compensate, evaluate, identify, map, measure, pose, predict, register, route,
-    select, simulate, study, validate, zones,
+    capsules, check, compensate, evaluate, export, identify, map, measure, pose, predict, register,
+    route, select, simulate, study, validate, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
@@ -64,6 +64,10 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
         SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
         SchemaChoice::ResultRoute => of::<route::Options, route::Routed>("route"),
+        SchemaChoice::ResultExport => of::<export::Options, export::Exported>("export"),
+        SchemaChoice::ResultExportCompare => {
+            of::<export::Options, export::compare::Compared>("export --compare")
+        }
         SchemaChoice::ResultStudyMeasured => {
             of::<study::measured::Options, study::measured::Written>("study --measured")
         }

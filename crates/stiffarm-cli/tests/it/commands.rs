@@ -473,6 +473,14 @@ fn schemas_describe_what_the_commands_print() {
             "pose builtin:comau --from poses.csv --convention kuka",
         ),
         (
+            "result-export",
+            "export builtin:comau builtin:comau-group1 --language rapid --output-dir program",
+        ),
+        (
+            "result-export-compare",
+            "export builtin:comau builtin:comau-group1 --language rapid --compare program/measure_comau_group1.mod",
+        ),
+        (
             "result-study",
             "study --runs 2 --starts 2 --output-dir study",
         ),

@@ -8,6 +8,7 @@ mod commands;
 mod edges;
 mod errors;
 mod examples;
+mod export;
 mod fanuc;
 mod faults;
 mod hostile;

@@ -18,6 +18,7 @@ mod json;
 #[cfg(feature = "geometry")]
 pub mod mesh;
 mod names;
+pub mod program;
 pub mod registration;
 pub mod stiffness;
 pub mod table;

@@ -99,6 +99,12 @@ impl LimitKind {
         )
     }
 
+    /// True where the margins depend on where the arm is alone: neither on the load nor on what the
+    /// tracker sees.
+    pub fn is_of_place(self) -> bool {
+        !self.is_of_load() && !matches!(self, LimitKind::Incidence | LimitKind::Sight)
+    }
+
     /// What its margins are measured in.
     pub fn unit(self) -> MarginUnit {
         match self {

@@ -36,6 +36,7 @@ mod paths;
 mod posture_path;
 mod predict;
 mod prediction_index;
+mod programs;
 mod properties;
 mod readings;
 mod reduction;

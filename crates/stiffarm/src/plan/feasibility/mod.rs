@@ -8,6 +8,7 @@ pub use obstruction::{Obstruction, obstruction};
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
+use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
 use serde::Serialize;
 
@@ -96,17 +97,59 @@ fn largest_torques(cell: &Cell, setups: &[Setup], states: &[PostureTerms]) -> Ve
 /// Angles or bounds that do not fit the robot; a rope without a direction.
 pub fn forbidden(cell: &Cell, q: &[f64]) -> Result<Option<String>> {
     check_angles(&cell.setup.robot, q)?;
-    if let Some((j, angle)) = cell.outside_bounds(q).next() {
-        let [low, high] = cell.bounds[j].map(rad_to_shortest_deg);
-        let angle = rad_to_shortest_deg(angle);
-        let name = &cell.setup.robot.joints()[j].name;
-        return Ok(Some(format!(
-            "has {name} at {angle}°, outside the cell's bounds, {low}° to {high}°"
-        )));
+    if let Some(joint) = cell.outside_bounds(q).next() {
+        return Ok(Some(beyond_bounds(cell, joint)));
     }
     let smallest = cell.posture_margins()?.smallest(q)?;
     let violated = smallest.filter(LimitMargin::is_violated);
     Ok(violated.map(|margin| margin.violation()))
+}
+
+/// One bound or limit of a cell that a posture violates.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Violation {
+    /// Name of the posture.
+    pub posture: String,
+    /// What is wrong and by how much, as the end of a sentence about the posture.
+    pub sentence: String,
+    /// The limit, its margin below zero; none for a joint outside the cell's bounds.
+    pub limit: Option<NearestLimit>,
+}
+
+/// The bounds that the postures are outside of, and of each kind of limit that they violate the one
+/// violated most, posture by posture.
+///
+/// # Errors
+/// Angles or bounds that do not fit the robot; a rope without a direction.
+pub fn violations(cell: &Cell, postures: &[Posture]) -> Result<Vec<Violation>> {
+    let mut margins = cell.posture_margins()?;
+    let mut found = Vec::new();
+    for posture in postures {
+        check_angles(&cell.setup.robot, &posture.q)?;
+        let violation = |sentence, limit| Violation {
+            posture: posture.name.clone(),
+            sentence,
+            limit,
+        };
+        let outside = cell.outside_bounds(&posture.q);
+        found.extend(outside.map(|joint| violation(beyond_bounds(cell, joint), None)));
+        let named = margins.named(&posture.q)?;
+        for kind in LimitKind::ALL {
+            let own = named.iter().filter(|m| m.kind == kind && m.is_violated());
+            let worst = own.min_by(|a, b| a.margin.total_cmp(&b.margin));
+            found.extend(worst.map(|m| violation(m.violation(), Some(NearestLimit::from(m)))));
+        }
+    }
+    Ok(found)
+}
+
+/// That a joint is outside the cell's bounds, as the end of a sentence about a posture.
+fn beyond_bounds(cell: &Cell, (j, angle): (usize, f64)) -> String {
+    let [low, high] = cell.bounds[j].map(rad_to_shortest_deg);
+    let angle = rad_to_shortest_deg(angle);
+    let name = &cell.setup.robot.joints()[j].name;
+    format!("has {name} at {angle}°, outside the cell's bounds, {low}° to {high}°")
 }
 
 impl PostureLimits {

@@ -32,7 +32,7 @@ pub struct SheetOptions {
 
 impl SheetOptions {
     /// All states of a posture, in the order in which they are taken.
-    fn all_states(&self, cell: &Cell) -> Vec<String> {
+    pub fn all_states(&self, cell: &Cell) -> Vec<String> {
         let mut states = self.states.clone();
         let is_unloaded = |state: &String| Role::of(state) == Role::Unloaded;
         if states.is_empty() {

@@ -1,0 +1,106 @@
+//! Options of `export`.
+
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use stiffarm::files::program::Language;
+
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// Cell file
+    pub cell: String,
+    /// The plan: postures in the order in which they are measured
+    #[arg(value_name = "POSTURES.csv")]
+    pub plan: String,
+    /// Language of the robot's controller
+    #[arg(long, value_name = "LANGUAGE")]
+    pub language: LanguageChoice,
+    /// Folder for the program
+    #[arg(
+        long,
+        value_name = "DIR",
+        required_unless_present = "compare",
+        conflicts_with = "compare"
+    )]
+    pub output_dir: Option<PathBuf>,
+    /// Write nothing: read this program, as it is or changed at the pendant, and say where its
+    /// postures differ from the plan (KRL: both files)
+    #[arg(long, value_name = "FILE", num_args = 1..=2)]
+    pub compare: Vec<String>,
+    /// Posture where the program begins and ends: a table with one row
+    #[arg(long, value_name = "POSTURE.csv")]
+    pub start: Option<String>,
+    /// Speed of the moves in per cent; the first move has half of it, at most 5
+    #[arg(long, value_name = "PERCENT", default_value_t = 10, value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub speed_percent: u8,
+    /// Load states to measure at each posture, as texts of the program name them [default: unloaded
+    /// and those of the cell's loads]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub states: Vec<String>,
+    /// Name of the program on the controller [default: measure_ and the plan's name]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// What the language needs to know of the controller.
+    #[command(flatten)]
+    pub controller: ControllerArgs,
+    /// Also write a plan that violates limits of its cell; never one beyond the robot's own limits
+    #[arg(long, conflicts_with = "compare")]
+    pub despite_limits: bool,
+    /// Overwrite existing files
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What a language needs to know of the controller.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "The controller")]
+pub struct ControllerArgs {
+    /// Tool of the controller: a number, in RAPID a name [default: rapid tool0, ls 1, inform 0, krl as
+    /// it is on the controller; pdl2 and urscript always so]
+    #[arg(long, value_name = "TOOL")]
+    pub tool: Option<String>,
+    /// Axis of the controller of each joint of the cell, for arms of seven joints: 1,2,7,3,4,5,6 where
+    /// the third joint is axis 7
+    #[arg(long, value_name = "N,…", value_delimiter = ',')]
+    pub axes: Vec<usize>,
+    /// Encoder pulses per degree of each axis (inform only)
+    #[arg(
+        long,
+        value_name = "X,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub pulses_per_degree: Vec<f64>,
+}
+
+/// Languages of controllers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LanguageChoice {
+    /// KUKA KRL: .src and .dat
+    Krl,
+    /// ABB RAPID: .mod
+    Rapid,
+    /// FANUC TP: .ls
+    Ls,
+    /// Yaskawa INFORM: .jbi
+    Inform,
+    /// COMAU PDL2: .pdl
+    Pdl2,
+    /// Universal Robots: .script
+    Urscript,
+    /// A table for everything else
+    Csv,
+}
+
+impl From<LanguageChoice> for Language {
+    fn from(choice: LanguageChoice) -> Self {
+        match choice {
+            LanguageChoice::Krl => Language::Krl,
+            LanguageChoice::Rapid => Language::Rapid,
+            LanguageChoice::Ls => Language::Ls,
+            LanguageChoice::Inform => Language::Inform,
+            LanguageChoice::Pdl2 => Language::Pdl2,
+            LanguageChoice::Urscript => Language::Urscript,
+            LanguageChoice::Csv => Language::Csv,
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! `stiffarm export --compare`: a program against the plan.
+
+use super::Task;
+use crate::args::ExportArgs;
+use crate::output::Exit;
+use crate::screen::{columns, wrapped};
+use crate::session::Session;
+use crate::table::red;
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::Result;
+use stiffarm::files::program::{
+    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, read_program,
+};
+use stiffarm::model::posture::Posture;
+use stiffarm::plan::feasibility::{Violation, violations};
+use stiffarm::units::deg_to_rad;
+
+/// Angles that differ by less are the same \[deg\]: no arm repeats better.
+const TOLERANCE_DEG: f64 = 0.001;
+
+/// How the program compares with the plan.
+#[derive(Serialize, JsonSchema)]
+pub struct Compared {
+    /// Name of the program.
+    program: String,
+    /// True where every posture is the plan's, in its order.
+    same: bool,
+    /// Angles that differ by less are the same.
+    tolerance_deg: f64,
+    /// Postures of the plan.
+    planned_postures: usize,
+    /// Postures of the program.
+    found_postures: usize,
+    /// Where they differ.
+    differences: Vec<Difference>,
+    /// Limits of the cell that the program's postures violate.
+    violations: Vec<Violation>,
+}
+
+/// Reads the program and compares it.
+pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<Exit> {
+    let found = read(session, args, task)?;
+    // As the language holds it: rounded, in whole pulses.
+    let (_, planned) = task.written()?;
+    let wanted = |target: &&Move| task.start.is_some() || target.kind != MoveKind::Start;
+    let planned: Vec<&Move> = planned.moves().filter(wanted).collect();
+    let moves: Vec<&Move> = found.moves().filter(wanted).collect();
+    let differences = compare_moves(&planned, &moves, task.language, deg_to_rad(TOLERANCE_DEG));
+    let postures = at_limits(task, &found, &differences);
+    let result = Compared {
+        program: found.name.clone(),
+        same: differences.is_empty(),
+        tolerance_deg: TOLERANCE_DEG,
+        planned_postures: task.plan.len(),
+        found_postures: postures.len(),
+        differences,
+        violations: violations(&task.cell.cell, &postures)?,
+    };
+    let is_finding = !result.same || !result.violations.is_empty();
+    let text = table(task, &result);
+    session.show(
+        &session.envelope("export", None, task.options(args), result),
+        || text,
+    )?;
+    Ok(Exit::finding(is_finding))
+}
+
+/// The postures of the program, to be held against the limits: those that are the plan's as the plan
+/// has them, for one that lies on a limit is rounded to either side of it.
+fn at_limits(task: &Task, found: &Program, differences: &[Difference]) -> Vec<Posture> {
+    let is_other = |name: &str| {
+        differences.iter().any(|difference| match difference {
+            Difference::Angle { posture, .. } | Difference::Added { posture } => posture == name,
+            Difference::Missing { .. } | Difference::Order { .. } => false,
+        })
+    };
+    let own = |target: &Move| {
+        let planned = task.plan.iter().find(|posture| posture.name == target.name);
+        planned.filter(|_| !is_other(&target.name)).cloned()
+    };
+    let measured = found
+        .moves()
+        .filter(|target| target.kind == MoveKind::Posture);
+    let postures = measured.map(|target| {
+        own(target).unwrap_or_else(|| Posture {
+            name: target.name.clone(),
+            q: target.q.clone(),
+        })
+    });
+    postures.collect()
+}
+
+fn read(session: &Session, args: &ExportArgs, task: &Task) -> Result<Program> {
+    let mut files = Vec::new();
+    for (number, from) in args.compare.iter().enumerate() {
+        let (name, bytes) = session.read(&format!("program_{}", number + 1), from)?;
+        // Controllers write comments in character sets of their own.
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        files.push(ProgramFile { name, text });
+    }
+    let joints = task.cell.cell.setup.robot.joint_count();
+    read_program(&files, task.language, &task.options, joints).map_err(super::as_option)
+}
+
+fn table(task: &Task, result: &Compared) -> String {
+    let mut out = task.cell.line();
+    out += &match result.same {
+        true => format!(
+            "program {}: the same {} postures as the plan, within {TOLERANCE_DEG}°\n",
+            result.program, result.planned_postures
+        ),
+        false => format!(
+            "program {}: {} postures, the plan has {}\n",
+            result.program, result.found_postures, result.planned_postures
+        ),
+    };
+    let joints: Vec<String> = task
+        .cell
+        .cell
+        .setup
+        .robot
+        .joints()
+        .iter()
+        .map(|j| j.name.clone())
+        .collect();
+    for difference in &result.differences {
+        let line = format!("{}: {}", red("differs"), difference.sentence(&joints));
+        out += &(wrapped(&line, columns()) + "\n");
+    }
+    for violation in &result.violations {
+        let line = format!(
+            "{}: posture {} {}",
+            red("limit"),
+            violation.posture,
+            violation.sentence
+        );
+        out += &(wrapped(&line, columns()) + "\n");
+    }
+    if result.violations.is_empty() {
+        out += "limits: every posture of the program meets the limits of the cell\n";
+    }
+    out
+}

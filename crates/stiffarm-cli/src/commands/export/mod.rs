@@ -1,0 +1,336 @@
+//! `stiffarm export`: a plan as a program for the robot's controller.
+
+pub mod compare;
+mod moves;
+
+use crate::args::{ControllerArgs, ExportArgs};
+use crate::files::{check_folder, write_folder};
+use crate::input::{NamedCell, group_name};
+use crate::output::Exit;
+use crate::screen::{columns, wrapped};
+use crate::session::Session;
+use crate::table::{red, yellow};
+use moves::{WAYS, moves};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::Path;
+use stiffarm::files::check_name;
+use stiffarm::files::program::{
+    Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
+    write_program,
+};
+use stiffarm::files::table::{SheetOptions, sha256_hex};
+use stiffarm::model::posture::Posture;
+use stiffarm::plan::feasibility::{Violation, violations};
+use stiffarm::units::rad_to_deg;
+use stiffarm::{Code, Error, Result};
+
+/// Options of the result.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// Language of the controller.
+    language: Language,
+    /// Speed of the moves, in per cent of what the language counts from.
+    speed_percent: u8,
+    /// Load states that the texts name.
+    states: Vec<String>,
+    /// Tool of the controller, where one was given.
+    tool: Option<String>,
+    /// Axis of the controller of each joint, where they were given.
+    axes: Option<Vec<usize>>,
+    /// Pulses per degree of each axis, where they were given.
+    pulses_per_degree: Option<Vec<f64>>,
+    /// Whether a plan that violates limits is written.
+    despite_limits: bool,
+}
+
+/// What was written.
+#[derive(Serialize, JsonSchema)]
+pub struct Exported {
+    /// Name of the program on the controller.
+    program: String,
+    /// The files; none where the plan violates limits of its cell.
+    files: Vec<WrittenFile>,
+    /// Names of the postures, in the order of the program.
+    postures: Vec<String>,
+    /// Joint moves.
+    moves: usize,
+    /// Largest difference between an angle of the plan and of the program.
+    rounding_deg: f64,
+    /// Limits of the cell that postures violate.
+    violations: Vec<Violation>,
+}
+
+/// A file of the program.
+#[derive(Serialize, JsonSchema)]
+struct WrittenFile {
+    /// Its name in the folder.
+    name: String,
+    /// SHA-256 of its content.
+    sha256: String,
+}
+
+/// What is to be exported or compared.
+struct Task {
+    cell: NamedCell,
+    language: Language,
+    plan: Vec<Posture>,
+    start: Option<Posture>,
+    states: Vec<String>,
+    options: ProgramOptions,
+    violations: Vec<Violation>,
+    program: Program,
+}
+
+/// Writes the program, or compares one.
+pub fn run(session: &Session, args: &ExportArgs) -> Result<Exit> {
+    let task = Task::new(session, args)?;
+    match &args.output_dir {
+        Some(folder) => export(session, args, &task, folder),
+        None => compare::run(session, args, &task),
+    }
+}
+
+impl Task {
+    fn new(session: &Session, args: &ExportArgs) -> Result<Self> {
+        let cell = session.read_cell(&args.cell)?;
+        let robot = &cell.cell.setup.robot;
+        let plan = session.read_postures("plan", &args.plan, robot)?;
+        let start = args.start.as_deref();
+        let start = start
+            .map(|from| only_posture(session, from, &cell))
+            .transpose()?;
+        let language = Language::from(args.language);
+        for state in &args.states {
+            check_name(state).map_err(|e| e.key("--states"))?;
+        }
+        let mut sheet = SheetOptions::default();
+        sheet.states.clone_from(&args.states);
+        let states = sheet.all_states(&cell.cell);
+        let mut violated = violations(&cell.cell, start.as_slice())?;
+        // Nothing is measured where the program begins: sight and loads do not matter there.
+        violated.retain(|v| {
+            v.limit
+                .as_ref()
+                .is_none_or(|limit| limit.kind.is_of_place())
+        });
+        violated.extend(violations(&cell.cell, &plan)?);
+        let name = match &args.name {
+            Some(name) => name.clone(),
+            None => language.name_for(&group_name(&args.plan)),
+        };
+        language.check_name(&name).map_err(|e| e.key("--name"))?;
+        let stops = moves(&cell.cell, &plan, &states);
+        let header = header(session, &cell, plan.len(), args, violated.len());
+        let program = program_of_stops(name, header, &stops, start.as_ref(), args.speed_percent);
+        Ok(Task {
+            language,
+            plan,
+            start,
+            states,
+            options: program_options(&args.controller),
+            violations: violated,
+            program,
+            cell,
+        })
+    }
+
+    /// The files, and what is read from them again.
+    fn written(&self) -> Result<(Vec<ProgramFile>, Program)> {
+        let joints = self.cell.cell.setup.robot.joint_count();
+        let files =
+            write_program(&self.program, self.language, &self.options).map_err(as_option)?;
+        let read = read_program(&files, self.language, &self.options, joints)?;
+        Ok((files, read))
+    }
+
+    fn options(&self, args: &ExportArgs) -> Options {
+        Options {
+            language: self.language,
+            speed_percent: args.speed_percent,
+            states: self.states.clone(),
+            tool: self.options.tool.clone(),
+            axes: self.options.axes.clone(),
+            pulses_per_degree: self.options.pulses_per_degree.clone(),
+            despite_limits: args.despite_limits,
+        }
+    }
+
+    /// What the limits say, one line each.
+    fn limit_lines(&self) -> String {
+        if self.violations.is_empty() {
+            return "limits: every posture meets the limits of robot and cell\n".to_string();
+        }
+        let lines = self.violations.iter().map(|v| {
+            let line = format!("{}: posture {} {}", red("limit"), v.posture, v.sentence);
+            wrapped(&line, columns()) + "\n"
+        });
+        lines.collect()
+    }
+}
+
+/// Keys of options as the command line calls them.
+fn as_option(error: Error) -> Error {
+    match error.place().key.clone() {
+        Some(key) if !key.starts_with("--") => error.key(format!("--{}", key.replace('_', "-"))),
+        _ => error,
+    }
+}
+
+fn program_options(args: &ControllerArgs) -> ProgramOptions {
+    ProgramOptions {
+        axes: (!args.axes.is_empty()).then(|| args.axes.clone()),
+        pulses_per_degree: (!args.pulses_per_degree.is_empty())
+            .then(|| args.pulses_per_degree.clone()),
+        tool: args.tool.clone(),
+    }
+}
+
+fn only_posture(session: &Session, from: &str, cell: &NamedCell) -> Result<Posture> {
+    let mut postures = session.read_postures("start", from, &cell.cell.setup.robot)?;
+    match (postures.pop(), postures.len()) {
+        (Some(only), 0) => Ok(only),
+        (_, more) => Err(Error::new(
+            Code::Usage,
+            format!(
+                "The program begins at one posture; this table has {}.",
+                more + 1
+            ),
+        )
+        .file(from)
+        .hint("give a table with a single row")),
+    }
+}
+
+/// The head of the program: the warning, and what made it. No time and no path: the same plan gives
+/// the same bytes.
+fn header(
+    session: &Session,
+    cell: &NamedCell,
+    postures: usize,
+    args: &ExportArgs,
+    violated: usize,
+) -> Vec<String> {
+    let hashes = session.hashes();
+    let hash = |role: &str| hashes.get(role).cloned().unwrap_or_default();
+    let mut lines = vec![
+        format!("Motion program generated by stiffarm {}.", env!("CARGO_PKG_VERSION")),
+        "WARNING: never run on this robot before. Run it first in T1 (manual reduced speed), step by step, \
+         with the cell empty and nobody inside, the enabling switch in hand."
+            .to_string(),
+        "Base, mastering, payload and axis limits are those of the controller. This program does not set them."
+            .to_string(),
+        WAYS.to_string(),
+    ];
+    if violated > 0 {
+        lines.push(format!(
+            "WARNING: postures of this plan violate limits of its cell ({violated} in all)."
+        ));
+    }
+    lines.extend([
+        format!("cell {}", cell.cell.name),
+        format!("cell sha256 {}", hash("cell")),
+        format!("plan sha256 {}", hash("plan")),
+        format!("postures {postures}, speed {} per cent", args.speed_percent),
+    ]);
+    lines
+}
+
+fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> Result<Exit> {
+    let (files, read) = task.written()?;
+    let rounding = rounding_deg(&task.program, &read)?;
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    let is_written = task.violations.is_empty() || args.despite_limits;
+    if is_written {
+        check_folder(session, folder, names.iter().copied(), args.force)?;
+    }
+    let hashed = files.iter().filter(|_| is_written).map(|file| WrittenFile {
+        name: file.name.clone(),
+        sha256: sha256_hex(file.text.as_bytes()),
+    });
+    let result = Exported {
+        program: task.program.name.clone(),
+        files: hashed.collect(),
+        postures: task
+            .plan
+            .iter()
+            .map(|posture| posture.name.clone())
+            .collect(),
+        moves: task.program.moves().count(),
+        rounding_deg: rounding,
+        violations: task.violations.clone(),
+    };
+    let table = || {
+        let mut out = task.cell.line() + &task.limit_lines();
+        if !is_written {
+            let said = "nothing is written: change the plan, or write it all the same with --despite-limits";
+            return out + &wrapped(said, columns()) + "\n";
+        }
+        out += &said(task, args, &names, folder, rounding);
+        out
+    };
+    if is_written {
+        let texts = files
+            .iter()
+            .map(|file| (file.name.clone(), file.text.clone()));
+        write_folder(session, folder, texts.collect(), args.force)?;
+    }
+    session.show(
+        &session.envelope("export", None, task.options(args), result),
+        table,
+    )?;
+    Ok(Exit::finding(!task.violations.is_empty()))
+}
+
+/// What was written, and what is to be done with it.
+fn said(task: &Task, args: &ExportArgs, names: &[&str], folder: &Path, rounding: f64) -> String {
+    let first = task
+        .program
+        .moves()
+        .next()
+        .map_or(0, |first| first.speed_percent);
+    let speed = format!(
+        "{}: program {}, {} postures, speed {} % of {}, first move {first} %\n",
+        task.language.title(),
+        task.program.name,
+        task.plan.len(),
+        args.speed_percent,
+        task.language.speed_of()
+    );
+    let mut out = wrapped(speed.trim_end(), columns()) + "\n";
+    for name in names {
+        out += &format!("  {}\n", folder.join(name).display());
+    }
+    out += &match rounding < 1e-9 {
+        true => "read back: the angles of the plan\n".to_string(),
+        false => format!("read back: the angles of the plan, rounded by at most {rounding:.5}°\n"),
+    };
+    let warning = format!(
+        "{}: {WAYS} Run the program first in T1 (manual reduced speed), with the cell empty and nobody inside. \
+         Tool load, base and mastering are those of the controller.",
+        yellow("warning")
+    );
+    out + &wrapped(&warning, columns()) + "\n"
+}
+
+/// Largest difference between the angles that were meant and those read from the written program.
+///
+/// # Errors
+/// The program that was read is another than the one written: a fault of this program.
+fn rounding_deg(program: &Program, read: &Program) -> Result<f64> {
+    let pairs: Vec<(&Move, &Move)> = program.moves().zip(read.moves()).collect();
+    let same = program.moves().count() == read.moves().count()
+        && pairs
+            .iter()
+            .all(|(a, b)| a.kind == b.kind && a.q.len() == b.q.len());
+    let angles = pairs.iter().flat_map(|(a, b)| a.q.iter().zip(&b.q));
+    let largest = angles.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    // Half a pulse of the coarsest encoder is the most that any language rounds by.
+    match same && rad_to_deg(largest) < 0.011 {
+        true => Ok(rad_to_deg(largest)),
+        false => Err(Error::new(
+            Code::Internal,
+            "The written program is not read back as the plan.",
+        )),
+    }
+}

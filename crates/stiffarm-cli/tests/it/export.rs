@@ -1,0 +1,268 @@
+//! `stiffarm export`: programs, what is refused, what a comparison finds; docs/programs.md, top to bottom.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use support::Folder;
+
+const GROUP: &str = "export builtin:comau builtin:comau-group1";
+const PULSES: &str = "--pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2";
+
+/// The files of each language, with what it needs beside.
+const LANGUAGES: [(&str, &str, &[&str]); 7] = [
+    (
+        "krl",
+        "",
+        &["measure_comau_group1.dat", "measure_comau_group1.src"],
+    ),
+    ("rapid", "", &["measure_comau_group1.mod"]),
+    ("ls", "", &["measure_comau_group1.ls"]),
+    ("inform", PULSES, &["MEASURE_COMAU_GROUP1.jbi"]),
+    ("pdl2", "", &["measure_comau_group1.pdl"]),
+    ("urscript", "", &["measure_comau_group1.script"]),
+    ("csv", "", &["measure_comau_group1.csv"]),
+];
+
+/// A posture that violates bounds and limits of the cell, within the robot's own.
+const OUTSIDE: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg
+a,0,0,-90,0,0,0
+b,80,70,-90,0,45,0
+";
+
+fn is_narrow(text: &str) {
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+}
+
+fn listed(folder: &Folder, name: &str) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder.path(name)) else {
+        return Vec::new();
+    };
+    let mut names: Vec<String> = entries
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn every_language_is_written_compared_and_not_overwritten() {
+    let folder = Folder::new();
+    for (language, more, files) in LANGUAGES {
+        let line = format!("{GROUP} --language {language} {more} --output-dir {language}");
+        is_narrow(&folder.ok(&line));
+        assert_eq!(listed(&folder, language), files);
+        let paths: Vec<String> = files
+            .iter()
+            .map(|file| format!("{language}/{file}"))
+            .collect();
+        let before = folder.read(&paths[0]);
+        let warned = before.replace('\n', " ");
+        assert!(
+            warned.contains("WARNING") && warned.contains("sha256"),
+            "{before}"
+        );
+        let refused = folder.refused(&line);
+        assert!(refused.contains("exists already"), "{refused}");
+        folder.ok(&format!("{line} --force"));
+        assert_eq!(folder.read(&paths[0]), before);
+        let compare = format!(
+            "{GROUP} --language {language} {more} --compare {}",
+            paths.join(" ")
+        );
+        let said = folder.ok(&compare);
+        assert!(said.contains("the same 6 postures as the plan"), "{said}");
+    }
+}
+
+#[test]
+fn what_is_printed() {
+    let folder = Folder::new();
+    folder.write(
+        "home.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nhome,0,0,-90,0,0,0\n",
+    );
+    let line =
+        format!("{GROUP} --language krl --start home.csv --speed-percent 20 --output-dir program");
+    let ran = folder.run(&line);
+    is_narrow(&ran.out);
+    let printed = ran.transcript(&line);
+    assert_snapshot!("export_krl", printed.replace('\\', "/"));
+    let src = folder.read("program/measure_comau_group1.src");
+    assert_eq!(src.matches("PTP XP").count(), 8);
+    assert!(src.contains("BAS (#VEL_PTP,5)\r\nPTP XP1\r\n"), "{src}");
+    assert!(src.contains("Slow move to start home"), "{src}");
+}
+
+#[test]
+fn a_plan_that_violates_limits_is_named_and_not_written() {
+    let folder = Folder::new();
+    folder.write("p.csv", OUTSIDE);
+    let line = "export builtin:comau p.csv --language rapid --output-dir program";
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(1));
+    is_narrow(&ran.out);
+    assert_snapshot!("export_violates", ran.transcript(line));
+    assert_eq!(folder.names(), ["p.csv"]);
+    let json = folder.json(line);
+    assert_eq!(json["result"]["files"], serde_json::json!([]));
+    let violations = json["result"]["violations"].as_array().unwrap();
+    assert!(
+        violations.iter().all(|v| v["posture"] == "b"),
+        "{violations:?}"
+    );
+    assert!(violations.iter().any(|v| v["limit"]["kind"] == "tool_box"));
+    assert!(violations.iter().any(|v| v["limit"].is_null()));
+    let ran = folder.run(&format!("{line} --despite-limits"));
+    assert_eq!(ran.code, Some(1));
+    let written = folder.read("program/measure_p.mod");
+    assert!(
+        written.contains("! WARNING: postures of this plan violate limits of its cell"),
+        "{written}"
+    );
+}
+
+#[test]
+fn an_angle_beyond_the_robots_own_limits_is_never_written() {
+    let folder = Folder::new();
+    folder.write("p.csv", OUTSIDE.replace("80,70", "80,170"));
+    let said =
+        folder.refused("export builtin:comau p.csv --language csv --output-dir x --despite-limits");
+    assert!(
+        said.contains("outside the machine's limits") && said.contains("p.csv:3"),
+        "{said}"
+    );
+    assert_eq!(folder.names(), ["p.csv"]);
+}
+
+#[test]
+fn a_comparison_names_what_was_changed() {
+    let folder = Folder::new();
+    folder.ok(&format!("{GROUP} --language ls --output-dir program"));
+    let file = "program/measure_comau_group1.ls";
+    let compare = format!("{GROUP} --language ls --compare {file}");
+    let written = folder.read(file);
+    folder.write(
+        file,
+        written.replacen("J3=   -110.00 deg", "J3=   -109.50 deg", 1),
+    );
+    let ran = folder.run(&compare);
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.out
+            .contains("2: joint 3 at -109.5000°, planned -110.0000°, off by 0.5000°"),
+        "{}",
+        ran.out
+    );
+    is_narrow(&ran.out);
+    let json = folder.json(&compare);
+    assert_eq!(json["result"]["same"], false);
+    assert_eq!(json["result"]["differences"][0]["joint"], 3);
+    // Taken out at the pendant: the move, not its point.
+    let without: String = written
+        .split_inclusive("\r\n")
+        .filter(|line| !line.contains("J P[4]"))
+        .collect();
+    folder.write(file, without);
+    let ran = folder.run(&compare);
+    assert!(
+        ran.out.contains("4: the program does not go there"),
+        "{}",
+        ran.out
+    );
+    // Moved where a limit is violated.
+    folder.write(
+        file,
+        written.replacen("J2=     15.00 deg", "J2=     45.00 deg", 1),
+    );
+    let ran = folder.run(&compare);
+    assert!(
+        ran.out.contains("limit: posture 2 has joint 2 at 45"),
+        "{}",
+        ran.out
+    );
+    folder.write(
+        file,
+        written.replacen("J1=    -20.00 deg", "X  =    -20.00  mm", 1),
+    );
+    let said = folder.refused(&compare);
+    assert!(
+        said.contains("joint representation") && said.contains(file),
+        "{said}"
+    );
+}
+
+#[test]
+fn wrong_inputs_are_refused_before_anything_is_written() {
+    let folder = Folder::new();
+    folder.write("two.csv", OUTSIDE);
+    folder.write(
+        "empty.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n",
+    );
+    folder.write("taken", "a file");
+    let mut told = String::new();
+    for line in [
+        "--language krl".to_string(),
+        "--language fortran --output-dir x".to_string(),
+        "--language inform --output-dir x".to_string(),
+        format!("--language krl {PULSES} --output-dir x"),
+        "--language inform --pulses-per-degree 1000,1000,nan,1000,1000,1000 --output-dir x"
+            .to_string(),
+        "--language krl --name move_it_quickly_to_the_left --output-dir x".to_string(),
+        "--language ls --name small --output-dir x".to_string(),
+        "--language krl --tool spindle --output-dir x".to_string(),
+        "--language krl --axes 1,2,3,4,5,5 --output-dir x".to_string(),
+        "--language krl --speed-percent 0 --output-dir x".to_string(),
+        "--language krl --start two.csv --output-dir x".to_string(),
+        "--language krl --output-dir taken".to_string(),
+        "--language krl --compare two.csv".to_string(),
+        "--language rapid --compare two.csv".to_string(),
+        "--language rapid --compare two.csv --output-dir x".to_string(),
+    ] {
+        told += &format!("$ {line}\n{}\n", folder.refused(&format!("{GROUP} {line}")));
+    }
+    told += &folder.refused("export builtin:comau empty.csv --language csv --output-dir x");
+    assert_eq!(folder.names(), ["empty.csv", "taken", "two.csv"]);
+    assert_snapshot!("export_refusals", told);
+}
+
+#[test]
+fn the_page_about_programs_holds() {
+    let page = include_str!("../../../../docs/programs.md");
+    let folder = Folder::new();
+    let mut parts = page.split("```");
+    parts.next();
+    let mut excerpts = 0;
+    let mut blocks: Vec<(&str, &str)> = Vec::new();
+    while let (Some(block), Some(_)) = (parts.next(), parts.next()) {
+        blocks.push(block.split_once('\n').unwrap());
+    }
+    for (_, text) in blocks.iter().filter(|(language, _)| *language == "sh") {
+        for line in text.lines() {
+            folder.ok(line.strip_prefix("stiffarm ").unwrap());
+        }
+    }
+    for (language, text) in blocks.iter().filter(|(language, _)| *language != "sh") {
+        let file = match *language {
+            "krl" => "measure_comau_group1.src",
+            "rapid" => "measure_comau_group1.mod",
+            "ls" => "measure_comau_group1.ls",
+            "inform" => "MEASURE_COMAU_GROUP1.jbi",
+            "pdl" => "measure_comau_group1.pdl",
+            "urscript" => "measure_comau_group1.script",
+            "csv" => "measure_comau_group1.csv",
+            other => panic!("{other}"),
+        };
+        let written = folder.read(&format!("program/{file}"));
+        for line in text.lines() {
+            assert!(
+                written.lines().any(|own| own == line),
+                "{language}: {line}\n{written}"
+            );
+            excerpts += 1;
+        }
+    }
+    assert!(excerpts > 20, "{excerpts}");
+}

@@ -1,0 +1,116 @@
+//! What has changed between two programs.
+
+use super::{Language, Move, text};
+use crate::units::rad_to_deg;
+use serde::Serialize;
+
+/// One difference between the moves that were planned and those of a program.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Difference {
+    /// The program has no move to a planned posture.
+    Missing {
+        /// Its name.
+        posture: String,
+    },
+    /// The program has a move that was not planned.
+    Added {
+        /// Its name.
+        posture: String,
+    },
+    /// The program goes there at another point of its order.
+    Order {
+        /// Its name.
+        posture: String,
+    },
+    /// A joint goes to another angle.
+    Angle {
+        /// Name of the posture.
+        posture: String,
+        /// The joint, counted from 1.
+        joint: usize,
+        /// As planned \[deg\].
+        planned_deg: f64,
+        /// As in the program \[deg\].
+        found_deg: f64,
+    },
+}
+
+impl Difference {
+    /// One sentence; joints by their names.
+    pub fn sentence(&self, joints: &[String]) -> String {
+        match self {
+            Difference::Missing { posture } => format!("{posture}: the program does not go there"),
+            Difference::Added { posture } => format!("{posture}: not in the plan"),
+            Difference::Order { posture } => format!("{posture}: at another place of the order"),
+            Difference::Angle {
+                posture,
+                joint,
+                planned_deg,
+                found_deg,
+            } => {
+                let name = joints
+                    .get(joint - 1)
+                    .cloned()
+                    .unwrap_or_else(|| format!("joint {joint}"));
+                format!(
+                    "{posture}: {name} at {found_deg:.4}°, planned {planned_deg:.4}°, off by {:.4}°",
+                    found_deg - planned_deg
+                )
+            }
+        }
+    }
+}
+
+/// Compares the moves of a program that was read with those planned. Moves belong together by kind
+/// and name, as far as `language` holds names; angles are the same within `tolerance` \[rad\].
+pub fn compare_moves(
+    planned: &[&Move],
+    found: &[&Move],
+    language: Language,
+    tolerance: f64,
+) -> Vec<Difference> {
+    let named = |target: &Move| match language {
+        Language::Csv => (target.kind, target.name.clone()),
+        Language::Ls | Language::Inform => (target.kind, text::name(&target.name, 24)),
+        _ => (target.kind, text::name(&target.name, 60)),
+    };
+    let mut partner: Vec<Option<usize>> = vec![None; found.len()];
+    let mut differences = Vec::new();
+    let mut last = 0;
+    for (number, target) in planned.iter().enumerate() {
+        let own = named(target);
+        let at = (0..found.len()).find(|i| partner[*i].is_none() && named(found[*i]) == own);
+        let Some(at) = at else {
+            differences.push(Difference::Missing {
+                posture: target.name.clone(),
+            });
+            continue;
+        };
+        partner[at] = Some(number);
+        match at < last {
+            true => differences.push(Difference::Order {
+                posture: target.name.clone(),
+            }),
+            false => last = at,
+        }
+        let pairs = target.q.iter().zip(&found[at].q).enumerate();
+        differences.extend(pairs.filter(|(_, (a, b))| (*a - *b).abs() > tolerance).map(
+            |(j, (a, b))| Difference::Angle {
+                posture: target.name.clone(),
+                joint: j + 1,
+                planned_deg: rad_to_deg(*a),
+                found_deg: rad_to_deg(*b),
+            },
+        ));
+    }
+    let added = found
+        .iter()
+        .zip(&partner)
+        .filter(|(_, partner)| partner.is_none());
+    differences.extend(added.map(|(target, _)| Difference::Added {
+        posture: target.name.clone(),
+    }));
+    differences
+}

@@ -1,0 +1,97 @@
+//! Lines, comments and numbers of programs.
+
+use super::characters::{plain, wrapped};
+use super::{Language, MoveKind, Program, ProgramOptions};
+use crate::units::rad_to_deg;
+
+/// The header in comment lines of at most `width` characters, with what the language adds.
+pub fn header(program: &Program, language: Language, width: usize) -> Vec<String> {
+    let speed = format!("A speed of 100 per cent is {}.", language.speed_of());
+    let lines = program.header.iter().chain([&speed]);
+    let lines = lines.flat_map(|line| wrapped(line, width));
+    lines.filter(|line| !line.is_empty()).collect()
+}
+
+/// A name of at most `width` characters.
+pub fn name(name: &str, width: usize) -> String {
+    let mut name = plain(name);
+    name.truncate(width);
+    name.trim_end().to_string()
+}
+
+/// What stands in a comment before a move.
+pub fn marker(kind: MoveKind, posture: &str, width: usize) -> String {
+    format!("{} {}", kind.as_str(), name(posture, width))
+}
+
+/// Kind and name in such a comment.
+pub fn marked(comment: &str) -> Option<(MoveKind, String)> {
+    let (word, name) = comment.trim().split_once(' ')?;
+    let kind = MoveKind::ALL
+        .into_iter()
+        .find(|kind| kind.as_str() == word)?;
+    Some((kind, name.trim().to_string()))
+}
+
+/// Decimals of the angles in degrees: as few as lose nothing, two at least, `most` at most.
+pub fn decimals(program: &Program, most: usize) -> usize {
+    let angles: Vec<f64> = program
+        .moves()
+        .flat_map(|m| m.q.iter().map(|a| rad_to_deg(*a)))
+        .collect();
+    let exact = |digits: usize| {
+        let factor = 10f64.powi(digits as i32);
+        // Degrees of an angle in radians are off by the last bits.
+        angles
+            .iter()
+            .all(|a| (a * factor - (a * factor).round()).abs() < 1e-7)
+    };
+    (2..most).find(|digits| exact(*digits)).unwrap_or(most)
+}
+
+/// Degrees with `decimals`, in the controller's order; never `-0.00`.
+pub fn degrees(q: &[f64], options: &ProgramOptions, decimals: usize) -> Vec<String> {
+    let values = options.to_controller(q);
+    values
+        .iter()
+        .map(|angle| fixed(rad_to_deg(*angle), decimals))
+        .collect()
+}
+
+/// A number with fixed decimals; never `-0.00`.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text
+        .trim_start_matches('-')
+        .chars()
+        .all(|c| c == '0' || c == '.')
+    {
+        true => text.trim_start_matches('-').to_string(),
+        false => text,
+    }
+}
+
+/// Lines with an end each: CR LF where the controller or its tools run on Windows.
+pub fn joined(lines: &[String], end: &str) -> String {
+    lines.iter().map(|line| format!("{line}{end}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_fixed_decimals_and_no_negative_zero() {
+        assert_eq!(fixed(-0.001, 2), "0.00");
+        assert_eq!(fixed(-0.006, 2), "-0.01");
+        assert_eq!(fixed(-0.4, 0), "0");
+    }
+
+    #[test]
+    fn comments_name_moves() {
+        let named = marked(" posture p 1 ");
+        assert_eq!(named, Some((MoveKind::Posture, "p 1".to_string())));
+        assert_eq!(marked("postures 6"), None);
+        assert_eq!(marker(MoveKind::Via, "a\u{fc}", 1), "via a");
+    }
+}
