@@ -47,8 +47,10 @@ pub fn measurements_template(cell: &Cell) -> String {
         "# fx_n … mz_nm: as the sensor reports them in this state; its pose and sign are in cell.toml\n"
     } else if forces {
         "# fx_n fy_n fz_n: force on the robot in this state, base axes\n"
+    } else if heading.contains("load_n") {
+        "# load_n: force of the cell's load in this state, where it is another than the cell says\n"
     } else {
-        "# The force comes from the cell's load; for several loads add load_n, or fx_n fy_n fz_n\n"
+        "# The force comes from the cell's load; for several loads add fx_n, fy_n, fz_n\n"
     };
     let rows: String = rows.lines().map(|row| format!("# {row}\n")).collect();
     format!(

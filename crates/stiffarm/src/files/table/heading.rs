@@ -182,11 +182,12 @@ impl<'a> Table<'a> {
         let keys = suggestion(&self.headings, is_known).filter(|_| foreign);
         let suggested = keys.map(|keys| {
             format!(
-                "say in [columns] of the cell file what these headings are, each with the unit that the file has, for example: {keys}"
+                "say in [columns] of the cell file what these headings are, a line for each, with the unit that the file has, for example: {keys}"
             )
         });
         // A heading of ours with a unit of its own is a matter of that unit.
-        let own = known.iter().any(|k| k.stem == stem(name)) && stem(name) != name;
+        let has_unit = |k: &Known| k.stem == stem(name) && !k.quantity.units().is_empty();
+        let own = known.iter().any(has_unit) && stem(name) != name;
         if let Some(hint) = suggested.clone().filter(|_| others > 1 && !own) {
             return error.hint(hint);
         }

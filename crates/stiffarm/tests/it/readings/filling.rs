@@ -70,7 +70,7 @@ fn rows_without_a_position_are_not_measured_yet() -> Check {
         &sheet(|p, s, q| p != "P2" || s == "unloaded" || q == "left"),
         &cell,
     )?;
-    assert_eq!((point.postures.len(), point.incomplete.len()), (2, 0));
+    assert_eq!((point.postures.len(), point.incomplete.len()), (3, 0));
     assert_eq!(
         sentence(&point),
         "Not measured yet: posture P2 (loaded at right); 11 of 12 rows are filled in."

@@ -93,7 +93,7 @@ fn slips_in_a_posture_table() {
 const DISPLACEMENT_SLIPS: &[(&str, &str)] = &[
     ("dx_mm,dy_mm,dz_mm", "x_mm,y_mm,z_mm"),
     ("dx_mm,dy_mm,dz_mm", "dx,dy,dz"),
-    ("dx_mm,dy_mm,dz_mm", "dx [mm],dy [mm],dz [mm]"),
+    ("dx_mm,dy_mm,dz_mm", "dx [ell],dy [ell],dz [ell]"),
     ("dx_mm,dy_mm,dz_mm", "dx_cm,dy_cm,dz_cm"),
     ("dx_mm,dy_mm,dz_mm", "dx_mm,dy_mm,dz_m"),
     ("dx_mm,dy_mm,dz_mm", "dx_mm,dx_m,dz_mm"),
