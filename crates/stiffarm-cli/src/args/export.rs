@@ -26,12 +26,14 @@ pub struct ExportArgs {
     /// postures differ from the plan (KRL: both files)
     #[arg(long, value_name = "FILE", num_args = 1..=2)]
     pub compare: Vec<String>,
-    /// Posture where the program begins and ends: a table with one row
+    /// Posture where the program begins and ends: a table with one row [default: the cell's
+    /// route.start_deg, where it has one]
     #[arg(long, value_name = "POSTURE.csv")]
     pub start: Option<String>,
-    /// Speed of the moves in per cent; the first move has half of it, at most 5
-    #[arg(long, value_name = "PERCENT", default_value_t = 10, value_parser = clap::value_parser!(u8).range(1..=100))]
-    pub speed_percent: u8,
+    /// Speed of the moves in per cent; the first move has half of it, at most 5 [default: the cell's
+    /// route.speed_percent, 10 unless it is given]
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub speed_percent: Option<u8>,
     /// Load states to measure at each posture, as texts of the program name them [default: unloaded
     /// and those of the cell's loads]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]

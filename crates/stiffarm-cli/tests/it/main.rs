@@ -5,6 +5,7 @@ mod capsules;
 mod cell_mesh;
 mod clamped;
 mod commands;
+mod day;
 mod edges;
 mod errors;
 mod examples;

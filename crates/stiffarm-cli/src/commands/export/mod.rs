@@ -10,7 +10,7 @@ use crate::output::Exit;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{red, yellow};
-use moves::{WAYS, moves};
+use moves::Driven;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -20,10 +20,14 @@ use stiffarm::files::program::{
     write_program,
 };
 use stiffarm::files::table::{SheetOptions, sha256_hex};
+use stiffarm::model::cell::LimitKind;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::feasibility::{Violation, violations};
 use stiffarm::units::rad_to_deg;
 use stiffarm::{Code, Error, Result};
+
+/// Name of the start that the cell gives.
+const START: &str = "start";
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
@@ -55,6 +59,12 @@ pub struct Exported {
     postures: Vec<String>,
     /// Joint moves.
     moves: usize,
+    /// Moves that lead over via postures.
+    moves_with_via: usize,
+    /// Moves for which no free way was found.
+    blocked_moves: Vec<String>,
+    /// What the moves were checked against.
+    checked: Vec<LimitKind>,
     /// Largest difference between an angle of the plan and of the program.
     rounding_deg: f64,
     /// Limits of the cell that postures violate.
@@ -73,6 +83,8 @@ struct WrittenFile {
 /// What is to be exported or compared.
 struct Task {
     cell: NamedCell,
+    speed_percent: u8,
+    driven: Driven,
     language: Language,
     plan: Vec<Posture>,
     start: Option<Posture>,
@@ -96,10 +108,13 @@ impl Task {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
         let plan = session.read_postures("plan", &args.plan, robot)?;
-        let start = args.start.as_deref();
-        let start = start
-            .map(|from| only_posture(session, from, &cell))
-            .transpose()?;
+        let start = match args.start.as_deref() {
+            Some(from) => Some(only_posture(session, from, &cell)?),
+            None => cell.cell.route.start.clone().map(|q| Posture {
+                name: START.to_string(),
+                q,
+            }),
+        };
         let language = Language::from(args.language);
         for state in &args.states {
             check_name(state).map_err(|e| e.key("--states"))?;
@@ -120,10 +135,29 @@ impl Task {
             None => language.name_for(&group_name(&args.plan)),
         };
         language.check_name(&name).map_err(|e| e.key("--name"))?;
-        let stops = moves(&cell.cell, &plan, &states);
-        let header = header(session, &cell, plan.len(), args, violated.len());
-        let program = program_of_stops(name, header, &stops, start.as_ref(), args.speed_percent);
+        let speed_percent = args.speed_percent.unwrap_or_else(|| {
+            let percent = (100.0 * cell.cell.route.speed_share).round();
+            percent.clamp(1.0, 100.0) as u8
+        });
+        let driven = Driven::new(&cell.cell, &plan, start.as_ref(), &states)?;
+        let header = header(
+            session,
+            &cell,
+            plan.len(),
+            speed_percent,
+            violated.len(),
+            &driven,
+        );
+        let program = program_of_stops(
+            name,
+            header,
+            &driven.stops,
+            driven.start.as_ref(),
+            speed_percent,
+        );
         Ok(Task {
+            speed_percent,
+            driven,
             language,
             plan,
             start,
@@ -147,7 +181,7 @@ impl Task {
     fn options(&self, args: &ExportArgs) -> Options {
         Options {
             language: self.language,
-            speed_percent: args.speed_percent,
+            speed_percent: self.speed_percent,
             states: self.states.clone(),
             tool: self.options.tool.clone(),
             axes: self.options.axes.clone(),
@@ -208,8 +242,9 @@ fn header(
     session: &Session,
     cell: &NamedCell,
     postures: usize,
-    args: &ExportArgs,
+    speed_percent: u8,
     violated: usize,
+    driven: &Driven,
 ) -> Vec<String> {
     let hashes = session.hashes();
     let hash = |role: &str| hashes.get(role).cloned().unwrap_or_default();
@@ -220,7 +255,7 @@ fn header(
             .to_string(),
         "Base, mastering, payload and axis limits are those of the controller. This program does not set them."
             .to_string(),
-        WAYS.to_string(),
+        driven.sentence(),
     ];
     if violated > 0 {
         lines.push(format!(
@@ -231,7 +266,7 @@ fn header(
         format!("cell {}", cell.cell.name),
         format!("cell sha256 {}", hash("cell")),
         format!("plan sha256 {}", hash("plan")),
-        format!("postures {postures}, speed {} per cent", args.speed_percent),
+        format!("postures {postures}, speed {speed_percent} per cent"),
     ]);
     lines
 }
@@ -240,7 +275,8 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
     let (files, read) = task.written()?;
     let rounding = rounding_deg(&task.program, &read)?;
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-    let is_written = task.violations.is_empty() || args.despite_limits;
+    let is_sound = task.violations.is_empty() && task.driven.blocked.is_empty();
+    let is_written = is_sound || args.despite_limits;
     if is_written {
         check_folder(session, folder, names.iter().copied(), args.force)?;
     }
@@ -257,16 +293,26 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
             .map(|posture| posture.name.clone())
             .collect(),
         moves: task.program.moves().count(),
+        moves_with_via: task.driven.with_via,
+        blocked_moves: task.driven.blocked.clone(),
+        checked: task.driven.checked.clone(),
         rounding_deg: rounding,
         violations: task.violations.clone(),
     };
     let table = || {
         let mut out = task.cell.line() + &task.limit_lines();
+        for blocked in &task.driven.blocked {
+            let line = format!(
+                "{}: the move {blocked} has no free way that was found",
+                red("move")
+            );
+            out += &(wrapped(&line, columns()) + "\n");
+        }
         if !is_written {
             let said = "nothing is written: change the plan, or write it all the same with --despite-limits";
             return out + &wrapped(said, columns()) + "\n";
         }
-        out += &said(task, args, &names, folder, rounding);
+        out += &said(task, &names, folder, rounding);
         out
     };
     if is_written {
@@ -279,11 +325,11 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
         &session.envelope("export", None, task.options(args), result),
         table,
     )?;
-    Ok(Exit::finding(!task.violations.is_empty()))
+    Ok(Exit::finding(!is_sound))
 }
 
 /// What was written, and what is to be done with it.
-fn said(task: &Task, args: &ExportArgs, names: &[&str], folder: &Path, rounding: f64) -> String {
+fn said(task: &Task, names: &[&str], folder: &Path, rounding: f64) -> String {
     let first = task
         .program
         .moves()
@@ -294,7 +340,7 @@ fn said(task: &Task, args: &ExportArgs, names: &[&str], folder: &Path, rounding:
         task.language.title(),
         task.program.name,
         task.plan.len(),
-        args.speed_percent,
+        task.speed_percent,
         task.language.speed_of()
     );
     let mut out = wrapped(speed.trim_end(), columns()) + "\n";
@@ -306,9 +352,10 @@ fn said(task: &Task, args: &ExportArgs, names: &[&str], folder: &Path, rounding:
         false => format!("read back: the angles of the plan, rounded by at most {rounding:.5}°\n"),
     };
     let warning = format!(
-        "{}: {WAYS} Run the program first in T1 (manual reduced speed), with the cell empty and nobody inside. \
+        "{}: {} Run the program first in T1 (manual reduced speed), with the cell empty and nobody inside. \
          Tool load, base and mastering are those of the controller.",
-        yellow("warning")
+        yellow("warning"),
+        task.driven.sentence()
     );
     out + &wrapped(&warning, columns()) + "\n"
 }

@@ -1,26 +1,117 @@
 //! How the robot goes through a plan.
 
-use stiffarm::files::program::Stop;
-use stiffarm::model::cell::Cell;
+use stiffarm::files::program::{Start, Stop};
+use stiffarm::findings::list;
+use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::route::{RouteOptions, route};
+use stiffarm::{Control, Result};
 
-/// What is known about the ways between the postures; it stands in every program and on the screen.
-pub const WAYS: &str = "The moves between the postures are straight in joint space and were not checked for \
-                        collisions.";
+/// The stops of a program with the ways between them.
+pub struct Driven {
+    /// The stops, each with the via postures before it.
+    pub stops: Vec<Stop>,
+    /// Where it begins and ends.
+    pub start: Option<Start>,
+    /// Moves that lead over via postures.
+    pub with_via: usize,
+    /// Moves for which no free way was found, as `2 to 3`.
+    pub blocked: Vec<String>,
+    /// What the moves were checked against.
+    pub checked: Vec<LimitKind>,
+}
 
-/// The stops of the program, with the way to each and what is to be done there. The only place that
-/// decides how the robot gets from one posture to the next: by one joint move, in the plan's order.
-pub fn moves(_cell: &Cell, plan: &[Posture], states: &[String]) -> Vec<Stop> {
+impl Driven {
+    /// The plan in its order, by the joint moves that the cell allows: the only place that decides how the
+    /// robot gets from one posture to the next.
+    pub fn new(
+        cell: &Cell,
+        plan: &[Posture],
+        start: Option<&Posture>,
+        states: &[String],
+    ) -> Result<Self> {
+        let mut cell = cell.clone();
+        cell.route.start = start.map(|start| start.q.clone());
+        let mut options = RouteOptions::default();
+        options.keep_order = true;
+        options.keep_angles = true;
+        let found = route(&cell, plan, &options, Control::default())?;
+        let task = task(states, cell.route.load_stays_on);
+        let mut stops: Vec<Stop> = plan
+            .iter()
+            .map(|posture| Stop::new(posture.clone(), task.clone()))
+            .collect();
+        let mut back = Vec::new();
+        let mut blocked = Vec::new();
+        for each in &found.moves {
+            let name = |stop: Option<usize>| match (stop, start) {
+                (Some(stop), _) => plan[stop].name.clone(),
+                (None, Some(start)) => start.name.clone(),
+                (None, None) => String::new(),
+            };
+            if !each.free {
+                blocked.push(format!("{} to {}", name(each.from), name(each.to)));
+            }
+            let via = each.via.iter().enumerate().map(|(number, q)| Posture {
+                name: format!("{}_via_{}", name(each.to), number + 1),
+                q: q.clone(),
+            });
+            match each.to {
+                Some(stop) => stops[stop].via = via.collect(),
+                None => back = via.collect(),
+            }
+        }
+        Ok(Driven {
+            with_via: found.moves.iter().filter(|m| !m.via.is_empty()).count(),
+            start: start.map(|start| Start {
+                posture: start.clone(),
+                back,
+            }),
+            checked: found.checked,
+            blocked,
+            stops,
+        })
+    }
+
+    /// What is known of the ways; it stands in every program and on the screen.
+    pub fn sentence(&self) -> String {
+        let kinds: Vec<&str> = self
+            .checked
+            .iter()
+            .map(|kind| match kind {
+                LimitKind::Shapes => "shapes",
+                LimitKind::Floor => "floor",
+                LimitKind::KeepOut => "keep-out cylinder",
+                _ => "rope",
+            })
+            .collect();
+        let first = match self.start {
+            Some(_) => "",
+            None => " The way to the first posture was not checked.",
+        };
+        match self.checked.contains(&LimitKind::Shapes) {
+            _ if !self.blocked.is_empty() => format!(
+                "WARNING: no way free of collision was found for the move {}.",
+                list(&self.blocked)
+            ),
+            true => format!(
+                "The moves between the postures were checked against {} as the cell file has them, and nothing else.{first}",
+                list(&kinds)
+            ),
+            false => "The moves between the postures are straight in joint space and were not checked for collisions."
+                .to_string(),
+        }
+    }
+}
+
+/// What is to be done at each posture.
+fn task(states: &[String], load_stays_on: bool) -> String {
     let mut task = format!("measure {}", states.join(", "));
-    // No load travels with the arm.
-    if states
-        .last()
-        .is_some_and(|last| Role::of(last) != Role::Unloaded)
-    {
+    let is_loaded = |state: &String| Role::of(state) != Role::Unloaded;
+    // Unless the cell says otherwise, no load travels with the arm.
+    if !load_stays_on && states.last().is_some_and(is_loaded) {
         task += ", then unload";
     }
-    plan.iter()
-        .map(|posture| Stop::new(posture.clone(), task.clone()))
-        .collect()
+    task
 }

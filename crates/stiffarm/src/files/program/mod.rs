@@ -141,6 +141,15 @@ impl Stop {
     }
 }
 
+/// Where a program begins and ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    /// The posture.
+    pub posture: Posture,
+    /// Postures on the way back to it from the last one.
+    pub back: Vec<Posture>,
+}
+
 /// One file of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProgramFile {
@@ -170,7 +179,7 @@ pub fn program_of_stops(
     name: impl Into<String>,
     header: Vec<String>,
     stops: &[Stop],
-    start: Option<&Posture>,
+    start: Option<&Start>,
     speed_percent: u8,
 ) -> Program {
     let mut speed = (speed_percent / 2).clamp(1, FIRST_SPEED);
@@ -178,7 +187,8 @@ pub fn program_of_stops(
         Some(via) => (MoveKind::Via, via),
         None => (MoveKind::Posture, &stop.posture),
     });
-    let first = start.map(|start| (MoveKind::Start, start)).or(first_stop);
+    let begin = start.map(|start| &start.posture);
+    let first = begin.map(|begin| (MoveKind::Start, begin)).or(first_stop);
     let mut steps = Vec::new();
     if let Some((kind, first)) = first {
         let place = format!("{} {}", kind.as_str(), first.name);
@@ -196,7 +206,7 @@ pub fn program_of_stops(
         speed = speed_percent;
         Step::Move(target)
     };
-    steps.extend(start.map(|start| go(start, MoveKind::Start)));
+    steps.extend(begin.map(|begin| go(begin, MoveKind::Start)));
     for stop in stops {
         steps.extend(stop.before.iter().cloned().map(Step::Wait));
         steps.extend(stop.via.iter().map(|via| go(via, MoveKind::Via)));
@@ -207,9 +217,10 @@ pub fn program_of_stops(
     if let Some(start) = start {
         steps.push(Step::Wait(format!(
             "All measured. Back to start {}",
-            start.name
+            start.posture.name
         )));
-        steps.push(go(start, MoveKind::Start));
+        steps.extend(start.back.iter().map(|via| go(via, MoveKind::Via)));
+        steps.push(go(&start.posture, MoveKind::Start));
     }
     Program {
         name: name.into(),

@@ -16,8 +16,8 @@ use proptest::prelude::*;
 use std::fmt::Write;
 use stiffarm::Cell;
 use stiffarm::files::program::{
-    Language, Program, ProgramFile, ProgramOptions, Step, Stop, program_of_stops, read_program,
-    write_program,
+    Language, Program, ProgramFile, ProgramOptions, Start, Step, Stop, program_of_stops,
+    read_program, write_program,
 };
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{DhConvention, DhRow, Robot};
@@ -169,13 +169,20 @@ fn program(language: Language, postures: &[Posture]) -> Program {
             .before
             .push("Unhook the rope before this move".into());
     }
-    let start = Posture {
+    let home = Posture {
         name: "home".into(),
         q: postures[0]
             .q
             .iter()
             .map(|a| rounded(0.5 * a, true))
             .collect(),
+    };
+    let start = Start {
+        back: vec![Posture {
+            name: "back".into(),
+            q: home.q.iter().map(|a| rounded(0.9 * a, true)).collect(),
+        }],
+        posture: home,
     };
     let header = vec![
         "Generated motion program.".to_string(),

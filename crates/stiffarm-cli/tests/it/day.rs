@@ -1,0 +1,290 @@
+//! A whole day in the cell: plan, program, sheet, readings that come one posture after the other with three
+//! mistakes among them, each named at once and corrected, until the goal is reached before the plan is through.
+
+use crate::support::{Folder, command};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// What is known of this cell: better than what is assumed of others.
+const KNOWN: &str = "
+[uncertainty]
+force_scale_percent = 0.2
+anchor_mm = 0.5
+loading_point_mm = 0.1
+registration_mrad = 0.05
+base_tilt_stiffness_nm_per_rad = 1e11
+lost_motion_arcmin = 0
+";
+/// Postures of the plan.
+const PLANNED: usize = 12;
+/// Half width that is good enough [%].
+const GOAL: &str = "4%";
+
+/// `stiffarm measure` at work, and what it has said.
+struct Watched {
+    child: Child,
+    said: Arc<Mutex<String>>,
+}
+
+impl Watched {
+    fn start(folder: &Folder) -> Self {
+        let line = format!("measure cell.toml plan.csv day.csv --until {GOAL} --every 0.1");
+        let mut child = command(&folder.path(""))
+            .args(line.split(' '))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let said = Arc::new(Mutex::new(String::new()));
+        let (out, own) = (child.stdout.take().unwrap(), Arc::clone(&said));
+        std::thread::spawn(move || {
+            for line in BufReader::new(out).lines().map_while(Result::ok) {
+                *own.lock().unwrap() += &(line + "\n");
+            }
+        });
+        Watched { child, said }
+    }
+
+    /// Everything said so far.
+    fn said(&self) -> String {
+        self.said.lock().unwrap().clone()
+    }
+
+    /// Waits until something new holds `text`, and gives it.
+    fn hears(&self, before: usize, text: &str) -> String {
+        let start = Instant::now();
+        loop {
+            let said = self.said();
+            if said[before..].contains(text) {
+                return said[before..].to_string();
+            }
+            let waited = start.elapsed() < Duration::from_secs(120);
+            assert!(waited, "nothing said of {text:?}:\n{said}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+impl Drop for Watched {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The rows of the table, posture by posture.
+struct Readings {
+    heading: Vec<String>,
+    postures: Vec<Vec<Vec<String>>>,
+}
+
+impl Readings {
+    fn of(text: &str) -> Self {
+        let mut lines = text.lines();
+        let fields = |line: &str| line.split(',').map(String::from).collect::<Vec<_>>();
+        let heading = fields(lines.next().unwrap());
+        let mut postures: Vec<Vec<Vec<String>>> = Vec::new();
+        for row in lines.map(fields) {
+            match postures.last_mut() {
+                Some(last) if last[0][0] == row[0] => last.push(row),
+                _ => postures.push(vec![row]),
+            }
+        }
+        Readings { heading, postures }
+    }
+
+    fn column(&self, name: &str) -> usize {
+        self.heading.iter().position(|own| own == name).unwrap()
+    }
+
+    /// The table of the first postures, the last of them with a mistake.
+    fn table(&self, count: usize, mistake: Option<&dyn Fn(&mut Vec<String>)>) -> String {
+        let mut out = self.heading.join(",") + "\n";
+        for (at, posture) in self.postures[..count].iter().enumerate() {
+            for row in posture {
+                let mut row = row.clone();
+                if let (true, Some(mistake)) = (at + 1 == count, mistake) {
+                    mistake(&mut row);
+                }
+                out += &(row.join(",") + "\n");
+            }
+        }
+        out
+    }
+}
+
+/// A line that is refused, and what its message says.
+fn refused(folder: &Folder, line: &str, word: &str) {
+    let said = folder.refused(line);
+    assert!(said.contains(word), "{said}");
+}
+
+/// The file is there as a whole or not at all.
+fn put(folder: &Folder, text: &str) {
+    folder.write("day.new", text);
+    std::fs::rename(folder.path("day.new"), folder.path("day.csv")).unwrap();
+}
+
+#[test]
+fn a_day_beside_the_robot() {
+    let folder = Folder::new();
+    let cell = include_str!("../../../../cells/comau.toml").to_string() + KNOWN;
+    folder.write("cell.toml", cell);
+    folder.ok(&format!(
+        "select cell.toml -n {PLANNED} --rounds 1 --no-certificate --output plan.csv --sheet sheet.xlsx"
+    ));
+    // To the controller, and back again.
+    folder.ok("export cell.toml plan.csv --language krl --output-dir program");
+    folder.ok(
+        "export cell.toml plan.csv --language krl --compare program/measure_plan.src program/measure_plan.dat",
+    );
+    folder.ok("simulate cell.toml plan.csv --runs 1 --readings all.csv");
+    let readings = Readings::of(&folder.read("all.csv"));
+    assert_eq!(readings.postures.len(), PLANNED);
+    let (state, point) = (readings.column("state"), readings.column("point"));
+    let (load, q2) = (readings.column("load_n"), readings.column("q2_deg"));
+
+    // Two reflectors read in the wrong order; 50 typed for 500; an angle without its minus.
+    let exchanged = |row: &mut Vec<String>| {
+        if row[state] == "up-500" {
+            row[point] = match row[point].as_str() {
+                "1" => "2".to_string(),
+                "2" => "1".to_string(),
+                other => other.to_string(),
+            };
+        }
+    };
+    let mistyped = |row: &mut Vec<String>| {
+        if row[state] == "up-500" {
+            assert_eq!(row[load], "500");
+            row[load] = "50".to_string();
+        }
+    };
+    let turned = |row: &mut Vec<String>| {
+        row[q2] = match row[q2].strip_prefix('-') {
+            Some(rest) => rest.to_string(),
+            None => format!("-{}", row[q2]),
+        };
+    };
+    type Mistake<'a> = (usize, &'a dyn Fn(&mut Vec<String>), &'a [&'a str]);
+    let mistakes: [Mistake<'_>; 3] = [
+        (3, &exchanged, &["posture 3", "up-500", "point"]),
+        (5, &mistyped, &["posture 5", "up-500", "500"]),
+        (6, &turned, &["posture 6", "sign"]),
+    ];
+
+    let mut day = Watched::start(&folder);
+    let mut ended = None;
+    for count in 1..=PLANNED {
+        if let Some((_, mistake, words)) = mistakes.iter().find(|(at, ..)| *at == count) {
+            let before = day.said().len();
+            put(&folder, &readings.table(count, Some(mistake)));
+            let said = day.hears(before, "readings; settle");
+            let joined = said.split_whitespace().collect::<Vec<_>>().join(" ");
+            for word in *words {
+                assert!(joined.contains(word), "{word}: {said}");
+            }
+            let before = day.said().len();
+            put(&folder, &readings.table(count, None));
+            day.hears(before, "settled");
+        } else {
+            let before = day.said().len();
+            put(&folder, &readings.table(count, None));
+            let said = day.hears(before, "next: ");
+            assert!(said.contains("readings sound"), "{said}");
+        }
+        if day.said().contains("the goal is reached") {
+            ended = Some(count);
+            break;
+        }
+    }
+    let said = day.said();
+    let ended = ended.unwrap_or_else(|| panic!("the goal was not reached:\n{said}"));
+    assert!(ended < PLANNED && ended > 6, "{ended} postures:\n{said}");
+    assert_eq!(day.child.wait().unwrap().code(), Some(0));
+
+    // What is begun again reads everything from the files.
+    let again = folder.json(&format!(
+        "measure cell.toml plan.csv day.csv --once --until {GOAL}"
+    ));
+    assert_eq!(again["result"]["standing"]["reached"], true);
+    assert_eq!(again["result"]["measured"].as_array().unwrap().len(), ended);
+
+    // The arm that was simulated has the prior stiffness: it is within what is stated.
+    let found = folder.json("identify cell.toml day.csv --postures plan.csv");
+    let truth = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
+    let stated = found["result"]["budget"]["uncertainty"].as_array().unwrap();
+    for (j, (own, k)) in stated.iter().zip(truth).enumerate() {
+        let end = |at: usize| own["interval_nm_per_rad"][at].as_f64().unwrap();
+        assert!(end(0) < k && k < end(1), "joint {}: {own}", j + 1);
+        assert!(own["total"].as_f64().unwrap() <= 0.04, "{own}");
+    }
+    assert_eq!(stated.len(), 6);
+}
+
+#[test]
+fn what_cannot_be_waited_for_is_refused_and_a_partly_filled_sheet_is_judged() {
+    let folder = Folder::new();
+    folder.ok(
+        "select builtin:comau -n 3 --rounds 1 --no-certificate --output plan.csv --sheet sheet.csv",
+    );
+    refused(
+        &folder,
+        "measure builtin:comau plan.csv sheet.csv --json",
+        "--once",
+    );
+    refused(
+        &folder,
+        "measure builtin:comau plan.csv -",
+        "cannot be waited for",
+    );
+    refused(
+        &folder,
+        "measure builtin:comau plan.csv sheet.csv --once --until 200%",
+        "percentage",
+    );
+    let empty = folder.json("measure builtin:comau plan.csv sheet.csv --once");
+    assert_eq!(empty["result"]["standing"], Value::Null);
+    assert_eq!(empty["result"]["left"].as_array().unwrap().len(), 3);
+    let why = empty["result"]["standing_missing"].as_str().unwrap();
+    assert!(why.contains("not filled in"), "{why}");
+}
+
+#[test]
+fn a_rehearsal_comes_state_by_state() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau -n 2 --rounds 1 --no-certificate --output plan.csv");
+    folder.ok("simulate builtin:comau plan.csv --runs 1 --readings at_once.csv");
+    let mut child = command(&folder.path(""))
+        .args("simulate builtin:comau plan.csv --runs 1 --readings day.csv --slowly 0.3".split(' '))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut sizes: Vec<usize> = Vec::new();
+    while child.try_wait().unwrap().is_none() {
+        if let Ok(text) = std::fs::read_to_string(folder.path("day.csv")) {
+            assert!(
+                text.is_empty() || text.ends_with('\n'),
+                "half a row: {text}"
+            );
+            let rows = text.lines().count();
+            if sizes.last() != Some(&rows) {
+                sizes.push(rows);
+            }
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(child.wait().unwrap().success());
+    assert_eq!(folder.read("day.csv"), folder.read("at_once.csv"));
+    // Heading, then each of five states of two postures.
+    assert!(sizes.len() > 5 && sizes.is_sorted(), "{sizes:?}");
+    refused(
+        &folder,
+        "simulate builtin:comau plan.csv --runs 1 --readings - --slowly 1",
+        "need a file",
+    );
+}
