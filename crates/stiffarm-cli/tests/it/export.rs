@@ -171,6 +171,16 @@ fn a_comparison_names_what_was_changed() {
         "{}",
         ran.out
     );
+    let unstopped = written.replacen("unload] ;\r\n  36:  PAUSE ;", "unload] ;", 1);
+    assert_ne!(unstopped, written);
+    folder.write(file, unstopped);
+    let ran = folder.run(&compare);
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.out.contains("1: the program does not wait there"),
+        "{}",
+        ran.out
+    );
     // Moved where a limit is violated.
     folder.write(
         file,

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::files::program::{
-    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, read_program,
+    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, missing_stops, read_program,
 };
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::feasibility::{Violation, violations};
@@ -46,7 +46,8 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
     let wanted = |target: &&Move| task.start.is_some() || target.kind != MoveKind::Start;
     let planned: Vec<&Move> = planned.moves().filter(wanted).collect();
     let moves: Vec<&Move> = found.moves().filter(wanted).collect();
-    let differences = compare_moves(&planned, &moves, task.language, deg_to_rad(TOLERANCE_DEG));
+    let mut differences = compare_moves(&planned, &moves, task.language, deg_to_rad(TOLERANCE_DEG));
+    differences.extend(missing_stops(&found));
     let postures = at_limits(task, &found, &differences);
     let result = Compared {
         program: found.name.clone(),
@@ -72,7 +73,9 @@ fn at_limits(task: &Task, found: &Program, differences: &[Difference]) -> Vec<Po
     let is_other = |name: &str| {
         differences.iter().any(|difference| match difference {
             Difference::Angle { posture, .. } | Difference::Added { posture } => posture == name,
-            Difference::Missing { .. } | Difference::Order { .. } => false,
+            Difference::Missing { .. } | Difference::Order { .. } | Difference::NoStop { .. } => {
+                false
+            }
         })
     };
     let own = |target: &Move| {

@@ -1,6 +1,6 @@
 //! What has changed between two programs.
 
-use super::{Language, Move, text};
+use super::{Language, Move, MoveKind, Program, Step, text};
 use crate::units::rad_to_deg;
 use serde::Serialize;
 
@@ -24,6 +24,11 @@ pub enum Difference {
         /// Its name.
         posture: String,
     },
+    /// The program goes on without waiting there.
+    NoStop {
+        /// Name of the posture.
+        posture: String,
+    },
     /// A joint goes to another angle.
     Angle {
         /// Name of the posture.
@@ -43,6 +48,7 @@ impl Difference {
         match self {
             Difference::Missing { posture } => format!("{posture}: the program does not go there"),
             Difference::Added { posture } => format!("{posture}: not in the plan"),
+            Difference::NoStop { posture } => format!("{posture}: the program does not wait there"),
             Difference::Order { posture } => format!("{posture}: at another place of the order"),
             Difference::Angle {
                 posture,
@@ -61,6 +67,20 @@ impl Difference {
             }
         }
     }
+}
+
+/// The postures of a program at which it does not wait for the measurement.
+pub fn missing_stops(program: &Program) -> Vec<Difference> {
+    let next = program.steps.iter().skip(1).map(Some).chain([None]);
+    let pairs = program.steps.iter().zip(next);
+    let passed = pairs.filter_map(|(step, next)| match (step, next) {
+        (Step::Move(target), Some(Step::Wait(_))) if target.kind == MoveKind::Posture => None,
+        (Step::Move(target), _) if target.kind == MoveKind::Posture => Some(target.name.clone()),
+        _ => None,
+    });
+    passed
+        .map(|posture| Difference::NoStop { posture })
+        .collect()
 }
 
 /// Compares the moves of a program that was read with those planned. Moves belong together by kind

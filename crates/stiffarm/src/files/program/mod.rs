@@ -43,7 +43,7 @@ mod rapid;
 mod text;
 mod urscript;
 
-pub use compare::{Difference, compare_moves};
+pub use compare::{Difference, compare_moves, missing_stops};
 pub use language::Language;
 pub use options::ProgramOptions;
 

@@ -4,7 +4,7 @@ use super::{CONTROLLERS, options, small};
 use stiffarm::Code;
 use stiffarm::files::program::{
     Difference, Language, Move, Program, ProgramFile, ProgramOptions, Stop, compare_moves,
-    program_of_stops, read_program, write_program,
+    missing_stops, program_of_stops, read_program, write_program,
 };
 use stiffarm::model::posture::Posture;
 
@@ -225,6 +225,40 @@ fn moves_that_are_missing_added_or_elsewhere_are_named() {
             .all(|d| matches!(d, Difference::Order { .. }))
     );
     assert!(!compare(&exchanged).is_empty());
+}
+
+#[test]
+fn a_stop_that_was_taken_out_is_named() {
+    for (language, stop) in [
+        (Language::Krl, "HALT\r\n"),
+        (Language::Rapid, "    Stop;\r\n"),
+        (Language::Ls, "  PAUSE ;"),
+        (Language::Inform, "PAUSE\r\n"),
+        (Language::Pdl2, "  PAUSE\r\n"),
+        (Language::Urscript, ", blocking=True"),
+    ] {
+        let posture = |name: &str| Posture {
+            name: name.into(),
+            q: vec![0.5; 6],
+        };
+        let stops = ["p1", "p2"].map(|name| Stop::new(posture(name), "measure"));
+        let program = program_of_stops(language.name_for("plan"), vec![], &stops, None, 10);
+        let mut files = write_program(&program, language, &options(language, 6)).unwrap();
+        assert_eq!(missing_stops(&read(language, &files).unwrap()), []);
+        // The first stop is before the first move, the second at p1.
+        let text = files[0].text.clone();
+        let first = text.find(stop).unwrap() + stop.len();
+        let (head, tail) = text.split_at(first);
+        files[0].text = head.to_string() + &tail.replacen(stop, "", 1);
+        let found = missing_stops(&read(language, &files).unwrap());
+        assert_eq!(
+            found,
+            [Difference::NoStop {
+                posture: "p1".into()
+            }],
+            "{language:?}"
+        );
+    }
 }
 
 #[test]
