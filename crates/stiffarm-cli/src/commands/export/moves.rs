@@ -1,6 +1,7 @@
 //! How the robot goes through a plan.
 
 use stiffarm::files::program::{Start, Stop};
+use stiffarm::files::table::is_turned;
 use stiffarm::findings::list;
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::measurement::Role;
@@ -37,10 +38,20 @@ impl Driven {
         options.keep_order = true;
         options.keep_angles = true;
         let found = route(&cell, plan, &options, Control::default())?;
-        let task = task(states, cell.route.load_stays_on);
         let mut stops: Vec<Stop> = plan
             .iter()
-            .map(|posture| Stop::new(posture.clone(), task.clone()))
+            .enumerate()
+            .map(|(number, posture)| {
+                let mut states = states.to_vec();
+                if is_turned(&cell, number) {
+                    states.reverse();
+                }
+                let last = number + 1 == plan.len();
+                Stop::new(
+                    posture.clone(),
+                    task(&states, cell.route.load_stays_on && !last),
+                )
+            })
             .collect();
         let mut back = Vec::new();
         let mut blocked = Vec::new();

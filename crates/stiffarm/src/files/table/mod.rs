@@ -60,7 +60,7 @@ pub use postures::read_postures;
 pub use readings::read_readings;
 #[cfg(feature = "xlsx")]
 pub use sheet::write_sheet_workbook;
-pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, reading_sheet};
+pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, is_turned, reading_sheet};
 pub(crate) use text::decode;
 pub use write::{write_displacements, write_postures, write_readings};
 

@@ -178,10 +178,7 @@ fn program(language: Language, postures: &[Posture]) -> Program {
             .collect(),
     };
     let start = Start {
-        back: vec![Posture {
-            name: "back".into(),
-            q: home.q.iter().map(|a| rounded(0.9 * a, true)).collect(),
-        }],
+        back: Vec::new(),
         posture: home,
     };
     let header = vec![
@@ -195,6 +192,22 @@ fn program(language: Language, postures: &[Posture]) -> Program {
         Some(&start),
         10,
     )
+}
+
+#[test]
+fn the_way_back_to_the_start_has_via_postures_too() {
+    let posture = |name: &str, angle: f64| Posture {
+        name: name.into(),
+        q: vec![angle; 6],
+    };
+    let start = Start {
+        posture: posture("home", 0.0),
+        back: vec![posture("over", 0.1), posture("under", 0.2)],
+    };
+    let stops = [Stop::new(posture("1", 0.3), "measure")];
+    let program = program_of_stops("plan", vec![], &stops, Some(&start), 10);
+    let names: Vec<&str> = program.moves().map(|target| target.name.as_str()).collect();
+    assert_eq!(names, ["home", "1", "over", "under", "home"]);
 }
 
 /// Written, checked and read back: all three agree.

@@ -106,8 +106,12 @@ impl Sheet {
             false => vec![None; states.len()],
         };
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
-        for posture in postures {
-            for (state, load) in states.iter().zip(&loads) {
+        for (number, posture) in postures.iter().enumerate() {
+            let mut own: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
+            if is_turned(cell, number) {
+                own.reverse();
+            }
+            for (state, load) in own {
                 rows.extend(points.iter().map(|point| SheetRow {
                     posture: posture.clone(),
                     state: state.clone(),
@@ -174,6 +178,9 @@ impl Sheet {
 /// `load_n` is filled in where it is certain: with the cell's own force where a load has
 /// one state, or with the one number in the state's name (`up-250`, `500N`) where it is a
 /// force that the cell's load can have.
+///
+/// Rows stand in measuring order; where the load stays on between postures, every second posture
+/// is measured from the last state to the first.
 pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> Sheet {
     let states = options.all_states(cell);
     let forces = asks_for_forces(cell) || cell.sensor.is_some();
@@ -210,6 +217,12 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
     let points = cell.setup.tool.measuring_points.iter();
     let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
     Sheet::new(layout, postures, &states, &points, cell)
+}
+
+/// Whether the states of posture `number`, counted from 0, are taken in the reverse order: where the load
+/// stays on between postures, every second one begins as the one before has ended.
+pub fn is_turned(cell: &Cell, number: usize) -> bool {
+    cell.route.load_stays_on && number % 2 == 1
 }
 
 fn asks_for_forces(cell: &Cell) -> bool {
