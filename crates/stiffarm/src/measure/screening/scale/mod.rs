@@ -1,0 +1,74 @@
+//! Scales: forces, lengths, angles or the prior typed in another unit, a load
+//! with a slipped decimal point.
+//!
+//! Evidence in order of strength, and said as such ([`Evidence`](super::Evidence)):
+//! readings against readings (a state against the others, moments against force
+//! times lever, directions that fit only with another anchor or load case), the
+//! file against itself (numbers in the names of states, the nominal load, sizes
+//! that no test has), and last the prior stiffness and that of robots of the
+//! class. One fault gives one finding: what was undone is not found again.
+
+mod class;
+mod common;
+mod described;
+mod entries;
+mod evidence;
+mod fit;
+pub(super) mod messages;
+mod moments;
+mod units;
+
+use super::motion::{Move, is_reversed};
+use super::{Cause, Work};
+use fit::{Fitted, clear_moves, fit};
+use nalgebra::Isometry3;
+
+impl Cause {
+    /// True for a number that is off by a factor, and for what readings under
+    /// load say of the cell: what follows from it in a fit is no finding of its own.
+    pub fn is_scale(self) -> bool {
+        matches!(
+            self,
+            Cause::Units
+                | Cause::ToolUnits
+                | Cause::RobotUnits
+                | Cause::LoadUnits
+                | Cause::LoadEntry
+                | Cause::MomentUnits
+                | Cause::DisplacementUnits
+                | Cause::PriorUnits
+                | Cause::AnchorUnits
+                | Cause::LoadingPointUnits
+                | Cause::ExchangedLoadCases
+                | Cause::DisplacementSize
+        )
+    }
+}
+
+/// Checks the scales and undoes in `work` what it finds, but for a common factor,
+/// which nothing after this rests on.
+pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, is_displacements: bool) {
+    // A sign that is wrong throughout is told elsewhere, and must not hide a factor.
+    work.reversed = is_reversed(work, &clear_moves(work, base_from_tracker));
+    let all = clear_moves(work, base_from_tracker);
+    moments::check(work, &all);
+    let fitted = |work: &Work| -> Option<(Vec<Move>, Fitted)> {
+        let all = clear_moves(work, base_from_tracker);
+        let found = fit(work, &all)?;
+        Some((all, found))
+    };
+    if let Some((_, found)) = fitted(work) {
+        described::check(work, base_from_tracker, &found, is_displacements);
+    }
+    if let Some((_, found)) = fitted(work) {
+        described::cases_of_postures(work, base_from_tracker, &found);
+    }
+    if let Some((all, found)) = fitted(work) {
+        entries::check(work, base_from_tracker, &all, &found, is_displacements);
+    }
+    if let Some((all, found)) = fitted(work) {
+        let found = common::check(work, &all, &found, is_displacements);
+        work.found.extend(found);
+    }
+    work.reversed = false;
+}
