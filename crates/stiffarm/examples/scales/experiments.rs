@@ -270,7 +270,7 @@ pub fn sound(robot: usize, number: u64, kind: Kind, seed: u64) -> Sound {
             Kind::Displacements => ForceRecord::Force,
             Kind::RopeAlone | Kind::Cases => ForceRecord::Nothing,
         },
-        joint_tilt: Some(truth.iter().map(|k| 0.2 / k).collect()),
+        joint_tilt: Some(truth.iter().map(|k| 0.1 / k).collect()),
         lost_motion: Some(vec![1e-4 / small; truth.len()]),
         base_compliance: Some(BaseCompliance {
             tilt: 0.01 / truth[0],

@@ -270,6 +270,8 @@ struct Work {
     shape: mean_shape::LastShape,
     /// The wrenches point the other way than stated.
     reversed: bool,
+    /// The positions are displacements.
+    is_displacements: bool,
 }
 
 impl Work {
@@ -280,6 +282,7 @@ impl Work {
             found,
             shape: mean_shape::LastShape::default(),
             reversed: false,
+            is_displacements: false,
         }
     }
 
@@ -287,6 +290,7 @@ impl Work {
     fn to_try(&self) -> Self {
         Work {
             reversed: self.reversed,
+            is_displacements: self.is_displacements,
             ..Work::new(&self.cell, self.sheet.clone(), Vec::new())
         }
     }
@@ -347,7 +351,7 @@ pub(super) fn screen_series(
     gross_error::settle(&mut work, frame.as_ref());
     shape::drawing(&mut work, false);
     if let Some(frame) = &frame {
-        scale::check(&mut work, &frame.base_from_tracker, false);
+        scale::check(&mut work, &frame.base_from_tracker);
     }
     motion::check(&mut work, frame.as_ref());
     let found = work.found;
@@ -370,7 +374,8 @@ pub fn screen_displacements(cell: &Cell, measured: &[MeasuredPosture]) -> Result
     let mut work = Work::new(cell, sheet, Vec::new());
     // The wrenches of such a table are in base axes, whoever measured them.
     work.cell.sensor = None;
-    scale::check(&mut work, &Isometry3::identity(), true);
+    work.is_displacements = true;
+    scale::check(&mut work, &Isometry3::identity());
     let found = work.found;
     Ok(Screening {
         findings: found.iter().map(|s| messages::finding(cell, s)).collect(),

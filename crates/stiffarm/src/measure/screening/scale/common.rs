@@ -14,13 +14,15 @@ const SOUND: f64 = 3.5;
 /// What numbers in the names of states count where they agree with a factor.
 const NAMED: f64 = 5.0;
 /// Explanations this much below the best are not named (logarithm of a likelihood).
-const ALIKE: f64 = 3.0;
+const ALIKE: f64 = 6.0;
 /// What the file itself must add to make a finding serious.
 const CONFIRMED: f64 = 3.0;
 /// Ratio to prior or class that no robot explains (logarithm of 20).
 const BEYOND: f64 = 3.0;
-/// Least spread of the mean ratio to the prior: what gives way beyond the axes (logarithm).
-const LEAST_SPREAD: f64 = 0.2;
+/// What gives way beyond the axes makes an arm softer than its joints: mean and spread (logarithm).
+const SOFTER: [f64; 2] = [0.15, 0.1];
+/// Misfit of the states beyond which their sizes say nothing.
+const POOR: f64 = 0.5;
 
 /// What a factor may be on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +46,11 @@ pub(super) fn check(
     work: &Work,
     moves: &[Move],
     fitted: &Fitted,
-    is_displacements: bool,
 ) -> Option<Suspicion> {
+    if std::env::var("DBG").is_ok() { eprintln!("XBAR {:.3} {:.3} level {:.3}", fitted.common, fitted.common_std, fitted.level); }
+    if fitted.level > POOR {
+        return None;
+    }
     let sizes = Sizes::of(work, moves);
     let class = expected_stiffness(&work.setup().robot);
     // Logarithm of what compliance, fitted over expected, is beside prior and class.
@@ -56,7 +61,7 @@ pub(super) fn check(
     });
     // h over that of the class: h/h_prior less what the prior has over the class.
     let beside_class = fitted.common - prior_over_class;
-    let spread = fitted.common_std.max(LEAST_SPREAD);
+    let spread = fitted.common_std.hypot(SOFTER[1]);
     let normal = |value: f64, spread: f64| -(value / spread).powi(2) / 2.0;
     let judge = |on: On, unit: Unit| {
         let log = unit.factor.ln();
@@ -75,7 +80,7 @@ pub(super) fn check(
         };
         let mut all = normal(beside_class - of_class, CLASS_SPREAD);
         if let Some(ratio) = beside_prior {
-            all += normal(ratio - expected, spread);
+            all += normal(ratio - SOFTER[0] - expected, spread);
         }
         let named = if sizes.is_named(load) { NAMED } else { 0.0 };
         let file = sizes.stated(load) + sizes.plausible(load, displacement) + named;
@@ -97,7 +102,7 @@ pub(super) fn check(
     };
     let sound = judge(On::Nothing, nothing);
     let mut all: Vec<Explanation> = FORCES.map(|u| judge(On::Loads, u)).into_iter().collect();
-    if is_displacements {
+    if work.is_displacements {
         all.extend(DISPLACEMENTS.map(|u| judge(On::Displacements, u)));
     }
     if beside_prior.is_some() {

@@ -116,7 +116,7 @@ fn orders(count: usize) -> Vec<Vec<usize>> {
     all.split_off(1)
 }
 
-fn changes(work: &Work, is_displacements: bool) -> Vec<Change> {
+fn changes(work: &Work) -> Vec<Change> {
     let mut out = Vec::new();
     let load = &work.setup().load;
     let cases = load.cases().len();
@@ -131,7 +131,7 @@ fn changes(work: &Work, is_displacements: bool) -> Vec<Change> {
     if work.setup().tool.loading_point.norm() > 0.0 {
         out.extend(LENGTHS.map(Change::LoadingPoint));
     }
-    if is_displacements {
+    if work.is_displacements {
         let largest = states().flat_map(|s| &s.q).fold(0.0_f64, |m, q| m.max(q.abs()));
         if largest < LIKE_RADIANS {
             out.push(Change::Angles(RADIAN));
@@ -142,19 +142,37 @@ fn changes(work: &Work, is_displacements: bool) -> Vec<Change> {
     out
 }
 
-/// Tries the changes; returns true where one was made.
-pub(super) fn check(
+/// Tries the changes and makes the one that is believed.
+pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, fitted: &Fitted) {
+    let all = changes(work);
+    best_of(work, base_from_tracker, fitted, all, f64::MAX);
+}
+
+/// Load cases exchanged in the whole table, where that leaves much less than `other` does.
+pub(super) fn exchange(
     work: &mut Work,
     base_from_tracker: &Isometry3<f64>,
     fitted: &Fitted,
-    is_displacements: bool,
-) -> bool {
+    other: f64,
+) {
+    let mut all = changes(work);
+    all.retain(|change| matches!(change, Change::Cases(_)));
+    best_of(work, base_from_tracker, fitted, all, other);
+}
+
+fn best_of(
+    work: &mut Work,
+    base_from_tracker: &Isometry3<f64>,
+    fitted: &Fitted,
+    changes: Vec<Change>,
+    other: f64,
+) {
     let before = fitted.mean_misfit();
     if before < POOR {
-        return false;
+        return;
     }
     let mut tried: Vec<(Change, f64)> = Vec::new();
-    for change in changes(work, is_displacements) {
+    for change in changes {
         let mut copy = work.to_try();
         change.apply(&mut copy);
         let moves = clear_moves(&copy, base_from_tracker);
@@ -163,21 +181,18 @@ pub(super) fn check(
         }
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let believed = match &tried[..] {
-        [first, second, ..] => first.1 < DISTINCT * second.1,
-        [_] => true,
-        [] => false,
+    let next = tried.get(1).map_or(f64::MAX, |t| t.1).min(other);
+    let Some((change, after)) = tried.into_iter().next() else {
+        return;
     };
-    if !believed || tried[0].1 > FALLEN * before {
-        return false;
+    if after > DISTINCT * next || after > FALLEN * before {
+        return;
     }
-    let (change, after) = tried.swap_remove(0);
     let mut out = change.suspicion(work);
     out.misfits = Some([before, after]);
     out.evidence = Some(Evidence::Readings);
     change.apply(work);
     work.found.push(out);
-    true
 }
 
 /// Single postures whose states are filed under another case than they were taken under.

@@ -16,7 +16,7 @@ use nalgebra::Isometry3;
 /// at least, and in medians of all states.
 const OFF: [f64; 2] = [0.5, 2.5];
 /// Misfit that a factor must leave: at most, in medians, and of what it was.
-const SETTLED: [f64; 2] = [0.15, 2.0];
+const SETTLED: [f64; 2] = [0.35, 2.5];
 const FALLEN: f64 = 0.6;
 /// Misfits that are alike.
 const ALIKE: f64 = 0.04;
@@ -53,7 +53,6 @@ pub(super) fn check(
     base_from_tracker: &Isometry3<f64>,
     moves: &[Move],
     fitted: &Fitted,
-    is_displacements: bool,
 ) -> bool {
     let limit = OFF[0].max(OFF[1] * fitted.level);
     let mut entries: Vec<Entry> = Vec::new();
@@ -66,7 +65,11 @@ pub(super) fn check(
             .collect();
         // All states of a posture alike, then its reference, then each alone.
         let mut groups: Vec<Vec<(usize, usize)>> = Vec::new();
-        if own.len() > 1 && off.len() == own.len() {
+        let by_wrench = own.iter().any(|i| {
+            let one = &moves[*i];
+            work.sheet.at((p, one.reference)).wrench.is_some()
+        });
+        if (own.len() > 1 || by_wrench) && !off.is_empty() && off.len() == own.len() {
             let states = 0..work.sheet.postures[p].states.len();
             groups.push(states.map(|s| (p, s)).collect());
         }
@@ -97,7 +100,6 @@ pub(super) fn check(
                 &touched,
                 fitted,
                 pattern,
-                is_displacements,
             );
             if let Some(entry) = found {
                 open.retain(|i| !touched.contains(i));
@@ -164,7 +166,6 @@ fn mended(
     touched: &[usize],
     fitted: &Fitted,
     pattern: Option<f64>,
-    is_displacements: bool,
 ) -> Option<Entry> {
     let has_load = |at: &(usize, usize)| {
         let state = work.sheet.at(*at);
@@ -188,7 +189,7 @@ fn mended(
             tried.extend(with(On::Load, unit.factor).map(|after| (On::Load, unit, after)));
         }
     }
-    if is_displacements && group.len() == 1 {
+    if work.is_displacements && group.len() == 1 {
         for unit in DISPLACEMENTS {
             let after = with(On::Displacement, unit.factor);
             tried.extend(after.map(|after| (On::Displacement, unit, after)));
@@ -218,7 +219,10 @@ fn mended(
         return None;
     }
     tried.retain(|t| t.2 < best + ALIKE);
-    tried.sort_by(|a, b| (a.1.rare + a.2).total_cmp(&(b.1.rare + b.2)));
+    // Numbers of a sensor, and all of a posture, are not typed one by one.
+    let typed = group.len() == 1 && work.sheet.at(group[0]).wrench.is_none();
+    let rare = |u: &Unit| u.rare + if u.is_decimal() && !typed { 2.0 } else { 0.0 };
+    tried.sort_by(|a, b| (rare(&a.1) + a.2).total_cmp(&(rare(&b.1) + b.2)));
     let (on, unit, after) = tried.remove(0);
     Some(Entry {
         at: group.to_vec(),

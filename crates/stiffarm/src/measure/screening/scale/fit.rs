@@ -68,10 +68,15 @@ pub(super) fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
 }
 
 /// Displacements that stand out of the noise, with the wrench their table gives them.
+/// In a table of displacements that is every one: typed in metres none would.
 pub(super) fn clear_moves(work: &Work, base_from_tracker: &Isometry3<f64>) -> Vec<Move> {
     let mut out = moves(work, base_from_tracker);
+    let least = match work.is_displacements {
+        true => 0.0,
+        false => CLEAR,
+    };
     out.retain(|m| {
-        m.shift.norm() > CLEAR * m.std * (m.shift.len() as f64).sqrt() && m.block.amax() > 0.0
+        m.shift.norm() > least * m.std * (m.shift.len() as f64).sqrt() && m.block.amax() > 0.0
     });
     out
 }

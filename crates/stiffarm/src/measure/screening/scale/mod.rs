@@ -47,27 +47,36 @@ impl Cause {
 
 /// Checks the scales and undoes in `work` what it finds, but for a common factor,
 /// which nothing after this rests on.
-pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, is_displacements: bool) {
-    // A sign that is wrong throughout is told elsewhere, and must not hide a factor.
-    work.reversed = is_reversed(work, &clear_moves(work, base_from_tracker));
-    let all = clear_moves(work, base_from_tracker);
-    moments::check(work, &all);
+pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>) {
     let fitted = |work: &Work| -> Option<(Vec<Move>, Fitted)> {
         let all = clear_moves(work, base_from_tracker);
         let found = fit(work, &all)?;
         Some((all, found))
     };
+    // A sign that is wrong throughout is told elsewhere, and must not hide a factor.
+    work.reversed = is_reversed(work, &clear_moves(work, base_from_tracker));
+    if work.reversed && work.setup().load.has_cases() {
+        // Loads to both sides that are exchanged look reversed too.
+        let turned = fitted(work).map(|(_, found)| found.mean_misfit());
+        work.reversed = false;
+        if let Some((_, found)) = fitted(work) {
+            described::exchange(work, base_from_tracker, &found, turned.unwrap_or(f64::MAX));
+        }
+        work.reversed = is_reversed(work, &clear_moves(work, base_from_tracker));
+    }
+    let all = clear_moves(work, base_from_tracker);
+    moments::check(work, &all);
     if let Some((_, found)) = fitted(work) {
-        described::check(work, base_from_tracker, &found, is_displacements);
+        described::check(work, base_from_tracker, &found);
     }
     if let Some((_, found)) = fitted(work) {
         described::cases_of_postures(work, base_from_tracker, &found);
     }
     if let Some((all, found)) = fitted(work) {
-        entries::check(work, base_from_tracker, &all, &found, is_displacements);
+        entries::check(work, base_from_tracker, &all, &found);
     }
     if let Some((all, found)) = fitted(work) {
-        let found = common::check(work, &all, &found, is_displacements);
+        let found = common::check(work, &all, &found);
         work.found.extend(found);
     }
     work.reversed = false;

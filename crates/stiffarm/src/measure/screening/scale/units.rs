@@ -21,6 +21,13 @@ pub(super) struct Unit {
     pub rare: f64,
 }
 
+impl Unit {
+    /// True for a slipped decimal point.
+    pub fn is_decimal(&self) -> bool {
+        [10.0, 0.1, 100.0, 0.01].contains(&self.factor)
+    }
+}
+
 const fn unit(factor: f64, typed: &'static str, rare: f64) -> Unit {
     Unit {
         factor,
