@@ -63,8 +63,12 @@ fn main() {
     }
     println!("\nnamed: {} of {}", total[0], total[1]);
     let alarms = alarms(sounds, seed);
-    println!("sound experiments: {sounds}, with a finding: {}", alarms.len());
-    for alarm in &alarms {
+    let of_scale = alarms.iter().filter(|a| a.0).count();
+    println!(
+        "sound experiments: {sounds}, suspected of a scale: {of_scale}, with any finding: {}",
+        alarms.len()
+    );
+    for (_, alarm) in &alarms {
         println!("- {alarm}");
     }
 }
@@ -84,21 +88,23 @@ fn planted(fault: &Fault, runs: u64, seed: u64) -> Vec<Judged> {
         .collect()
 }
 
-/// What is said of sound experiments of all kinds.
-fn alarms(count: u64, seed: u64) -> Vec<String> {
+/// What is said of sound experiments of all kinds, and whether it is about a scale.
+fn alarms(count: u64, seed: u64) -> Vec<(bool, String)> {
     (0..count)
         .into_par_iter()
         .filter_map(|n| {
             let robot = (n % 5) as usize;
             let kind = KINDS[(n / 5 % 6) as usize];
             let experiment = sound(robot, n + 1000, kind, seed);
-            let (_, findings) = findings(&experiment);
+            let (suspicions, findings) = findings(&experiment);
+            let is_of_scale = suspicions.iter().any(|s| s.cause.is_scale());
             let said: Vec<String> = findings
                 .iter()
                 .filter(|f| f.severity != Severity::Note)
                 .map(|f| format!("{}: {}", f.code, f.sentence))
                 .collect();
-            (!said.is_empty()).then(|| format!("{} {kind:?} {n}: {}", ROBOTS[robot], said.join(" | ")))
+            let said = format!("{} {kind:?} {n}: {}", ROBOTS[robot], said.join(" | "));
+            (!findings.is_empty()).then_some((is_of_scale, said))
         })
         .collect()
 }

@@ -10,7 +10,7 @@ use super::fit::Fitted;
 use super::units::{DISPLACEMENTS, FORCES, PRIORS, Unit};
 
 /// How much likelier than the commonest slip it is that nothing is wrong (logarithm).
-const SOUND: f64 = 3.5;
+const SOUND: f64 = 6.0;
 /// What numbers in the names of states count where they agree with a factor.
 const NAMED: f64 = 5.0;
 /// Explanations this much below the best are not named (logarithm of a likelihood).
@@ -47,7 +47,6 @@ pub(super) fn check(
     moves: &[Move],
     fitted: &Fitted,
 ) -> Option<Suspicion> {
-    if std::env::var("DBG").is_ok() { eprintln!("XBAR {:.3} {:.3} level {:.3}", fitted.common, fitted.common_std, fitted.level); }
     if fitted.level > POOR {
         return None;
     }

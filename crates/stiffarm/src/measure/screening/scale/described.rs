@@ -16,7 +16,9 @@ const POOR: f64 = 0.3;
 const FALLEN: f64 = 0.5;
 const DISTINCT: f64 = 0.75;
 /// Misfit of a posture that is looked into: at least, and in medians.
-const OFF: [f64; 2] = [0.5, 2.5];
+const OFF: [f64; 2] = [0.2, 2.0];
+/// Share of the displacements that the right case must explain beyond the stated one.
+const EXPLAINS: f64 = 0.15;
 /// Load cases of which every order is tried.
 const MOST_CASES: usize = 5;
 /// Angles all below this may be radians, one above may be degrees taken for radians \[rad\].
@@ -233,7 +235,9 @@ pub(super) fn cases_of_postures(
                 best = Some((order, after));
             }
         }
-        let Some((order, after)) = best.filter(|(_, after)| *after < FALLEN * before) else {
+        let Some((order, after)) = best.filter(|(_, after)| {
+            *after < FALLEN * before && before - after > EXPLAINS
+        }) else {
             continue;
         };
         let mut out = exchanged(work, &order).posture(&work.sheet.postures[p].name.clone());

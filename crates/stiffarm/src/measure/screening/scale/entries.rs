@@ -16,8 +16,8 @@ use nalgebra::Isometry3;
 /// at least, and in medians of all states.
 const OFF: [f64; 2] = [0.5, 2.5];
 /// Misfit that a factor must leave: at most, in medians, and of what it was.
-const SETTLED: [f64; 2] = [0.35, 2.5];
-const FALLEN: f64 = 0.6;
+const SETTLED: [f64; 2] = [0.3, 2.5];
+const FALLEN: f64 = 0.4;
 /// Misfits that are alike.
 const ALIKE: f64 = 0.04;
 /// Relative distance of two typed loads that are the same but for a factor.
@@ -34,6 +34,17 @@ enum On {
     Load,
     /// The displacement, in a table of displacements.
     Displacement,
+}
+
+/// What states of the same name say of a typed load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pattern {
+    /// They have the same number: what is typed here is no slip of this entry.
+    Same,
+    /// They have this many times the number.
+    Times(f64),
+    /// Nothing.
+    Open,
 }
 
 /// One entry with the factor that mends it.
@@ -88,9 +99,10 @@ pub(super) fn check(
                 .collect();
             let pattern = match group[..] {
                 [at] => pattern(&work.sheet, at),
-                _ => None,
+                _ => Pattern::Open,
             };
-            if pattern.is_none() && !touched.iter().any(|i| open.contains(i)) {
+            let is_slip = matches!(pattern, Pattern::Times(_));
+            if !is_slip && !touched.iter().any(|i| open.contains(i)) {
                 continue;
             }
             let found = mended(
@@ -165,7 +177,7 @@ fn mended(
     group: &[(usize, usize)],
     touched: &[usize],
     fitted: &Fitted,
-    pattern: Option<f64>,
+    pattern: Pattern,
 ) -> Option<Entry> {
     let has_load = |at: &(usize, usize)| {
         let state = work.sheet.at(*at);
@@ -184,7 +196,7 @@ fn mended(
     };
     let before = with(On::Load, 1.0)?;
     let mut tried: Vec<(On, Unit, f64)> = Vec::new();
-    if group.iter().any(has_load) {
+    if group.iter().any(has_load) && pattern != Pattern::Same {
         for unit in ENTRIES {
             tried.extend(with(On::Load, unit.factor).map(|after| (On::Load, unit, after)));
         }
@@ -196,7 +208,7 @@ fn mended(
         }
     }
     // What states of this name have elsewhere, or the name itself says, decides.
-    if let Some(factor) = pattern {
+    if let Pattern::Times(factor) = pattern {
         let same = |u: &Unit| (u.factor / factor - 1.0).abs() < SAME;
         let named = tried
             .iter()
@@ -234,31 +246,36 @@ fn mended(
     })
 }
 
-/// The factor from what is typed for this state to what states of its name have
-/// elsewhere or its name says, where that is another number.
-fn pattern(sheet: &Sheet, at: (usize, usize)) -> Option<f64> {
+/// What states of this name have in other postures, or else the name itself, says
+/// of the load typed for this state.
+fn pattern(sheet: &Sheet, at: (usize, usize)) -> Pattern {
     let state = sheet.at(at);
-    let load = state.load.filter(|l| *l > 0.0)?;
+    let Some(load) = state.load.filter(|l| *l > 0.0) else {
+        return Pattern::Open;
+    };
     let of_name = |p: &Posture| {
         let mut own = p.states.iter().filter(|s| s.name == state.name);
         own.find_map(|s| s.load)
     };
     let others = (0..sheet.postures.len()).filter(|p| *p != at.0);
     let others: Vec<f64> = others.filter_map(|p| of_name(&sheet.postures[p])).collect();
-    let factor = match others.len() >= PATTERN {
+    let usual = match others.len() >= PATTERN {
         true => {
             let middle = median(&others);
             let alike = others.iter().filter(|l| (*l / middle - 1.0).abs() < SAME);
-            (alike.count() * 4 > others.len() * 3).then_some(middle / load)
+            (alike.count() * 4 > others.len() * 3).then_some(middle)
         }
-        false => number_in(&state.name).map(|number| number / load),
+        false => number_in(&state.name),
     };
-    let known = |f: &f64| {
-        ENTRIES
-            .iter()
-            .any(|u| (u.factor / f - 1.0).abs() < SAME)
+    let Some(factor) = usual.map(|usual| usual / load) else {
+        return Pattern::Open;
     };
-    factor.filter(known)
+    let near = |f: f64| (f / factor - 1.0).abs() < SAME;
+    match near(1.0) {
+        true => Pattern::Same,
+        false if ENTRIES.iter().any(|u| near(u.factor)) => Pattern::Times(factor),
+        false => Pattern::Open,
+    }
 }
 
 /// Where as many states are off as not, prior and names tell which.

@@ -63,7 +63,7 @@ pub(super) const DISPLACEMENTS: [Unit; 4] = [
     unit(1e3, "metres under a heading in millimetres", 1.0),
     unit(1e-3, "micrometres under a heading in millimetres", 1.0),
     unit(INCH, "inches under a heading in millimetres", 1.0),
-    unit(1.0 / INCH, "millimetres under a heading in inches", 2.0),
+    unit(1.0 / INCH, "millimetres under a heading in inches", 4.0),
 ];
 
 /// The prior stiffness.
