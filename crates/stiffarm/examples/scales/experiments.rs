@@ -198,8 +198,14 @@ pub fn sound(robot: usize, number: u64, kind: Kind, seed: u64) -> Sound {
     let prior = truth.iter().map(|k| k * off(&mut dice)).collect();
     cell.prior = Some(prior);
     let count = 6 + dice.below(15);
-    let postures = random_group(&cell, StartKind::Uniform, count, seed + number, robot as u64)
-        .expect("postures within the limits");
+    let postures = random_group(
+        &cell,
+        StartKind::Uniform,
+        count,
+        seed + number,
+        robot as u64,
+    )
+    .expect("postures within the limits");
     let postures = PostureGroup::from_angles("plan", postures).postures;
     // The arm as it is delivered.
     let offsets: Vec<f64> = truth

@@ -1,9 +1,9 @@
 //! Faults of scale, planted one at a time, and whether they are named.
 
 use super::experiments::{Dice, Kind, Sound, scale_loads};
+use stiffarm::findings::Severity;
 use stiffarm::measure::screening::{Cause, Evidence, Suspicion, screen, screen_displacements};
 use stiffarm::model::load::Load;
-use stiffarm::findings::Severity;
 
 /// N in a kilogram-force and in a pound-force.
 const KG: f64 = 9.806_65;
@@ -57,34 +57,102 @@ const fn fault(name: &'static str, kind: Kind, plant: Plant) -> Fault {
 
 /// Every fault.
 pub const FAULTS: [Fault; 33] = [
-    fault("kg for N, table and cell alike", Kind::RopeLoads, Plant::TableAndCell(KG)),
-    fault("kg for N, the cell's load alone", Kind::RopeAlone, Plant::TableAndCell(KG)),
-    fault("kg for N, displacements", Kind::Displacements, Plant::TableAndCell(KG)),
+    fault(
+        "kg for N, table and cell alike",
+        Kind::RopeLoads,
+        Plant::TableAndCell(KG),
+    ),
+    fault(
+        "kg for N, the cell's load alone",
+        Kind::RopeAlone,
+        Plant::TableAndCell(KG),
+    ),
+    fault(
+        "kg for N, displacements",
+        Kind::Displacements,
+        Plant::TableAndCell(KG),
+    ),
     fault("kg for N, load_n", Kind::RopeLoads, Plant::Table(KG)),
-    fault("kg for N, load_n of weights", Kind::WeightLoads, Plant::Table(KG)),
+    fault(
+        "kg for N, load_n of weights",
+        Kind::WeightLoads,
+        Plant::Table(KG),
+    ),
     fault("kg for N, sensor", Kind::Sensor, Plant::Table(KG)),
-    fault("kg for N, sensor's forces alone", Kind::Sensor, Plant::Forces(KG)),
+    fault(
+        "kg for N, sensor's forces alone",
+        Kind::Sensor,
+        Plant::Forces(KG),
+    ),
     fault("kg for N, load cases", Kind::Cases, Plant::TableAndCell(KG)),
-    fault("lbf for N, table and cell alike", Kind::RopeLoads, Plant::TableAndCell(LBF)),
+    fault(
+        "lbf for N, table and cell alike",
+        Kind::RopeLoads,
+        Plant::TableAndCell(LBF),
+    ),
     fault("lbf for N, load_n", Kind::RopeLoads, Plant::Table(LBF)),
     fault("lbf for N, sensor", Kind::Sensor, Plant::Table(LBF)),
-    fault("kN for N, table and cell alike", Kind::WeightLoads, Plant::TableAndCell(1e3)),
+    fault(
+        "kN for N, table and cell alike",
+        Kind::WeightLoads,
+        Plant::TableAndCell(1e3),
+    ),
     fault("kN for N, load_n", Kind::RopeLoads, Plant::Table(1e3)),
     fault("kN for N, sensor", Kind::Sensor, Plant::Table(1e3)),
     fault("one load, 50 for 500", Kind::RopeLoads, Plant::Entry(10.0)),
     fault("one load, 5000 for 500", Kind::RopeLoads, Plant::Entry(0.1)),
-    fault("one weight, 50 for 500", Kind::WeightLoads, Plant::Entry(10.0)),
+    fault(
+        "one weight, 50 for 500",
+        Kind::WeightLoads,
+        Plant::Entry(10.0),
+    ),
     fault("one load in kg", Kind::RopeLoads, Plant::Entry(KG)),
-    fault("one posture's loads in lbf", Kind::RopeLoads, Plant::Posture(LBF)),
-    fault("one posture's sensor in kg", Kind::Sensor, Plant::Posture(KG)),
+    fault(
+        "one posture's loads in lbf",
+        Kind::RopeLoads,
+        Plant::Posture(LBF),
+    ),
+    fault(
+        "one posture's sensor in kg",
+        Kind::Sensor,
+        Plant::Posture(KG),
+    ),
     fault("moments in N·mm", Kind::Sensor, Plant::Moments(1e3)),
-    fault("coordinates in m", Kind::RopeLoads, Plant::Coordinates(1e3, true)),
-    fault("coordinates in inches", Kind::Sensor, Plant::Coordinates(INCH, true)),
-    fault("coordinates of one state in inches", Kind::RopeLoads, Plant::Coordinates(INCH, false)),
-    fault("displacements in m", Kind::Displacements, Plant::Displacements(1e3, true)),
-    fault("displacements in inches", Kind::Displacements, Plant::Displacements(INCH, true)),
-    fault("displacements in µm", Kind::Displacements, Plant::Displacements(1e-3, true)),
-    fault("one posture in inches", Kind::Displacements, Plant::Displacements(INCH, false)),
+    fault(
+        "coordinates in m",
+        Kind::RopeLoads,
+        Plant::Coordinates(1e3, true),
+    ),
+    fault(
+        "coordinates in inches",
+        Kind::Sensor,
+        Plant::Coordinates(INCH, true),
+    ),
+    fault(
+        "coordinates of one state in inches",
+        Kind::RopeLoads,
+        Plant::Coordinates(INCH, false),
+    ),
+    fault(
+        "displacements in m",
+        Kind::Displacements,
+        Plant::Displacements(1e3, true),
+    ),
+    fault(
+        "displacements in inches",
+        Kind::Displacements,
+        Plant::Displacements(INCH, true),
+    ),
+    fault(
+        "displacements in µm",
+        Kind::Displacements,
+        Plant::Displacements(1e-3, true),
+    ),
+    fault(
+        "one posture in inches",
+        Kind::Displacements,
+        Plant::Displacements(INCH, false),
+    ),
     fault("tool points in inches", Kind::RopeLoads, Plant::Tool(INCH)),
     fault("anchor in m", Kind::RopeLoads, Plant::Anchor(1e3)),
     fault("angles in radians", Kind::RopeLoads, Plant::Angles(RADIAN)),
@@ -94,9 +162,21 @@ pub const FAULTS: [Fault; 33] = [
 
 /// Faults beside the list.
 pub const OTHERS: [Fault; 4] = [
-    fault("load cases of one posture exchanged", Kind::Cases, Plant::Cases(false)),
-    fault("angles of displacements in radians", Kind::Displacements, Plant::Angles(RADIAN)),
-    fault("prior in N·m per minute of arc", Kind::Sensor, Plant::Prior(60.0 * RADIAN)),
+    fault(
+        "load cases of one posture exchanged",
+        Kind::Cases,
+        Plant::Cases(false),
+    ),
+    fault(
+        "angles of displacements in radians",
+        Kind::Displacements,
+        Plant::Angles(RADIAN),
+    ),
+    fault(
+        "prior in N·m per minute of arc",
+        Kind::Sensor,
+        Plant::Prior(60.0 * RADIAN),
+    ),
     fault("prior in N·mm/rad", Kind::RopeLoads, Plant::Prior(1e-3)),
 ];
 
@@ -276,7 +356,11 @@ fn each_load(sound: &mut Sound, factor: impl Fn(usize, usize) -> f64) {
 /// Takes the numbers out of the names of states.
 fn unname(sound: &mut Sound) {
     for state in sound.table.postures.iter_mut().flat_map(|p| &mut p.states) {
-        for (prefix, name) in [("load-", "full"), ("up-", "up-some"), ("down-", "down-some")] {
+        for (prefix, name) in [
+            ("load-", "full"),
+            ("up-", "up-some"),
+            ("down-", "down-some"),
+        ] {
             if state.state.starts_with(prefix) {
                 state.state = name.to_string();
             }
@@ -330,7 +414,10 @@ pub fn judge(sound: &Sound, expected: &Expected) -> Judged {
     let (suspicions, findings) = findings(sound);
     let said: Vec<&str> = findings.iter().map(|f| f.sentence.as_str()).collect();
     let place = |s: &Suspicion| {
-        expected.posture.as_ref().is_none_or(|p| s.postures == [p.clone()])
+        expected
+            .posture
+            .as_ref()
+            .is_none_or(|p| s.postures == [p.clone()])
             && expected
                 .state
                 .as_ref()

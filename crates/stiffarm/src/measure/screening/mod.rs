@@ -262,6 +262,15 @@ pub struct Screening {
     pub states_checked: usize,
 }
 
+impl Screening {
+    /// The findings about scales: numbers off by a factor, load cases exchanged. What a fit says
+    /// besides mostly follows from them.
+    pub fn scales(&self) -> impl Iterator<Item = &Finding> {
+        let both = self.suspicions.iter().zip(&self.findings);
+        both.filter(|(s, _)| s.cause.is_scale()).map(|(_, f)| f)
+    }
+}
+
 /// What the checks work on: cell and readings as corrected so far.
 struct Work {
     cell: Cell,

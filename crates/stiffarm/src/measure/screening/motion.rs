@@ -354,7 +354,12 @@ fn sizes(work: &mut Work, judged: &[Judged]) {
         let common = matches!(s.cause, Cause::LoadUnits | Cause::PriorUnits);
         common && s.postures.is_empty()
     });
-    if has_prior && !named && middle > 0.0 && is_off(middle, UNIT) && !judged.iter().all(|j| j.still) {
+    if has_prior
+        && !named
+        && middle > 0.0
+        && is_off(middle, UNIT)
+        && !judged.iter().all(|j| j.still)
+    {
         let mut suspicion = Suspicion::new(Cause::DisplacementSize);
         suspicion.factor = Some(middle);
         work.found.push(suspicion);

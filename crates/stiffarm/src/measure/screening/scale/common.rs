@@ -2,17 +2,19 @@
 //! in another unit. The readings alone cannot tell: the stiffness takes it up.
 //! What speaks are the prior, robots of the class, and what the file says twice.
 
-use super::super::{Cause, Evidence, Suspicion, Work};
 use super::super::motion::Move;
+use super::super::{Cause, Evidence, Suspicion, Work};
 use super::class::{CLASS_SPREAD, expected_stiffness};
 use super::evidence::Sizes;
 use super::fit::Fitted;
 use super::units::{DISPLACEMENTS, FORCES, PRIORS, Unit};
 
 /// How much likelier than the commonest slip it is that nothing is wrong (logarithm).
-const SOUND: f64 = 6.0;
+const SOUND: f64 = 4.5;
 /// What numbers in the names of states count where they agree with a factor.
 const NAMED: f64 = 5.0;
+/// How much rarer it is that cell and table have the same slip (logarithm).
+const BOTH: f64 = 1.0;
 /// Explanations this much below the best are not named (logarithm of a likelihood).
 const ALIKE: f64 = 6.0;
 /// What the file itself must add to make a finding serious.
@@ -42,11 +44,7 @@ struct Explanation {
 }
 
 /// A table whose scale as a whole is not the one stated.
-pub(super) fn check(
-    work: &Work,
-    moves: &[Move],
-    fitted: &Fitted,
-) -> Option<Suspicion> {
+pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Suspicion> {
     if fitted.level > POOR {
         return None;
     }
@@ -62,6 +60,8 @@ pub(super) fn check(
     let beside_class = fitted.common - prior_over_class;
     let spread = fitted.common_std.hypot(SOFTER[1]);
     let normal = |value: f64, spread: f64| -(value / spread).powi(2) / 2.0;
+    // The cell's own load may be typed in the same unit as the table's.
+    let stated = |load: f64| sizes.stated(load).max(sizes.stated(1.0) - BOTH);
     let judge = |on: On, unit: Unit| {
         let log = unit.factor.ln();
         let [mut load, mut displacement] = [1.0, 1.0];
@@ -82,7 +82,7 @@ pub(super) fn check(
             all += normal(ratio - SOFTER[0] - expected, spread);
         }
         let named = if sizes.is_named(load) { NAMED } else { 0.0 };
-        let file = sizes.stated(load) + sizes.plausible(load, displacement) + named;
+        let file = stated(load) + sizes.plausible(load, displacement) + named;
         let rare = match on {
             On::Nothing => -SOUND,
             _ => unit.rare,

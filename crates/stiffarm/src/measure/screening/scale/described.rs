@@ -11,7 +11,7 @@ use crate::model::load::{Load, LoadCase};
 use nalgebra::Isometry3;
 
 /// Mean misfit, over the larger of read and expected, above which causes are tried.
-const POOR: f64 = 0.3;
+const POOR: f64 = 0.2;
 /// What a change must leave of the mean misfit, and least distance to the next best.
 const FALLEN: f64 = 0.5;
 const DISTINCT: f64 = 0.75;
@@ -134,7 +134,9 @@ fn changes(work: &Work) -> Vec<Change> {
         out.extend(LENGTHS.map(Change::LoadingPoint));
     }
     if work.is_displacements {
-        let largest = states().flat_map(|s| &s.q).fold(0.0_f64, |m, q| m.max(q.abs()));
+        let largest = states()
+            .flat_map(|s| &s.q)
+            .fold(0.0_f64, |m, q| m.max(q.abs()));
         if largest < LIKE_RADIANS {
             out.push(Change::Angles(RADIAN));
         } else if largest > LIKE_DEGREES {
@@ -235,15 +237,16 @@ pub(super) fn cases_of_postures(
                 best = Some((order, after));
             }
         }
-        let Some((order, after)) = best.filter(|(_, after)| {
-            *after < FALLEN * before && before - after > EXPLAINS
-        }) else {
+        let Some((order, after)) =
+            best.filter(|(_, after)| *after < FALLEN * before && before - after > EXPLAINS)
+        else {
             continue;
         };
         let mut out = exchanged(work, &order).posture(&work.sheet.postures[p].name.clone());
         // Of states that were not taken nothing is exchanged.
         let taken = &work.sheet.postures[p].states;
-        out.states.retain(|name| taken.iter().any(|s| s.name.starts_with(name.as_str())));
+        out.states
+            .retain(|name| taken.iter().any(|s| s.name.starts_with(name.as_str())));
         out.misfits = Some([before, after]);
         out.evidence = Some(Evidence::Readings);
         relabel(work, p, &cases, &order);

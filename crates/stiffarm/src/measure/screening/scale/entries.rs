@@ -2,8 +2,8 @@
 //! states give the compliance; a factor that brings a state back among them is
 //! named, with posture and state.
 
-use super::super::motion::{displacement, load_of};
 use super::super::motion::Move;
+use super::super::motion::{displacement, load_of};
 use super::super::sheet::{Posture, Sheet, State};
 use super::super::{Cause, Evidence, Suspicion, Work};
 use super::evidence::number_in;
@@ -68,7 +68,9 @@ pub(super) fn check(
     let limit = OFF[0].max(OFF[1] * fitted.level);
     let mut entries: Vec<Entry> = Vec::new();
     for p in 0..work.sheet.postures.len() {
-        let own: Vec<usize> = (0..moves.len()).filter(|i| moves[*i].posture == p).collect();
+        let own: Vec<usize> = (0..moves.len())
+            .filter(|i| moves[*i].posture == p)
+            .collect();
         let off: Vec<usize> = own
             .iter()
             .copied()
@@ -105,14 +107,7 @@ pub(super) fn check(
             if !is_slip && !touched.iter().any(|i| open.contains(i)) {
                 continue;
             }
-            let found = mended(
-                work,
-                base_from_tracker,
-                &group,
-                &touched,
-                fitted,
-                pattern,
-            );
+            let found = mended(work, base_from_tracker, &group, &touched, fitted, pattern);
             if let Some(entry) = found {
                 open.retain(|i| !touched.contains(i));
                 entries.push(entry);
@@ -184,15 +179,7 @@ fn mended(
         state.load.is_some_and(|l| l != 0.0) || state.wrench.is_some()
     };
     let with = |on: On, factor: f64| {
-        misfit_with(
-            work,
-            base_from_tracker,
-            group,
-            touched,
-            fitted,
-            on,
-            factor,
-        )
+        misfit_with(work, base_from_tracker, group, touched, fitted, on, factor)
     };
     let before = with(On::Load, 1.0)?;
     let mut tried: Vec<(On, Unit, f64)> = Vec::new();

@@ -50,7 +50,10 @@ fn where_loads_stand(cell: &Cell) -> &'static str {
 fn also(s: &Suspicion) -> String {
     match s.alternatives.len() {
         0 => String::new(),
-        _ => format!(" It would also be explained by {}.", s.alternatives.join("; or by ")),
+        _ => format!(
+            " It would also be explained by {}.",
+            s.alternatives.join("; or by ")
+        ),
     }
 }
 
@@ -59,7 +62,11 @@ fn misfits(s: &Suspicion) -> String {
         return String::new();
     };
     let percent = |f: f64| format!("{:.0} %", 100.0 * f);
-    format!("{} of the displacement unexplained, else {}", percent(after), percent(before))
+    format!(
+        "{} of the displacement is left unexplained, as it stands {}",
+        percent(after),
+        percent(before)
+    )
 }
 
 /// The stiffness beside what is known beforehand.
@@ -69,7 +76,10 @@ fn beside(cell: &Cell, s: &Suspicion) -> String {
         None => "what robots of this class have",
     };
     let ratio = s.ratio.unwrap_or(1.0);
-    format!("As typed, the joint stiffness comes out {} {what}, all joints alike", times(ratio))
+    format!(
+        "As typed, the joint stiffness comes out {} {what}, all joints alike",
+        times(ratio)
+    )
 }
 
 fn rests_on(s: &Suspicion) -> &'static str {
@@ -109,7 +119,7 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
                 false => opening.to_string(),
             };
             format!(
-                "{place}: the load looks like {}: with {factor} times what is typed, {}.{} Check {} there.",
+                "{place}: what is typed as load looks like {}: factor {factor}. With it {}.{} Check {} there.",
                 typed(&ENTRIES, s),
                 misfits(s),
                 also(s),
@@ -122,7 +132,7 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
             typed(&MOMENTS, s)
         ),
         Cause::DisplacementUnits if s.evidence == Some(Evidence::Readings) => format!(
-            "{opening}: the displacements look like {}: with {factor} times what is typed, {}.{} Correct the rows.",
+            "{opening}: the displacements look like {}: factor {factor}. With it {}.{} Correct the rows.",
             typed(&DISPLACEMENTS, s),
             misfits(s),
             also(s)
@@ -162,7 +172,7 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
                 false => opening.to_string(),
             };
             format!(
-                "{place} the load cases {} are exchanged: filed under the others' names, {}. Correct the names in the \
+                "{place} the load cases {} are exchanged: with the names the other way {}. Correct the names in the \
                  column state, or the loads of [load].",
                 list(&s.states),
                 misfits(s)
@@ -181,9 +191,20 @@ mod tests {
 
     #[test]
     fn factors_are_written_as_people_know_them() {
-        let all = [9.806_65, 1.0 / 9.806_65, 4.448_221_6, 1e3, 1e-3, 25.4, 57.295_78, 10.0];
+        let all = [
+            9.806_65,
+            1.0 / 9.806_65,
+            4.448_221_6,
+            1e3,
+            1e-3,
+            25.4,
+            57.295_78,
+            10.0,
+        ];
         let texts = all.map(number);
-        let expected = ["9.81", "1/9.81", "4.448", "1000", "1/1000", "25.4", "57.3", "10"];
+        let expected = [
+            "9.81", "1/9.81", "4.448", "1000", "1/1000", "25.4", "57.3", "10",
+        ];
         assert_eq!(texts, expected);
         assert_eq!(times(0.102), "9.8 times below");
         assert_eq!(times(57.3), "57 times above");

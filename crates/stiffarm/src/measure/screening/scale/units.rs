@@ -46,14 +46,14 @@ pub(super) const FORCES: [Unit; 4] = [
 
 /// Loads of a single state: a slipped decimal point is likelier there than a unit.
 pub(super) const ENTRIES: [Unit; 10] = [
-    unit(10.0, "a tenth (decimal point)", 0.0),
-    unit(0.1, "ten times as much (decimal point)", 0.0),
+    unit(10.0, "a tenth of it (decimal point)", 0.0),
+    unit(0.1, "ten times it (decimal point)", 0.0),
     unit(STANDARD_GRAVITY, "kilograms (kgf)", 1.0),
     unit(POUND, "pounds (lbf)", 1.0),
     unit(1e3, "kilonewtons", 1.0),
-    unit(1e-3, "a thousand times as much", 2.0),
-    unit(100.0, "a hundredth (decimal point)", 1.0),
-    unit(0.01, "a hundred times as much (decimal point)", 1.0),
+    unit(1e-3, "a thousand times it", 2.0),
+    unit(100.0, "a hundredth of it (decimal point)", 1.0),
+    unit(0.01, "a hundred times it (decimal point)", 1.0),
     unit(1.0 / STANDARD_GRAVITY, "newtons read as kilograms", 3.0),
     unit(1.0 / POUND, "newtons read as pounds", 3.0),
 ];
