@@ -12,7 +12,9 @@ use faults::{FAULTS, OTHERS, Outcome, findings, judge};
 use rayon::prelude::*;
 use stiffarm::findings::Severity;
 use stiffarm::measure::screening::{Cause, Evidence, screen, screen_displacements};
-use stiffarm::model::measurement::Measurements;
+use stiffarm::model::measurement::{Measurements, ReadingTarget};
+use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::nalgebra::Isometry3;
 use stiffarm::prepare;
 
 /// Another seed than that of the table in docs/scales.md.
@@ -68,6 +70,9 @@ fn kilograms_are_named_where_only_the_prior_tells() {
                     judged.said
                 );
                 assert!(judged.said.contains("9.81"), "{}", judged.said);
+                // A caution where the prior alone speaks, and nothing that only follows.
+                assert!(judged.by_prior || judged.is_serious, "{}", judged.said);
+                assert_eq!(judged.beside, 0, "{}", judged.said);
             }
         }
     }
@@ -144,6 +149,53 @@ fn a_table_of_displacements_is_screened_where_it_is_prepared() {
     assert!(measured.reduction.is_none());
     assert_eq!(measured.worst(), Some(Severity::Serious));
     assert_eq!(measured.screening, Some(direct));
+}
+
+#[test]
+fn one_point_and_the_arms_reach_tell_units_too() {
+    // One point has no shape; the way it goes from posture to posture tells.
+    let mut experiment = sound(0, 2, Kind::RopeLoads, SEED);
+    experiment.cell.setup.tool.measuring_points.truncate(1);
+    for state in experiment
+        .table
+        .postures
+        .iter_mut()
+        .flat_map(|p| &mut p.states)
+    {
+        state
+            .readings
+            .retain(|r| r.target == ReadingTarget::Point(0));
+        state.readings.iter_mut().for_each(|r| r.position /= 25.4);
+    }
+    let found = screen(&experiment.cell, &experiment.table, None).unwrap();
+    let first = &found.suspicions[0];
+    assert_eq!(
+        (first.cause, first.factor),
+        (Cause::Units, Some(1.0 / 25.4))
+    );
+    // Lengths of a robot of one's own, in metres where millimetres are asked for.
+    let mut experiment = sound(0, 2, Kind::RopeLoads, SEED);
+    let right = std::f64::consts::FRAC_PI_2;
+    let row = |alpha: f64, a: f64, d: f64| DhRow {
+        alpha,
+        a: a * 1e-6,
+        d: d * 1e-6,
+        offset: 0.0,
+    };
+    let rows = [
+        row(0.0, 0.0, 830.0),
+        row(-right, 400.0, 0.0),
+        row(0.0, 1175.0, 0.0),
+        row(-right, 250.0, 1444.0),
+        row(right, 0.0, 0.0),
+        row(-right, 0.0, 230.0),
+    ];
+    experiment.cell.setup.robot =
+        Robot::from_dh("own", DhConvention::Modified, &rows, Isometry3::identity()).unwrap();
+    let found = screen(&experiment.cell, &experiment.table, None).unwrap();
+    assert_eq!(found.suspicions.len(), 1, "{:?}", found.findings);
+    assert_eq!(found.suspicions[0].cause, Cause::RobotUnits);
+    assert_eq!(found.suspicions[0].factor, Some(1e3));
 }
 
 #[test]

@@ -208,8 +208,12 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 _ => "a smaller unit than the heading's",
             };
             let where_ = if place.is_empty() { "all postures" } else { &place };
+            let what = match cell.setup.tool.point_count() {
+                1 => "positions spread",
+                _ => "distances between the measuring points are",
+            };
             format!(
-                "In {where_} the distances between the measuring points are {times} times too {size}: the coordinates \
+                "In {where_} the {what} {times} times too {size}: the coordinates \
                  seem to be {typed}. Correct the heading's unit or the numbers."
             )
         }
@@ -296,6 +300,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 "theta_from_q"
             }
         ),
+        Cause::Radians if s.misfits.is_some() => super::scale::messages::sentence(cell, s, &opening),
         Cause::Radians => format!(
             "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded \
              points falls {}.{} Convert them.",

@@ -178,6 +178,9 @@ pub struct Suspicion {
     /// read and what is expected, where a scale is suspected by readings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misfits: Option<[f64; 2]>,
+    /// What in the file itself says the same of a scale.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub confirmed_by: Vec<String>,
     /// What a suspicion about a scale rests on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub evidence: Option<Evidence>,
@@ -205,6 +208,7 @@ impl Suspicion {
             factor: None,
             ratio: None,
             misfits: None,
+            confirmed_by: Vec::new(),
             evidence: None,
             angles_deg: Vec::new(),
             alternatives: Vec::new(),
@@ -350,6 +354,19 @@ pub(super) fn screen_series(
     let sheet = Sheet::new(cell, table.wrench_columns, series, &mut found)?;
     let mut work = Work::new(cell, sheet, found);
     shape::units(&mut work);
+    if work.found.iter().any(|s| s.cause == Cause::RobotUnits) {
+        // Nothing can be held against such a robot.
+        return Ok(Screening {
+            findings: work
+                .found
+                .iter()
+                .map(|s| messages::finding(cell, s))
+                .collect(),
+            suspicions: work.found,
+            unloaded_rms_m: None,
+            states_checked: 0,
+        });
+    }
     // Strays first, so that they are not taken for faults of a posture; what
     // the shape alone cannot tell is settled once the frame is known.
     let states_checked = shape::strays(&mut work, false);

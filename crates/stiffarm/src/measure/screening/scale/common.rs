@@ -16,7 +16,7 @@ const NAMED: f64 = 5.0;
 /// How much rarer it is that cell and table have the same slip (logarithm).
 const BOTH: f64 = 1.0;
 /// Explanations this much below the best are not named (logarithm of a likelihood).
-const ALIKE: f64 = 6.0;
+const ALIKE: f64 = 7.5;
 /// What the file itself must add to make a finding serious.
 const CONFIRMED: f64 = 3.0;
 /// Ratio to prior or class that no robot explains (logarithm of 20).
@@ -126,6 +126,14 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
         true => Evidence::File,
         false => Evidence::Prior,
     });
+    if out.evidence == Some(Evidence::File) {
+        let [load, displacement] = match best.on {
+            On::Loads => [best.unit.factor, 1.0],
+            On::Displacements => [1.0, best.unit.factor],
+            On::Nothing | On::Prior => [1.0; 2],
+        };
+        out.confirmed_by = sizes.reasons(load, displacement);
+    }
     let off = beside_prior.unwrap_or(beside_class).abs();
     out.certain = out.evidence == Some(Evidence::File) || off > BEYOND;
     out.alternatives = all.iter().map(phrase).collect();

@@ -75,6 +75,12 @@ pub(super) fn check(
             .iter()
             .copied()
             .filter(|i| fitted.states[*i].misfit > limit)
+            // A sensor's reading holds the tool's weight: another factor on it may turn
+            // the difference round, and hide exchanged rows.
+            .filter(|i| {
+                let measured = work.sheet.at((p, moves[*i].state)).wrench.is_some();
+                !measured || fitted.states[*i].ratio > 0.0
+            })
             .collect();
         // All states of a posture alike, then its reference, then each alone.
         let mut groups: Vec<Vec<(usize, usize)>> = Vec::new();

@@ -27,6 +27,8 @@ const DISPLACEMENT: [f64; 2] = [5e-6, 2e-2];
 /// Softness of these ranges (logarithm), and most that each may count.
 const SOFT: f64 = 0.3;
 const COUNTS: f64 = 8.0;
+/// What is worth a word (logarithm of a likelihood).
+const WORTH: f64 = 1.0;
 
 /// What is known of the sizes of loads and displacements.
 #[derive(Debug, Clone, Default)]
@@ -149,6 +151,28 @@ impl Sizes {
         count > 0 && count as f64 >= MOST * self.named.len() as f64
     }
 
+    /// What says that loads and displacements are these multiples of what is typed.
+    pub fn reasons(&self, load: f64, displacement: f64) -> Vec<String> {
+        let mut out = Vec::new();
+        if load != 1.0 && self.is_named(load) {
+            out.push("the numbers in the names of states".to_string());
+        }
+        if self.stated(load) - self.stated(1.0) > WORTH {
+            out.push("the load that cell or table states".to_string());
+        }
+        let plausible = |load, displacement| self.plausible(load, displacement);
+        if plausible(load, displacement) - plausible(1.0, 1.0) > WORTH {
+            out.push(match load != 1.0 {
+                true => format!("{} N, which hardly bends such a robot", short(self.load)),
+                false => format!(
+                    "{} mm, which no such load moves it by",
+                    short(1e3 * self.displacement)
+                ),
+            });
+        }
+        out
+    }
+
     /// How plausible loads and displacements of these multiples of what is typed are.
     pub fn plausible(&self, load: f64, displacement: f64) -> f64 {
         if self.load <= 0.0 {
@@ -156,6 +180,15 @@ impl Sizes {
         }
         -outside(self.load * load, [LEAST, self.most])
             - outside(self.displacement * displacement, DISPLACEMENT)
+    }
+}
+
+/// Two digits of a size.
+fn short(size: f64) -> String {
+    match size {
+        s if s >= 10.0 => format!("{s:.0}"),
+        s if s >= 1.0 => format!("{s:.1}"),
+        s => format!("{s:.2}"),
     }
 }
 

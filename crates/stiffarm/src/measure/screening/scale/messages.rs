@@ -82,15 +82,16 @@ fn beside(cell: &Cell, s: &Suspicion) -> String {
     )
 }
 
-fn rests_on(s: &Suspicion) -> &'static str {
+fn rests_on(s: &Suspicion) -> String {
     match s.evidence {
         Some(Evidence::Prior) => {
             " Only this comparison speaks for it: look at the numbers before relying on the result."
+                .to_string()
         }
         Some(Evidence::File) => {
-            " The file itself says so too (nominal load, names of states, or sizes no test has)."
+            format!(" The file itself says so too: {}.", list(&s.confirmed_by))
         }
-        _ => "",
+        _ => String::new(),
     }
 }
 
@@ -169,7 +170,7 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
         Cause::ExchangedLoadCases => {
             let place = match s.postures.is_empty() {
                 true => "In the whole table".to_string(),
-                false => opening.to_string(),
+                false => format!("In posture {}", list(&s.postures)),
             };
             format!(
                 "{place} the load cases {} are exchanged: with the names the other way {}. Correct the names in the \
@@ -178,6 +179,10 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
                 misfits(s)
             )
         }
+        Cause::Radians => format!(
+            "The joint angles seem to be radians under a heading in degrees: with them converted {}. Convert them.",
+            misfits(s)
+        ),
         Cause::Degrees => "The joint angles seem to be degrees under a heading in radians: read so, the arm is where \
                            the readings have it. Name the columns q1_deg and so on, or convert them."
             .to_string(),

@@ -23,6 +23,17 @@ use super::{Cause, Work};
 use fit::{Fitted, clear_moves, fit};
 use nalgebra::Isometry3;
 
+/// Postures that show which of them disagrees.
+const ENOUGH: usize = 4;
+
+/// Number of postures behind the moves.
+fn postures(moves: &[Move]) -> usize {
+    let mut all: Vec<usize> = moves.iter().map(|m| m.posture).collect();
+    all.sort_unstable();
+    all.dedup();
+    all.len()
+}
+
 impl Cause {
     /// True for a number that is off by a factor, and for what readings under
     /// load say of the cell: what follows from it in a fit is no finding of its own.
@@ -66,13 +77,15 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>) {
     }
     let all = clear_moves(work, base_from_tracker);
     moments::check(work, &all);
-    if let Some((_, found)) = fitted(work) {
+    // A few states fit whatever is tried.
+    let enough = postures(&all) >= ENOUGH;
+    if let Some((_, found)) = fitted(work).filter(|_| enough) {
         described::check(work, base_from_tracker, &found);
     }
-    if let Some((_, found)) = fitted(work) {
+    if let Some((_, found)) = fitted(work).filter(|_| enough) {
         described::cases_of_postures(work, base_from_tracker, &found);
     }
-    if let Some((all, found)) = fitted(work) {
+    if let Some((all, found)) = fitted(work).filter(|_| enough) {
         entries::check(work, base_from_tracker, &all, &found);
     }
     if let Some((all, found)) = fitted(work) {
