@@ -43,6 +43,8 @@ enum Plant {
     Tool(f64),
     /// The anchor this many times too near.
     Anchor(f64),
+    /// The loading point this many times too near to the flange.
+    LoadingPoint(f64),
     /// Angles typed in radians, or in degrees under a heading in radians.
     Angles(f64),
     /// The prior this many times too small.
@@ -161,7 +163,12 @@ pub const FAULTS: [Fault; 33] = [
 ];
 
 /// Faults beside the list.
-pub const OTHERS: [Fault; 4] = [
+pub const OTHERS: [Fault; 5] = [
+    fault(
+        "loading point in m",
+        Kind::RopeLoads,
+        Plant::LoadingPoint(1e3),
+    ),
     fault(
         "load cases of one posture exchanged",
         Kind::Cases,
@@ -289,6 +296,10 @@ impl Fault {
                     *anchor /= f;
                 }
                 expect(Cause::AnchorUnits, f)
+            }
+            Plant::LoadingPoint(f) => {
+                sound.cell.setup.tool.loading_point /= f;
+                expect(Cause::LoadingPointUnits, f)
             }
             Plant::Angles(f) => {
                 for own in &mut sound.table.postures {

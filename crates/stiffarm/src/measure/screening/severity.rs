@@ -65,6 +65,8 @@ pub(super) fn severity(s: &Suspicion) -> Severity {
         }
         // It weighs the joints when postures are chosen, and no more.
         Cause::PriorUnits => Severity::Caution,
+        // The number alone speaks: the readings fit either.
+        Cause::LoadingPointUnits if !s.certain => Severity::Caution,
         // A few mm are within what robots miss their positions by.
         Cause::UnexplainedPosture if s.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => {
             Severity::Caution

@@ -4,6 +4,7 @@ use super::super::{Cause, Evidence, Suspicion};
 use super::units::{DISPLACEMENTS, ENTRIES, FORCES, MOMENTS, PRIORS, Unit};
 use crate::findings::list;
 use crate::model::cell::Cell;
+use crate::units::m_to_mm;
 
 /// A factor as people know it: `9.81`, `4.448`, `1000`, `25.4`, `1/9.81`.
 pub(super) fn number(factor: f64) -> String {
@@ -156,6 +157,11 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
             "The displacements point to another direction of the load: with load.anchor_mm times {factor}, {}. Check \
              the unit of load.anchor_mm (mm).",
             misfits(s)
+        ),
+        Cause::LoadingPointUnits if s.evidence == Some(Evidence::File) => format!(
+            "The loading point lies {:.2} mm from the flange's origin, and no measuring point is near: it looks like \
+             metres typed as millimetres, factor {factor}. Check tool.loading_point_mm (mm).",
+            m_to_mm(s.off_m.unwrap_or_default())
         ),
         Cause::LoadingPointUnits => format!(
             "The displacements point to another loading point: with tool.loading_point_mm times {factor}, {}. Check the \
