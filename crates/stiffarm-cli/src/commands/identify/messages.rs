@@ -3,7 +3,7 @@
 use super::Identified;
 use super::readings::marked;
 use crate::numbers::{mm, percent, significant, stiffness};
-use crate::table::{red, serious};
+use crate::table::{red, serious, yellow};
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
 use stiffarm::estimate::identify::{
     CollinearSet, Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
@@ -83,8 +83,8 @@ pub fn collinear(sets: &[CollinearSet]) -> String {
             list(&set.unknowns)
         );
         out += &format!(
-            "{} Their single values below mean nothing; other postures or loads would separate them.\n",
-            serious(&said)
+            "{}: {said} Their single values below mean nothing; other postures or loads would separate them.\n",
+            yellow("caution")
         );
     }
     out

@@ -41,7 +41,7 @@ pub(super) fn summary(
     let is_serious = |f: &&Finding| f.severity == Severity::Serious;
     let scales: Vec<&Finding> = measured.screening.iter().flat_map(|s| s.scales()).collect();
     let named_scale = scales.iter().any(is_serious);
-    if !named_scale || details {
+    if scales.is_empty() || details {
         say(&messages::collinear(&found.estimates.collinear));
     }
     say(&messages::stopped(&result.not_computed));
