@@ -3,6 +3,7 @@
 use crate::screen;
 use anstyle::{AnsiColor, Style};
 use std::fmt;
+use stiffarm::findings::Severity;
 
 /// Side a column is aligned to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -252,6 +253,20 @@ pub fn title(text: &str) -> String {
 /// `text` as something that is wrong.
 pub fn red(text: &str) -> String {
     paint(AnsiColor::Red.on_default().bold(), text)
+}
+
+/// `text` as something that makes results unusable: a plain word first, which needs no colour.
+pub fn serious(text: &str) -> String {
+    red(&format!("SERIOUS: {text}"))
+}
+
+/// The word that a finding of this weight begins with.
+pub fn weight(severity: Severity) -> String {
+    match severity {
+        Severity::Serious => red("SERIOUS"),
+        Severity::Caution => yellow("caution"),
+        Severity::Note => "note".to_string(),
+    }
 }
 
 /// `text` as something to look at.

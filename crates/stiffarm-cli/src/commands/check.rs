@@ -9,6 +9,7 @@ use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Table, green, title};
 use std::fmt::Write;
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::{Cell, Noise};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::Posture;
@@ -103,7 +104,10 @@ fn findings(check: &CellCheck) -> String {
     if check.findings.is_empty() {
         return format!("{}\n", green("nothing to complain about"));
     }
-    check.findings.iter().map(finding_line).collect()
+    // The serious ones first, else in the order of the checks.
+    let mut all: Vec<&Finding> = check.findings.iter().collect();
+    all.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    all.into_iter().map(finding_line).collect()
 }
 
 /// `x, y, z` in millimetres.

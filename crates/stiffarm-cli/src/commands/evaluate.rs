@@ -5,7 +5,7 @@ use crate::args::EvaluateArgs;
 use crate::numbers::{optional, optional_percent};
 use crate::output::Exit;
 use crate::session::Session;
-use crate::table::{Align, Table, red, title, yellow};
+use crate::table::{Align, Table, serious, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
@@ -90,7 +90,10 @@ pub fn undetermined(evaluations: &[GroupEvaluation]) -> String {
                 e.name,
                 list(&e.undetermined_joints)
             );
-            format!("{}: `stiffarm check` looks for the reason\n", red(&said))
+            format!(
+                "{}: `stiffarm check` looks for the reason\n",
+                serious(&said)
+            )
         });
     lines.collect()
 }

@@ -27,8 +27,8 @@ pub mod zones;
 
 use crate::numbers;
 use crate::screen::{columns, wrapped};
-use crate::table::{Table, red, yellow};
-use stiffarm::findings::{Finding, Severity};
+use crate::table::{Table, weight};
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::{Cell, LimitMargin};
 use stiffarm::model::load::Load;
 use stiffarm::model::posture::Posture;
@@ -59,11 +59,7 @@ fn with_length(cell: Cell) -> (Cell, String) {
 
 /// A finding as a line of its own.
 pub fn finding_line(finding: &Finding) -> String {
-    let severity = match finding.severity {
-        Severity::Serious => red("serious"),
-        Severity::Caution => yellow("caution"),
-        Severity::Note => "note".to_string(),
-    };
+    let severity = weight(finding.severity);
     format!("{severity}: {}: {}\n", finding.subject, finding.sentence)
 }
 

@@ -1,15 +1,16 @@
 //! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
 //! postures kept out of the identification, or fold by fold without any.
 
-use super::identify::readings::summary;
+use super::identify::readings::{done, marked};
 use super::identify::{check_names, confidence};
 use crate::args::{Folds, ValidateArgs};
 use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::saved::Saved;
+use crate::screen::{columns, wrapped};
 use crate::session::Session;
-use crate::table::{Align, Table, green, red, title, yellow};
+use crate::table::{Align, Table, green, red, serious, title, weight, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -111,13 +112,16 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
     let cell = &named.cell;
     let model = args.model.into();
     let tolerance = args.tolerance_mm.map(mm_to_m);
+    let unsettled = unsettled(&measured);
     let result = validate_with(cell, &saved.predictor, measured, model, tolerance)?;
     let envelope = session.envelope("validate", None, options(args, None), &result);
     let same_cell = !saved.is_of_another_cell(envelope.inputs.get("cell"));
     session.show(&envelope, || {
-        named.line() + &notes(&saved, same_cell, &result) + &table(&result)
+        unsettled.clone() + &named.line() + &notes(&saved, same_cell, &result) + &table(&result)
     })?;
-    Ok(Exit::finding(result.passed == Some(false)))
+    Ok(Exit::finding(
+        result.passed == Some(false) || !unsettled.is_empty(),
+    ))
 }
 
 /// Predicts each posture from fits without it.
@@ -146,6 +150,7 @@ fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) 
             names.len()
         }
     };
+    let unsettled = unsettled(&measured);
     let tolerance = args.tolerance_mm.map(mm_to_m);
     let progress = Progress::new(session, "predicting each posture");
     let asked = args.fit.elastic();
@@ -187,9 +192,11 @@ fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) 
         confidence: fit.confidence,
     };
     let envelope = session.envelope("validate", None, options(args, Some(fit)), &result);
-    session.show(&envelope, || named.line() + &said + &table(&result))?;
+    session.show(&envelope, || {
+        unsettled.clone() + &named.line() + &said + &table(&result)
+    })?;
     Ok(Exit::finding(
-        result.passed == Some(false) || !result.unpredicted.is_empty(),
+        result.passed == Some(false) || !result.unpredicted.is_empty() || !unsettled.is_empty(),
     ))
 }
 
@@ -236,14 +243,35 @@ fn measured(
     let measurements = session.read_measurements(from, args.postures.as_deref(), cell)?;
     let reduce = session.read_registration(args.registration.as_deref())?;
     let mut measured = prepare(cell, measurements, &reduce)?;
-    if measured.reduction.is_some() {
-        session.remark(&summary(&measured));
+    let usual = measured
+        .findings()
+        .filter(|f| f.severity != Severity::Serious);
+    let remarks = done(&measured) + &usual.map(marked).collect::<String>();
+    if !remarks.is_empty() {
+        session.remark(&remarks);
     }
     check_names("--only", &args.only, &measured.postures)?;
     if !args.only.is_empty() {
         measured.retain(|name| args.only.iter().any(|only| only == name));
     }
     Ok(measured)
+}
+
+/// Serious findings about the readings, which stand before any number; empty without one.
+fn unsettled(measured: &Measured) -> String {
+    let serious = measured
+        .findings()
+        .filter(|f| f.severity == Severity::Serious);
+    let said: Vec<String> = serious
+        .map(|f| wrapped(marked(f).trim_end(), columns()))
+        .collect();
+    match said.is_empty() {
+        true => String::new(),
+        false => format!(
+            "{}\nNot to be used before this is settled; from the readings as they are:\n",
+            said.join("\n")
+        ),
+    }
 }
 
 /// What to know about the stiffness before reading on.
@@ -281,7 +309,7 @@ fn table(result: &Validation) -> String {
             "{} cannot be predicted: the others do not determine every joint that moves there.",
             list(&result.unpredicted)
         );
-        out += &format!("{}\n", red(&said));
+        out += &format!("{}\n", serious(&said));
     }
     out += &title("Deviation of calculated from measured displacement, Eq. (22)");
     let mut headings: Vec<String> = [
@@ -371,11 +399,7 @@ fn table(result: &Validation) -> String {
         );
     }
     for finding in &result.findings {
-        let severity = match finding.severity {
-            Severity::Note => "note".to_string(),
-            Severity::Caution => yellow("caution"),
-            Severity::Serious => red("serious"),
-        };
+        let severity = weight(finding.severity);
         out += &format!("{severity}: {}\n", finding.sentence);
     }
     if let (Some(tolerance), Some(passed)) = (result.tolerance_m, result.passed) {

@@ -344,8 +344,12 @@ fn displacements_in_metres_are_suspected() {
     let ran = folder.run("identify builtin:comau metres.csv");
     assert_eq!(ran.code, Some(1));
     assert!(
-        ran.out.contains("in metres instead of millimetres"),
+        ran.out.starts_with(
+            "SERIOUS: The displacements look like metres under a heading in millimetres"
+        ),
         "{}",
         ran.out
     );
+    // One fault is one finding: the stiffness that follows from it is none of its own.
+    assert_eq!(ran.out.matches("SERIOUS").count(), 1, "{}", ran.out);
 }

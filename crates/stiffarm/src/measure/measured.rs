@@ -4,7 +4,9 @@ use crate::error::{Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::measure::pending::{not_measured_yet, nothing_measured};
 use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
-use crate::measure::screening::{Screening, screen_series};
+use crate::measure::screening::{
+    Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series,
+};
 use crate::measure::series::PostureSeries;
 use crate::model::cell::{Cell, Noise};
 use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter};
@@ -29,7 +31,7 @@ pub struct Measured {
     pub scatter: Option<ReadingScatter>,
     /// How raw readings became displacements.
     pub reduction: Option<Reduction>,
-    /// What is suspicious about raw readings themselves.
+    /// What is suspicious about raw readings themselves, or about the scales of displacements.
     pub screening: Option<Screening>,
 }
 
@@ -121,7 +123,15 @@ pub fn prepare(
     options: &ReduceOptions,
 ) -> Result<Measured> {
     let table = match measurements.into() {
-        Measurements::Displacements(postures) => return Ok(postures.into()),
+        Measurements::Displacements(postures) => {
+            // What cannot be screened is refused where it is used.
+            let screening = screen_displacements(cell, &postures).ok();
+            return Ok(Measured {
+                postures,
+                screening,
+                ..Measured::default()
+            });
+        }
         Measurements::Readings(table) => table,
     };
     if let Some(error) = nothing_measured(&table) {
@@ -137,6 +147,9 @@ pub fn prepare(
             None => error,
         }
     })?;
+    reduction
+        .findings
+        .retain(|finding| !follows(&screening, finding));
     reduction.findings.extend(not_measured_yet(&table));
     Ok(Measured {
         postures: std::mem::take(&mut reduction.measured),
@@ -151,4 +164,18 @@ pub fn prepare(
         reduction: Some(reduction),
         screening: Some(screening),
     })
+}
+
+/// True where a finding of the reduction only repeats what a scale explains.
+fn follows(screening: &Screening, finding: &Finding) -> bool {
+    let any = |of: &dyn Fn(&Suspicion) -> bool| screening.suspicions.iter().any(of);
+    match finding.code.as_str() {
+        "force-magnitude" => any(&|s| matches!(s.cause, Cause::LoadUnits | Cause::LoadEntry)),
+        "loading-point" | "unexplained-moment" => any(&|s| {
+            s.cause == Cause::MomentUnits
+                || s.cause == Cause::LoadEntry
+                || (s.cause == Cause::LoadUnits && s.evidence == Some(Evidence::Readings))
+        }),
+        _ => false,
+    }
 }

@@ -46,6 +46,7 @@ mod registration_faults;
 mod robots;
 mod rope_follows;
 mod saved;
+mod scales;
 mod screening;
 mod screening_base;
 mod selection;

@@ -7,7 +7,7 @@ use crate::input::NamedCell;
 use crate::numbers::{optional, percent, significant};
 use crate::output::Exit;
 use crate::session::Session;
-use crate::table::{Table, red, title, yellow};
+use crate::table::{Table, title, weight};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::clamped::{ClampedIdentification, ClampedPosture, identify_clamped};
@@ -142,11 +142,7 @@ fn table(
         out += &format!("{sentence}\n");
     }
     for finding in &result.findings {
-        let severity = match finding.severity {
-            Severity::Serious => red("serious"),
-            Severity::Caution => yellow("caution"),
-            Severity::Note => yellow("note"),
-        };
+        let severity = weight(finding.severity);
         out += &format!("{severity}: {}\n", finding.sentence);
     }
     if !result.friction.is_empty() {

@@ -3,7 +3,7 @@
 use super::Identified;
 use super::readings::marked;
 use crate::numbers::{mm, percent, significant, stiffness};
-use crate::table::red;
+use crate::table::{red, serious, yellow};
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
 use stiffarm::estimate::identify::{
     CollinearSet, Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
@@ -67,7 +67,7 @@ pub fn undetermined(names: &[String], combined: bool) -> String {
             "What they determine together stands below the joints; `stiffarm check` looks for the reason."
         }
     };
-    format!("{} {rest}\n", red(&said))
+    format!("{} {rest}\n", serious(&said))
 }
 
 /// Joints that the data tell apart only together, named before any number.
@@ -83,8 +83,8 @@ pub fn collinear(sets: &[CollinearSet]) -> String {
             list(&set.unknowns)
         );
         out += &format!(
-            "{} Their single values below mean nothing; other postures or loads would separate them.\n",
-            red(&said)
+            "{}: {said} Their single values below mean nothing; other postures or loads would separate them.\n",
+            yellow("caution")
         );
     }
     out
@@ -200,7 +200,7 @@ pub(super) fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
             "{}: no interval, because the data leave no degree of freedom to judge the noise, or show no deflection.",
             joint.name
         )),
-        (Verdict::SignOrModelFault, _) => Some(red(&format!(
+        (Verdict::SignOrModelFault, _) => Some(serious(&format!(
             "{}: its compliance comes out negative, beyond what noise explains. Check the sign of the force (on the \
              robot), the frames and the model.",
             joint.name

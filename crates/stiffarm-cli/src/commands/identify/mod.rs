@@ -30,7 +30,8 @@ use stiffarm::estimate::identify::{
 use stiffarm::estimate::next_posture::{NextPosture, next_posture};
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::Severity;
-use stiffarm::measure::prepare;
+use stiffarm::measure::screening::Screening;
+use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::plan::select::GlobalOptions;
@@ -73,6 +74,10 @@ pub struct Identified {
     pub identification: Identification,
     /// From raw readings to displacements; `null` for a table of displacements.
     pub readings: Option<Reduced>,
+    /// What is suspicious about the scales of a table of displacements; for raw readings
+    /// it stands in `readings`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sanity: Option<Screening>,
     /// Interval from the profile of the likelihood; `null` where there is none.
     pub profile: Option<Profile>,
     /// Interval from resampled postures; `null` unless asked for.
@@ -156,6 +161,7 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
     let identification = fit.identification()?.clone();
     let mut out = Identified {
         readings: Reduced::of(fit.measured()),
+        sanity: sanity(fit.measured()),
         profile: None,
         bootstrap: None,
         budget: None,
@@ -208,6 +214,12 @@ fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Id
     Ok(out)
 }
 
+/// Findings about a table of displacements, where there are any.
+fn sanity(measured: &Measured) -> Option<Screening> {
+    let screening = measured.screening.clone();
+    screening.filter(|s| measured.reduction.is_none() && !s.findings.is_empty())
+}
+
 /// What was found; `None`, with its name in `left_out`, where the user stopped it.
 fn unless_stopped<T>(
     name: &'static str,
@@ -252,7 +264,7 @@ fn details(fit: &Fit, result: &Identified) -> String {
     let mut out = String::new();
     let columns = columns();
     let sentence = |text: &str| format!("{}\n", wrapped(text, columns));
-    if result.readings.is_some() {
+    if result.readings.is_some() || result.sanity.is_some() {
         out += &title("Readings");
         let lines = readings::summary(fit.measured());
         lines.lines().for_each(|line| out += &sentence(line));

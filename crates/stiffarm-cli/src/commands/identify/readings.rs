@@ -1,7 +1,7 @@
 //! From a table of raw readings to displacements, with all that was noticed.
 
 use crate::numbers::{mm, significant};
-use crate::table::{red, yellow};
+use crate::table::{serious, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::findings::{Finding, Severity};
@@ -28,12 +28,18 @@ impl Reduced {
     }
 }
 
-/// What was done with raw readings, and what was found; nothing for displacements.
+/// What was done with raw readings, and what was found.
 pub fn summary(measured: &Measured) -> String {
-    let Some(reduction) = &measured.reduction else {
-        return String::new();
-    };
+    let findings: String = measured.findings().map(marked).collect();
+    done(measured) + &findings
+}
+
+/// What was done with raw readings; nothing for displacements.
+pub fn done(measured: &Measured) -> String {
     let mut out = String::new();
+    let Some(reduction) = &measured.reduction else {
+        return out;
+    };
     if let Some(registration) = &reduction.registration {
         out += &register(registration);
     }
@@ -54,9 +60,6 @@ pub fn summary(measured: &Measured) -> String {
             "Base reflectors: their motion is subtracted, up to {} mm.\n",
             significant(largest * 1e3, 2)
         );
-    }
-    for finding in measured.findings() {
-        out += &marked(finding);
     }
     out
 }
@@ -83,7 +86,7 @@ fn register(registration: &UnloadedRegistration) -> String {
 /// A finding as a line, with its weight.
 pub fn marked(finding: &Finding) -> String {
     match finding.severity {
-        Severity::Serious => format!("{}\n", red(&finding.sentence)),
+        Severity::Serious => format!("{}\n", serious(&finding.sentence)),
         Severity::Caution => format!("{}: {}\n", yellow("caution"), finding.sentence),
         Severity::Note => format!("{}\n", finding.sentence),
     }

@@ -6,7 +6,7 @@ use super::{Identified, messages, tables};
 use crate::input::NamedCell;
 use crate::numbers::{NONE, significant, stiffness};
 use crate::screen::{columns, wrapped};
-use crate::table::{Align, Table, red, yellow};
+use crate::table::{Align, Table, yellow};
 use stiffarm::estimate::identify::{Fit, JointEstimate, Verdict, implausible_scale};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors, SystematicSource};
 use stiffarm::findings::{Finding, Severity, list};
@@ -39,14 +39,32 @@ pub(super) fn summary(
         &found.estimates.undetermined_joints,
         combined,
     ));
-    say(&messages::collinear(&found.estimates.collinear));
-    say(&messages::stopped(&result.not_computed));
-    if let Some(finding) = implausible_scale(fit.cell(), found) {
-        say(&red(&finding.sentence));
-    }
     let is_serious = |f: &&Finding| f.severity == Severity::Serious;
-    let serious = measured.findings().filter(is_serious);
-    serious.for_each(|f| say(marked(f).trim_end()));
+    let scales: Vec<&Finding> = measured.screening.iter().flat_map(|s| s.scales()).collect();
+    let named_scale = scales.iter().any(is_serious);
+    if scales.is_empty() || details {
+        say(&messages::collinear(&found.estimates.collinear));
+    }
+    say(&messages::stopped(&result.not_computed));
+    // What a scale explains is no finding of its own.
+    let implausible = implausible_scale(fit.cell(), found).filter(|_| scales.is_empty());
+    let diagnosed = result.diagnosis.iter().flat_map(|d| &d.findings);
+    let budget = result.budget.iter().flat_map(|b| &b.findings);
+    let profiled = result.profile.iter().map(|p| &p.finding);
+    let computed: Vec<&Finding> = match named_scale {
+        true => Vec::new(),
+        false => diagnosed.chain(budget).chain(profiled).collect(),
+    };
+    let all = measured.findings().chain(computed.iter().copied());
+    let serious: Vec<&Finding> = implausible.iter().chain(all.filter(is_serious)).collect();
+    serious.iter().for_each(|f| say(marked(f).trim_end()));
+    scales
+        .iter()
+        .filter(|f| !is_serious(f))
+        .for_each(|f| say(marked(f).trim_end()));
+    if !serious.is_empty() {
+        say("Not to be used before this is settled; from the data as they are:");
+    }
     say(&verdict(result));
     out += &format!("\n{}", table(result));
     if !details {
@@ -69,12 +87,6 @@ pub(super) fn summary(
                 .for_each(|text| say(text));
         }
     }
-    let diagnosed = result.diagnosis.iter().flat_map(|d| &d.findings);
-    let budget = result.budget.iter().flat_map(|b| &b.findings);
-    let profiled = result.profile.iter().map(|p| &p.finding);
-    let computed = diagnosed.chain(budget).chain(profiled);
-    let serious = computed.clone().filter(is_serious);
-    serious.for_each(|f| say(marked(f).trim_end()));
     if !details {
         let is_pending = |f: &&Finding| f.code == NOT_MEASURED_YET;
         let pending = measured.findings().filter(is_pending);
@@ -87,6 +99,7 @@ pub(super) fn summary(
             .findings()
             .chain(computed)
             .filter(is_caution)
+            .filter(|f| !scales.contains(f))
             .collect();
         let shown = cautions.iter().take(MOST_CAUTIONS);
         shown.for_each(|f| say(marked(f).trim_end()));
@@ -97,6 +110,11 @@ pub(super) fn summary(
                 yellow("caution")
             ));
         }
+    }
+    if named_scale && result.diagnosis.is_some() {
+        say(
+            "What the fit says besides mostly follows from the scale: settle that first; --details shows it.",
+        );
     }
     for remark in messages::remarks(fit.cell(), &measured.postures, result) {
         say(&format!("{}: {remark}", yellow("note")));

@@ -19,6 +19,13 @@ fn subject(s: &Suspicion) -> String {
             Cause::ToolUnits | Cause::Drawing => "tool.measuring_point",
             Cause::JointSign | Cause::Coupling | Cause::JointOffset => "robot",
             Cause::GivenTransform => "tracker",
+            Cause::LoadUnits | Cause::LoadEntry | Cause::MomentUnits => "load",
+            Cause::ExchangedLoadCases => "load.case",
+            Cause::DisplacementUnits => "measurements",
+            Cause::PriorUnits => "stiffness.prior_nm_per_rad",
+            Cause::AnchorUnits => "load.anchor_mm",
+            Cause::LoadingPointUnits => "tool.loading_point_mm",
+            Cause::RobotUnits => "robot.dh",
             _ => "readings",
         }
         .to_string();
@@ -138,6 +145,7 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             format!("{joints} is off by {} throughout", angle(s, 0))
         }
         Cause::Radians => "the angles are in radians".to_string(),
+        Cause::Degrees => "the angles are in degrees".to_string(),
         Cause::AngleSign => format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0)),
         Cause::MistypedAngle => format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0)),
         Cause::OtherPosture | Cause::ExchangedPostures => match s.postures.get(1) {
@@ -200,8 +208,12 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 _ => "a smaller unit than the heading's",
             };
             let where_ = if place.is_empty() { "all postures" } else { &place };
+            let what = match cell.setup.tool.point_count() {
+                1 => "positions spread",
+                _ => "distances between the measuring points are",
+            };
             format!(
-                "In {where_} the distances between the measuring points are {times} times too {size}: the coordinates \
+                "In {where_} the {what} {times} times too {size}: the coordinates \
                  seem to be {typed}. Correct the heading's unit or the numbers."
             )
         }
@@ -288,6 +300,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 "theta_from_q"
             }
         ),
+        Cause::Radians if s.misfits.is_some() => super::scale::messages::sentence(cell, s, &opening),
         Cause::Radians => format!(
             "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded \
              points falls {}.{} Convert them.",
@@ -395,6 +408,16 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                  load another one?"
             )
         }
+        Cause::LoadUnits
+        | Cause::LoadEntry
+        | Cause::MomentUnits
+        | Cause::DisplacementUnits
+        | Cause::PriorUnits
+        | Cause::AnchorUnits
+        | Cause::LoadingPointUnits
+        | Cause::RobotUnits
+        | Cause::ExchangedLoadCases
+        | Cause::Degrees => super::scale::messages::sentence(cell, s, &opening),
         Cause::NotChecked => {
             "Too few unloaded readings to register the tracker: the checks against the kinematic model were left out."
                 .to_string()

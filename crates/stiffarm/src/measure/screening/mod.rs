@@ -27,6 +27,7 @@ mod model;
 mod motion;
 mod posture;
 mod rigid;
+mod scale;
 mod severity;
 mod shape;
 mod sheet;
@@ -37,7 +38,7 @@ use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
-use crate::model::measurement::ReadingTable;
+use crate::model::measurement::{MeasuredPosture, ReadingTable};
 use crate::model::observation::Setup;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -107,8 +108,41 @@ pub enum Cause {
     DisplacementSize,
     /// One state with displacements of another size than the others.
     OtherLoad,
+    /// Loads or forces of the whole table, or of the cell, in another unit.
+    LoadUnits,
+    /// The load of single states typed in another unit or with a slipped decimal point.
+    LoadEntry,
+    /// Moments in another unit than the forces.
+    MomentUnits,
+    /// Displacements in another unit than stated.
+    DisplacementUnits,
+    /// The prior stiffness in another unit than stated.
+    PriorUnits,
+    /// The anchor of rope or cylinder in another unit than stated.
+    AnchorUnits,
+    /// The loading point in another unit than stated.
+    LoadingPointUnits,
+    /// The robot's own lengths in another unit than stated.
+    RobotUnits,
+    /// States filed under another load case than they were taken under.
+    ExchangedLoadCases,
+    /// Joint angles in degrees under a heading in radians.
+    Degrees,
     /// Too few readings for the checks against the kinematic model.
     NotChecked,
+}
+
+/// What a suspicion about a scale rests on, the strongest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Evidence {
+    /// Readings against readings.
+    Readings,
+    /// The file against itself: names of states, nominal load, what can be meant at all.
+    File,
+    /// The prior stiffness, or that of robots of the class, alone.
+    Prior,
 }
 
 /// One suspicion with its numbers.
@@ -137,6 +171,19 @@ pub struct Suspicion {
     pub off_m: Option<f64>,
     /// Ratio of what is read to what is expected.
     pub factor: Option<f64>,
+    /// Identified over prior stiffness, or that of the robot's class, where a scale is suspected.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<f64>,
+    /// Misfit of the states under load with and without the fault, over the larger of what is
+    /// read and what is expected, where a scale is suspected by readings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misfits: Option<[f64; 2]>,
+    /// What in the file itself says the same of a scale.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub confirmed_by: Vec<String>,
+    /// What a suspicion about a scale rests on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub evidence: Option<Evidence>,
     /// Angle as written and as the readings have it, or offset of a joint \[deg\].
     pub angles_deg: Vec<f64>,
     /// Other explanations that fit as well.
@@ -159,6 +206,10 @@ impl Suspicion {
             after_m: None,
             off_m: None,
             factor: None,
+            ratio: None,
+            misfits: None,
+            confirmed_by: Vec::new(),
+            evidence: None,
             angles_deg: Vec::new(),
             alternatives: Vec::new(),
             certain: true,
@@ -215,15 +266,48 @@ pub struct Screening {
     pub states_checked: usize,
 }
 
+impl Screening {
+    /// The findings about scales: numbers off by a factor, load cases exchanged. What a fit says
+    /// besides mostly follows from them.
+    pub fn scales(&self) -> impl Iterator<Item = &Finding> {
+        let both = self.suspicions.iter().zip(&self.findings);
+        both.filter(|(s, _)| s.cause.is_scale()).map(|(_, f)| f)
+    }
+}
+
 /// What the checks work on: cell and readings as corrected so far.
 struct Work {
     cell: Cell,
     sheet: Sheet,
     found: Vec<Suspicion>,
     shape: mean_shape::LastShape,
+    /// The wrenches point the other way than stated.
+    reversed: bool,
+    /// The positions are displacements.
+    is_displacements: bool,
 }
 
 impl Work {
+    fn new(cell: &Cell, sheet: Sheet, found: Vec<Suspicion>) -> Self {
+        Work {
+            cell: cell.clone(),
+            sheet,
+            found,
+            shape: mean_shape::LastShape::default(),
+            reversed: false,
+            is_displacements: false,
+        }
+    }
+
+    /// Cell and readings to try a correction on.
+    fn to_try(&self) -> Self {
+        Work {
+            reversed: self.reversed,
+            is_displacements: self.is_displacements,
+            ..Work::new(&self.cell, self.sheet.clone(), Vec::new())
+        }
+    }
+
     fn setup(&self) -> &Setup {
         &self.cell.setup
     }
@@ -268,13 +352,21 @@ pub(super) fn screen_series(
     let given = base_from_tracker.or(cell.tracker.base_from_tracker.as_ref());
     let mut found = Vec::new();
     let sheet = Sheet::new(cell, table.wrench_columns, series, &mut found)?;
-    let mut work = Work {
-        cell: cell.clone(),
-        sheet,
-        found,
-        shape: mean_shape::LastShape::default(),
-    };
+    let mut work = Work::new(cell, sheet, found);
     shape::units(&mut work);
+    if work.found.iter().any(|s| s.cause == Cause::RobotUnits) {
+        // Nothing can be held against such a robot.
+        return Ok(Screening {
+            findings: work
+                .found
+                .iter()
+                .map(|s| messages::finding(cell, s))
+                .collect(),
+            suspicions: work.found,
+            unloaded_rms_m: None,
+            states_checked: 0,
+        });
+    }
     // Strays first, so that they are not taken for faults of a posture; what
     // the shape alone cannot tell is settled once the frame is known.
     let states_checked = shape::strays(&mut work, false);
@@ -284,6 +376,9 @@ pub(super) fn screen_series(
     shape::strays(&mut work, true);
     gross_error::settle(&mut work, frame.as_ref());
     shape::drawing(&mut work, false);
+    if let Some(frame) = &frame {
+        scale::check(&mut work, &frame.base_from_tracker);
+    }
     motion::check(&mut work, frame.as_ref());
     let found = work.found;
     Ok(Screening {
@@ -291,5 +386,27 @@ pub(super) fn screen_series(
         suspicions: found,
         unloaded_rms_m: frame.map(|f| f.level),
         states_checked,
+    })
+}
+
+/// What the scales of a table of displacements say: their unit and that of the
+/// loads, of the angles and of the prior, load cases exchanged, an anchor in
+/// another unit. The other checks need raw readings.
+///
+/// # Errors
+/// A posture with a wrong number of angles, or a number that is not finite.
+pub fn screen_displacements(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Screening> {
+    let sheet = Sheet::of_displacements(cell, measured)?;
+    let mut work = Work::new(cell, sheet, Vec::new());
+    // The wrenches of such a table are in base axes, whoever measured them.
+    work.cell.sensor = None;
+    work.is_displacements = true;
+    scale::check(&mut work, &Isometry3::identity());
+    let found = work.found;
+    Ok(Screening {
+        findings: found.iter().map(|s| messages::finding(cell, s)).collect(),
+        suspicions: found,
+        unloaded_rms_m: None,
+        states_checked: 0,
     })
 }

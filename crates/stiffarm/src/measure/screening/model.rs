@@ -15,6 +15,8 @@ const PLAUSIBLE: f64 = 8e-3;
 const UNEXPLAINED: f64 = 1e-2;
 /// Angles that all lie below this may be radians \[deg\].
 const LIKE_RADIANS: f64 = 7.0;
+/// Angles one of which lies above this may be degrees read as radians \[deg\].
+const LIKE_DEGREES: f64 = 800.0;
 /// Steps in which an offset of a joint is looked for \[deg\], and how often the
 /// step is then halved.
 const OFFSET_STEP: f64 = 15.0;
@@ -40,13 +42,15 @@ enum Change {
     Offset(usize, f64),
     /// The angles are radians.
     Radians,
+    /// The angles are degrees, read as radians.
+    Degrees,
 }
 
 impl Change {
     /// How much at once this change supposes; simpler causes are believed first.
     fn complexity(&self) -> usize {
         match self {
-            Change::Mirror | Change::Radians => 1,
+            Change::Mirror | Change::Radians | Change::Degrees => 1,
             Change::Order(order) => (0..order.len()).filter(|a| order[*a] != *a).count() - 1,
             Change::Chain(signs, coupling) => signs.len() + usize::from(coupling.is_some()),
             Change::Offset(..) => 2,
@@ -79,6 +83,7 @@ impl Change {
                 each_angle(work, |i, q| if i == *j { q + offset } else { q })
             }
             Change::Radians => each_angle(work, |_, q| rad_to_deg(q)),
+            Change::Degrees => each_angle(work, |_, q| deg_to_rad(q)),
         }
     }
 
@@ -86,6 +91,7 @@ impl Change {
         match self {
             Change::Mirror => Suspicion::new(Cause::MirroredFrame),
             Change::Radians => Suspicion::new(Cause::Radians),
+            Change::Degrees => Suspicion::new(Cause::Degrees),
             Change::Order(order) => exchanged(work, order),
             Change::Chain(signs, None) => {
                 Suspicion::new(Cause::JointSign).joints(&work.cell, signs)
@@ -255,22 +261,12 @@ fn thinned(work: &Work) -> Option<Work> {
         let mut sheet = work.sheet.clone();
         let kept = sheet.postures.into_iter().step_by(step);
         sheet.postures = kept.collect();
-        Work {
-            cell: work.cell.clone(),
-            sheet,
-            found: Vec::new(),
-            shape: Default::default(),
-        }
+        Work::new(&work.cell, sheet, Vec::new())
     })
 }
 
 fn tried(work: &Work, change: &Change, given: Option<&Isometry3<f64>>) -> Option<Frame> {
-    let mut copy = Work {
-        cell: work.cell.clone(),
-        sheet: work.sheet.clone(),
-        found: Vec::new(),
-        shape: Default::default(),
-    };
+    let mut copy = work.to_try();
     change.apply(&mut copy);
     fitted(&copy, given)
 }
@@ -287,6 +283,8 @@ fn changes(work: &Work) -> Vec<Change> {
         .fold(0.0, |m, q| rad_to_deg(q.abs()).max(m));
     if largest < LIKE_RADIANS {
         out.push(Change::Radians);
+    } else if largest > LIKE_DEGREES {
+        out.push(Change::Degrees);
     }
     let points = work.setup().tool.point_count();
     out.extend(orders(points).into_iter().map(Change::Order));

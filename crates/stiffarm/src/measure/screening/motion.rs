@@ -42,7 +42,8 @@ pub(super) struct Move {
     pub known: DVector<f64>,
     /// Standard deviation of a component by the cell \[m\].
     pub std: f64,
-    wrench: Wrench,
+    /// The wrench, loaded minus unloaded, about the loading point in base axes.
+    pub wrench: Wrench,
     /// Points from the loading point, base axes \[m\].
     arms: Vec<Vector3<f64>>,
 }
@@ -118,7 +119,7 @@ pub(super) fn moves(work: &Work, base_from_tracker: &Isometry3<f64>) -> Vec<Move
     out
 }
 
-fn displacement(
+pub(super) fn displacement(
     work: &Work,
     base_from_tracker: &Isometry3<f64>,
     p: usize,
@@ -128,6 +129,7 @@ fn displacement(
     let (state, before) = (work.sheet.at((p, s)), work.sheet.at((p, reference)));
     let setup = &*work.setup().of_state(&state.name).ok()?;
     let wrench = wrench(work, state, before)?;
+    let sign = if work.reversed { -1.0 } else { 1.0 };
     let terms = PostureTerms::new(setup, &before.q, wrench.as_ref()).ok()?;
     let (block, known) = (
         terms.block(&setup.robot),
@@ -167,10 +169,13 @@ fn displacement(
         reference,
         points,
         shift: DVector::from_vec(shift),
-        block: block.select_rows(&rows),
-        known: known.select_rows(&rows),
+        block: block.select_rows(&rows) * sign,
+        known: known.select_rows(&rows) * sign,
         std: variance.sqrt(),
-        wrench: *terms.wrench(),
+        wrench: Wrench {
+            force: terms.wrench().force * sign,
+            moment: terms.wrench().moment * sign,
+        },
         arms,
     })
 }
@@ -214,6 +219,12 @@ fn wrench(
     }))
 }
 
+/// Size of the load of a state as the table or the cell has it \[N\].
+pub(super) fn load_of(work: &Work, state: &super::sheet::State) -> Option<f64> {
+    let own = || work.setup().of_state(&state.name).ok()?.load.size();
+    state.load.or_else(own)
+}
+
 /// One displacement as judged.
 struct Judged {
     at: (usize, usize),
@@ -224,15 +235,27 @@ struct Judged {
     still: bool,
 }
 
+/// True where more displacements go against their load than along it.
+pub(super) fn is_reversed(work: &Work, moves: &[Move]) -> bool {
+    let compliance = compliance(work);
+    let signs = moves.iter().map(|m| judge(work, m, &compliance).sign);
+    signs.sum::<i32>() < 0
+}
+
+/// By the prior, else equal for all.
+fn compliance(work: &Work) -> DVector<f64> {
+    let n = work.setup().robot.spring_count();
+    match &work.cell.prior {
+        Some(prior) => DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k)),
+        None => DVector::from_element(n, SOME_COMPLIANCE),
+    }
+}
+
 /// Checks size and sign of all displacements. Without a frame nothing can be said.
 pub(super) fn check(work: &mut Work, frame: Option<&super::frame::Frame>) {
     let Some(frame) = frame else { return };
     let motions = moves(work, &frame.base_from_tracker);
-    let n = work.setup().robot.spring_count();
-    let compliance = match &work.cell.prior {
-        Some(prior) => DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k)),
-        None => DVector::from_element(n, SOME_COMPLIANCE),
-    };
+    let compliance = compliance(work);
     let judged: Vec<Judged> = motions
         .iter()
         .map(|m| judge(work, m, &compliance))
@@ -326,7 +349,17 @@ fn sizes(work: &mut Work, judged: &[Judged]) {
     let middle = median(&ratios);
     let has_prior = work.cell.prior.is_some();
     let is_off = |ratio: f64, limit: f64| ratio > limit || ratio < 1.0 / limit;
-    if has_prior && middle > 0.0 && is_off(middle, UNIT) && !judged.iter().all(|j| j.still) {
+    // What has a name is said already.
+    let named = work.found.iter().any(|s| {
+        let common = matches!(s.cause, Cause::LoadUnits | Cause::PriorUnits);
+        common && s.postures.is_empty()
+    });
+    if has_prior
+        && !named
+        && middle > 0.0
+        && is_off(middle, UNIT)
+        && !judged.iter().all(|j| j.still)
+    {
         let mut suspicion = Suspicion::new(Cause::DisplacementSize);
         suspicion.factor = Some(middle);
         work.found.push(suspicion);

@@ -1,6 +1,6 @@
 //! What a suspicion is called and how serious it is.
 
-use super::{Cause, Suspicion};
+use super::{Cause, Evidence, Suspicion};
 use crate::findings::Severity;
 
 /// Misfit that a robot as delivered may have \[m\].
@@ -37,6 +37,16 @@ pub(super) fn code(cause: Cause) -> &'static str {
         Cause::ExchangedStates => "exchanged-states",
         Cause::DisplacementSize => "displacement-size",
         Cause::OtherLoad => "other-load",
+        Cause::LoadUnits => "load-units",
+        Cause::LoadEntry => "load-entry",
+        Cause::MomentUnits => "moment-units",
+        Cause::DisplacementUnits => "displacement-units",
+        Cause::PriorUnits => "prior-units",
+        Cause::AnchorUnits => "anchor-units",
+        Cause::LoadingPointUnits => "loading-point-units",
+        Cause::RobotUnits => "robot-units",
+        Cause::ExchangedLoadCases => "exchanged-load-cases",
+        Cause::Degrees => "angles-in-degrees",
         Cause::NotChecked => "not-checked",
     }
 }
@@ -46,6 +56,17 @@ pub(super) fn severity(s: &Suspicion) -> Severity {
     match s.cause {
         Cause::NotChecked => Severity::Note,
         Cause::Drawing if s.certain => Severity::Note,
+        // Where the prior alone speaks, the prior may be what is wrong.
+        Cause::LoadUnits | Cause::DisplacementUnits | Cause::PriorUnits if !s.certain => {
+            match s.evidence {
+                Some(Evidence::Prior) => Severity::Caution,
+                _ => Severity::Serious,
+            }
+        }
+        // It weighs the joints when postures are chosen, and no more.
+        Cause::PriorUnits => Severity::Caution,
+        // The number alone speaks: the readings fit either.
+        Cause::LoadingPointUnits if !s.certain => Severity::Caution,
         // A few mm are within what robots miss their positions by.
         Cause::UnexplainedPosture if s.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => {
             Severity::Caution

@@ -14,6 +14,12 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 const UNIT_RATIOS: [f64; 8] = [1e3, 1e-3, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4];
 /// Relative distance from such a ratio that still counts.
 const UNIT_TOLERANCE: f64 = 0.1;
+/// Those of them between readings and the arm's reach, and states that show it.
+const REACH_RATIOS: [f64; 4] = [1e3, 1e-3, 25.4, 1.0 / 25.4];
+const REACHES: usize = 3;
+const REACH_TOLERANCE: f64 = 0.5;
+/// Angles that all lie below this may be radians \[rad\].
+const LIKE_RADIANS: f64 = 0.122;
 /// Chance of a false alarm over all states together.
 const FALSE_ALARM: f64 = 1e-3;
 /// Standard deviations below which a distance is never worth a word.
@@ -55,6 +61,7 @@ pub(super) fn units(work: &mut Work) {
         }
     }
     let Some(&(_, first)) = off.first() else {
+        reach(work, &states);
         return;
     };
     let all = off.len() == states.len() && off.iter().all(|(_, u)| *u == first);
@@ -90,8 +97,41 @@ pub(super) fn units(work: &mut Work) {
     }
 }
 
+/// Without a hint from the tool's shape: the postures against the arm's reach. One
+/// point has no shape, so its coordinates may be in another unit; where a shape is
+/// right, the robot's lengths are not.
+fn reach(work: &mut Work, states: &[(usize, usize)]) {
+    let angles = states.iter().flat_map(|at| &work.sheet.at(*at).q);
+    let largest = angles.fold(0.0_f64, |most, q| most.max(q.abs()));
+    // Angles in radians under a heading in degrees shrink the arm's reach too.
+    if states.len() < REACHES || largest < LIKE_RADIANS {
+        return;
+    }
+    let ratio = spread_ratio(work);
+    // The model is that of the flange: the tool's own length is left out.
+    let near = |u: &f64| (ratio / u).ln().abs() < REACH_TOLERANCE;
+    let Some(unit) = REACH_RATIOS.into_iter().find(near) else {
+        return;
+    };
+    let mut suspicion = Suspicion::new(match work.setup().tool.point_count() {
+        1 => Cause::Units,
+        _ => Cause::RobotUnits,
+    });
+    suspicion.factor = Some(unit);
+    if suspicion.cause == Cause::Units {
+        work.sheet.each_position(|position| *position /= unit);
+    }
+    work.found.push(suspicion);
+}
+
 /// True when the postures spread as far as the model has it.
 fn spread_agrees(work: &Work) -> bool {
+    let ratio = spread_ratio(work);
+    ratio > 0.5 && ratio < 2.0
+}
+
+/// How far the postures spread over what the model has.
+fn spread_ratio(work: &Work) -> f64 {
     let centre = |points: &[Vector3<f64>]| {
         points.iter().sum::<Vector3<f64>>() / (points.len().max(1)) as f64
     };
@@ -110,8 +150,7 @@ fn spread_agrees(work: &Work) -> bool {
             .sum::<f64>()
             .sqrt()
     };
-    let ratio = spread(&read) / spread(&modelled);
-    ratio > 0.5 && ratio < 2.0
+    spread(&read) / spread(&modelled)
 }
 
 /// Adds the names of postures, and of the state where it is always the same.

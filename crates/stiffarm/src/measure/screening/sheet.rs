@@ -6,7 +6,7 @@ use crate::error::{Code, Error, Result};
 use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::measurement::{Reading, Role, WrenchColumns};
+use crate::model::measurement::{MeasuredPosture, Reading, Role, WrenchColumns};
 use crate::model::observation::check_angles;
 use crate::numerics::sample::median;
 use nalgebra::Vector3;
@@ -155,6 +155,65 @@ impl Sheet {
         Ok(Sheet {
             postures,
             has_moments: wrench_columns == WrenchColumns::ForceAndMoment,
+        })
+    }
+
+    /// Displacements as positions from the origin, which is where every point is unloaded.
+    pub fn of_displacements(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Self> {
+        let count = cell.setup.tool.point_count();
+        let std = cell.noise.displacement_std().max(SMALLEST_STD);
+        let at = |position: Vector3<f64>, readings: usize| Mean {
+            position,
+            std: std / std::f64::consts::SQRT_2 / (readings.max(1) as f64).sqrt(),
+        };
+        let empty = |name: &str, q: &[f64]| State {
+            name: name.to_string(),
+            role: Role::of(name),
+            q: q.to_vec(),
+            wrench: None,
+            load: None,
+            points: vec![None; count],
+            lines: vec![Vec::new(); count],
+            doubtful: Vec::new(),
+            base: BTreeMap::new(),
+        };
+        let mut postures: Vec<Posture> = Vec::new();
+        for one in measured {
+            let q = &one.posture.q;
+            check_angles(&cell.setup.robot, q)?;
+            let mut state = empty(&one.state, q);
+            state.wrench = one.wrench;
+            for a in 0..count {
+                let own = one.displacements.iter().filter(|d| d.point == a);
+                let values: Vec<Vector3<f64>> = own.map(|d| d.value).collect();
+                if values.iter().any(|v| !is_finite(v)) {
+                    let message = format!(
+                        "A displacement of posture {} is not a finite number.",
+                        one.posture.name
+                    );
+                    return Err(Error::new(Code::NotFinite, message));
+                }
+                let mean = values.iter().sum::<Vector3<f64>>() / values.len().max(1) as f64;
+                state.points[a] = (!values.is_empty()).then(|| at(mean, values.len()));
+            }
+            // Angles of a posture may differ from state to state.
+            let known = postures.iter_mut().find(|p| p.name == one.posture.name);
+            match known.filter(|p| p.states[0].q == *q) {
+                Some(posture) => posture.states.push(state),
+                None => {
+                    let mut unloaded = empty("unloaded", q);
+                    unloaded.points.fill(Some(at(Vector3::zeros(), 1)));
+                    postures.push(Posture {
+                        name: one.posture.name.clone(),
+                        states: vec![unloaded, state],
+                    });
+                }
+            }
+        }
+        Ok(Sheet {
+            postures,
+            // A wrench of a table of displacements is whole: it is about the loading point.
+            has_moments: true,
         })
     }
 

@@ -243,7 +243,8 @@ fn a_load_of_another_size() {
         }
     }
     let sanity = screen(&cell(), &table, None).unwrap();
-    assert_eq!(only(&sanity).cause, Cause::DisplacementSize);
+    let found = only(&sanity);
+    assert_eq!((found.cause, found.factor), (Cause::LoadUnits, Some(1e3)));
     said.push(sentences(&sanity));
     // One posture measured without load; one whose loaded rows are copies.
     let mut table = group1_table(10);
