@@ -324,7 +324,7 @@ mod tests {
         assert_eq!(
             fitted(34),
             "         first  second\njoint     [mm]    [mm]\njoint 1    1.5    22.5\njoint 2    2.5       3\n\n\
-             joint    between\njoint 1  a sentence of a few words,\n         and more\njoint 2\n"
+             joint    between\njoint 1  a sentence of a few\n         words, and more\njoint 2\n"
         );
         for limit in 30..90 {
             assert!(

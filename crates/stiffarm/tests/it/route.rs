@@ -1,0 +1,190 @@
+//! Rounding, equivalent postures and the route on cells whose answers are known.
+
+use stiffarm::Control;
+use stiffarm::files::builtin;
+use stiffarm::model::cell::Cell;
+use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::route::{Route, RouteOptions, rounded, route};
+use stiffarm::plan::select::{GlobalOptions, LocalOptions, select, select_from};
+
+fn routed(cell: &Cell, plan: &[Vec<f64>], keep_angles: bool) -> Route {
+    let mut options = RouteOptions::default();
+    options.keep_angles = keep_angles;
+    options.step_deg = Some(0.01);
+    route(cell, plan, &options, Control::default()).unwrap()
+}
+
+fn degrees(q: &[f64]) -> Vec<f64> {
+    q.iter()
+        .map(|angle| (angle.to_degrees() * 1e6).round() * 1e-6)
+        .collect()
+}
+
+#[test]
+fn a_plan_on_its_limits_is_rounded_to_the_inside_of_them() {
+    let cell = builtin::cell("comau-shapes").unwrap();
+    let mut options = GlobalOptions::default();
+    options.rounds = Some(1);
+    let found = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
+    let typed = rounded(&cell, &found.group, 0.01).unwrap();
+    let mut margins = cell.posture_margins().unwrap();
+    for q in &typed {
+        assert!(margins.least(q).unwrap() >= -1e-9);
+        assert_eq!(cell.outside_bounds(q).count(), 0);
+        for angle in q {
+            let steps = angle.to_degrees() * 100.0;
+            assert!((steps - steps.round()).abs() < 1e-6, "{steps}");
+        }
+    }
+    // The plain rounding of a plan that lies on its limits leaves some of them.
+    let plain = |q: &Vec<f64>| -> Vec<f64> {
+        let steps = q.iter().map(|angle| (angle.to_degrees() * 100.0).round());
+        steps.map(|steps| (steps / 100.0).to_radians()).collect()
+    };
+    let outside = |q: Vec<f64>| margins.least(&q).unwrap() < -1e-9;
+    assert!(found.group.iter().map(plain).any(outside));
+    // What is typed is worth as much.
+    let value = found.value;
+    let typed = found.with_group::<Vec<f64>>(&cell, &[], typed).unwrap();
+    assert!(
+        (typed.value / value - 1.0).abs() < 1e-3,
+        "{} {value}",
+        typed.value
+    );
+    // Rounding again changes nothing.
+    assert_eq!(rounded(&cell, &typed.group, 0.01).unwrap(), typed.group);
+}
+
+#[test]
+fn a_step_must_be_above_zero() {
+    let cell = builtin::cell("comau").unwrap();
+    for step in [0.0, -0.01, f64::NAN, f64::INFINITY] {
+        assert!(rounded(&cell, &[vec![0.0; 6]], step).is_err());
+    }
+}
+
+#[test]
+fn the_wrist_the_other_way_round_and_full_turns_measure_the_same() {
+    let cell = builtin::cell("comau").unwrap();
+    let near = vec![0.1, 0.1, -1.6, 0.3, 0.8, 0.2];
+    // The same with the wrist turned by half a turn, and another posture beside it.
+    let mut flipped = near.clone();
+    flipped[0] = 0.15;
+    flipped[3] -= std::f64::consts::PI;
+    flipped[4] *= -1.0;
+    flipped[5] += std::f64::consts::PI;
+    let plan = rounded(&cell, &[near.clone(), flipped], 0.01).unwrap();
+    let kept = routed(&cell, &plan, true);
+    assert!(kept.turned.is_empty() && kept.turn > 3.0, "{kept:?}");
+    let found = routed(&cell, &plan, false);
+    assert_eq!(found.turned.len(), 1, "{found:?}");
+    assert!(found.turn < 0.2, "{found:?}");
+    let of = |group: &[Vec<f64>]| evaluate(&cell, "plan", group).unwrap();
+    let (before, after) = (of(&plan), of(&found.postures));
+    for index in [Index::D, Index::Condition, Index::Classical, Index::O3] {
+        let (a, b) = (before.indices.get(index), after.indices.get(index));
+        match (a, b) {
+            (Some(a), Some(b)) => assert!((a / b - 1.0).abs() < 1e-9, "{index:?}: {a} {b}"),
+            other => assert_eq!(other, (None, None), "{index:?}"),
+        }
+    }
+}
+
+#[test]
+fn the_same_posture_twice_is_not_driven_to_twice_in_a_row() {
+    let cell = builtin::cell("comau").unwrap();
+    let at = |q1: f64| vec![q1, 0.1, -1.6, 0.3, 0.8, 0.2];
+    let plan = [at(0.0), at(0.0), at(0.5), at(1.0)];
+    let found = routed(&cell, &plan, true);
+    let places: Vec<usize> = found.order.iter().map(|p| (*p).max(1)).collect();
+    assert!(
+        places.windows(2).all(|pair| pair[0] != pair[1]),
+        "{found:?}"
+    );
+    // Nothing but the two: they have to follow each other.
+    assert_eq!(routed(&cell, &plan[..2], true).order.len(), 2);
+}
+
+#[test]
+fn a_start_is_driven_from_and_back_to() {
+    let mut cell = builtin::cell("comau").unwrap();
+    let at = |q1: f64| vec![q1, 0.1, -1.6, 0.3, 0.8, 0.2];
+    cell.route.start = Some(at(-0.2));
+    cell.route.joint_speeds = Some(vec![2.0; 6]);
+    let found = routed(&cell, &[at(1.0), at(0.0), at(0.5)], true);
+    // There and back is the same whichever way: out to 1.0 and home past the others, or the other way.
+    assert_eq!(found.moves.len(), 4);
+    assert_eq!((found.moves[0].from, found.moves[3].to), (None, None));
+    assert!((found.turn - 2.4).abs() < 1e-9, "{found:?}");
+    // 2.4 rad at a tenth of 2 rad/s.
+    assert!((found.travel_s.unwrap() - 12.0).abs() < 1e-9, "{found:?}");
+    assert_eq!(found.shortest, Some(true));
+}
+
+#[test]
+fn what_stands_in_the_way_is_driven_around() {
+    let cell = builtin::cell("comau-shapes").unwrap();
+    let robot = &cell.setup.robot;
+    let plan: Vec<Vec<f64>> = builtin::postures("comau-group1", robot)
+        .unwrap()
+        .into_iter()
+        .map(|posture| posture.q)
+        .collect();
+    let mut options = RouteOptions::default();
+    options.keep_order = true;
+    options.keep_angles = true;
+    let found = route(&cell, &plan, &options, Control::default()).unwrap();
+    assert_eq!(found.order, [0, 1, 2, 3, 4, 5]);
+    assert_eq!(found.shortest, None);
+    let first = &found.moves[0];
+    assert!(first.free && first.via.len() == 1, "{first:?}");
+    // The straight move comes nearer to the column than half of what shapes keep.
+    let margin = |q: &[f64]| {
+        let margins = cell.posture_margins().unwrap().named(q).unwrap();
+        let shapes = margins
+            .into_iter()
+            .filter(|m| m.kind == stiffarm::model::cell::LimitKind::Shapes);
+        shapes.map(|m| m.margin).fold(f64::INFINITY, f64::min)
+    };
+    let half = 0.5 * cell.scene.clearance();
+    let along = |from: &[f64], to: &[f64]| {
+        let share = |s: f64| -> Vec<f64> {
+            let joints = from.iter().zip(to);
+            joints.map(|(a, b)| a + (b - a) * s).collect()
+        };
+        (0..=400)
+            .map(|i| margin(&share(f64::from(i) / 400.0)) + half)
+            .fold(f64::INFINITY, f64::min)
+    };
+    assert!(along(&plan[0], &plan[1]) < 0.0);
+    assert!(along(&plan[0], &first.via[0]) > -2e-4);
+    assert!(along(&first.via[0], &plan[1]) > -2e-4);
+    // The same seed, the same route; and via postures can be typed.
+    assert_eq!(
+        route(&cell, &plan, &options, Control::default()).unwrap(),
+        found
+    );
+    for angle in degrees(&first.via[0]) {
+        assert!(
+            (angle * 100.0 - (angle * 100.0).round()).abs() < 1e-6,
+            "{angle}"
+        );
+    }
+}
+
+#[test]
+fn a_group_of_the_paper_keeps_its_order_and_names_its_moves() {
+    let cell = builtin::cell("comau").unwrap();
+    let start = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let mut options = LocalOptions::default();
+    options.max_iterations = 20;
+    let found = select_from(&cell, Index::Novel, &start, options, Control::default()).unwrap();
+    let value = found.value;
+    let group = rounded(&cell, &found.group, 0.01).unwrap();
+    let typed = found.with_group::<Vec<f64>>(&cell, &[], group).unwrap();
+    assert!(
+        (typed.value / value - 1.0).abs() < 0.02,
+        "{} {value}",
+        typed.value
+    );
+}

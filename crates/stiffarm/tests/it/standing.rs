@@ -1,0 +1,98 @@
+//! How a running experiment stands: forecasts against what the further postures bring.
+
+use stiffarm::Control;
+use stiffarm::estimate::identify::{Fit, IdentifyOptions};
+use stiffarm::estimate::next_posture::{next_posture, planned_errors};
+use stiffarm::estimate::standing::{is_better, standing};
+use stiffarm::estimate::systematic::systematic_errors;
+use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::files::builtin;
+use stiffarm::measure::Measured;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
+
+fn experiment(count: usize, seed: u64) -> (Cell, Vec<Posture>, Measured) {
+    let cell = builtin::cell("comau").unwrap();
+    let group = random_group(&cell, StartKind::Uniform, 12, seed, 0).unwrap();
+    let postures = PostureGroup::from_angles("plan", group).postures;
+    let truth = cell.prior.clone().unwrap();
+    let measured =
+        simulate_measurements(&cell, &postures[..count], &truth, Model::Linear, seed, 0).unwrap();
+    (cell, postures, measured.into())
+}
+
+fn fitted(count: usize, seed: u64) -> (Fit, Vec<Posture>) {
+    let (cell, postures, measured) = experiment(count, seed);
+    let fit = Fit::new(&cell, measured, &IdentifyOptions::default()).unwrap();
+    (fit, postures)
+}
+
+#[test]
+fn planned_postures_bring_what_the_information_says() {
+    for seed in 0..4 {
+        let (early, plan) = fitted(5, seed);
+        let (late, _) = fitted(12, seed);
+        let forecast = planned_errors(&early, &plan[5..]).unwrap();
+        assert_eq!(forecast.after.len(), 7);
+        for after in &forecast.after {
+            for (now, then) in forecast.now.iter().zip(after) {
+                assert!(then.unwrap() <= now.unwrap() * (1.0 + 1e-9));
+            }
+        }
+        // Measured as linear as the plan says, the standard errors are those, but for the scatter's own.
+        let really = planned_errors::<Vec<f64>>(&late, &[]).unwrap().now;
+        let ratios: Vec<f64> = forecast.after[6]
+            .iter()
+            .zip(&really)
+            .map(|(expected, found)| expected.unwrap() / found.unwrap())
+            .collect();
+        let first = ratios[0];
+        for ratio in &ratios {
+            // One factor for all joints: the scatter that each fit finds.
+            assert!((ratio / first - 1.0).abs() < 0.25, "{ratios:?}");
+        }
+        assert!((0.5..2.0).contains(&first), "{ratios:?}");
+    }
+}
+
+#[test]
+fn a_goal_is_reached_ahead_or_out_of_reach() {
+    let (fit, plan) = fitted(6, 1);
+    let budget = systematic_errors(&fit).unwrap();
+    let at = |goal: f64| standing(&fit, &budget, &plan[6..], Some(goal)).unwrap();
+    let now = at(0.99);
+    let largest = now.largest.unwrap();
+    assert_eq!((now.reached, now.postures_to_goal), (Some(true), None));
+    assert_eq!(at(largest * 1.0001).reached, Some(true));
+    assert_eq!(at(largest * 0.9999).reached, Some(false));
+    // A force known to 1 % leaves 2 % of every stiffness, whatever is measured.
+    let far = at(0.019);
+    assert_eq!((far.reached, far.postures_to_goal), (Some(false), None));
+    assert_eq!(far.findings[0].code, "goal-out-of-reach");
+    assert!(at(0.021).findings.is_empty());
+    // Without a goal nothing is said of one.
+    let plain = standing(&fit, &budget, &plan[6..], None).unwrap();
+    assert_eq!((plain.reached, plain.findings.len()), (None, 0));
+    for joint in &plain.joints {
+        assert!(joint.with_all <= joint.with_next && joint.with_next <= joint.total);
+        assert!(joint.systematic <= joint.total);
+    }
+    // Nothing left: nothing expected.
+    let last = standing::<Vec<f64>>(&fit, &budget, &[], None).unwrap();
+    assert!(last.joints.iter().all(|joint| joint.with_next.is_none()));
+}
+
+#[test]
+fn a_far_better_posture_is_worth_naming_and_an_equal_one_is_not() {
+    let (fit, _) = fitted(5, 2);
+    let mut options = GlobalOptions::default();
+    options.rounds = Some(1);
+    let best = next_posture(&fit, &options, Control::default()).unwrap();
+    // The best itself as the planned one: no reason to leave the plan.
+    let same = planned_errors(&fit, &[best.angles.clone()]).unwrap();
+    assert!(!is_better(&best, &same));
+    // One that is measured already shows hardly anything new.
+    let poor = planned_errors(&fit, &[vec![0.0, 0.0, -1.5, 0.0, 0.01, 0.0]]).unwrap();
+    assert!(is_better(&best, &poor));
+}
