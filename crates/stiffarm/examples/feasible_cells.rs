@@ -7,6 +7,7 @@
 #[allow(unused_imports)]
 mod common;
 #[path = "../tests/it/feasible/mod.rs"]
+#[allow(dead_code)]
 mod feasible;
 
 use feasible::run::{End, Mode, run};

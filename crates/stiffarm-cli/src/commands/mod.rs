@@ -60,7 +60,15 @@ fn with_length(cell: Cell) -> (Cell, String) {
 /// A finding as a line of its own.
 pub fn finding_line(finding: &Finding) -> String {
     let severity = weight(finding.severity);
-    format!("{severity}: {}: {}\n", finding.subject, finding.sentence)
+    // Many sentences begin with what they are about.
+    match finding
+        .sentence
+        .to_lowercase()
+        .starts_with(&finding.subject.to_lowercase())
+    {
+        true => format!("{severity}: {}\n", finding.sentence),
+        false => format!("{severity}: {}: {}\n", finding.subject, finding.sentence),
+    }
 }
 
 /// The same in lines of the terminal's width, without a line end.

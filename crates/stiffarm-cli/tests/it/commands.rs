@@ -146,7 +146,8 @@ fn simulated_measurements_bend_by_the_sizes_of_the_cell() {
     };
     folder.ok(&line("builtin:comau", "", "axes.csv"));
     let out = folder.ok(&line("rigid.toml", " --elastic axes", "same.csv"));
-    assert_eq!(out, folder.ok(&line("rigid.toml", "", "again.csv")));
+    let again = folder.ok(&line("rigid.toml", "", "again.csv"));
+    assert_eq!(out.replace("same.csv", "again.csv"), again);
     folder.ok(&line("rigid.toml", " --elastic mixed", "rigid.csv"));
     let out = folder.ok(&line("soft.toml", " --elastic mixed", "soft.csv"));
     let words: Vec<&str> = out.split_whitespace().collect();

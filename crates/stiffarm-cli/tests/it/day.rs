@@ -169,27 +169,46 @@ fn a_day_beside_the_robot() {
             None => format!("-{}", row[q2]),
         };
     };
-    type Mistake<'a> = (usize, &'a dyn Fn(&mut Vec<String>), &'a [&'a str]);
+    // What is said of each at once, and after it is corrected.
+    type Mistake<'a> = (
+        usize,
+        &'a dyn Fn(&mut Vec<String>),
+        &'a [&'a str],
+        [&'a str; 2],
+    );
+    let judged = ["\nstiffness: ", "settled"];
+    let refused = ["help: correct the angle", "can be read again"];
     let mistakes: [Mistake<'_>; 3] = [
-        (3, &exchanged, &["posture 3", "up-500", "point"]),
-        (5, &mistyped, &["posture 5", "up-500", "500"]),
-        (6, &turned, &["posture 6", "sign"]),
+        (
+            3,
+            &exchanged,
+            &["SERIOUS", "Posture 3, up-500: points 1 and 2 are exchanged"],
+            judged,
+        ),
+        (
+            5,
+            &mistyped,
+            &["SERIOUS", "Posture 5, up-500", "factor 10", "load_n"],
+            judged,
+        ),
+        (6, &turned, &["joint 2 is at", "day.csv:252:"], refused),
     ];
 
     let mut day = Watched::start(&folder);
     let mut ended = None;
     for count in 1..=PLANNED {
-        if let Some((_, mistake, words)) = mistakes.iter().find(|(at, ..)| *at == count) {
+        if let Some((_, mistake, words, marks)) = mistakes.iter().find(|(at, ..)| *at == count) {
             let before = day.said().len();
             put(&folder, &readings.table(count, Some(mistake)));
-            let said = day.hears(before, "readings; settle");
+            let said = day.hears(before, marks[0]);
             let joined = said.split_whitespace().collect::<Vec<_>>().join(" ");
             for word in *words {
                 assert!(joined.contains(word), "{word}: {said}");
             }
             let before = day.said().len();
             put(&folder, &readings.table(count, None));
-            day.hears(before, "settled");
+            let said = day.hears(before, "next: ");
+            assert!(said.contains(marks[1]), "{said}");
         } else {
             let before = day.said().len();
             put(&folder, &readings.table(count, None));

@@ -17,6 +17,9 @@ const LOOK_EACH: f64 = 1.5e-3;
 /// proved are this short.
 const TOLERANCE: f64 = 1.5e-4;
 
+/// First cell of the test.
+const FIRST: u64 = 15;
+
 /// What became of one plan.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct Looked {
@@ -149,7 +152,8 @@ fn shortest(length: &[Vec<f64>]) -> f64 {
 fn free_moves_touch_nothing_and_the_order_is_the_shortest() {
     let plans = crate::common::runs::runs(16);
     let (mut total, mut seen) = (Looked::default(), 0);
-    for number in 0..plans {
+    // Cells with something in the way are among the first of these.
+    for number in FIRST..FIRST + plans {
         match look(number) {
             Ok(None) => {}
             Ok(Some(own)) => {

@@ -21,6 +21,6 @@ pub(in crate::files::cell) struct RawRoute {
     #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
     pub start_deg: Option<Numbers>,
     /// Whether the load is taken off before each move ("off", the default) or stays "on".
-    #[cfg_attr(feature = "schema", schemars(with = "Option<String>", extend("enum" = ["off", "on", null])))]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<String>", extend("enum" = ["off", "on"])))]
     pub load: Option<Text>,
 }
