@@ -68,26 +68,6 @@ fn meant(value: f64, unit: &str) -> Result<f64, String> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_cannot_be_meant_is_refused_with_its_unit() {
-        assert_eq!(number("mm")(" 12.5 "), Ok(12.5));
-        let error = number("force_n")("1e300").unwrap_err();
-        assert!(error.contains("1e300 N"), "{error}");
-        for text in ["nan", "inf", "-inf", "1,5", "", "1e999"] {
-            assert!(number("mm")(text).is_err(), "{text}");
-        }
-        assert!(above_zero("mm")("0").is_err());
-        assert!(above_zero("mm")("1e-300").is_err());
-        assert_eq!(triple("deg")("180, 0,-1e-9"), Ok([180.0, 0.0, -1e-9]));
-        assert!(triple("deg")("180,0").is_err());
-        assert!(triple("deg")("180,0,1e300").is_err());
-    }
-}
-
 /// Steps of angles: 0, or what a pendant may take.
 pub fn angle_step() -> impl Fn(&str) -> Result<f64, String> + Clone {
     |text| {
@@ -107,5 +87,25 @@ pub fn pause() -> impl Fn(&str) -> Result<Duration, String> + Clone {
     |text| match text.trim().parse::<f64>() {
         Ok(seconds) if (0.02..=3600.0).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
         _ => Err("give seconds from 0.02 to 3600".to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_with_its_unit() {
+        assert_eq!(number("mm")(" 12.5 "), Ok(12.5));
+        let error = number("force_n")("1e300").unwrap_err();
+        assert!(error.contains("1e300 N"), "{error}");
+        for text in ["nan", "inf", "-inf", "1,5", "", "1e999"] {
+            assert!(number("mm")(text).is_err(), "{text}");
+        }
+        assert!(above_zero("mm")("0").is_err());
+        assert!(above_zero("mm")("1e-300").is_err());
+        assert_eq!(triple("deg")("180, 0,-1e-9"), Ok([180.0, 0.0, -1e-9]));
+        assert!(triple("deg")("180,0").is_err());
+        assert!(triple("deg")("180,0,1e300").is_err());
     }
 }

@@ -21,7 +21,7 @@ lost_motion_arcmin = 0
 /// Postures of the plan.
 const PLANNED: usize = 12;
 /// Half width that is good enough [%].
-const GOAL: &str = "4%";
+const GOAL: &str = "3.5%";
 
 /// `stiffarm measure` at work, and what it has said.
 struct Watched {
@@ -75,6 +75,9 @@ impl Drop for Watched {
     }
 }
 
+/// Changes a row of a table as one who is tired does.
+type Slip<'a> = dyn Fn(&mut Vec<String>) + 'a;
+
 /// The rows of the table, posture by posture.
 struct Readings {
     heading: Vec<String>,
@@ -101,7 +104,7 @@ impl Readings {
     }
 
     /// The table of the first postures, the last of them with a mistake.
-    fn table(&self, count: usize, mistake: Option<&dyn Fn(&mut Vec<String>)>) -> String {
+    fn table(&self, count: usize, mistake: Option<&Slip<'_>>) -> String {
         let mut out = self.heading.join(",") + "\n";
         for (at, posture) in self.postures[..count].iter().enumerate() {
             for row in posture {
@@ -239,7 +242,7 @@ fn a_day_beside_the_robot() {
     for (j, (own, k)) in stated.iter().zip(truth).enumerate() {
         let end = |at: usize| own["interval_nm_per_rad"][at].as_f64().unwrap();
         assert!(end(0) < k && k < end(1), "joint {}: {own}", j + 1);
-        assert!(own["total"].as_f64().unwrap() <= 0.04, "{own}");
+        assert!(own["total"].as_f64().unwrap() <= 0.035, "{own}");
     }
     assert_eq!(stated.len(), 6);
 }

@@ -116,7 +116,7 @@ fn table(job: &Job<'_>, group: &PostureGroup, result: &SpaceFilling) -> String {
             coarse_mm(margin.max(0.0))
         );
     }
-    if result.route.moves.len() > 0 {
+    if !result.route.moves.is_empty() {
         out += &sentence(cell, &result.route);
     }
     out += &title("Postures");

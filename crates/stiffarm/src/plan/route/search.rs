@@ -88,10 +88,7 @@ pub(super) fn connect(
         };
         let aim = trees[grown].postures[new].clone();
         // The other tree comes as far as it can.
-        loop {
-            let Some(met) = trees[other].grow(ways, &aim)? else {
-                break;
-            };
+        while let Some(met) = trees[other].grow(ways, &aim)? {
             if largest_turn(&trees[other].postures[met], &aim) == 0.0 {
                 let (mut first, second) = (trees[grown].back(new), trees[other].back(met));
                 first.reverse();
