@@ -90,7 +90,7 @@ fn a_far_better_posture_is_worth_naming_and_an_equal_one_is_not() {
     options.rounds = Some(1);
     let best = next_posture(&fit, &options, Control::default()).unwrap();
     // The best itself as the planned one: no reason to leave the plan.
-    let same = planned_errors(&fit, &[best.angles.clone()]).unwrap();
+    let same = planned_errors(&fit, std::slice::from_ref(&best.angles)).unwrap();
     assert!(!is_better(&best, &same));
     // One that is measured already shows hardly anything new.
     let poor = planned_errors(&fit, &[vec![0.0, 0.0, -1.5, 0.0, 0.01, 0.0]]).unwrap();

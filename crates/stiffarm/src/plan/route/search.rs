@@ -1,12 +1,14 @@
 //! A way around, where one via posture is not enough: two trees of free moves that grow towards each
 //! other (Kuffner and LaValle 2000, RRT-Connect, doi:10.1109/ROBOT.2000.844730), and the way then shortened.
 
+use super::moves::{Moves, between};
 use super::rounding::nearest;
-use super::way::{Ways, between};
 use crate::error::Result;
 use crate::numerics::streams::route_rng;
 use rand::RngExt;
 
+/// Steps of the angles of via postures \[deg\].
+pub(super) const VIA_STEP_DEG: f64 = 0.01;
 /// Times that the trees are grown.
 const GROWTHS: usize = 2000;
 /// Lengths of the branches that are tried, by the largest turn of a joint \[rad\].
@@ -28,7 +30,7 @@ impl Tree {
     }
 
     /// Grows from its nearest posture towards `goal` by one branch: the posture reached.
-    fn grow(&mut self, ways: &mut Ways<'_>, goal: &[f64]) -> Result<Option<usize>> {
+    fn grow(&mut self, ways: &mut Moves<'_>, goal: &[f64]) -> Result<Option<usize>> {
         let distance = |q: &Vec<f64>| largest_turn(q, goal);
         let numbered = self.postures.iter().map(distance).enumerate();
         let Some((near, apart)) = numbered.min_by(|a, b| a.1.total_cmp(&b.1)) else {
@@ -41,10 +43,7 @@ impl Tree {
         for length in BRANCHES {
             let share = (length / apart).min(1.0);
             let next = match share < 1.0 {
-                true => nearest(
-                    &between(&self.postures[near], goal, share),
-                    super::VIA_STEP_DEG,
-                ),
+                true => nearest(&between(&self.postures[near], goal, share), VIA_STEP_DEG),
                 false => goal.to_vec(),
             };
             if ways.is_clear(&next)? && ways.is_free(&self.postures[near], &next)? {
@@ -69,7 +68,7 @@ impl Tree {
 
 /// Via postures of a free way, `None` where none was found.
 pub(super) fn connect(
-    ways: &mut Ways<'_>,
+    ways: &mut Moves<'_>,
     from: &[f64],
     to: &[f64],
     bounds: &[[f64; 2]],
@@ -105,7 +104,7 @@ pub(super) fn connect(
 
 /// Leaves out postures of a way while the rest stays free; the ends are not given back.
 fn shortened(
-    ways: &mut Ways<'_>,
+    ways: &mut Moves<'_>,
     mut way: Vec<Vec<f64>>,
     rng: &mut impl RngExt,
 ) -> Result<Vec<Vec<f64>>> {

@@ -1,0 +1,105 @@
+//! What a route is.
+
+use crate::model::cell::LimitKind;
+use serde::Serialize;
+
+/// How a route is looked for.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct RouteOptions {
+    /// Keeps the postures in their order.
+    pub keep_order: bool,
+    /// Keeps their angles; else equivalent postures may stand in.
+    pub keep_angles: bool,
+    /// Steps of which the plan's angles are whole multiples \[deg\], where they are.
+    pub step_deg: Option<f64>,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+/// Postures in measuring order with the moves between them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Route {
+    /// For each stop the position of its posture in the plan.
+    pub order: Vec<usize>,
+    /// The stops, controller angles \[rad\]: the plan's postures or equivalents of them.
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "The stops, controller angles \\[deg\\]: the plan's postures or equivalents of them."
+        )
+    )]
+    pub postures: Vec<Vec<f64>>,
+    /// Stops whose angles differ from the plan's.
+    pub turned: Vec<usize>,
+    /// The moves: to each stop from the one before; with a start also from it and back to it.
+    pub moves: Vec<RouteMove>,
+    /// Time of all moves at the speed of the cell \[s\], without speeding up and slowing down; `None` where
+    /// joint speeds are not known or a way is missing.
+    pub travel_s: Option<f64>,
+    /// Sum over all moves of the largest turn of a joint \[rad\].
+    #[serde(rename = "turn_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Sum over all moves of the largest turn of a joint \\[deg\\]."
+        )
+    )]
+    pub turn: f64,
+    /// What moves are kept clear of.
+    pub checked: Vec<LimitKind>,
+    /// Whether no order is shorter; `None` where the order was given.
+    pub shortest: Option<bool>,
+}
+
+/// One move of a route.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RouteMove {
+    /// Stop it begins at; `None` is the start.
+    pub from: Option<usize>,
+    /// Stop it ends at; `None` is the start.
+    pub to: Option<usize>,
+    /// Via postures, controller angles \[rad\].
+    #[serde(rename = "via_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Via postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub via: Vec<Vec<f64>>,
+    /// Whether the move, over its via postures, is free; `false` asks for a way of your own.
+    pub free: bool,
+    /// Time at the speed of the cell \[s\], where joint speeds are known.
+    pub time_s: Option<f64>,
+    /// Largest turn of a joint, summed over its legs \[rad\].
+    #[serde(rename = "turn_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "f64",
+            description = "Largest turn of a joint, summed over its legs \\[deg\\]."
+        )
+    )]
+    pub turn: f64,
+    /// What comes nearest on the way; `None` where there is nothing to touch.
+    pub nearest: Option<NearestOnTheWay>,
+}
+
+/// What comes nearest on a move.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct NearestOnTheWay {
+    /// Kind of limit.
+    pub kind: LimitKind,
+    /// What comes nearest: two shapes, a point.
+    pub subject: String,
+    /// Distance \[m\]: of shapes from each other, of a point from the limit; looked at every half degree.
+    pub distance_m: f64,
+}

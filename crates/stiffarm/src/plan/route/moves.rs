@@ -1,0 +1,149 @@
+//! Joint moves: whether one touches anything.
+//!
+//! No point of arm and tool moves farther than each joint's turn times that joint's reach. So a posture
+//! with room r proves a stretch of a move free on both sides of it, and a move is halved until every
+//! stretch is proved or a posture without room is found. Nothing is left between samples.
+
+use crate::error::Result;
+use crate::model::cell::{Cell, Limits, PostureMargins};
+use crate::model::load::Load;
+use std::collections::VecDeque;
+
+/// What a move may lack of floor and keep-out cylinder \[m\]: postures may lie on them, and a straight
+/// joint move between two such postures dips a little.
+const DIP: f64 = 1e-3;
+/// Stretches this short are not halved further \[m\].
+const FINEST: f64 = 1e-4;
+/// Most postures that are looked at for one move.
+const MOST_LOOKS: usize = 20_000;
+/// Distances are told up to here \[m\].
+const FAR: f64 = 0.5;
+
+/// The cell as moves see it: shapes keep half their distance, floor and keep-out cylinder are
+/// respected, and the rope where it stays on. What asks for a good reading does not count.
+pub(super) fn on_the_way(cell: &Cell) -> Cell {
+    let stays_on = cell.route.load_stays_on;
+    let mut way = cell.clone();
+    way.scene = cell.scene.on_the_way(stays_on);
+    way.limits = Limits {
+        floor: cell.limits.floor.map(|z| z - DIP),
+        keep_out_radius: cell.limits.keep_out_radius.map(|r| r - DIP),
+        ..Limits::default()
+    };
+    if !stays_on {
+        // Without a rope: its limits do not count, and no wrench is needed.
+        way.setup.load = Load::Measured;
+    }
+    way.validation = Vec::new();
+    way
+}
+
+/// Looks at joint moves of a cell made by [`on_the_way`].
+pub(super) struct Moves<'a> {
+    pub cell: &'a Cell,
+    margins: PostureMargins<'a>,
+    values: Vec<f64>,
+    /// Most that any point moves by a turn of each serial joint \[m/rad\].
+    reach: Vec<f64>,
+    /// Speeds that joint turns are weighed by \[rad/s\].
+    pub speeds: Vec<f64>,
+    pub seed: u64,
+}
+
+impl<'a> Moves<'a> {
+    pub fn new(way_cell: &'a Cell, speeds: Vec<f64>, seed: u64) -> Result<Self> {
+        let margins = way_cell.posture_margins()?;
+        // Both ends of the rope's distances move.
+        let both = if way_cell.route.load_stays_on {
+            2.0
+        } else {
+            1.0
+        };
+        let reach = way_cell.scene.reach(&way_cell.setup);
+        Ok(Moves {
+            values: vec![0.0; margins.count()],
+            margins,
+            reach: reach.iter().map(|r| r * both).collect(),
+            cell: way_cell,
+            speeds,
+            seed,
+        })
+    }
+
+    /// True where nothing is there to be touched.
+    pub fn nothing_to_touch(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Time of a joint move at full speed \[s\]: all joints start and stop together.
+    pub fn seconds(&self, from: &[f64], to: &[f64]) -> f64 {
+        let turns = from.iter().zip(to).zip(&self.speeds);
+        turns.fold(0.0, |most: f64, ((a, b), v)| most.max((a - b).abs() / v))
+    }
+
+    /// Time along several postures \[s\].
+    pub fn seconds_along<'q>(&self, postures: impl IntoIterator<Item = &'q Vec<f64>>) -> f64 {
+        let postures: Vec<&Vec<f64>> = postures.into_iter().collect();
+        postures
+            .windows(2)
+            .map(|pair| self.seconds(pair[0], pair[1]))
+            .sum()
+    }
+
+    /// Whether a posture touches nothing.
+    pub fn is_clear(&mut self, q: &[f64]) -> Result<bool> {
+        Ok(self.room(q, 0.0)? >= 0.0)
+    }
+
+    /// The room of a posture \[m\], or a part of it that is `enough`; negative where it touches.
+    fn room(&mut self, q: &[f64], enough: f64) -> Result<f64> {
+        self.margins
+            .evaluate(q, enough.min(FAR), &mut self.values, None)?;
+        Ok(self
+            .values
+            .iter()
+            .fold(f64::INFINITY, |least, v| least.min(*v)))
+    }
+
+    /// Farthest that any point may move from one posture to another \[m\].
+    fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
+        let robot = &self.cell.setup.robot;
+        let (a, b) = (robot.serial_angles(from), robot.serial_angles(to));
+        let turns = a.iter().zip(&b).zip(&self.reach);
+        turns.map(|((a, b), reach)| (a - b).abs() * reach).sum()
+    }
+
+    /// Whether the joint move touches nothing.
+    pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool> {
+        if self.nothing_to_touch() {
+            return Ok(true);
+        }
+        let travel = self.travel(from, to);
+        let mut open = VecDeque::from([(0.0_f64, 1.0_f64)]);
+        let mut looks = 0;
+        // Wide stretches first: a move that touches something mostly does so in the middle of one.
+        while let Some((first, last)) = open.pop_front() {
+            looks += 1;
+            if looks > MOST_LOOKS {
+                return Ok(false);
+            }
+            let middle = 0.5 * (first + last);
+            let half = 0.5 * travel * (last - first);
+            let room = self.room(&between(from, to, middle), half)?;
+            if room < 0.0 {
+                return Ok(false);
+            }
+            if room < half && half > FINEST {
+                open.push_back((first, middle));
+                open.push_back((middle, last));
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// The posture at a share of a joint move.
+pub(super) fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    let joints = from.iter().zip(to);
+    joints.map(|(a, b)| a + (b - a) * share).collect()
+}

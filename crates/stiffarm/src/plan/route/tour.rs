@@ -1,0 +1,216 @@
+//! The order of a route, with the ways that it needs.
+
+use super::found::{Route, RouteMove, RouteOptions};
+use super::moves::Moves;
+use super::nearest::{largest_turn, nearest};
+use super::order::Places;
+use super::way::Way;
+use crate::error::Result;
+use crate::model::cell::Cell;
+use crate::numerics::control::Control;
+use std::collections::HashMap;
+
+/// Times that the order is looked for again after moves turned out to be in the way of something.
+const MOST_ORDERS: usize = 60;
+/// Cost of a move without a known way, against the dearest that has one.
+const BLOCKED: f64 = 1e3;
+
+/// A pair of places; `None` is the start.
+type Pair = (Option<usize>, Option<usize>);
+
+/// Places, and what is known of the ways between them.
+pub(super) struct Tour<'a> {
+    places: Places,
+    stands: Vec<Vec<f64>>,
+    start: Option<&'a [f64]>,
+    /// Ways that were looked for, the lower place first.
+    known: HashMap<Pair, Option<Way>>,
+    /// Pairs between which a search found none.
+    apart: Vec<Pair>,
+}
+
+impl<'a> Tour<'a> {
+    /// Between `places`, which are the postures `stands`, and the start, where there is one.
+    pub fn new(places: Places, stands: Vec<Vec<f64>>, start: Option<&'a [f64]>) -> Self {
+        Tour {
+            places,
+            stands,
+            start,
+            known: HashMap::new(),
+            apart: Vec::new(),
+        }
+    }
+
+    fn at(&self, place: Option<usize>) -> &[f64] {
+        match (place, self.start) {
+            (Some(place), _) => &self.stands[place],
+            (None, Some(start)) => start,
+            (None, None) => &[],
+        }
+    }
+
+    /// The moves of an order as pairs of places.
+    fn pairs(&self, order: &[usize]) -> Vec<Pair> {
+        let mut stops: Vec<Option<usize>> = order.iter().map(|place| Some(*place)).collect();
+        if self.start.is_some() {
+            stops.insert(0, None);
+            stops.push(None);
+        }
+        stops.windows(2).map(|pair| (pair[0], pair[1])).collect()
+    }
+
+    /// The order: joint moves are the least that a way can take, so an order whose ways all are as short as
+    /// was thought is the shortest; ways are looked for only where an order uses them.
+    pub fn order(
+        &mut self,
+        ways: &mut Moves<'_>,
+        count: usize,
+        options: &RouteOptions,
+        control: Control<'_>,
+    ) -> Result<Vec<usize>> {
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        for round in 0..MOST_ORDERS {
+            control.check()?;
+            let order = match options.keep_order {
+                true => self.places.best_equivalents((0..count).collect()),
+                false => self.places.shortest(options.seed),
+            };
+            let mut as_thought = true;
+            let pairs = self.pairs(&order);
+            for (done, pair) in pairs.iter().enumerate() {
+                control.report("checking moves", done, pairs.len());
+                as_thought &= self.look(ways, *pair)?;
+            }
+            if as_thought || round + 1 == MOST_ORDERS {
+                return Ok(order);
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// Looks for the way between two places; false where it is longer than was thought.
+    fn look(&mut self, ways: &mut Moves<'_>, (a, b): Pair) -> Result<bool> {
+        let pair = (a.min(b), a.max(b));
+        if self.known.contains_key(&pair) {
+            return Ok(true);
+        }
+        let (from, to) = (self.at(pair.0).to_vec(), self.at(pair.1).to_vec());
+        let search = !self.is_apart(pair);
+        let way = ways.way(&from, &to, search)?;
+        if way.is_none() && search {
+            self.apart.push(pair);
+        }
+        let direct = ways.seconds(&from, &to);
+        let more = match &way {
+            Some(way) => way.seconds - direct,
+            None => BLOCKED * direct.max(1.0),
+        };
+        self.known.insert(pair, way);
+        let add = |cost: &mut f64| *cost += more;
+        match pair {
+            (Some(a), Some(b)) => {
+                add(&mut self.places.cost[a][b]);
+                add(&mut self.places.cost[b][a]);
+            }
+            (_, Some(place)) => {
+                if let Some(start) = &mut self.places.start {
+                    add(&mut start[place]);
+                }
+            }
+            _ => {}
+        }
+        Ok(more <= 1e-9)
+    }
+
+    /// Whether a search between places that have ways to these two found none: it need not be made again.
+    fn is_apart(&self, (a, b): Pair) -> bool {
+        let reached = |from: Option<usize>| {
+            let mut seen = vec![from];
+            let mut next = 0;
+            while next < seen.len() {
+                let at = seen[next];
+                next += 1;
+                let found = self.known.iter().filter(|(_, way)| way.is_some());
+                for ((x, y), _) in found {
+                    let other = match at {
+                        at if at == *x => *y,
+                        at if at == *y => *x,
+                        _ => continue,
+                    };
+                    if !seen.contains(&other) {
+                        seen.push(other);
+                    }
+                }
+            }
+            seen
+        };
+        if self.apart.is_empty() {
+            return false;
+        }
+        let (a, b) = (reached(a), reached(b));
+        let splits =
+            |(x, y): &Pair| (a.contains(x) && b.contains(y)) || (a.contains(y) && b.contains(x));
+        self.apart.iter().any(splits)
+    }
+
+    /// The route of an order.
+    pub fn finish(
+        &self,
+        cell: &Cell,
+        plan: &[Vec<f64>],
+        way_cell: &Cell,
+        ways: &mut Moves<'_>,
+        order: &[usize],
+        options: &RouteOptions,
+    ) -> Result<Route> {
+        let stop_of = |place: Option<usize>| {
+            place.and_then(|place| order.iter().position(|other| *other == place))
+        };
+        let rules = &cell.route;
+        let mut moves = Vec::new();
+        for (a, b) in self.pairs(order) {
+            let known = self.known.get(&(a.min(b), a.max(b))).cloned().flatten();
+            let mut via = known.as_ref().map_or(Vec::new(), |way| way.via.clone());
+            if a > b {
+                via.reverse();
+            }
+            let mut legs = vec![self.at(a).to_vec()];
+            legs.extend(via.iter().cloned());
+            legs.push(self.at(b).to_vec());
+            moves.push(RouteMove {
+                from: stop_of(a),
+                to: stop_of(b),
+                free: known.is_some(),
+                time_s: (known.is_some() && rules.joint_speeds.is_some())
+                    .then(|| ways.seconds_along(&legs) / rules.speed_share),
+                turn: legs
+                    .windows(2)
+                    .map(|leg| largest_turn(&leg[0], &leg[1]))
+                    .sum(),
+                nearest: nearest(way_cell, cell, &legs)?,
+                via,
+            });
+        }
+        let posture = |place: &usize| self.places.posture[*place];
+        let postures: Vec<Vec<f64>> = order
+            .iter()
+            .map(|place| self.stands[*place].clone())
+            .collect();
+        let numbered = order.iter().zip(&postures).enumerate();
+        Ok(Route {
+            turned: numbered
+                .filter(|(_, (place, q))| plan[posture(place)] != **q)
+                .map(|(stop, _)| stop)
+                .collect(),
+            order: order.iter().map(posture).collect(),
+            travel_s: moves.iter().map(|m| m.time_s).sum(),
+            turn: moves.iter().map(|m| m.turn).sum(),
+            checked: way_cell.limit_kinds(),
+            shortest: (!options.keep_order).then(|| self.places.is_small()),
+            postures,
+            moves,
+        })
+    }
+}
