@@ -17,7 +17,7 @@ use stiffarm::files::table::{read_measurements, read_path, read_postures, write_
 
 /// Command lines that end soon; files by the names of [`FILES`], `out.…` is written.
 /// After `|` the schema of their object.
-const LINES: [&str; 43] = [
+const LINES: [&str; 47] = [
     "check cell.toml | check",
     "check cell.toml --figure out.svg | check",
     "check builtin:comau --postures postures.csv --figure out.svg | check",
@@ -53,6 +53,10 @@ const LINES: [&str; 43] = [
     "compensate cell.toml prior builtin:contour --output out-path.csv | compensate",
     "pose cell.toml postures.csv --output out-poses.csv | pose",
     "pose builtin:comau --from poses.csv --convention yaskawa --output out.csv | pose-from",
+    "route cell.toml postures.csv --output out.csv | route",
+    "route builtin:comau-shapes postures.csv | route",
+    "measure builtin:comau postures.csv r.csv --once --until 3% | measure",
+    "measure cell.toml builtin:comau-group1 m.csv --once --no-search | measure",
     "export cell.toml postures.csv --language krl --output-dir folder | export",
     "export builtin:comau postures.csv --language rapid --output-dir folder --despite-limits | export",
     "map builtin:comau s.json --plane z=800 --steps 3 | map",

@@ -3,6 +3,7 @@
 use super::values::pause;
 use clap::Args;
 use std::time::Duration;
+use stiffarm::units::mm_to_m;
 
 /// Goals are shares of k; beyond this one says nothing.
 const WIDEST: f64 = 0.5;
@@ -14,12 +15,13 @@ pub struct MeasureArgs {
     /// The plan, in measuring order
     #[arg(value_name = "PLAN.csv")]
     pub plan: String,
-    /// The files that tracker or engineer fill in; the first need not be there yet
+    /// The files that tracker or engineer fill in; without --once they need not be there yet
     #[arg(value_name = "READINGS", required = true)]
     pub readings: Vec<String>,
-    /// Good enough: every joint's stiffness known to this part of it at 95 %, all errors together
-    #[arg(long, value_name = "PERCENT", value_parser = goal)]
-    pub until: Option<f64>,
+    /// Good enough, at 95 % with all errors together: `2%` for every joint's stiffness known to 2 %, or `0.05mm` for
+    /// the deflection at each of the cell's tasks predicted to 0.05 mm
+    #[arg(long, value_name = "2%|0.05mm", value_parser = goal)]
+    pub until: Option<Goal>,
     /// Judge what is there and end, instead of waiting for more
     #[arg(long)]
     pub once: bool,
@@ -37,11 +39,55 @@ pub struct MeasureArgs {
     pub seed: u64,
 }
 
-/// `2%` or `2`: a share of k.
-fn goal(text: &str) -> Result<f64, String> {
-    let number = text.trim().trim_end_matches('%').trim();
-    match number.parse::<f64>() {
-        Ok(percent) if percent > 0.0 && percent <= 100.0 * WIDEST => Ok(percent / 100.0),
-        _ => Err("give a percentage of the stiffness from above 0 to 50, such as 2%".to_string()),
+/// What is good enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// Half width of every joint's stiffness (fraction of k).
+    Stiffness(f64),
+    /// Half width of the deflection at each task \[m\].
+    Deflection(f64),
+}
+
+impl Goal {
+    /// The share of k, where that is the goal.
+    pub fn stiffness(self) -> Option<f64> {
+        match self {
+            Goal::Stiffness(part) => Some(part),
+            Goal::Deflection(_) => None,
+        }
+    }
+
+    /// The length, where that is the goal \[m\].
+    pub fn deflection(self) -> Option<f64> {
+        match self {
+            Goal::Stiffness(_) => None,
+            Goal::Deflection(length) => Some(length),
+        }
+    }
+}
+
+/// `2%` or `0.05mm`.
+fn goal(text: &str) -> Result<Goal, String> {
+    let wrong = || {
+        "give a percentage of the stiffness up to 50, such as 2%, or a length, such as 0.05mm"
+            .to_string()
+    };
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|v| *v > 0.0 && v.is_finite())
+    };
+    let text = text.trim();
+    if let Some(mm) = text.strip_suffix("mm") {
+        let mm = number(mm)
+            .filter(|mm| (1e-6..=1e3).contains(mm))
+            .ok_or_else(wrong)?;
+        return Ok(Goal::Deflection(mm_to_m(mm)));
+    }
+    let percent = text.strip_suffix('%').and_then(number).ok_or_else(wrong)?;
+    match percent <= 100.0 * WIDEST {
+        true => Ok(Goal::Stiffness(percent / 100.0)),
+        false => Err(wrong()),
     }
 }

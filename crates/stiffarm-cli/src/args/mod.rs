@@ -17,7 +17,7 @@ mod work;
 pub use capsules::{CapsulesArgs, MeshUnit};
 pub use export::{ControllerArgs, ExportArgs};
 pub use init::{DhChoice, InitArgs};
-pub use measure::MeasureArgs;
+pub use measure::{Goal, MeasureArgs};
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::{PoseArgs, PoseFrame, PosePoint};

@@ -274,6 +274,41 @@ fn what_cannot_be_waited_for_is_refused_and_a_partly_filled_sheet_is_judged() {
 }
 
 #[test]
+fn the_goal_may_be_a_deflection_at_the_tasks() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau -n 6 --rounds 1 --no-certificate --output plan.csv");
+    folder.ok("simulate builtin:comau plan.csv --runs 1 --readings all.csv");
+    let line = "measure builtin:comau plan.csv all.csv --once --until";
+    let near = folder.json(&format!("{line} 0.5mm"));
+    let found = &near["result"]["deflection"];
+    assert_eq!(found["reached"], true);
+    // The same half width as that of the prediction with the saved stiffness.
+    folder.ok("identify builtin:comau all.csv --output k.json");
+    let predicted = folder.json("predict builtin:comau k.json");
+    let points = predicted["result"]["points"].as_array().unwrap();
+    let widths = points
+        .iter()
+        .map(|p| p["band"]["size_m"][3].as_f64().unwrap());
+    let largest = widths.fold(0.0, f64::max);
+    let own = found["largest_m"].as_f64().unwrap();
+    assert!((own / largest - 1.0).abs() < 1e-6, "{own} {largest}");
+    // Below it the goal is not reached, and the plan is through: a finding.
+    let goal = 0.9e3 * largest;
+    let ran = folder.run(&format!("{line} {goal}mm"));
+    assert_eq!(ran.code, Some(1), "{}", ran.out);
+    assert!(
+        ran.out.contains("tasks: deflection predicted to"),
+        "{}",
+        ran.out
+    );
+    refused(
+        &folder,
+        "measure builtin:fanuc-r2000ic plan.csv all.csv --once --until 1mm",
+        "[[task]]",
+    );
+}
+
+#[test]
 fn a_rehearsal_comes_state_by_state() {
     let folder = Folder::new();
     folder.ok("select builtin:comau -n 2 --rounds 1 --no-certificate --output plan.csv");

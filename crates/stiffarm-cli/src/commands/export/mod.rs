@@ -27,7 +27,7 @@ use stiffarm::units::rad_to_deg;
 use stiffarm::{Code, Error, Result};
 
 /// Name of the start that the cell gives.
-const START: &str = "start";
+const START: &str = "home";
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]

@@ -1,15 +1,17 @@
 //! What the readings so far are worth: everything that one look at the files gives.
 
-use crate::args::MeasureArgs;
+use crate::args::{Goal, MeasureArgs};
+use crate::commands::predict::tasks;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use stiffarm::Result;
+use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
 use stiffarm::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use stiffarm::estimate::standing::{Standing, is_better, standing};
-use stiffarm::estimate::systematic::systematic_errors;
+use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::prepare;
 use stiffarm::model::cell::Cell;
@@ -17,6 +19,7 @@ use stiffarm::model::measurement::Measurements;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::route::rounded;
 use stiffarm::plan::select::GlobalOptions;
+use stiffarm::work::predict::{PredictOptions, predict};
 use stiffarm::{Control, Error};
 
 /// Rounds of the search for a better posture.
@@ -39,9 +42,32 @@ pub struct Judgement {
     pub standing: Option<Standing>,
     /// Why that cannot be said yet.
     pub standing_missing: Option<String>,
+    /// How well the deflection at the cell's tasks is predicted; `null` unless that is the goal.
+    pub deflection: Option<DeflectionStanding>,
     /// A posture that would help much more than the next planned one; `null` where there is none, or none
     /// was looked for.
     pub better: Option<NextPosture>,
+}
+
+/// How well the deflection at the tasks is predicted.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct DeflectionStanding {
+    /// Largest half width of all tasks \[m\]; `null` while it is not known.
+    pub largest_m: Option<f64>,
+    /// The task that has it.
+    pub task: String,
+    /// Whether that is the goal or less.
+    pub reached: bool,
+}
+
+impl Judgement {
+    /// Whether the goal is reached; `None` without one, or while nothing can be said.
+    pub fn reached(&self) -> Option<bool> {
+        match &self.deflection {
+            Some(deflection) => Some(deflection.reached),
+            None => self.standing.as_ref()?.reached,
+        }
+    }
 }
 
 /// Looks at the files once. `search` allows to look for a better posture.
@@ -72,6 +98,7 @@ pub fn judge(
         readings: Vec::new(),
         standing: None,
         standing_missing: Some(error.message().to_string()),
+        deflection: None,
         better: None,
     };
     let measured = match prepare(cell, measurements, &reduce) {
@@ -103,23 +130,63 @@ pub fn judge(
         readings,
         standing: None,
         standing_missing: None,
+        deflection: None,
         better: None,
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
-    let found =
-        systematic_errors(&fit).and_then(|budget| standing(&fit, &budget, &left, args.until));
-    match found {
-        Ok(found) => out.standing = Some(found),
+    let goal = args.until.and_then(Goal::stiffness);
+    let found = systematic_errors(&fit)
+        .and_then(|budget| Ok((standing(&fit, &budget, &left, goal)?, budget)));
+    let budget = match found {
+        Ok((found, budget)) => {
+            out.standing = Some(found);
+            budget
+        }
         Err(error) => {
             out.standing_missing = Some(error.message().to_string());
             return Ok(out);
         }
+    };
+    if let Some(goal) = args.until.and_then(Goal::deflection) {
+        out.deflection = Some(deflection(&fit, &budget, goal)?);
     }
     let sound = out.readings.iter().all(|f| f.severity != Severity::Serious);
-    let reached = out.standing.as_ref().and_then(|standing| standing.reached);
-    if search && sound && reached != Some(true) {
+    if search && sound && out.reached() != Some(true) {
         out.better = better(&fit, cell, &left, args.seed, control)?;
     }
+    Ok(out)
+}
+
+/// How well the deflection at the cell's tasks is predicted with what is known so far.
+///
+/// # Errors
+/// The cell has no tasks, or tasks with different tips.
+fn deflection(fit: &Fit, budget: &SystematicErrors, goal: f64) -> Result<DeflectionStanding> {
+    let mut cell = fit.cell().clone();
+    let (tip, tasks) = tasks(&cell)?;
+    cell.work.tip = Some(tip);
+    // While a joint is not determined nothing is predicted.
+    let known = IdentifiedCompliance::from_identification(&cell, fit.identification()?);
+    let options = PredictOptions::default();
+    let predicted = known.map(|known| known.with_systematic_errors(budget));
+    let predicted =
+        predicted.and_then(|known| predict(&cell, &known, &tasks, &options, Control::default()));
+    let mut out = DeflectionStanding {
+        largest_m: None,
+        task: String::new(),
+        reached: false,
+    };
+    let Ok(predicted) = predicted else {
+        return Ok(out);
+    };
+    for point in &predicted.points {
+        let Some(band) = &point.band else { continue };
+        if out.largest_m.is_none_or(|largest| band.size_m[3] > largest) {
+            out.largest_m = Some(band.size_m[3]);
+            out.task = point.point.to_string();
+        }
+    }
+    out.reached = out.largest_m.is_some_and(|largest| largest <= goal);
     Ok(out)
 }
 

@@ -4,7 +4,8 @@ mod judgement;
 mod watch;
 mod words;
 
-use crate::args::MeasureArgs;
+use super::predict::tasks;
+use crate::args::{Goal, MeasureArgs};
 use crate::interrupt;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -14,13 +15,16 @@ use judgement::judge;
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::findings::Severity;
+use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
 pub struct Options {
-    /// Largest half width that is good enough (fraction of k).
-    pub until: Option<f64>,
+    /// Half width of every joint's stiffness that is good enough (fraction of k); `null` unless it is the goal.
+    pub until_stiffness: Option<f64>,
+    /// Half width of the deflection at each task that is good enough \[m\]; `null` unless it is the goal.
+    pub until_deflection_m: Option<f64>,
     /// Whether a better posture was looked for.
     pub search: bool,
 }
@@ -38,12 +42,14 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     }
     let named = session.read_cell(&args.cell)?;
     let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
+    check_goal(&named.cell, args)?;
     let progress = Progress::new(session, "judging the readings");
     let found = progress
         .watch(|control| judge(session, &named.cell, &plan, args, !args.no_search, control))?;
     drop(progress);
     let options = Options {
-        until: args.until,
+        until_stiffness: args.until.and_then(Goal::stiffness),
+        until_deflection_m: args.until.and_then(Goal::deflection),
         search: !args.no_search,
     };
     let envelope = session.envelope("measure", Some(args.seed), options, &found);
@@ -52,8 +58,34 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     })?;
     Ok(match interrupt::stopped() {
         true => Exit::Interrupted,
-        false => Exit::finding(is_serious(&found)),
+        false => Exit::finding(is_serious(&found) || is_missed(&found)),
     })
+}
+
+/// Refuses a goal at tasks that the cell does not have.
+fn check_goal(cell: &Cell, args: &MeasureArgs) -> Result<()> {
+    match args.until {
+        Some(Goal::Deflection(_)) => tasks(cell).map(|_| ()).map_err(|error| {
+            let hint =
+                "add [[task]] to the cell, or give a percentage of the stiffness, such as 2%";
+            Error::new(
+                error.code(),
+                "A goal in mm is for the deflection at the cell's tasks, of one tip.",
+            )
+            .key("--until")
+            .hint(hint)
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the plan is measured and the goal is not reached.
+fn is_missed(found: &Judgement) -> bool {
+    let reached = found
+        .standing
+        .as_ref()
+        .and_then(|standing| standing.reached);
+    found.left.is_empty() && reached == Some(false)
 }
 
 /// Whether something about the readings must be settled.

@@ -2,8 +2,8 @@
 //! reads them from the start, so nothing is lost when it is stopped.
 
 use super::judgement::{Judgement, judge};
-use super::{is_serious, words};
-use crate::args::MeasureArgs;
+use super::{check_goal, is_missed, is_serious, words};
+use crate::args::{Goal, MeasureArgs};
 use crate::commands::wrapped_line;
 use crate::interrupt;
 use crate::output::Exit;
@@ -29,6 +29,7 @@ pub(super) fn watch(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     interrupt::listen();
     let named = session.read_cell(&args.cell)?;
     let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
+    check_goal(&named.cell, args)?;
     session.print(&format!(
         "{}waiting for readings of {} postures; Ctrl-C ends, and starting again goes on\n",
         named.line(),
@@ -72,7 +73,6 @@ struct Day {
     measured: Vec<String>,
     findings: Vec<Finding>,
     failure: Option<String>,
-    reached: bool,
 }
 
 impl Day {
@@ -107,20 +107,19 @@ impl Day {
             session.print("the readings can be read again\n")?;
         }
         session.print(&self.news(cell, plan, &found, args.until))?;
-        let reached = found.standing.as_ref().and_then(|s| s.reached) == Some(true);
-        let serious = is_serious(&found);
+        let reached = found.reached() == Some(true);
+        let (serious, missed) = (is_serious(&found), is_missed(&found));
         self.measured = found.measured;
         self.findings = found.readings;
-        self.reached = reached;
         Ok(match (serious, reached || found.left.is_empty()) {
-            (false, true) => Some(Exit::finding(args.until.is_some() && !reached)),
+            (false, true) => Some(Exit::finding(missed)),
             // Something is still to be settled.
             _ => None,
         })
     }
 
     /// What is new since the last look; nothing where only parts of a posture have come.
-    fn news(&self, cell: &Cell, plan: &[Posture], found: &Judgement, goal: Option<f64>) -> String {
+    fn news(&self, cell: &Cell, plan: &[Posture], found: &Judgement, goal: Option<Goal>) -> String {
         let is_new = |name: &&String| !self.measured.contains(name);
         let postures: Vec<String> = found.measured.iter().filter(is_new).cloned().collect();
         let known = |list: &[Finding], f: &Finding| {

@@ -1,6 +1,8 @@
 //! A judgement in a few lines.
 
 use super::Judgement;
+use super::judgement::DeflectionStanding;
+use crate::args::Goal;
 use crate::commands::wrapped_line;
 use crate::numbers::{NONE, significant, stiffness};
 use crate::screen::{columns, wrapped};
@@ -10,10 +12,15 @@ use stiffarm::estimate::standing::Standing;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
 
 /// All of it, for one look.
-pub(super) fn whole(cell: &Cell, plan: &[Posture], found: &Judgement, goal: Option<f64>) -> String {
+pub(super) fn whole(
+    cell: &Cell,
+    plan: &[Posture],
+    found: &Judgement,
+    goal: Option<Goal>,
+) -> String {
     let mut out = counted(plan, found);
     out += &soundness(&found.measured, &found.readings);
     for finding in &found.readings {
@@ -60,7 +67,7 @@ pub(super) fn soundness(postures: &[String], readings: &[Finding]) -> String {
 }
 
 /// How well the joints are known, and whether that is enough.
-pub(super) fn verdict(found: &Judgement, goal: Option<f64>) -> String {
+pub(super) fn verdict(found: &Judgement, goal: Option<Goal>) -> String {
     let Some(standing) = &found.standing else {
         let why = found
             .standing_missing
@@ -85,7 +92,7 @@ pub(super) fn verdict(found: &Judgement, goal: Option<f64>) -> String {
             significant(100.0 * standing.confidence, 2)
         ),
     };
-    out += &match (goal, standing.reached) {
+    out += &match (goal.and_then(Goal::stiffness), standing.reached) {
         (Some(goal), Some(true)) => {
             format!("; {} (± {} %)", green("the goal is reached"), short(goal))
         }
@@ -93,10 +100,30 @@ pub(super) fn verdict(found: &Judgement, goal: Option<f64>) -> String {
         _ => String::new(),
     };
     let mut out = wrapped(&out, columns()) + "\n";
+    if let (Some(deflection), Some(goal)) = (&found.deflection, goal.and_then(Goal::deflection)) {
+        out += &(wrapped(&at_tasks(deflection, goal), columns()) + "\n");
+    }
     for finding in &standing.findings {
         out += &(wrapped_line(finding) + "\n");
     }
     out
+}
+
+/// How well the deflection at the tasks is predicted.
+fn at_tasks(deflection: &DeflectionStanding, goal: f64) -> String {
+    let goal = significant(m_to_mm(goal), 3);
+    let Some(largest) = deflection.largest_m else {
+        return format!("tasks: no deflection is predicted yet; the goal is ± {goal} mm");
+    };
+    let said = format!(
+        "tasks: deflection predicted to ± {} mm or better ({} is worst)",
+        significant(m_to_mm(largest), 2),
+        deflection.task
+    );
+    match deflection.reached {
+        true => format!("{said}; {} (± {goal} mm)", green("the goal is reached")),
+        false => format!("{said}; the goal is ± {goal} mm"),
+    }
 }
 
 /// How far the goal is.
@@ -149,7 +176,7 @@ pub(super) fn joints(found: &Judgement) -> String {
 
 /// What to drive to next.
 pub(super) fn next(cell: &Cell, plan: &[Posture], found: &Judgement) -> String {
-    let reached = found.standing.as_ref().and_then(|s| s.reached) == Some(true);
+    let reached = found.reached() == Some(true);
     let open = |name: &String| plan.iter().find(|posture| posture.name == *name);
     let mut out = match found.left.iter().find_map(open) {
         _ if reached => "next: nothing; the goal is reached".to_string(),

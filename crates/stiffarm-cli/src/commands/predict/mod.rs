@@ -157,7 +157,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
 }
 
 /// The tasks of the cell with their tip.
-fn tasks(cell: &Cell) -> Result<(nalgebra::Isometry3<f64>, Vec<LoadedPosture>)> {
+pub(super) fn tasks(cell: &Cell) -> Result<(nalgebra::Isometry3<f64>, Vec<LoadedPosture>)> {
     let tasks = cell.require_tasks().map_err(|e| {
         let hint = "give a path, or add [[task]] to the cell";
         Error::new(e.code(), "No path is given, and the cell has no tasks.")

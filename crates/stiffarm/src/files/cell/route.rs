@@ -7,7 +7,7 @@ use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::robot::{CatalogueEntry, Robot};
 use crate::model::route::RouteRules;
-use crate::units::{deg_to_rad, percent_to_fraction, rad_to_shortest_deg};
+use crate::units::{deg_to_rad, percent_to_fraction};
 
 /// Largest joint speed that is not a slip \[deg/s\].
 const FASTEST_DEG_S: f64 = 2000.0;
@@ -49,19 +49,7 @@ pub(super) fn route(
     }
     if let Some(list) = &raw.start_deg {
         let key = "route.start_deg";
-        let start = angles(source, list, key, robot)?;
-        if let Some((j, angle)) = robot.outside_limits(&start) {
-            let joint = &robot.joints()[j];
-            let [low, high] = joint.limits.map(rad_to_shortest_deg);
-            let message = format!(
-                "The start has {} at {}°, outside the machine's limits, {low}° to {high}°.",
-                joint.name,
-                rad_to_shortest_deg(angle)
-            );
-            let error = source.error(Code::OutsideLimits, key, list.span(), message);
-            return Err(error.hint("give the controller angles of a safe posture, in degrees"));
-        }
-        rules.start = Some(start);
+        rules.start = Some(angles(source, list, key, robot)?);
     }
     if let Some(text) = &raw.load {
         let hint =
