@@ -58,7 +58,7 @@ pub const SIMULATE: &str = "Examples:
   $ stiffarm simulate builtin:comau plan.csv --elastic mixed --runs 20";
 pub const MEASURE: &str = "Examples:
   What the readings so far are worth, and what to measure next:
-  $ stiffarm measure builtin:comau plan.csv tracked.csv --once --until 3%
+  $ stiffarm measure builtin:comau plan.csv tracked.csv --once --until 10%
 
   Beside the robot, each posture as it arrives (Ctrl-C ends; start again to go on):
   stiffarm measure cell.toml plan.csv readings.csv --until 3%

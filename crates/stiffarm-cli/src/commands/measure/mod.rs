@@ -81,11 +81,7 @@ fn check_goal(cell: &Cell, args: &MeasureArgs) -> Result<()> {
 
 /// Whether the plan is measured and the goal is not reached.
 fn is_missed(found: &Judgement) -> bool {
-    let reached = found
-        .standing
-        .as_ref()
-        .and_then(|standing| standing.reached);
-    found.left.is_empty() && reached == Some(false)
+    found.left.is_empty() && found.reached() == Some(false)
 }
 
 /// Whether something about the readings must be settled.
