@@ -75,6 +75,11 @@ pub fn coarse_mm(m: f64) -> String {
     tenths.to_string()
 }
 
+/// `1 posture`, `6 postures`.
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Radians in degrees, to a hundredth.
 pub fn deg(rad: f64) -> String {
     // Adding zero turns −0 into 0.

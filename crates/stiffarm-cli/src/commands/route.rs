@@ -198,16 +198,7 @@ pub(super) fn sentence(cell: &Cell, route: &Route) -> String {
     };
     let via = route.moves.iter().filter(|m| !m.via.is_empty()).count();
     let blocked = route.moves.iter().filter(|m| !m.free).count();
-    let kinds: Vec<&str> = route
-        .checked
-        .iter()
-        .map(|kind| match kind {
-            LimitKind::Shapes => "shapes",
-            LimitKind::Floor => "floor",
-            LimitKind::KeepOut => "keep-out cylinder",
-            _ => "rope",
-        })
-        .collect();
+    let kinds = kinds_in_words(&route.checked);
     if !kinds.is_empty() && blocked == 0 {
         out += &format!(
             "; every move keeps clear of {}",
@@ -223,6 +214,17 @@ pub(super) fn sentence(cell: &Cell, route: &Route) -> String {
         _ => out += &format!("; {via} moves take via postures"),
     }
     crate::screen::wrapped(&out, crate::screen::columns()) + "\n"
+}
+
+/// What moves are kept clear of, in words.
+pub(super) fn kinds_in_words(checked: &[LimitKind]) -> Vec<&'static str> {
+    let word = |kind: &LimitKind| match kind {
+        LimitKind::Shapes => "shapes",
+        LimitKind::Floor => "floor",
+        LimitKind::KeepOut => "keep-out cylinder",
+        _ => "rope",
+    };
+    checked.iter().map(word).collect()
 }
 
 /// `4 min 10 s`.

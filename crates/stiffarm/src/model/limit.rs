@@ -134,7 +134,7 @@ pub struct LimitMargin {
 
 /// A margin that is below zero by no more than this counts as met: searches end on limits, and
 /// rounding puts them on either side \[m, rad, share\].
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 impl LimitMargin {
     /// True where the limit is violated, by more than rounding.

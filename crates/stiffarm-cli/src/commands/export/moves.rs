@@ -1,5 +1,6 @@
 //! How the robot goes through a plan.
 
+use crate::commands::route::kinds_in_words;
 use stiffarm::files::program::{Start, Stop};
 use stiffarm::files::table::is_turned;
 use stiffarm::findings::list;
@@ -87,16 +88,6 @@ impl Driven {
 
     /// What is known of the ways; it stands in every program and on the screen.
     pub fn sentence(&self) -> String {
-        let kinds: Vec<&str> = self
-            .checked
-            .iter()
-            .map(|kind| match kind {
-                LimitKind::Shapes => "shapes",
-                LimitKind::Floor => "floor",
-                LimitKind::KeepOut => "keep-out cylinder",
-                _ => "rope",
-            })
-            .collect();
         let first = match self.start {
             Some(_) => "",
             None => " The way to the first posture was not checked.",
@@ -108,7 +99,7 @@ impl Driven {
             ),
             true => format!(
                 "The moves between the postures were checked against {} as the cell file has them, and nothing else.{first}",
-                list(&kinds)
+                list(&kinds_in_words(&self.checked))
             ),
             false => "The moves between the postures are straight in joint space and were not checked for collisions."
                 .to_string(),

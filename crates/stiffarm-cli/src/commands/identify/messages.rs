@@ -51,9 +51,7 @@ pub fn data(measured: &[MeasuredPosture], result: &Identification, excluded: &[S
     )
 }
 
-pub fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
+pub use crate::numbers::counted;
 
 /// Joints without information, named before any number.
 pub fn undetermined(names: &[String], combined: bool) -> String {

@@ -4,7 +4,7 @@ use super::Judgement;
 use super::judgement::DeflectionStanding;
 use crate::args::Goal;
 use crate::commands::wrapped_line;
-use crate::numbers::{NONE, significant, stiffness};
+use crate::numbers::{NONE, counted as number_of, significant, stiffness};
 use crate::screen::{columns, wrapped};
 use crate::table::{Table, green, yellow};
 use stiffarm::estimate::next_posture::NextPosture;
@@ -140,7 +140,7 @@ fn to_go(standing: &Standing, goal: f64, left: usize) -> String {
         None => {
             format!(
                 "; whether the {} left reach the goal of ± {goal} % is not sure",
-                postures_text(left)
+                number_of(left, "posture")
             )
         }
     }
@@ -238,12 +238,4 @@ fn angles(q: &[f64]) -> String {
 /// A fraction in percent with two digits.
 fn short(fraction: f64) -> String {
     significant(100.0 * fraction, 2)
-}
-
-/// `1 posture`, `6 postures`.
-fn postures_text(count: usize) -> String {
-    match count {
-        1 => "1 posture".to_string(),
-        count => format!("{count} postures"),
-    }
 }

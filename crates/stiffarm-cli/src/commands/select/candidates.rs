@@ -1,8 +1,9 @@
 //! `--candidates`: the best postures out of a list.
 
 use super::certificate::efficient;
-use super::job::{Job, Mode, POSTURES, postures_text, shown, to_usize};
+use super::job::{Job, Mode, POSTURES, shown, to_usize};
 use crate::commands::{evaluate, posture_table};
+use crate::numbers::counted;
 use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::table::{title, yellow};
@@ -107,7 +108,7 @@ fn table(job: &Job<'_>, candidates: &[Candidate], chosen: &[Posture], result: &C
     out += &evaluate::undetermined(std::slice::from_ref(&found.evaluation));
     out += &format!(
         "{} of {}{}: {}\n",
-        postures_text(chosen.len()),
+        counted(chosen.len(), "posture"),
         match candidates.len() {
             1 => "1 candidate".to_string(),
             count => format!("{count} candidates"),

@@ -1,7 +1,7 @@
 //! How good any plan of as many postures could be, in words and numbers.
 
-use super::job::{Job, postures_text, shown};
-use crate::numbers::{percent, significant};
+use super::job::{Job, shown};
+use crate::numbers::{counted, percent, significant};
 use crate::progress::Progress;
 use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
@@ -43,7 +43,7 @@ pub fn bounds(
     }
     progress.tell(&format!(
         "bounding what {} can give",
-        postures_text(postures.len())
+        counted(postures.len(), "posture")
     ));
     let control = Control {
         progress: None,

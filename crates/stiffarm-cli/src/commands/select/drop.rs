@@ -1,8 +1,8 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
-use super::job::{Job, Mode, number, postures_text, shown, to_usize, with_unit};
+use super::job::{Job, Mode, number, shown, to_usize, with_unit};
 use crate::commands::posture_remarks;
-use crate::numbers::percent;
+use crate::numbers::{counted, percent};
 use crate::progress::{Progress, announce};
 use crate::table::{Align, Table, title, yellow};
 use schemars::JsonSchema;
@@ -91,7 +91,7 @@ fn table(job: &Job<'_>, postures: &[Posture], dropped: &Dropped) -> String {
         "index: {} = {} with all {}\nleave out: {}; the other {} give {}{}\n",
         index.as_str(),
         shown(index, dropped.before),
-        postures_text(postures.len()),
+        counted(postures.len(), "posture"),
         names(&dropped.dropped),
         dropped.kept.len(),
         shown(index, dropped.value),

@@ -350,11 +350,3 @@ pub(super) fn with_unit(index: Index, heading: &str) -> String {
 pub(super) fn to_usize(count: u64) -> usize {
     usize::try_from(count).unwrap_or(usize::MAX)
 }
-
-/// `1 posture`, `6 postures`.
-pub(super) fn postures_text(count: usize) -> String {
-    match count {
-        1 => "1 posture".to_string(),
-        count => format!("{count} postures"),
-    }
-}

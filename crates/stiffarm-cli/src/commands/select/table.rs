@@ -1,12 +1,12 @@
 //! A plan as people read it.
 
 use super::certificate::{efficient, loose, sentence};
-use super::job::{Job, postures_text, shown};
+use super::job::{Job, shown};
 use super::planned::Planned;
 use super::{limits, load, sensitivity};
 use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
 use crate::commands::{posture_remarks, posture_table, route, wrapped_line};
-use crate::numbers::{coarse_mm, percent, significant};
+use crate::numbers::{coarse_mm, counted, percent, significant};
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
@@ -80,7 +80,7 @@ fn index_line(job: &Job<'_>, planned: &Planned<'_>) -> String {
         shown(index, selection.value)
     );
     if !planned.given.is_empty() {
-        let given = postures_text(planned.given.len());
+        let given = counted(planned.given.len(), "posture");
         out += &match planned.plan.given_value {
             Some(value) => format!(
                 " with the new ones, {} with the {given} given",

@@ -2,6 +2,7 @@
 
 use super::{Cell, LimitKind, LimitMargin, Margins};
 use crate::error::Result;
+use crate::model::limit::ROUNDING;
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::PostureTerms;
 use nalgebra::Vector3;
@@ -125,6 +126,14 @@ impl PostureMargins<'_> {
             least = least.min(case.margins.least(&case.terms));
         }
         Ok(least)
+    }
+
+    /// Whether the posture `q` meets every limit, to rounding.
+    ///
+    /// # Errors
+    /// As [`least`](Self::least).
+    pub fn are_met(&mut self, q: &[f64]) -> Result<bool> {
+        Ok(self.least(q)? >= -ROUNDING)
     }
 
     /// All margins of the posture `q` by name, in a fixed order, load by load.

@@ -10,8 +10,6 @@ use crate::model::kinematics::Frames;
 const SAME_AXIS: f64 = 1e-8;
 /// Difference of two angles that is rounding \[rad\].
 const SAME_ANGLE: f64 = 1e-7;
-/// What a margin may lack and still counts as met, as for every limit.
-const MET: f64 = -1e-9;
 
 /// Finds the equivalents of postures.
 pub(super) struct Equivalents<'a> {
@@ -61,7 +59,7 @@ impl<'a> Equivalents<'a> {
                 if found.iter().all(is_new)
                     && self.cell.outside_bounds(&turned).next().is_none()
                     && self.has_the_same_axes(&frames, &turned)
-                    && self.margins.least(&turned)? >= MET
+                    && self.margins.are_met(&turned)?
                 {
                     found.push(turned);
                 }

@@ -10,8 +10,6 @@ const FIRST_ROOM: f64 = 2e-4;
 const DOUBLINGS: usize = 8;
 /// Steps towards it.
 const STEPS: usize = 30;
-/// What a margin may lack and still counts as met, as for every limit.
-const MET: f64 = -1e-9;
 
 /// The angle of whole steps next to `q` \[rad\], `up` or down. Steps that divide a degree give
 /// decimal numbers of degrees exactly as they are typed.
@@ -68,7 +66,7 @@ impl<'a> Rounding<'a> {
 
     fn is_allowed(&mut self, q: &[f64]) -> Result<bool> {
         let inside = self.cell.outside_bounds(q).next().is_none();
-        Ok(inside && self.margins.least(q)? >= MET)
+        Ok(inside && self.margins.are_met(q)?)
     }
 
     /// The posture of whole steps that is nearest to `q` and meets bounds and limits of the cell: among
