@@ -2,7 +2,7 @@
 
 use crate::commands::finding_line;
 use crate::files::{Target, write_all};
-use crate::screen::{plain, rendered};
+use crate::screen::{fitted, plain, rendered};
 use crate::session::Session;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -87,7 +87,7 @@ impl Session {
     pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
         match self.json {
             true => self.print_exact(&to_json(envelope)?),
-            false => self.print(&(table() + &self.written())),
+            false => self.print(&fitted(&(table() + &self.written()))),
         }
     }
 

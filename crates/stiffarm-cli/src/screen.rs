@@ -65,6 +65,62 @@ pub fn all_columns() -> usize {
     stated.or_else(terminal).unwrap_or(USUAL).max(NARROWEST)
 }
 
+/// Text whose lines all fit the terminal: tables do already, sentences are broken at spaces. What stands behind
+/// a name stays behind it. Lines that are to be copied into a file stay whole.
+pub fn fitted(text: &str) -> String {
+    let (limit, readable) = (all_columns(), columns());
+    let mut out = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let bare = line.strip_suffix('\n').unwrap_or(line);
+        if width(bare) <= limit || bare.contains(" = [") {
+            out += line;
+            continue;
+        }
+        let indent = behind_a_name(bare).unwrap_or(2);
+        for (number, part) in lines_in(bare, readable, indent).into_iter().enumerate() {
+            if number > 0 {
+                out.push('\n');
+                out += &" ".repeat(indent);
+            }
+            out += &part;
+        }
+        out += &line[bare.len()..];
+    }
+    out
+}
+
+/// Where the text begins that stands, after two spaces or more, behind a name.
+fn behind_a_name(line: &str) -> Option<usize> {
+    let at = line.find("  ").filter(|at| (1..=30).contains(at))?;
+    let spaces = line[at..].chars().take_while(|c| *c == ' ').count();
+    let name = &line[..at];
+    (!name.contains(MARK.as_str())).then(|| width(name) + spaces)
+}
+
+/// Parts of a sentence, the first of `columns`, the others by `indent` less.
+fn lines_in(sentence: &str, columns: usize, indent: usize) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut at = 0;
+    for word in sentence.split(' ') {
+        let own = width(word);
+        if at > indent && at + 1 + own > columns {
+            out.push(String::new());
+            at = indent;
+        } else if at > 0 || out.len() > 1 || !out[0].is_empty() {
+            // Spaces within a line stay as many as they are.
+            if !(out.len() > 1 && at == indent) {
+                let last = out.len() - 1;
+                out[last].push(' ');
+                at += 1;
+            }
+        }
+        let last = out.len() - 1;
+        out[last] += word;
+        at += own;
+    }
+    out
+}
+
 /// The text in lines of at most `columns`, broken at spaces; a word that is longer is broken too.
 pub fn lines(text: &str, columns: usize) -> Vec<String> {
     let mut out = vec![String::new()];
@@ -148,6 +204,35 @@ mod tests {
         assert_eq!(plain(&wrapped(&text, 11)), "one two and\n  more\n  words");
         assert_eq!(wrapped("short", 80), "short");
         assert_eq!(wrapped("averylongword b", 5), "averylongword\n  b");
+    }
+
+    #[test]
+    fn long_lines_are_broken_and_tables_and_lines_to_copy_are_not() {
+        let sentence = "word ".repeat(30);
+        let sentence = sentence.trim_end();
+        let table = "a  b\n1  2\n";
+        let copied = format!("xyz_mm = [{}]\n", "1.5, ".repeat(30));
+        let named = format!("limits    {sentence}\n");
+        let text = format!("{table}{sentence}\n{copied}{named}");
+        let shown = fitted(&text);
+        assert!(
+            shown.starts_with(table) && shown.contains(&copied),
+            "{shown}"
+        );
+        for line in shown.lines().filter(|line| !line.contains(" = [")) {
+            assert!(width(line) <= 80, "{line}");
+        }
+        // Nothing is lost, and the rest of what is named stands below its beginning.
+        let words = |text: &str| {
+            text.split_whitespace()
+                .map(String::from)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(words(&shown), words(&text));
+        assert!(
+            shown.contains("limits    word word") && shown.contains("\n          word"),
+            "{shown}"
+        );
     }
 
     #[test]

@@ -26,6 +26,20 @@ fn commands(folder: &Folder) -> Vec<String> {
     names
 }
 
+/// What a person reads fits 80 columns; objects, generated pages and lines to copy are what they are.
+fn fits(line: &str, out: &str) {
+    let is_for_people = !["--json", "schema", "docs", "completions", "man"]
+        .iter()
+        .any(|word| line.contains(word));
+    for shown in out.lines().filter(|_| is_for_people) {
+        let width = shown.chars().count();
+        assert!(
+            width <= 80 || shown.contains(" = ["),
+            "{line}: {width}: {shown}"
+        );
+    }
+}
+
 #[test]
 fn every_help_ends_with_examples_and_they_run() {
     let folder = Folder::new();
@@ -52,6 +66,7 @@ fn every_help_ends_with_examples_and_they_run() {
             assert!(line.starts_with(name.as_str()), "{name}: {line}");
             let out = folder.ok(line);
             assert!(!out.is_empty() || line.contains("--output"), "{line}");
+            fits(line, &out);
         }
     }
 }
