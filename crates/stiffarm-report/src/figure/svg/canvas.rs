@@ -341,7 +341,7 @@ pub(super) fn num(value: f64) -> String {
 
 /// Text as XML content or attribute value. Characters XML cannot represent
 /// become the replacement character.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

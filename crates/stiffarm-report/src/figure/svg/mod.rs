@@ -23,7 +23,7 @@ mod ticks;
 pub use drawing::render_drawing;
 pub use look::series_colour;
 
-pub(crate) use canvas::escape;
+pub use canvas::escape;
 use canvas::{Anchor, Canvas, Font, Rect, num};
 use legend::Legend;
 use look::Looks;
