@@ -8,7 +8,8 @@ use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell_bytes_with;
 use stiffarm::files::registration::read_registration;
 use stiffarm::files::table::{
-    holds_measurements, read_measurements, read_measurements_of, read_postures, sha256_hex,
+    holds_measurements, read_growing_measurements, read_measurements, read_measurements_of,
+    read_postures, sha256_hex,
 };
 use stiffarm::findings::visible;
 use stiffarm::measure::prepare;
@@ -119,6 +120,29 @@ impl Session {
         postures: Option<&str>,
         cell: &Cell,
     ) -> Result<Measurements> {
+        self.measurements(from, postures, cell, false)
+    }
+
+    /// The same of files that are still being filled.
+    ///
+    /// # Errors
+    /// As [`Session::read_measurements`].
+    pub fn read_growing_measurements(
+        &self,
+        from: &[String],
+        postures: Option<&str>,
+        cell: &Cell,
+    ) -> Result<Measurements> {
+        self.measurements(from, postures, cell, true)
+    }
+
+    fn measurements(
+        &self,
+        from: &[String],
+        postures: Option<&str>,
+        cell: &Cell,
+        growing: bool,
+    ) -> Result<Measurements> {
         let robot = &cell.setup.robot;
         let postures = postures
             .map(|from| self.read_postures("postures", from, robot))
@@ -135,7 +159,10 @@ impl Session {
             .iter()
             .map(|(name, bytes)| (bytes.as_slice(), name.as_str()))
             .collect();
-        read_measurements_of(&files, cell, postures.as_deref())
+        match growing {
+            true => read_growing_measurements(&files, cell, postures.as_deref()),
+            false => read_measurements_of(&files, cell, postures.as_deref()),
+        }
     }
 
     /// Reads candidates to choose from: a table of postures, or one of measurements, whose

@@ -13,9 +13,10 @@ pub struct RouteArgs {
     /// Keep the order of the plan
     #[arg(long)]
     pub keep_order: bool,
-    /// Keep the plan's angles: no other turns, no wrist the other way round
+    /// Take equivalent postures where they are nearer: other turns, the wrist the other way round; a sheet
+    /// written before then has other angles
     #[arg(long)]
-    pub keep_angles: bool,
+    pub equivalents: bool,
     /// Steps that angles are rounded to [deg]; 0 leaves them as they are
     #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
     pub angle_step_deg: f64,

@@ -24,8 +24,8 @@ use stiffarm::units::rad_to_deg;
 pub struct Options {
     /// Whether the plan's order was kept.
     pub keep_order: bool,
-    /// Whether the plan's angles were kept.
-    pub keep_angles: bool,
+    /// Whether equivalent postures could stand in.
+    pub equivalents: bool,
     /// Steps that angles were rounded to \[deg\]; `null` where they were not.
     pub angle_step_deg: Option<f64>,
 }
@@ -51,7 +51,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     let step_deg = (args.angle_step_deg > 0.0).then_some(args.angle_step_deg);
     let mut options = RouteOptions::default();
     options.keep_order = args.keep_order;
-    options.keep_angles = args.keep_angles;
+    options.keep_angles = !args.equivalents;
     options.step_deg = step_deg;
     options.seed = args.seed;
     let progress = Progress::new(session, "finding the route");
@@ -76,7 +76,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     };
     let options = Options {
         keep_order: args.keep_order,
-        keep_angles: args.keep_angles,
+        equivalents: args.equivalents,
         angle_step_deg: step_deg,
     };
     let envelope = session.envelope("route", Some(args.seed), options, &result);
@@ -125,6 +125,11 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
 
 /// Code of the finding about a move without a free way.
 pub(super) const BLOCKED: &str = "move-blocked";
+
+/// Whether one of `findings` is about a move without a free way.
+pub(super) fn is_blocked(findings: &[Finding]) -> bool {
+    findings.iter().any(|finding| finding.code == BLOCKED)
+}
 
 /// Moves without a free way.
 pub(super) fn blocked_moves(stops: &[Posture], route: &Route) -> Vec<Finding> {
@@ -182,6 +187,9 @@ fn between(stops: &[Posture], of: &RouteMove) -> String {
 /// The route in a sentence or two.
 pub(super) fn sentence(cell: &Cell, route: &Route) -> String {
     let moves = route.moves.len();
+    if moves == 0 {
+        return "route: a single posture\n".to_string();
+    }
     let mut out = format!("route: {moves} moves");
     if moves == 1 {
         out = "route: 1 move".to_string();

@@ -1,10 +1,10 @@
 //! How an experiment stands while it is measured: what the readings so far give, what the postures that are
 //! left are expected to bring, and whether that is enough.
 //!
-//! What is expected is a forecast on the safe side: the scatter of the readings stays as it is, the standard
-//! errors shrink as the information of the planned postures says, and the common errors stay what they
-//! are. In truth further readings bound most of those too, but never the scale of the force: no
-//! number of postures brings a joint below that.
+//! What is expected is a forecast, not a bound: the scatter of the readings is taken as it is so far, though a
+//! few postures tell it badly; the standard errors shrink as the information of the planned postures says;
+//! and the common errors stay what they are, though further readings bound most of them. Never the scale
+//! of the force: no number of postures brings a joint below that.
 
 use super::identify::{Fit, Verdict};
 use super::next_posture::{NextPosture, PlannedErrors, planned_errors};
@@ -31,9 +31,9 @@ pub struct JointStanding {
     pub total: Option<f64>,
     /// Half width by the common errors alone, as far as the readings so far leave them (fraction of k).
     pub systematic: Option<f64>,
-    /// What `total` is expected to be at most with the next planned posture.
+    /// What `total` is expected to be with the next planned posture.
     pub with_next: Option<f64>,
-    /// What it is expected to be at most with all planned postures.
+    /// What it is expected to be with all planned postures.
     pub with_all: Option<f64>,
 }
 
@@ -49,8 +49,8 @@ pub struct Standing {
     pub largest: Option<f64>,
     /// Whether every joint is known to the goal; `None` without one.
     pub reached: Option<bool>,
-    /// Planned postures after which the goal is expected to be reached at the latest; `None` without a goal,
-    /// where it is reached, or where that is not sure with all of them.
+    /// Planned postures after which the goal is expected to be reached; `None` without a goal,
+    /// where it is reached, or where that is not expected with all of them.
     pub postures_to_goal: Option<usize>,
     /// What to know about the goal, in sentences.
     pub findings: Vec<Finding>,

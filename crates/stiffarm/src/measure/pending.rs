@@ -61,7 +61,7 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
 
 /// Why a table without a single complete posture gives nothing.
 pub(super) fn nothing_measured(table: &ReadingTable) -> Option<Error> {
-    if !table.postures.is_empty() || table.pending.is_empty() {
+    if !table.postures.is_empty() || (table.pending.is_empty() && table.incomplete.is_empty()) {
         return None;
     }
     let error = match table.filled() {

@@ -188,3 +188,31 @@ fn a_group_of_the_paper_keeps_its_order_and_names_its_moves() {
         typed.value
     );
 }
+
+#[test]
+fn rounding_mends_no_posture_that_violates_limits() {
+    let cell = builtin::cell("comau").unwrap();
+    let far = vec![2.967_123, -1.5, 1.57, 0.0, 1.0, 0.0];
+    let typed = rounded(&cell, &[far.clone()], 0.01).unwrap();
+    for (q, typed) in far.iter().zip(&typed[0]) {
+        assert!((q - typed).abs() < 0.0051_f64.to_radians(), "{q} {typed}");
+    }
+}
+
+#[test]
+fn one_flange_pose_with_the_wrist_both_ways_is_one_posture_measured_twice() {
+    let cell = builtin::cell("comau").unwrap();
+    let first = vec![0.1, 0.1, -1.6, 0.3, 0.8, 0.2];
+    let mut flipped = first.clone();
+    flipped[3] -= std::f64::consts::PI;
+    flipped[4] *= -1.0;
+    flipped[5] += std::f64::consts::PI;
+    let other = vec![0.6, 0.2, -1.4, 0.3, 0.8, 0.2];
+    let plan = rounded(&cell, &[first, flipped, other], 0.01).unwrap();
+    let found = routed(&cell, &plan, false);
+    assert_eq!(found.repeats.len(), 1, "{found:?}");
+    assert_eq!(found.order[1], 2, "{found:?}");
+    // What was found is found again.
+    let again = routed(&cell, &found.postures, false);
+    assert!(again.turn <= found.turn + 1e-9, "{again:?} {found:?}");
+}

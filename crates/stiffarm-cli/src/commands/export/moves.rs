@@ -44,7 +44,7 @@ impl Driven {
             .enumerate()
             .map(|(number, posture)| {
                 let mut states = states.to_vec();
-                if is_turned(&cell, number) {
+                if is_turned(&cell, &states, number) {
                     states.reverse();
                 }
                 let last = number + 1 == plan.len();

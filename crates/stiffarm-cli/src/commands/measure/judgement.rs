@@ -61,6 +61,20 @@ pub struct DeflectionStanding {
 }
 
 impl Judgement {
+    /// Before the first posture is complete.
+    fn not_yet(error: &Error, begun: Vec<String>, plan: &[Posture]) -> Self {
+        Judgement {
+            measured: Vec::new(),
+            begun,
+            left: names(plan),
+            readings: Vec::new(),
+            standing: None,
+            standing_missing: Some(error.message().to_string()),
+            deflection: None,
+            better: None,
+        }
+    }
+
     /// Whether the goal is reached; `None` without one, or while nothing can be said.
     pub fn reached(&self) -> Option<bool> {
         match &self.deflection {
@@ -82,7 +96,15 @@ pub fn judge(
     search: bool,
     control: Control<'_>,
 ) -> Result<Judgement> {
-    let measurements = session.read_measurements(&args.readings, Some(&args.plan), cell)?;
+    let read = session.read_growing_measurements(&args.readings, Some(&args.plan), cell);
+    let measurements = match read {
+        Ok(measurements) => measurements,
+        // Nothing but a heading yet.
+        Err(error) if error.code() == stiffarm::Code::TooFewData => {
+            return Ok(Judgement::not_yet(&error, Vec::new(), plan));
+        }
+        Err(error) => return Err(error),
+    };
     let reduce = session.read_registration(args.registration.as_deref())?;
     let begun = begun(&measurements);
     let left_without = |measured: &BTreeSet<String>| -> Vec<Posture> {
@@ -91,20 +113,12 @@ pub fn judge(
             .filter(|posture| !measured.contains(&posture.name));
         open.cloned().collect()
     };
-    let not_yet = |error: &Error| Judgement {
-        measured: Vec::new(),
-        begun: begun.clone(),
-        left: names(&left_without(&BTreeSet::new())),
-        readings: Vec::new(),
-        standing: None,
-        standing_missing: Some(error.message().to_string()),
-        deflection: None,
-        better: None,
-    };
     let measured = match prepare(cell, measurements, &reduce) {
         Ok(measured) => measured,
         // The first posture is not complete yet.
-        Err(error) if error.code() == stiffarm::Code::TooFewData => return Ok(not_yet(&error)),
+        Err(error) if error.code() == stiffarm::Code::TooFewData => {
+            return Ok(Judgement::not_yet(&error, begun, plan));
+        }
         Err(error) => return Err(error),
     };
     let mut done: Vec<String> = Vec::new();

@@ -111,7 +111,9 @@ impl Day {
         let (serious, missed) = (is_serious(&found), is_missed(&found));
         self.measured = found.measured;
         self.findings = found.readings;
-        Ok(match (serious, reached || found.left.is_empty()) {
+        // A first posture alone may still be at work.
+        let enough = reached && (self.measured.len() > 1 || plan.len() == 1);
+        Ok(match (serious, enough || found.left.is_empty()) {
             (false, true) => Some(Exit::finding(missed)),
             // Something is still to be settled.
             _ => None,
@@ -147,6 +149,13 @@ impl Day {
         out += &words::soundness(&postures, &new);
         for finding in &new {
             out += &(wrapped_line(finding) + "\n");
+        }
+        let open = found
+            .readings
+            .iter()
+            .filter(|f| f.severity == Severity::Serious && known(&self.findings, f));
+        for finding in open {
+            out += &format!("still to settle: {}\n", finding.subject);
         }
         out += &words::verdict(found, goal);
         if !is_serious(found) {

@@ -54,13 +54,12 @@ pub(super) fn soundness(postures: &[String], readings: &[Finding]) -> String {
         [one] => format!("posture {one}"),
         several => format!("postures {}", list(several)),
     };
+    // The findings say of which posture they are.
     let said = match serious {
         0 => format!("{what}: readings {}", green("sound")),
-        1 => format!(
-            "{what}: something is wrong with the readings; settle it before the next posture"
-        ),
+        1 => "something is wrong with the readings: settle it before the next posture".to_string(),
         _ => format!(
-            "{what}: {serious} things are wrong with the readings; settle them before the next posture"
+            "{serious} things are wrong with the readings: settle them before the next posture"
         ),
     };
     wrapped(&said, columns()) + "\n"
@@ -130,9 +129,9 @@ fn at_tasks(deflection: &DeflectionStanding, goal: f64) -> String {
 fn to_go(standing: &Standing, goal: f64, left: usize) -> String {
     let goal = short(goal);
     match standing.postures_to_goal {
-        Some(1) => format!("; the goal of ± {goal} % should take 1 more posture"),
+        Some(1) => format!("; the goal of ± {goal} % should take about 1 more posture"),
         Some(count) => {
-            format!("; the goal of ± {goal} % should take {count} more postures at most")
+            format!("; the goal of ± {goal} % should take about {count} more postures")
         }
         None if left == 0 => format!("; the goal of ± {goal} % is not reached with the whole plan"),
         // A forecast of joints that are not determined would be a guess.
@@ -154,7 +153,7 @@ pub(super) fn joints(found: &Judgement) -> String {
     let half = |part: Option<f64>| part.map_or(NONE.to_string(), short);
     let mut headings = vec!["joint", "k [N·m/rad]", "± [%]", "systematic [%]"];
     if !found.left.is_empty() {
-        headings.extend(["with the next ≤ [%]", "with all ≤ [%]"]);
+        headings.extend(["with the next ≈ [%]", "with all ≈ [%]"]);
     }
     let mut table = Table::new(headings);
     for joint in &standing.joints {

@@ -39,20 +39,21 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
         length_line,
         outputs,
     };
+    let mut blocked = false;
     if let Some(list) = &args.candidates {
         candidates::run(&job, list)?;
     } else if args.space_filling {
-        space_filling::run(&job)?;
+        blocked = space_filling::run(&job)?;
     } else if args.curve {
         curve::run(&job)?;
     } else if let (Some(given), Some(count)) = (&args.existing.given, args.existing.drop) {
         drop::run(&job, given, count)?;
     } else {
-        plan::run(&job)?;
+        blocked = plan::run(&job)?;
     }
     Ok(if interrupt::stopped() {
         Exit::Interrupted
     } else {
-        Exit::Done
+        Exit::finding(blocked)
     })
 }

@@ -4,7 +4,7 @@ use super::certificate::{self, Bounds};
 use super::job::{Job, Mode, POSTURES, to_usize};
 use super::planned::{Options, Plan, Planned};
 use super::{load, table};
-use crate::commands::route::blocked_moves;
+use crate::commands::route::{blocked_moves, is_blocked};
 use crate::progress::Progress;
 use std::collections::HashSet;
 use stiffarm::Control;
@@ -13,15 +13,15 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::{GroupEvaluation, evaluate};
 use stiffarm::plan::select::{
-    GlobalOptions, LocalOptions, Selection, Sensitivity, SensitivityOptions, limit_prices, repeats,
+    GlobalOptions, LocalOptions, Selection, Sensitivity, SensitivityOptions, limit_prices,
     select_from, select_watched, sensitivity,
 };
 
 /// Iterations of a local search unless their number is given.
 const MAX_ITERATIONS: u64 = 2000;
 
-/// Selects, bounds and examines the plan, and writes plan and sheet.
-pub(super) fn run(job: &Job<'_>) -> Result<()> {
+/// Selects, bounds and examines the plan, and writes plan and sheet. True where a move has no free way.
+pub(super) fn run(job: &Job<'_>) -> Result<bool> {
     let (session, args) = (job.session, job.args);
     let robot = &job.cell().setup.robot;
     let read = |role: &str, from: &Option<String>| {
@@ -114,8 +114,9 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
     let plan = Plan {
         posture_names: names(&selected),
-        repeats: repeats(&selected)
-            .into_iter()
+        repeats: route
+            .repeats
+            .iter()
             .map(|same| same.iter().map(|p| selected[*p].name.clone()).collect())
             .collect(),
         given_names: names(&given),
@@ -165,7 +166,8 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     };
     let seed = is_random.then(|| job.seed());
     let envelope = session.envelope("select", seed, options, &plan);
-    job.show(&envelope, || table::plan(job, &planned))
+    job.show(&envelope, || table::plan(job, &planned))?;
+    Ok(is_blocked(&plan.findings))
 }
 
 /// Whether wrong assumptions would change the plan, `None` when stopped on the way.

@@ -1,7 +1,7 @@
 //! `--space-filling`: postures that cover the joint space evenly, as a baseline.
 
 use super::job::{Job, Mode, POSTURES, to_usize};
-use crate::commands::route::{blocked_moves, sentence};
+use crate::commands::route::{blocked_moves, is_blocked, sentence};
 use crate::commands::{evaluate, posture_table};
 use crate::numbers::{coarse_mm, significant};
 use crate::progress::Progress;
@@ -51,8 +51,8 @@ pub struct SpaceFilling {
     pub findings: Vec<Finding>,
 }
 
-/// Spreads the postures and writes plan and sheet.
-pub(super) fn run(job: &Job<'_>) -> Result<()> {
+/// Spreads the postures and writes plan and sheet. True where a move has no free way.
+pub(super) fn run(job: &Job<'_>) -> Result<bool> {
     let cell = job.cell();
     let count = to_usize(job.args.postures.unwrap_or(POSTURES));
     let progress = Progress::new(job.session, "spreading postures");
@@ -90,7 +90,8 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let envelope = job
         .session
         .envelope("select", Some(job.seed()), options, &result);
-    job.show(&envelope, || table(job, &group, &result))
+    job.show(&envelope, || table(job, &group, &result))?;
+    Ok(is_blocked(&result.findings))
 }
 
 fn table(job: &Job<'_>, group: &PostureGroup, result: &SpaceFilling) -> String {

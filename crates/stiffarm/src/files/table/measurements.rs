@@ -34,9 +34,32 @@ pub fn read_measurements_of(
     cell: &Cell,
     postures: Option<&[Posture]>,
 ) -> Result<Measurements> {
+    read_of(files, cell, postures, false)
+}
+
+/// As [`read_measurements_of`], of files that are still being filled: the last posture is in
+/// [`ReadingTable::incomplete`](crate::model::measurement::ReadingTable::incomplete) while it has fewer states
+/// or readings than those before it.
+///
+/// # Errors
+/// As [`read_measurements_of`].
+pub fn read_growing_measurements(
+    files: &[(&[u8], &str)],
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+) -> Result<Measurements> {
+    read_of(files, cell, postures, true)
+}
+
+fn read_of(
+    files: &[(&[u8], &str)],
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+    growing: bool,
+) -> Result<Measurements> {
     let table = Table::read_all(files, &cell.columns)?;
     let read = || match Values::of(&table, cell.setup.robot.joint_count())? {
-        Values::Positions => readings(&table, cell, postures).map(Measurements::Readings),
+        Values::Positions => readings(&table, cell, postures, growing).map(Measurements::Readings),
         Values::Displacements => {
             displacements(&table, cell, postures).map(Measurements::Displacements)
         }

@@ -52,7 +52,9 @@ pub(crate) use columns::own_heading;
 pub(crate) use columns::own_headings;
 pub use dh::read_dh_rows;
 pub use displacements::read_displacements;
-pub use measurements::{holds_measurements, read_measurements, read_measurements_of};
+pub use measurements::{
+    holds_measurements, read_growing_measurements, read_measurements, read_measurements_of,
+};
 pub use pairs::read_pairs;
 pub use path::{PathFormat, PathKind, PathTable, read_path, write_path};
 pub use poses::{NamedPose, read_poses, write_poses};

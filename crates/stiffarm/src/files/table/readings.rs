@@ -50,15 +50,17 @@ pub fn read_readings(
     let table = Table::read(bytes, file_name, &cell.columns)?;
     table
         .expect(Values::Positions, cell)
-        .and_then(|()| readings(&table, cell, postures))
+        .and_then(|()| readings(&table, cell, postures, false))
         .map_err(|error| table.with_aside(error))
 }
 
-/// The readings of a table that holds them.
+/// The readings of a table that holds them. Of one that is `growing` the last posture is left aside while it has
+/// rows to be filled in, or fewer states or readings than the others.
 pub(super) fn readings(
     table: &Table<'_>,
     cell: &Cell,
     postures: Option<&[Posture]>,
+    growing: bool,
 ) -> Result<ReadingTable> {
     let columns = MeasurementColumns::of(table, cell, Values::Positions, postures.is_some())?;
     let plan: Option<Plan<'_>> =
@@ -90,9 +92,14 @@ pub(super) fn readings(
         pending: Vec::new(),
         incomplete: Vec::new(),
     };
-    for mut group in groups {
+    let at_work = match growing {
+        true => at_work(&groups),
+        false => None,
+    };
+    for (number, mut group) in groups.into_iter().enumerate() {
         let pending = std::mem::take(&mut group.pending);
-        let waiting = !pending.is_empty();
+        let is_at_work = at_work == Some(number);
+        let waiting = !pending.is_empty() || is_at_work;
         out.pending.extend(pending.iter().cloned());
         if group.states.is_empty() {
             continue;
@@ -101,6 +108,7 @@ pub(super) fn readings(
         match reader.check_states(&group, &name) {
             Err(_) if waiting => out.incomplete.push(reader.close(group, name)),
             Err(error) => return Err(error),
+            Ok(()) if is_at_work => out.incomplete.push(reader.close(group, name)),
             Ok(()) => {
                 reader.check_loads(&group, &pending, &name)?;
                 out.postures.push(reader.close(group, name));
@@ -108,6 +116,24 @@ pub(super) fn readings(
         }
     }
     Ok(out)
+}
+
+/// The last posture that has readings, if more of it is to come: rows of it are empty, or the others have more
+/// states, or more readings in the state that it has come to.
+fn at_work(groups: &[Group<'_>]) -> Option<usize> {
+    let last = groups.iter().rposition(|group| !group.states.is_empty())?;
+    let own = &groups[last];
+    let (_, state) = own.states.last()?;
+    let others = groups[..last].iter();
+    let states = others.clone().map(|group| group.states.len()).max();
+    let same = others.flat_map(|group| &group.states);
+    let same = same.filter(|(_, other)| other.state == state.state);
+    let readings = same.map(|(_, other)| other.readings.len()).max();
+    let more = !own.pending.is_empty()
+        || states.is_some_and(|states| own.states.len() < states)
+        || readings.is_some_and(|readings| state.readings.len() < readings);
+    // Alone it cannot be compared; a single state is no displacement either way.
+    (more || own.states.len() < 2).then_some(last)
 }
 
 /// The rows of one posture: the first one, and its states with theirs.

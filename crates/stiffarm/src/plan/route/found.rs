@@ -33,6 +33,8 @@ pub struct Route {
         )
     )]
     pub postures: Vec<Vec<f64>>,
+    /// Groups of stops that measure the same, also in different equivalents: what is measured more than once.
+    pub repeats: Vec<Vec<usize>>,
     /// Stops whose angles differ from the plan's.
     pub turned: Vec<usize>,
     /// The moves: to each stop from the one before; with a start also from it and back to it.

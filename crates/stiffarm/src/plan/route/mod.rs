@@ -93,10 +93,13 @@ pub fn route<Q: AsRef<[f64]>>(
     let speeds = speeds.unwrap_or_else(|| vec![1.0; cell.setup.robot.joint_count()]);
     let mut ways = Moves::new(&way_cell, speeds, options.seed)?;
     let (stands, of) = standing_places(cell, &plan, options)?;
-    let places = places(&ways, cell, &plan, &stands, of);
+    let alike = alike(&stands, &of);
+    let places = places(&ways, cell, plan.len(), &stands, of, &alike);
     let mut tour = Tour::new(places, stands, cell.route.start.as_deref());
     let order = tour.order(&mut ways, plan.len(), options, control)?;
-    tour.finish(cell, &plan, &way_cell, &mut ways, &order, options)
+    let mut route = tour.finish(cell, &plan, &way_cell, &mut ways, &order, options)?;
+    route.repeats = repeated(&route.order, &alike);
+    Ok(route)
 }
 
 /// Where the robot may stand for each posture, and whose each is.
@@ -119,21 +122,50 @@ fn standing_places(
     Ok((stands, of))
 }
 
+/// For each posture the first one that measures the same: in one of their equivalents they are the
+/// same within half a degree in every joint.
+fn alike(stands: &[Vec<f64>], of: &[usize]) -> Vec<usize> {
+    let count = of.last().map_or(0, |last| last + 1);
+    let mut first: Vec<usize> = (0..count).collect();
+    for group in repeats(stands) {
+        let mut own: Vec<usize> = group.iter().map(|stand| first[of[*stand]]).collect();
+        own.sort_unstable();
+        own.dedup();
+        for other in first.iter_mut().filter(|other| own.contains(other)) {
+            *other = own[0];
+        }
+    }
+    first
+}
+
+/// Groups of stops that measure the same.
+fn repeated(order: &[usize], alike: &[usize]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for stop in 0..order.len() {
+        let same = |group: &&mut Vec<usize>| alike[order[group[0]]] == alike[order[stop]];
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(stop),
+            None => groups.push(vec![stop]),
+        }
+    }
+    groups.retain(|group| group.len() > 1);
+    groups
+}
+
 /// The places with the times of the joint moves between them.
 fn places(
     ways: &Moves<'_>,
     cell: &Cell,
-    plan: &[Vec<f64>],
+    count: usize,
     stands: &[Vec<f64>],
     of: Vec<usize>,
+    same: &[usize],
 ) -> Places {
     let row = |a: &Vec<f64>| stands.iter().map(|b| ways.seconds(a, b)).collect();
     let mut cost: Vec<Vec<f64>> = stands.iter().map(row).collect();
     let dearest = cost.iter().flatten().fold(0.0, |most: f64, c| most.max(*c));
     // The same posture twice: drive away in between, or the second time shows nothing of the first.
-    let same: Vec<Vec<usize>> = repeats(plan);
-    let together =
-        |a: usize, b: usize| a != b && same.iter().any(|s| s.contains(&a) && s.contains(&b));
+    let together = |a: usize, b: usize| a != b && same[a] == same[b];
     for (a, row) in cost.iter_mut().enumerate() {
         for (b, cost) in row.iter_mut().enumerate() {
             if together(of[a], of[b]) {
@@ -145,7 +177,7 @@ fn places(
     Places {
         start: start.map(|start| stands.iter().map(|q| ways.seconds(start, q)).collect()),
         posture: of,
-        count: plan.len(),
+        count,
         cost,
     }
 }

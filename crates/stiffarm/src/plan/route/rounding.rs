@@ -6,6 +6,10 @@ use crate::units::{deg_to_rad, rad_to_deg};
 
 /// Room that a posture is given where no neighbour is inside the limits, at first \[m; rad; share\].
 const FIRST_ROOM: f64 = 2e-4;
+/// Limits that a posture to be rounded may violate: what a search or a file rounds \[m; rad; share\].
+const SLACK: f64 = 1e-5;
+/// Farthest that a joint is moved to find an allowed posture \[rad\].
+const FARTHEST: f64 = 0.02;
 /// Times that this room is doubled.
 const DOUBLINGS: usize = 8;
 /// Steps towards it.
@@ -71,14 +75,21 @@ impl<'a> Rounding<'a> {
 
     /// The posture of whole steps that is nearest to `q` and meets bounds and limits of the cell: among
     /// those around `q`, else around a posture that is a little farther inside. `None` where none
-    /// was found, or `q` itself violates a limit.
+    /// was found nearby, or `q` itself violates a limit: what is wrong is not for rounding to mend.
     pub fn inside(&mut self, q: &[f64]) -> Result<Option<Vec<f64>>> {
+        if self.cell.outside_bounds(q).next().is_some() || self.margins.least(q)? < -SLACK {
+            return Ok(None);
+        }
         if let Some(found) = self.around(q, q)? {
             return Ok(Some(found));
         }
         let mut room = FIRST_ROOM;
         for _ in 0..DOUBLINGS {
             let inner = self.moved_inside(q, room)?;
+            let far = |q: &f64, inner: &f64| (q - inner).abs() > FARTHEST;
+            if q.iter().zip(&inner).any(|(q, inner)| far(q, inner)) {
+                break;
+            }
             if let Some(found) = self.around(&inner, q)? {
                 return Ok(Some(found));
             }

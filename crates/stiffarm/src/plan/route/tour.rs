@@ -200,13 +200,14 @@ impl<'a> Tour<'a> {
             .collect();
         let numbered = order.iter().zip(&postures).enumerate();
         Ok(Route {
+            repeats: Vec::new(),
             turned: numbered
                 .filter(|(_, (place, q))| plan[posture(place)] != **q)
                 .map(|(stop, _)| stop)
                 .collect(),
             order: order.iter().map(posture).collect(),
             travel_s: moves.iter().map(|m| m.time_s).sum(),
-            turn: moves.iter().map(|m| m.turn).sum(),
+            turn: moves.iter().map(|m| m.turn).sum::<f64>() + 0.0,
             checked: way_cell.limit_kinds(),
             shortest: (!options.keep_order).then(|| self.places.is_small()),
             postures,

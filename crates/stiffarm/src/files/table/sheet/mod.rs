@@ -108,7 +108,7 @@ impl Sheet {
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
         for (number, posture) in postures.iter().enumerate() {
             let mut own: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
-            if is_turned(cell, number) {
+            if is_turned(cell, states, number) {
                 own.reverse();
             }
             for (state, load) in own {
@@ -220,9 +220,11 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
 }
 
 /// Whether the states of posture `number`, counted from 0, are taken in the reverse order: where the load
-/// stays on between postures, every second one begins as the one before has ended.
-pub fn is_turned(cell: &Cell, number: usize) -> bool {
-    cell.route.load_stays_on && number % 2 == 1
+/// stays on between postures, every second one begins as the one before has ended. Not where names say
+/// that the load goes up or down: they would say the opposite.
+pub fn is_turned(cell: &Cell, states: &[String], number: usize) -> bool {
+    let says_way = |state: &String| state.starts_with("up") || state.starts_with("down");
+    cell.route.load_stays_on && number % 2 == 1 && !states.iter().any(says_way)
 }
 
 fn asks_for_forces(cell: &Cell) -> bool {
