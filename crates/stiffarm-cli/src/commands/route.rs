@@ -136,10 +136,13 @@ pub(super) fn blocked_moves(stops: &[Posture], route: &Route) -> Vec<Finding> {
     let mut findings = Vec::new();
     for blocked in route.moves.iter().filter(|m| !m.free) {
         let what = blocked.nearest.as_ref().map_or(String::new(), |nearest| {
-            format!(
-                " on the straight joint move {} come too near",
-                nearest.subject
-            )
+            let near = match nearest.kind {
+                LimitKind::Shapes | LimitKind::RopeClearance => {
+                    format!("{} come too near each other", nearest.subject)
+                }
+                kind => format!("the {} comes too near {}", nearest.subject, kind.describe()),
+            };
+            format!(" on the straight joint move {near}")
         });
         findings.push(Finding::new(
             BLOCKED,

@@ -193,7 +193,7 @@ fn a_group_of_the_paper_keeps_its_order_and_names_its_moves() {
 fn rounding_mends_no_posture_that_violates_limits() {
     let cell = builtin::cell("comau").unwrap();
     let far = vec![2.967_123, -1.5, 1.57, 0.0, 1.0, 0.0];
-    let typed = rounded(&cell, &[far.clone()], 0.01).unwrap();
+    let typed = rounded(&cell, std::slice::from_ref(&far), 0.01).unwrap();
     for (q, typed) in far.iter().zip(&typed[0]) {
         assert!((q - typed).abs() < 0.0051_f64.to_radians(), "{q} {typed}");
     }

@@ -6,6 +6,7 @@ mod moves;
 use crate::args::{ControllerArgs, ExportArgs};
 use crate::files::{check_folder, write_folder};
 use crate::input::{NamedCell, group_name};
+use crate::numbers::counted;
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
@@ -336,10 +337,10 @@ fn said(task: &Task, names: &[&str], folder: &Path, rounding: f64) -> String {
         .next()
         .map_or(0, |first| first.speed_percent);
     let speed = format!(
-        "{}: program {}, {} postures, speed {} % of {}, first move {first} %\n",
+        "{}: program {}, {}, speed {} % of {}, first move {first} %\n",
         task.language.title(),
         task.program.name,
-        task.plan.len(),
+        counted(task.plan.len(), "posture"),
         task.speed_percent,
         task.language.speed_of()
     );

@@ -5,6 +5,7 @@ mod slowly;
 
 use crate::args::{ErrorArgs, SimulateArgs};
 use crate::files::{Target, check_targets, write_all};
+use crate::interrupt;
 use crate::numbers::{percent, percent_with_error};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -105,7 +106,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
             table,
         )?;
     }
-    Ok(match result.interrupted {
+    Ok(match result.interrupted || interrupt::stopped() {
         true => Exit::Interrupted,
         false => Exit::Done,
     })
