@@ -247,7 +247,8 @@ fn ctrl_c_keeps_the_best_so_far() {
             again["result"]["value"].as_f64().unwrap(),
         );
         assert!(
-            repeated <= interrupted && repeated > 0.999 * interrupted,
+            // In another order the sums round otherwise.
+            repeated <= interrupted * (1.0 + 1e-9) && repeated > 0.999 * interrupted,
             "{repeated} {interrupted}"
         );
     }
