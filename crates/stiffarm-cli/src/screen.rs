@@ -77,13 +77,8 @@ pub fn fitted(text: &str) -> String {
             continue;
         }
         let indent = behind_a_name(bare).unwrap_or(2);
-        for (number, part) in lines_in(bare, readable, indent).into_iter().enumerate() {
-            if number > 0 {
-                out.push('\n');
-                out += &" ".repeat(indent);
-            }
-            out += &part;
-        }
+        let between = format!("\n{}", " ".repeat(indent));
+        out += &lines_in(bare, readable, indent).join(&between);
         out += &line[bare.len()..];
     }
     out
@@ -154,21 +149,7 @@ pub fn lines(text: &str, columns: usize) -> Vec<String> {
 /// The sentence in lines of at most `columns`, those after the first indented. A word
 /// that is longer stays whole.
 pub fn wrapped(sentence: &str, columns: usize) -> String {
-    let mut out = String::new();
-    let mut at = 0;
-    for word in sentence.split(' ') {
-        let own = width(word);
-        if at > 0 && at + 1 + own > columns {
-            out += "\n  ";
-            at = 2;
-        } else if !out.is_empty() {
-            out.push(' ');
-            at += 1;
-        }
-        out += word;
-        at += own;
-    }
-    out
+    lines_in(sentence, columns, 2).join("\n  ")
 }
 
 /// Columns that a text of one line takes, styles left out.

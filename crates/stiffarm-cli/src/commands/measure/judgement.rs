@@ -84,7 +84,7 @@ impl Judgement {
     }
 }
 
-/// Looks at the files once. `search` allows to look for a better posture.
+/// Looks at the files once.
 ///
 /// # Errors
 /// Files that cannot be read or hold something wrong.
@@ -93,7 +93,6 @@ pub fn judge(
     cell: &Cell,
     plan: &[Posture],
     args: &MeasureArgs,
-    search: bool,
     control: Control<'_>,
 ) -> Result<Judgement> {
     let read = session.read_growing_measurements(&args.readings, Some(&args.plan), cell);
@@ -107,12 +106,6 @@ pub fn judge(
     };
     let reduce = session.read_registration(args.registration.as_deref())?;
     let begun = begun(&measurements);
-    let left_without = |measured: &BTreeSet<String>| -> Vec<Posture> {
-        let open = plan
-            .iter()
-            .filter(|posture| !measured.contains(&posture.name));
-        open.cloned().collect()
-    };
     let measured = match prepare(cell, measurements, &reduce) {
         Ok(measured) => measured,
         // The first posture is not complete yet.
@@ -128,7 +121,11 @@ pub fn judge(
         }
     }
     let known: BTreeSet<String> = done.iter().cloned().collect();
-    let left = left_without(&known);
+    let left: Vec<Posture> = plan
+        .iter()
+        .filter(|posture| !known.contains(&posture.name))
+        .cloned()
+        .collect();
     let readings: Vec<Finding> = measured
         .findings()
         .filter(|f| f.code != stiffarm::measure::NOT_MEASURED_YET)
@@ -165,7 +162,7 @@ pub fn judge(
         out.deflection = Some(deflection(&fit, &budget, goal)?);
     }
     let sound = out.readings.iter().all(|f| f.severity != Severity::Serious);
-    if search && sound && out.reached() != Some(true) {
+    if !args.no_search && sound && out.reached() != Some(true) {
         out.better = better(&fit, cell, &left, args.seed, control)?;
     }
     Ok(out)

@@ -44,8 +44,7 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;
     let progress = Progress::new(session, "judging the readings");
-    let found = progress
-        .watch(|control| judge(session, &named.cell, &plan, args, !args.no_search, control))?;
+    let found = progress.watch(|control| judge(session, &named.cell, &plan, args, control))?;
     drop(progress);
     let options = Options {
         until_stiffness: args.until.and_then(Goal::stiffness),

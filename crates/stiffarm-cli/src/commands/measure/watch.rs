@@ -87,8 +87,7 @@ impl Day {
         // A look of its own: what is quoted in messages is what is there now.
         let own = session.afresh();
         let progress = Progress::new(session, "judging the readings");
-        let found = progress
-            .watch(|control: Control<'_>| judge(&own, cell, plan, args, !args.no_search, control));
+        let found = progress.watch(|control: Control<'_>| judge(&own, cell, plan, args, control));
         drop(progress);
         let found = match found {
             Ok(found) => found,

@@ -34,7 +34,8 @@ use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use closed_form::{ClosedForm, Theta};
 use nalgebra::{DMatrix, Isometry3, Matrix6, Vector6};
 use numeric::{Descent, SOLVED, scaled_columns, twist};
-use turns::{Turns, largest_change};
+use turns::Turns;
+pub(crate) use turns::largest_change;
 
 /// Deviation from a family's geometry that is rounding (rad, of the size).
 const EXACT: f64 = 1e-9;

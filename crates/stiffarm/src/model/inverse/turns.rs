@@ -229,7 +229,7 @@ impl Turns {
 }
 
 /// Largest change of an angle from one posture to another \[rad\].
-pub(super) fn largest_change(from: &[f64], to: &[f64]) -> f64 {
+pub(crate) fn largest_change(from: &[f64], to: &[f64]) -> f64 {
     let changes = from.iter().zip(to).map(|(a, b)| (a - b).abs());
     changes.fold(0.0, f64::max)
 }

@@ -97,7 +97,7 @@ pub fn route<Q: AsRef<[f64]>>(
     let places = places(&ways, cell, plan.len(), &stands, of, &alike);
     let mut tour = Tour::new(places, stands, cell.route.start.as_deref());
     let order = tour.order(&mut ways, plan.len(), options, control)?;
-    let mut route = tour.finish(cell, &plan, &way_cell, &mut ways, &order, options)?;
+    let mut route = tour.finish(cell, &plan, &mut ways, &order, options)?;
     route.repeats = repeated(&route.order, &alike);
     Ok(route)
 }

@@ -5,7 +5,7 @@
 //! stretch is proved or a posture without room is found. Nothing is left between samples.
 
 use crate::error::Result;
-use crate::model::cell::{Cell, Limits, PostureMargins};
+use crate::model::cell::{Cell, LimitMargin, Limits, PostureMargins};
 use crate::model::load::Load;
 use std::collections::VecDeque;
 
@@ -88,6 +88,11 @@ impl<'a> Moves<'a> {
             .windows(2)
             .map(|pair| self.seconds(pair[0], pair[1]))
             .sum()
+    }
+
+    /// What is nearest at a posture; `None` where there is nothing to touch.
+    pub fn smallest(&mut self, q: &[f64]) -> Result<Option<LimitMargin>> {
+        self.margins.smallest(q)
     }
 
     /// Whether a posture touches nothing.

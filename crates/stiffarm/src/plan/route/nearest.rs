@@ -1,29 +1,31 @@
 //! What comes nearest on a move.
 
 use super::found::NearestOnTheWay;
-use super::moves::between;
+use super::moves::{Moves, between};
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind, LimitMargin};
+use crate::model::inverse::largest_change;
 
 /// Turn between two looks for what comes nearest on a move \[rad\].
 const LOOK_EACH: f64 = 0.01;
 
 /// What comes nearest along the legs of a move.
 pub(super) fn nearest(
-    way_cell: &Cell,
     cell: &Cell,
+    ways: &mut Moves<'_>,
     legs: &[Vec<f64>],
 ) -> Result<Option<NearestOnTheWay>> {
-    let mut margins = way_cell.posture_margins()?;
     let mut least: Option<NearestOnTheWay> = None;
     for leg in legs.windows(2) {
-        let looks = (largest_turn(&leg[0], &leg[1]) / LOOK_EACH).ceil().max(1.0) as usize;
+        let looks = (largest_change(&leg[0], &leg[1]) / LOOK_EACH)
+            .ceil()
+            .max(1.0) as usize;
         for look in 0..=looks {
             let q = between(&leg[0], &leg[1], look as f64 / looks as f64);
-            let Some(margin) = margins.smallest(&q)? else {
+            let Some(margin) = ways.smallest(&q)? else {
                 return Ok(None);
             };
-            let distance_m = margin.margin + allowance(cell, way_cell, &margin);
+            let distance_m = margin.margin + allowance(cell, ways.cell, &margin);
             if least.as_ref().is_none_or(|l| distance_m < l.distance_m) {
                 least = Some(NearestOnTheWay {
                     kind: margin.kind,
@@ -49,10 +51,4 @@ fn allowance(cell: &Cell, way_cell: &Cell, margin: &LimitMargin) -> f64 {
         LimitKind::KeepOut => less(cell.limits.keep_out_radius, way_cell.limits.keep_out_radius),
         _ => 0.0,
     }
-}
-
-/// Largest turn of a joint \[rad\].
-pub(super) fn largest_turn(a: &[f64], b: &[f64]) -> f64 {
-    let turns = a.iter().zip(b);
-    turns.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
 }

@@ -4,6 +4,7 @@
 use super::moves::{Moves, between};
 use super::rounding::nearest;
 use crate::error::Result;
+use crate::model::inverse::largest_change;
 use crate::numerics::streams::route_rng;
 use rand::RngExt;
 
@@ -31,7 +32,7 @@ impl Tree {
 
     /// Grows from its nearest posture towards `goal` by one branch: the posture reached.
     fn grow(&mut self, ways: &mut Moves<'_>, goal: &[f64]) -> Result<Option<usize>> {
-        let distance = |q: &Vec<f64>| largest_turn(q, goal);
+        let distance = |q: &Vec<f64>| largest_change(q, goal);
         let numbered = self.postures.iter().map(distance).enumerate();
         let Some((near, apart)) = numbered.min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(None);
@@ -88,7 +89,7 @@ pub(super) fn connect(
         let aim = trees[grown].postures[new].clone();
         // The other tree comes as far as it can.
         while let Some(met) = trees[other].grow(ways, &aim)? {
-            if largest_turn(&trees[other].postures[met], &aim) == 0.0 {
+            if largest_change(&trees[other].postures[met], &aim) == 0.0 {
                 let (mut first, second) = (trees[grown].back(new), trees[other].back(met));
                 first.reverse();
                 first.extend(second.into_iter().skip(1));
@@ -121,9 +122,4 @@ fn shortened(
     way.pop();
     way.remove(0);
     Ok(way)
-}
-
-fn largest_turn(a: &[f64], b: &[f64]) -> f64 {
-    let turns = a.iter().zip(b);
-    turns.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
 }

@@ -2,11 +2,12 @@
 
 use super::found::{Route, RouteMove, RouteOptions};
 use super::moves::Moves;
-use super::nearest::{largest_turn, nearest};
+use super::nearest::nearest;
 use super::order::Places;
 use super::way::Way;
 use crate::error::Result;
 use crate::model::cell::Cell;
+use crate::model::inverse::largest_change;
 use crate::numerics::control::Control;
 use std::collections::HashMap;
 
@@ -160,7 +161,6 @@ impl<'a> Tour<'a> {
         &self,
         cell: &Cell,
         plan: &[Vec<f64>],
-        way_cell: &Cell,
         ways: &mut Moves<'_>,
         order: &[usize],
         options: &RouteOptions,
@@ -187,9 +187,9 @@ impl<'a> Tour<'a> {
                     .then(|| ways.seconds_along(&legs) / rules.speed_share),
                 turn: legs
                     .windows(2)
-                    .map(|leg| largest_turn(&leg[0], &leg[1]))
+                    .map(|leg| largest_change(&leg[0], &leg[1]))
                     .sum(),
-                nearest: nearest(way_cell, cell, &legs)?,
+                nearest: nearest(cell, ways, &legs)?,
                 via,
             });
         }
@@ -208,7 +208,7 @@ impl<'a> Tour<'a> {
             order: order.iter().map(posture).collect(),
             travel_s: moves.iter().map(|m| m.time_s).sum(),
             turn: moves.iter().map(|m| m.turn).sum::<f64>() + 0.0,
-            checked: way_cell.limit_kinds(),
+            checked: ways.cell.limit_kinds(),
             shortest: (!options.keep_order).then(|| self.places.is_small()),
             postures,
             moves,
