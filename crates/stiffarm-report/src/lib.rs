@@ -6,6 +6,8 @@
 //! one legend per figure, the same colour for the same label everywhere, and
 //! the same bytes for the same data.
 //!
+//! A [`scene::Scene`] is a cell in three dimensions as data, and the script of a page that shows it.
+//!
 //! [`figure`] is generic: it knows nothing of stiffarm. The other modules turn
 //! stiffarm's results into figures and tables.
 
@@ -15,6 +17,7 @@ mod map;
 mod path;
 mod placement;
 mod plan_page;
+pub mod scene;
 pub mod study;
 mod zones;
 

@@ -7,7 +7,7 @@ const MOST: usize = 4;
 
 /// What is drawn in red.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Cautions {
+pub(crate) struct Cautions {
     /// Parts of the scene, by number.
     pub parts: Vec<bool>,
     /// Joints whose torque is too large, by number.
@@ -25,7 +25,7 @@ pub(super) struct Cautions {
 
 impl Cautions {
     /// What these margins violate.
-    pub(super) fn of(cell: &Cell, margins: &[LimitMargin]) -> Self {
+    pub(crate) fn of(cell: &Cell, margins: &[LimitMargin]) -> Self {
         let setup = &cell.setup;
         let mut cautions = Cautions {
             parts: vec![false; cell.scene.parts().len()],
@@ -41,7 +41,7 @@ impl Cautions {
     }
 
     /// True where a limit of this kind is violated.
-    pub(super) fn has(&self, kind: LimitKind) -> bool {
+    pub(crate) fn has(&self, kind: LimitKind) -> bool {
         self.kinds.contains(&kind)
     }
 
@@ -105,7 +105,7 @@ impl Cautions {
 }
 
 /// A sentence for each violated limit, the first few of them.
-pub(super) fn sentences(subject: &str, margins: &[LimitMargin]) -> Vec<String> {
+pub(crate) fn sentences(subject: &str, margins: &[LimitMargin]) -> Vec<String> {
     let violated: Vec<&LimitMargin> = margins.iter().filter(|m| m.is_violated()).collect();
     let shown = match violated.len() {
         count if count > MOST => MOST - 1,
@@ -123,7 +123,7 @@ pub(super) fn sentences(subject: &str, margins: &[LimitMargin]) -> Vec<String> {
 }
 
 /// How much room the limits leave, in each unit: `34 mm at the floor (flange)`; `None` without limits.
-pub(super) fn least_room(margins: &[LimitMargin]) -> Option<String> {
+pub(crate) fn least_room(margins: &[LimitMargin]) -> Option<String> {
     let units = [
         MarginUnit::Length,
         MarginUnit::Angle,

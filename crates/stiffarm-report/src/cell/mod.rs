@@ -2,10 +2,10 @@
 //! and beams at one posture, the arm at the others, and in red what violates a limit.
 
 mod camera;
-mod cautions;
+pub(crate) mod cautions;
 mod key;
 mod outline;
-mod stage;
+pub(crate) mod stage;
 mod things;
 mod view;
 

@@ -21,7 +21,7 @@ const THICK: f64 = 0.05;
 
 /// Points that must be seen, in the base frame \[m\].
 #[derive(Debug, Clone)]
-pub(super) struct Stage {
+pub(crate) struct Stage {
     points: Vec<Vector3<f64>>,
     low: Vector3<f64>,
     high: Vector3<f64>,
@@ -31,7 +31,7 @@ pub(super) struct Stage {
 
 impl Stage {
     /// Arms at all postures, shapes of the one in full, the load; of what stands around, what is near.
-    pub(super) fn of(cell: &Cell, all: &[PostureTerms], shown: Option<usize>) -> Self {
+    pub(crate) fn of(cell: &Cell, all: &[PostureTerms], shown: Option<usize>) -> Self {
         let mut points = vec![Vector3::zeros()];
         for terms in all {
             points.extend(arm(terms));
@@ -127,7 +127,7 @@ impl Stage {
     }
 
     /// Largest extent \[m\].
-    pub(super) fn size(&self) -> f64 {
+    pub(crate) fn size(&self) -> f64 {
         (self.high - self.low).max().max(1e-3)
     }
 
@@ -137,7 +137,7 @@ impl Stage {
     }
 
     /// Corners of the box around what must be seen.
-    pub(super) fn corners(&self) -> [Vector3<f64>; 8] {
+    pub(crate) fn corners(&self) -> [Vector3<f64>; 8] {
         corners(&self.low, &self.high)
     }
 
@@ -152,7 +152,12 @@ impl Stage {
         let at = frames.point(&setup.tool.loading_point);
         let wrench = setup.load.wrench(frames, &at).filter(|_| drawn)?;
         let unit = Unit::try_new(wrench.force, 1e-9)?;
-        Some(at + unit.into_inner() * (FORCE * self.arm_size))
+        Some(at + unit.into_inner() * self.force_length())
+    }
+
+    /// How long a force is drawn \[m\].
+    pub(crate) fn force_length(&self) -> f64 {
+        FORCE * self.arm_size
     }
 
     /// What must be seen.
@@ -161,7 +166,7 @@ impl Stage {
     }
 
     /// A point on axis 1 and its direction.
-    pub(super) fn first_axis(&self) -> (Vector3<f64>, Unit<Vector3<f64>>) {
+    pub(crate) fn first_axis(&self) -> (Vector3<f64>, Unit<Vector3<f64>>) {
         self.axis
     }
 
@@ -211,7 +216,7 @@ fn bounds(points: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 /// What is neither arm nor tool.
-pub(super) fn stands(part: &Part) -> bool {
+pub(crate) fn stands(part: &Part) -> bool {
     part.carrier == Carrier::World && part.name != "base"
 }
 

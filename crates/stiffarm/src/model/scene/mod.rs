@@ -7,6 +7,7 @@
 //! (a box or a cylinder of the tool becomes capsules that contain it); what they meet is the solid itself.
 
 mod build;
+mod closest;
 mod displacement;
 mod margins;
 mod pairs;
@@ -19,6 +20,7 @@ mod torque;
 mod work;
 
 pub use build::SceneParts;
+pub use closest::ClosestPair;
 pub use displacement::DisplacementLimits;
 pub use margins::SceneMargin;
 pub use part::{Carrier, Part};

@@ -89,6 +89,13 @@ pub(crate) struct Touch {
 }
 
 impl Touch {
+    /// The points of both surfaces, of the line's and of the solid's, that are `distance` apart \[m\].
+    pub(super) fn surfaces(&self, distance: f64) -> [Vector3<f64>; 2] {
+        let ([a, b], at) = (self.ends, &self.at);
+        let solid = a + (b - a) * at.t - at.direction * at.distance;
+        [solid + at.direction * distance, solid]
+    }
+
     fn slope(&self) -> Slope<'static> {
         let ([a, b], at) = (self.ends, &self.at);
         let mut slope = Slope::NONE;

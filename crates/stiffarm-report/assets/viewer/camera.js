@@ -1,0 +1,176 @@
+// Where one looks from, and how mouse, fingers and keys change it.
+
+const VIEWS = {
+  perspective: { turn: 0.559, tilt: 0.419, field: 30, words: 'Perspective' },
+  side: { turn: 0, tilt: 0, field: 3, words: 'Side' },
+  above: { turn: 0, tilt: Math.PI / 2, field: 3, words: 'Above' },
+  front: { turn: Math.PI / 2, tilt: 0, field: 3, words: 'Front' },
+};
+
+/** A camera that turns around a place. `turn` and `tilt` [rad] as in the printed pictures: from the side at 0, 0. */
+class Orbit {
+  constructor(extent) {
+    this.camera = new THREE.PerspectiveCamera(30, 1, 0.1, 100);
+    this.setExtent(extent);
+    this.aspect = 1;
+    this.look('perspective');
+  }
+
+  setExtent([low, high]) {
+    this.low = vec(low);
+    this.high = vec(high);
+    this.radius = Math.max(this.high.distanceTo(this.low) / 2, 1e-3);
+  }
+
+  look(view) {
+    Object.assign(this, VIEWS[view]);
+    this.view = view;
+    this.isFitted = true;
+    this.fit();
+  }
+
+  axes() {
+    const [s, c, up, out] = [Math.sin(this.turn), Math.cos(this.turn), Math.sin(this.tilt), Math.cos(this.tilt)];
+    return {
+      right: new Vector3(c, s, 0),
+      up: new Vector3(-s * up, c * up, out),
+      toward: new Vector3(s * out, -c * out, up),
+    };
+  }
+
+  /** As near as everything is still seen. */
+  fit() {
+    this.target = this.low.clone().add(this.high).multiplyScalar(0.5);
+    const { right, up, toward } = this.axes();
+    const tangent = Math.tan((this.field * Math.PI) / 360);
+    this.distance = 0;
+    for (let i = 0; i < 8; i += 1) {
+      const corner = new Vector3(
+        i & 1 ? this.high.x : this.low.x, i & 2 ? this.high.y : this.low.y, i & 4 ? this.high.z : this.low.z,
+      ).sub(this.target);
+      const across = Math.max(Math.abs(corner.dot(right)) / this.aspect, Math.abs(corner.dot(up)));
+      this.distance = Math.max(this.distance, corner.dot(toward) + (1.06 * across) / tangent);
+    }
+    this.place();
+  }
+
+  resize(aspect) {
+    this.aspect = aspect;
+    if (this.isFitted) this.fit();
+    else this.place();
+  }
+
+  place() {
+    const { up, toward } = this.axes();
+    const camera = this.camera;
+    camera.fov = this.field;
+    camera.aspect = this.aspect;
+    camera.near = Math.max(this.distance - 6 * this.radius, 0.02 * this.distance);
+    camera.far = this.distance + 12 * this.radius;
+    camera.position.copy(this.target).addScaledVector(toward, this.distance);
+    camera.up.copy(up);
+    camera.lookAt(this.target);
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  rotate(dx, dy) {
+    this.turn -= dx;
+    this.tilt = Math.min(Math.max(this.tilt + dy, -Math.PI / 2), Math.PI / 2);
+    this.moved();
+  }
+
+  zoom(factor) {
+    this.distance = Math.min(Math.max(this.distance * factor, 0.05 * this.radius), 400 * this.radius);
+    this.moved();
+  }
+
+  /** Shifts by shares of the picture's height. */
+  pan(dx, dy) {
+    const { right, up } = this.axes();
+    const height = 2 * this.distance * Math.tan((this.field * Math.PI) / 360);
+    this.target.addScaledVector(right, -dx * height).addScaledVector(up, dy * height);
+    this.moved();
+  }
+
+  moved() {
+    this.isFitted = false;
+    this.view = '';
+    this.place();
+  }
+}
+
+const SENSITIVITY = 3.6;
+
+/** Lets mouse and fingers on `stage` move the camera; `changed` is called after each move. */
+function listen(stage, orbit, changed) {
+  const down = new Map();
+  let travelled = 0;
+  const isActive = () => stage.classList.contains('scene-active');
+  const activate = (on) => stage.classList.toggle('scene-active', on);
+  document.addEventListener('pointerdown', (event) => {
+    if (!stage.contains(event.target)) activate(false);
+  });
+  stage.addEventListener('pointerdown', (event) => {
+    down.set(event.pointerId, [event.clientX, event.clientY]);
+    travelled = 0;
+    if (event.pointerType === 'mouse') {
+      activate(true);
+      stage.setPointerCapture(event.pointerId);
+    }
+  });
+  stage.addEventListener('pointermove', (event) => {
+    const before = down.get(event.pointerId);
+    if (!before) return;
+    const [dx, dy] = [event.clientX - before[0], event.clientY - before[1]];
+    travelled += Math.abs(dx) + Math.abs(dy);
+    const height = stage.clientHeight || 1;
+    if (down.size === 2) {
+      const other = [...down].find(([id]) => id !== event.pointerId)[1];
+      const gap = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
+      orbit.zoom(gap(before) / gap([event.clientX, event.clientY]));
+      orbit.rotate((SENSITIVITY * dx) / height / 2, (SENSITIVITY * dy) / height / 2);
+      changed();
+    } else if (event.pointerType === 'mouse' && (event.shiftKey || event.buttons & 6)) {
+      orbit.pan(dx / height, dy / height);
+      changed();
+    } else if (event.pointerType === 'mouse' || isActive()) {
+      orbit.rotate((SENSITIVITY * dx) / height, (SENSITIVITY * dy) / height);
+      changed();
+    }
+    down.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  const up = (event) => {
+    const tapped = event.type === 'pointerup' && down.has(event.pointerId) && travelled < 8;
+    if (tapped && event.pointerType !== 'mouse') activate(true);
+    down.delete(event.pointerId);
+  };
+  stage.addEventListener('pointerup', up);
+  stage.addEventListener('pointercancel', up);
+  stage.addEventListener('contextmenu', (event) => event.preventDefault());
+  // A page must still scroll over a picture that nobody has touched.
+  stage.addEventListener('wheel', (event) => {
+    if (!isActive() && document.activeElement !== stage && !event.ctrlKey) return;
+    event.preventDefault();
+    orbit.zoom(Math.exp(Math.min(Math.max(event.deltaY, -200), 200) * 0.0015));
+    changed();
+  }, { passive: false });
+}
+
+/** What a key does to the camera; false where it does nothing. */
+function moveByKey(orbit, key) {
+  const step = Math.PI / 24;
+  const moves = {
+    ArrowLeft: () => orbit.rotate(-step, 0),
+    ArrowRight: () => orbit.rotate(step, 0),
+    ArrowUp: () => orbit.rotate(0, step),
+    ArrowDown: () => orbit.rotate(0, -step),
+    '+': () => orbit.zoom(0.85),
+    '=': () => orbit.zoom(0.85),
+    '-': () => orbit.zoom(1 / 0.85),
+    Home: () => orbit.look('perspective'),
+  };
+  if (!moves[key]) return false;
+  moves[key]();
+  return true;
+}
