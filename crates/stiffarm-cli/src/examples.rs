@@ -166,3 +166,12 @@ pub const MAN: &str = "Examples:
 pub const DOCS: &str = "Examples:
   $ stiffarm docs errors
   $ stiffarm docs commands";
+
+#[cfg(feature = "report")]
+pub const REPORT: &str = "Examples:
+  A page of one result, and of two side by side:
+  $ stiffarm report k.json
+  $ stiffarm report k.json k.json --output both.html
+
+  With the cell that it was made with, where that is not a built-in one:
+  $ stiffarm report k.json --cell builtin:comau --output again.html --force";

@@ -64,10 +64,9 @@ impl Session {
                     _ => error,
                 })
         };
-        Ok(NamedCell {
-            cell: parse_cell_bytes_with(&bytes, &name, &read)?,
-            name,
-        })
+        let cell = parse_cell_bytes_with(&bytes, &name, &read)?;
+        self.page.remember(&cell);
+        Ok(NamedCell { cell, name })
     }
 
     /// Reads postures of `robot`.

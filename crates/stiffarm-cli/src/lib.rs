@@ -4,6 +4,7 @@
 //! process. Nothing else is promised, the library to build on is `stiffarm`.
 
 mod args;
+mod arguments;
 mod commands;
 mod error;
 mod examples;
@@ -14,6 +15,7 @@ mod input;
 mod interrupt;
 mod numbers;
 mod output;
+mod page;
 mod path;
 mod progress;
 mod saved;
@@ -71,9 +73,12 @@ fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>) -> u8 
         Ok(cli) => cli,
         Err(stop) => return error::usage(&stop, args::wants_json(words), captured.as_deref()),
     };
-    let session = Session::new(&cli.global, captured);
+    let session = Session::new(words, &cli.global, captured);
     let ran = error::catch_panic(|| {
         session.set_threads(&cli.global)?;
+        if let Some((page, force)) = cli.command.page() {
+            session.will_report(page.path(), force)?;
+        }
         run(&session, &cli.command)
     });
     match ran {
@@ -102,6 +107,8 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Compensate(args) => commands::compensate::run(session, args),
         Command::Map(args) => commands::map::run(session, args),
         Command::Zones(args) => commands::zones::run(session, args),
+        #[cfg(feature = "report")]
+        Command::Report(args) => commands::report::run(session, args),
         Command::Pose(args) => commands::pose::run(session, args),
         Command::Route(args) => commands::route::run(session, args),
         Command::Export(args) => commands::export::run(session, args),

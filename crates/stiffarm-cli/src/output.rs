@@ -50,6 +50,9 @@ pub struct Envelope<O, R> {
     pub stiffarm: String,
     /// The command.
     pub command: String,
+    /// Words of the command line that makes the result again, inputs as `{role}`; where results go
+    /// and how they are shown is left out.
+    pub arguments: Vec<String>,
     /// SHA-256 of each input by its role.
     pub inputs: BTreeMap<String, String>,
     /// Seed of the random numbers, where there are any.
@@ -73,6 +76,7 @@ impl Session {
             format: 1,
             stiffarm: env!("CARGO_PKG_VERSION").to_string(),
             command: command.to_string(),
+            arguments: self.arguments(),
             inputs: self.hashes(),
             seed,
             options,
@@ -85,6 +89,7 @@ impl Session {
     /// # Errors
     /// Standard output cannot be written.
     pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
+        self.write_page(envelope)?;
         match self.json {
             true => self.print_exact(&to_json(envelope)?),
             false => self.print(&fitted(&(table() + &self.written()))),
@@ -104,6 +109,7 @@ impl Session {
     ) -> Result<()> {
         match target {
             Some(Target::Stdout) => {
+                self.write_page(envelope)?;
                 self.print_exact(&to_json(envelope)?)?;
                 self.remark(&table());
                 return Ok(());

@@ -2,9 +2,12 @@
 
 use crate::Captured;
 use crate::args::Global;
+use crate::arguments::arguments;
 use crate::identity::FileId;
+use crate::page::ResultPage;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::Path;
 use std::rc::Rc;
 use stiffarm::findings::{list, visible};
@@ -31,6 +34,8 @@ pub struct Input {
 
 /// One run of the command.
 pub struct Session {
+    /// The command line, the program's name first.
+    words: Vec<OsString>,
     /// One JSON object instead of tables.
     pub json: bool,
     /// Neither progress nor remarks.
@@ -45,14 +50,21 @@ pub struct Session {
     failure: RefCell<Option<Error>>,
     /// Names of the files that were written, for the end of what is printed.
     written: RefCell<Vec<String>>,
+    /// What the page of the result needs, where one is asked for.
+    pub page: ResultPage,
     /// Takes what is printed, instead of the process's own output.
     pub captured: Option<Rc<RefCell<Captured>>>,
 }
 
 impl Session {
     /// A session as the global options want it.
-    pub fn new(global: &Global, captured: Option<Rc<RefCell<Captured>>>) -> Self {
+    pub fn new(
+        words: &[OsString],
+        global: &Global,
+        captured: Option<Rc<RefCell<Captured>>>,
+    ) -> Self {
         Session {
+            words: words.to_vec(),
             json: global.json,
             quiet: global.quiet,
             color: match global.color {
@@ -64,6 +76,7 @@ impl Session {
             outputs: RefCell::new(Vec::new()),
             failure: RefCell::new(None),
             written: RefCell::default(),
+            page: ResultPage::default(),
             captured,
         }
     }
@@ -71,6 +84,7 @@ impl Session {
     /// A session that speaks the same way and has read nothing yet, for files that are read again.
     pub fn afresh(&self) -> Self {
         Session {
+            words: self.words.clone(),
             json: self.json,
             quiet: self.quiet,
             color: self.color,
@@ -78,6 +92,7 @@ impl Session {
             outputs: RefCell::default(),
             failure: RefCell::default(),
             written: RefCell::default(),
+            page: ResultPage::default(),
             captured: self.captured.clone(),
         }
     }
@@ -191,6 +206,19 @@ impl Session {
         let inputs = self.inputs.borrow();
         let input = inputs.iter().find(|input| input.name == name)?;
         std::str::from_utf8(&input.bytes).ok().map(String::from)
+    }
+
+    /// Hash of the input of a role that was read last.
+    #[cfg(feature = "report")]
+    pub fn last_hash(&self, role: &str) -> Option<String> {
+        let inputs = self.inputs.borrow();
+        let found = inputs.iter().rev().find(|input| input.role == role);
+        found.map(|input| input.sha256.clone())
+    }
+
+    /// The words of the command line that the result depends on, inputs as `{role}`.
+    pub fn arguments(&self) -> Vec<String> {
+        arguments(&self.words, &self.inputs.borrow(), &self.outputs.borrow())
     }
 
     /// Hashes of the inputs by their role.

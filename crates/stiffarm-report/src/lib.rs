@@ -14,9 +14,13 @@
 mod cell;
 pub mod figure;
 mod map;
+#[cfg(feature = "page")]
+pub mod page;
 mod path;
 mod placement;
 mod plan_page;
+#[cfg(feature = "page")]
+pub mod report;
 pub mod scene;
 pub mod study;
 mod zones;

@@ -1,5 +1,6 @@
 //! Commands that work on measurements.
 
+use super::PageArgs;
 use super::fit::FitArgs;
 use super::values::{above_zero, count, number};
 use clap::{Args, ValueEnum};
@@ -67,6 +68,9 @@ pub struct IdentifyArgs {
     /// Write the result as JSON to this file, for `validate`
     #[arg(long, value_name = "stiffness.json")]
     pub output: Option<String>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
@@ -105,6 +109,12 @@ pub struct ValidateArgs {
     /// Options of the fits.
     #[command(flatten)]
     pub fit: FitArgs,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Folds of a cross-validation.

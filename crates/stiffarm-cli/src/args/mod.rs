@@ -8,6 +8,7 @@ mod measure;
 mod measured;
 mod path;
 mod pose;
+mod report;
 mod route;
 mod select;
 mod simulate;
@@ -21,6 +22,9 @@ pub use measure::{Goal, MeasureArgs};
 pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::{PoseArgs, PoseFrame, PosePoint};
+pub use report::PageArgs;
+#[cfg(feature = "report")]
+pub use report::ReportArgs;
 pub use route::RouteArgs;
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
 pub use simulate::{ErrorArgs, SimulateArgs};
@@ -125,6 +129,10 @@ pub enum Command {
     /// Maps of dexterity and of K_C's influence over joints 2 and 3, to choose zones for postures
     #[command(after_help = examples::ZONES)]
     Zones(ZonesArgs),
+    /// One offline page of saved results, with the cell in 3D; several side by side
+    #[cfg(feature = "report")]
+    #[command(after_help = examples::REPORT)]
+    Report(ReportArgs),
     /// Poses of postures as the robot's pendant shows them, and all postures of a pose
     #[command(after_help = examples::POSE)]
     Pose(PoseArgs),
@@ -182,6 +190,9 @@ pub struct StudyArgs {
     /// does, in at most 40 runs each [default: axes]
     #[arg(long, value_name = "MODEL")]
     pub elastic: Option<fit::ElasticArg>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -244,6 +255,12 @@ pub struct EvaluateArgs {
     /// Posture files, one group each
     #[arg(required = true, value_name = "POSTURES.csv")]
     pub postures: Vec<String>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -267,6 +284,9 @@ pub struct ZonesArgs {
         allow_hyphen_values = true
     )]
     pub q_deg: Vec<f64>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -374,6 +394,26 @@ pub enum DocsPage {
     Errors,
     /// Reference of all commands
     Commands,
+}
+
+impl Command {
+    /// Where the page of the command's result goes, and whether it may overwrite a file; `None` for commands
+    /// whose results have no page.
+    pub fn page(&self) -> Option<(&PageArgs, bool)> {
+        match self {
+            Command::Study(args) => Some((&args.page, args.force)),
+            Command::Select(args) => Some((&args.output.page, args.output.force)),
+            Command::Evaluate(args) => Some((&args.page, args.force)),
+            Command::Simulate(args) => Some((&args.page, args.force)),
+            Command::Identify(args) => Some((&args.page, args.force)),
+            Command::Validate(args) => Some((&args.page, args.force)),
+            Command::Predict(args) => Some((&args.page, args.force)),
+            Command::Compensate(args) => Some((&args.page, args.force)),
+            Command::Map(args) => Some((&args.page, args.force)),
+            Command::Zones(args) => Some((&args.page, args.force)),
+            _ => None,
+        }
+    }
 }
 
 /// `--color` as far as it can be read before the line is parsed.

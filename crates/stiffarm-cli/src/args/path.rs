@@ -1,5 +1,6 @@
 //! Commands that work on paths of the tool tip.
 
+use super::PageArgs;
 use super::measured::ModelChoice;
 use super::values::{number, triple};
 use super::work::{AxesChoice, Triple};
@@ -82,6 +83,9 @@ pub struct PredictArgs {
     /// Draw the deflection along the path with its band
     #[arg(long, value_name = "predicted.svg")]
     pub figure: Option<String>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -109,6 +113,9 @@ pub struct CompensateArgs {
     /// Draw the deflection along the path before and after
     #[arg(long, value_name = "compensated.svg")]
     pub figure: Option<String>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,

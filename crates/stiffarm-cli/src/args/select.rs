@@ -1,5 +1,6 @@
 //! The command line of `stiffarm select`.
 
+use super::PageArgs;
 use super::values::{above_zero, angle_step, count, numbers};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::time::Duration;
@@ -150,6 +151,9 @@ pub struct OutputArgs {
     /// What the sheet is for [default: readings]
     #[arg(long, value_name = "KIND", requires = "readings")]
     pub sheet_of: Option<SheetChoice>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,

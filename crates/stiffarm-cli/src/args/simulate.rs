@@ -1,5 +1,6 @@
 //! Options of `stiffarm simulate`.
 
+use super::PageArgs;
 use super::fit::ElasticArg;
 use super::values::{count, number, pause};
 use clap::Args;
@@ -44,6 +45,9 @@ pub struct SimulateArgs {
     /// The readings come as on a day in the cell: one load state more after each pause, for `stiffarm measure`
     #[arg(long, value_name = "S", requires = "readings", value_parser = pause())]
     pub slowly: Option<Duration>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,

@@ -1,5 +1,6 @@
 //! Commands about the robot at work.
 
+use super::PageArgs;
 use super::values::{number, triple};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -24,6 +25,9 @@ pub struct MapArgs {
     /// Folder for map.svg and map.csv, with --place for placement.svg and placement.csv
     #[arg(long, value_name = "DIR")]
     pub output_dir: Option<PathBuf>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,

@@ -104,6 +104,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let envelope = session.envelope("compensate", None, described, &result);
     let other = saved.is_of_another_cell(envelope.inputs.get("cell"));
     if on_stdout {
+        session.write_page(&envelope)?;
         let of_path = &result.postures.findings;
         session.remark_serious(of_path.iter().chain(&result.compensation.findings));
         return Ok(exit(&result));

@@ -30,16 +30,20 @@ fn main() -> Done<()> {
         ("kr210", random(kr210, 2, 8)?),
         ("fanuc", fanuc()?),
         ("panda", random(panda, 2, 6)?),
-        (
-            "many",
-            random(Cell::built_in("comau-shapes")?, 10, 50)?,
-        ),
+        ("many", random(Cell::built_in("comau-shapes")?, 10, 50)?),
     ];
     for (name, (cell, postures, shown)) in pages {
         let picture = render_drawing(&cell_drawing(&cell, &postures, Full::Number(0))?);
-        let page = page(&cell.name, &scene_html(&shown, "cell", &cell.name, &picture));
+        let page = page(
+            &cell.name,
+            &scene_html(&shown, "cell", &cell.name, &picture),
+        );
         let bytes = serde_json::to_string(&shown)?.len();
-        println!("{name}: data {} KB, page {} KB", bytes / 1000, page.len() / 1000);
+        println!(
+            "{name}: data {} KB, page {} KB",
+            bytes / 1000,
+            page.len() / 1000
+        );
         fs::write(folder.join(format!("{name}.html")), page)?;
     }
     Ok(())
@@ -79,7 +83,9 @@ fn comau() -> Done<Shown> {
     let share = |i: usize| i as f64 / 40.0;
     let path = ScenePath {
         name: "contour".into(),
-        points: (0..=40).map(|i| [1.5, -0.6 + 1.2 * share(i), 0.7]).collect(),
+        points: (0..=40)
+            .map(|i| [1.5, -0.6 + 1.2 * share(i), 0.7])
+            .collect(),
         deflection: (0..=40)
             .map(|i| [0.0, 0.0, -2e-4 - 3e-4 * share(i)])
             .collect(),

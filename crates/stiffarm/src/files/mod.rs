@@ -20,6 +20,7 @@ pub mod mesh;
 mod names;
 pub mod program;
 pub mod registration;
+pub mod result;
 pub mod stiffness;
 pub mod table;
 #[cfg(feature = "urdf")]

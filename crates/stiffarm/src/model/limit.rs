@@ -1,10 +1,10 @@
 //! The kinds of limits, and what is said where one is violated.
 
 use crate::units::rad_to_deg;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Which limit a margin belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LimitKind {

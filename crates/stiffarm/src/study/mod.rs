@@ -85,7 +85,7 @@ impl Default for StudyOptions {
 }
 
 /// One group of postures with everything the study found about it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StudyGroup {
     /// Name of the group.
@@ -123,7 +123,7 @@ pub struct StudyGroup {
 }
 
 /// Result of a study.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Study {
     /// Name of the cell.
@@ -145,7 +145,7 @@ pub struct Study {
     /// Simulation of Section IV.A over all groups that determine every joint.
     pub simulation: Simulation,
     /// The groups on arms that give way beyond their joint axes, where that was asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elastic: Option<ElasticSimulation>,
     /// What other initial groups lead to.
     pub starts: StartsStudy,

@@ -129,6 +129,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     let mut findings = of_path().chain(&result.prediction.findings);
     let exit = Exit::finding(findings.any(|f| f.severity == Severity::Serious));
     if on_stdout {
+        session.write_page(&envelope)?;
         let findings = of_path().chain(&result.prediction.findings);
         session.remark_serious(findings);
         return Ok(exit);

@@ -135,6 +135,7 @@ impl Job<'_> {
         table: impl FnOnce() -> String,
     ) -> Result<()> {
         if self.outputs.use_stdout() {
+            self.session.write_page(envelope)?;
             self.session.remark(&table());
             return Ok(());
         }

@@ -62,18 +62,17 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         write_all(session, &[(target, write_displacements(&measured, cell))])?;
     }
     let table = || named.line() + &table(&result);
+    let shown = Options {
+        levels: options.variance_factors.clone(),
+        runs: options.runs,
+        elastic: options.elastic,
+    };
+    let envelope = session.envelope("simulate", Some(args.seed), shown, &result);
     if to_stdout {
+        session.write_page(&envelope)?;
         session.remark(&table());
     } else {
-        let shown = Options {
-            levels: options.variance_factors.clone(),
-            runs: options.runs,
-            elastic: options.elastic,
-        };
-        session.show(
-            &session.envelope("simulate", Some(args.seed), shown, &result),
-            table,
-        )?;
+        session.show(&envelope, table)?;
     }
     Ok(match result.interrupted {
         true => Exit::Interrupted,

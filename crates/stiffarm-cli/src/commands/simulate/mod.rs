@@ -93,18 +93,17 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     }
     write_all(session, &files)?;
     let table = || named.line() + &table(cell, &result, !model_errors.is_exact());
+    let options = Options {
+        levels,
+        runs: options.runs,
+        model_errors,
+    };
+    let envelope = session.envelope("simulate", Some(args.seed), options, &result);
     if to_stdout {
+        session.write_page(&envelope)?;
         session.remark(&table());
     } else {
-        let options = Options {
-            levels,
-            runs: options.runs,
-            model_errors,
-        };
-        session.show(
-            &session.envelope("simulate", Some(args.seed), options, &result),
-            table,
-        )?;
+        session.show(&envelope, table)?;
     }
     Ok(match result.interrupted || interrupt::stopped() {
         true => Exit::Interrupted,

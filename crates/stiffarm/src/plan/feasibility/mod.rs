@@ -10,10 +10,10 @@ use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How near one posture comes to the limits.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PostureLimits {
     /// Of each kind of limit that the cell has, the smallest margin.
@@ -35,7 +35,7 @@ pub struct PostureLimits {
 }
 
 /// The smallest margin to the limits of one kind: positive inside.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NearestLimit {
     /// Kind of limit.
@@ -106,7 +106,7 @@ pub fn forbidden(cell: &Cell, q: &[f64]) -> Result<Option<String>> {
 }
 
 /// One bound or limit of a cell that a posture violates.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Violation {
     /// Name of the posture.

@@ -5,10 +5,10 @@ use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind};
 use crate::numerics::control::Control;
 use crate::plan::index::Index;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A plan without one kind of limit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LimitPrice {
     /// The kind of limit that is left out.

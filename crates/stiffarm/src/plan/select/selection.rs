@@ -7,11 +7,11 @@ use crate::model::cell::Cell;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Termination;
 use crate::plan::feasibility::PostureLimits;
-use crate::plan::index::{GroupEvaluation, Index, evaluate};
-use serde::Serialize;
+use crate::plan::index::{GroupEvaluation, Index, Indices, evaluate};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Result of a selection.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Selection {
     /// The index that was minimised (maximised for O1 to O5).
@@ -22,8 +22,12 @@ pub struct Selection {
     /// does not exist there. A start outside the limits may well be better than
     /// any group inside them.
     pub start_value: Option<f64>,
-    /// Every index of the selected postures.
-    #[serde(rename = "indices", serialize_with = "indices_of")]
+    /// Every index of the selected postures. A selection that was read from JSON has the indices alone.
+    #[serde(
+        rename = "indices",
+        serialize_with = "indices_of",
+        deserialize_with = "indices_alone"
+    )]
     #[cfg_attr(feature = "schema", schemars(with = "crate::plan::index::Indices"))]
     pub evaluation: GroupEvaluation,
     /// Selected postures, controller angles \[rad\].
@@ -71,6 +75,22 @@ fn indices_of<S: serde::Serializer>(
     serializer: S,
 ) -> std::result::Result<S::Ok, S::Error> {
     evaluation.indices.serialize(serializer)
+}
+
+/// The evaluation behind indices that were read: nothing but them.
+fn indices_alone<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<GroupEvaluation, D::Error> {
+    Ok(GroupEvaluation {
+        name: String::new(),
+        posture_count: 0,
+        indices: Indices::deserialize(deserializer)?,
+        k_jn: Vec::new(),
+        singular_values: Vec::new(),
+        relative_standard_error: Vec::new(),
+        expected_deviation: Vec::new(),
+        undetermined_joints: Vec::new(),
+    })
 }
 
 impl Selection {

@@ -26,7 +26,7 @@ use crate::plan::select::exchange::Exchange;
 use exact::{Found, branch_and_bound};
 use judge::{Bounded, InformationJudge, PredictionJudge};
 use rand::seq::index::sample;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tangent::{Tangent, moved};
 
 /// Passes of an exchange; it ends when nothing improves.
@@ -71,7 +71,7 @@ impl Default for CandidateOptions {
 }
 
 /// A candidate that the bounds or limits of the cell forbid.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForbiddenCandidate {
     /// Position in the list, from 0.
@@ -81,7 +81,7 @@ pub struct ForbiddenCandidate {
 }
 
 /// The best group found in a list.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CandidateSelection {
     /// The index that was minimised (maximised for O1 to O5).

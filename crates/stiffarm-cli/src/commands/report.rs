@@ -1,0 +1,86 @@
+//! `stiffarm report`: one offline page of saved results.
+
+use crate::args::ReportArgs;
+use crate::files::{only_target, write_all};
+use crate::input::NamedCell;
+use crate::output::Exit;
+use crate::session::Session;
+use stiffarm::files::builtin;
+use stiffarm::files::result::{SavedResult, read_result};
+use stiffarm::files::table::sha256_hex;
+use stiffarm::{Code, Error, Result};
+use stiffarm_report::page::render_page;
+use stiffarm_report::report::{Given, report};
+
+/// A cell that was given, by its hash.
+struct Known {
+    hash: String,
+    named: NamedCell,
+}
+
+/// Reads the results and writes their page.
+pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
+    let target = only_target(session, Some(&args.output), args.force)?;
+    let mut results = Vec::with_capacity(args.results.len());
+    for (number, from) in (1..).zip(&args.results) {
+        let (name, bytes) = session.read(&format!("result_{number}"), from)?;
+        results.push(read_result(&bytes, &name)?);
+    }
+    let cells = cells(session, args, &results)?;
+    let given: Vec<Given<'_>> = results
+        .iter()
+        .map(|saved| {
+            let hash = saved.input("cell");
+            let known = cells.iter().find(|known| Some(known.hash.as_str()) == hash);
+            Given {
+                saved,
+                cell: known.map(|known| &known.named.cell),
+            }
+        })
+        .collect();
+    let page = report(&given)?;
+    let mut lines = String::new();
+    for one in &given {
+        let cell = match (one.cell, one.saved.input("cell")) {
+            (Some(cell), _) => format!("cell {}", cell.name),
+            (None, Some(_)) => "no cell: give it with --cell for the pictures in 3D".to_string(),
+            (None, None) => "no cell".to_string(),
+        };
+        let (name, command) = (&one.saved.name, &one.saved.command);
+        lines += &format!("{name}: {command}, {cell}\n");
+    }
+    if let Some(target) = target {
+        write_all(session, &[(target, render_page(&page))])?;
+    }
+    session.print(&(lines + &session.written()))?;
+    Ok(Exit::Done)
+}
+
+/// The cells of the results: those given, and built-in ones.
+fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Result<Vec<Known>> {
+    let mut cells = Vec::new();
+    let wanted: Vec<&str> = results.iter().filter_map(|r| r.input("cell")).collect();
+    for from in &args.cell {
+        let named = session.read_cell(from)?;
+        let hash = session.last_hash("cell").unwrap_or_default();
+        if !wanted.contains(&hash.as_str()) {
+            let message = "No result was made with this version of the cell.";
+            return Err(Error::new(Code::Conflict, message)
+                .file(&named.name)
+                .hint("give the cell file as it was when the result was made, or leave out --cell: the page then has no pictures of the cell"));
+        }
+        cells.push(Known { hash, named });
+    }
+    for name in builtin::names() {
+        let Some(text) = builtin::cell_text(name) else {
+            continue;
+        };
+        let hash = sha256_hex(text.as_bytes());
+        let is_known = cells.iter().any(|known: &Known| known.hash == hash);
+        if wanted.contains(&hash.as_str()) && !is_known {
+            let named = session.read_cell(&format!("{}{name}", builtin::PREFIX))?;
+            cells.push(Known { hash, named });
+        }
+    }
+    Ok(cells)
+}

@@ -1,0 +1,330 @@
+//! A page as HTML.
+
+use super::number::Number;
+use super::{Block, DataTable, Outcome, Page, Part, Piece, Provenance, Section, Text};
+use crate::figure::svg::{escape, render_drawing};
+use crate::figure::{Axis, Figure, Series};
+use crate::page::chart::chart;
+use crate::scene::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
+use askama::Template;
+use stiffarm::findings::{Finding, Severity};
+
+/// What the page looks like.
+const STYLE: &str = include_str!("../../assets/page.css");
+/// Charts that answer, and the switch between light and dark.
+const SCRIPT: &str = include_str!("../../assets/page.js");
+/// Most points of a chart that the table behind it shows.
+const MOST_ROWS: usize = 400;
+
+#[derive(Template)]
+#[template(path = "page.html")]
+struct PageTemplate<'a> {
+    page: &'a Page,
+    style: String,
+    before: String,
+    parts: Vec<PartTemplate<'a>>,
+    script: String,
+}
+
+#[derive(Template)]
+#[template(path = "part.html")]
+struct PartTemplate<'a> {
+    part: &'a Part,
+    number: usize,
+    level: usize,
+    alone: bool,
+    status: Status,
+    verdict: Vec<String>,
+    warnings: String,
+    key: String,
+    sections: String,
+    contents: Vec<(String, &'a str)>,
+    provenance: &'a Provenance,
+}
+
+/// Words, sign and class of an outcome: no colour says it alone.
+#[derive(Clone, Copy)]
+struct Status {
+    class: &'static str,
+    sign: &'static str,
+    words: &'static str,
+}
+
+impl Outcome {
+    fn status(self) -> Status {
+        let (class, sign, words) = match self {
+            Outcome::Good => ("good", "✓", "Nothing speaks against it"),
+            Outcome::Caution => ("caution", "!", "Look at the cautions"),
+            Outcome::Serious => ("serious", "✗", "Not usable as it is"),
+        };
+        Status { class, sign, words }
+    }
+}
+
+/// A page as one HTML document. Equal pages give equal bytes.
+pub fn render_page(page: &Page) -> String {
+    let alone = page.parts.len() == 1;
+    let parts = page.parts.iter().enumerate();
+    let parts: Vec<PartTemplate<'_>> = parts
+        .map(|(number, part)| PartTemplate::new(part, number, alone))
+        .collect();
+    let has_scene = page.parts.iter().any(|part| {
+        let mut blocks = part.sections.iter().flat_map(|section| &section.blocks);
+        blocks.any(|block| matches!(block, Block::Scene(..)))
+    });
+    let (viewer_style, viewer) = match has_scene {
+        true => (VIEWER_STYLE, VIEWER_SCRIPT),
+        false => ("", ""),
+    };
+    let template = PageTemplate {
+        page,
+        style: format!("{STYLE}\n{viewer_style}"),
+        before: sections(&page.before, "all", 2),
+        parts,
+        script: format!("{SCRIPT}\n{viewer}"),
+    };
+    // Writing to a string fails for templates that fail themselves; ours have nothing that can.
+    template.render().unwrap_or_default()
+}
+
+impl<'a> PartTemplate<'a> {
+    fn new(part: &'a Part, number: usize, alone: bool) -> Self {
+        let prefix = format!("r{number}");
+        let level = if alone { 2 } else { 3 };
+        let ids = part.sections.iter();
+        PartTemplate {
+            part,
+            number,
+            level,
+            alone,
+            status: part.outcome.status(),
+            verdict: part.verdict.iter().map(text).collect(),
+            warnings: findings(&part.warnings),
+            key: part.key.as_ref().map_or_else(String::new, table),
+            sections: sections(&part.sections, &prefix, level),
+            contents: ids
+                .map(|section| (format!("{prefix}-{}", section.id), section.title.as_str()))
+                .collect(),
+            provenance: &part.provenance,
+        }
+    }
+}
+
+/// Sections under headings of a level.
+fn sections(sections: &[Section], prefix: &str, level: usize) -> String {
+    let sections = sections.iter().map(|section| {
+        let id = escape(&format!("{prefix}-{}", section.id));
+        format!(
+            "<section class=\"block\" id=\"{id}\" aria-labelledby=\"{id}-h\">\n<h{level} id=\"{id}-h\">{}</h{level}>\n{}</section>\n",
+            escape(&section.title),
+            blocks(&section.blocks, &id)
+        )
+    });
+    sections.collect()
+}
+
+/// Blocks of a section; `prefix` makes ids inside them unique.
+fn blocks(blocks: &[Block], prefix: &str) -> String {
+    let blocks = blocks.iter().enumerate().map(|(i, one)| {
+        let id = format!("{prefix}-{i}");
+        block(one, &id) + "\n"
+    });
+    blocks.collect()
+}
+
+fn block(block: &Block, id: &str) -> String {
+    match block {
+        Block::Text(words) => format!("<p>{}</p>", text(words)),
+        Block::List(points) => {
+            let points = points.iter().map(|p| format!("<li>{}</li>", text(p)));
+            format!("<ul>{}</ul>", points.collect::<String>())
+        }
+        Block::Table(data) => table(data),
+        Block::Figure(figure) => picture(figure),
+        Block::Drawing(drawing) => format!(
+            "<figure class=\"chart\"><div class=\"sheet\">{}</div><figcaption>{}</figcaption></figure>",
+            render_drawing(drawing),
+            escape(&drawing.caption)
+        ),
+        Block::Scene(scene, fallback) => {
+            let still = fallback.as_ref().map(render_drawing).unwrap_or_default();
+            scene_html(scene, &format!("scene-{id}"), &scene.cell, &still)
+        }
+        Block::Findings(list) => findings(list),
+        Block::Details(summary, inside) => format!(
+            "<details class=\"more\"><summary>{}</summary>\n{}</details>",
+            escape(summary),
+            blocks(inside, id)
+        ),
+    }
+}
+
+fn text(text: &Text) -> String {
+    let pieces = text.0.iter().map(|piece| match piece {
+        Piece::Words(words) => escape(words),
+        Piece::Strong(words) => format!("<strong>{}</strong>", escape(words)),
+        Piece::Code(words) => format!("<code>{}</code>", escape(words)),
+        Piece::Number(number) => number_html(number),
+    });
+    pieces.collect()
+}
+
+/// A number with its place in the file and its full value.
+fn number_html(number: &Number) -> String {
+    let shown = escape(&number.text());
+    if number.pointer.is_empty() {
+        return format!("<span class=\"n\">{shown}</span>");
+    }
+    // JSON's own writing of the value, `null` where there is none.
+    let value = serde_json::to_string(&number.value).unwrap_or_default();
+    let factor = match number.factor == 1.0 {
+        true => String::new(),
+        false => format!(" data-factor=\"{}\"", number.factor),
+    };
+    format!(
+        "<span class=\"n\" data-path=\"{}\" data-value=\"{value}\"{factor}>{shown}</span>",
+        escape(&number.pointer)
+    )
+}
+
+fn table(data: &DataTable) -> String {
+    let headings = data.headings.iter();
+    let headings: String = headings
+        .map(|h| format!("<th scope=\"col\">{}</th>", escape(h)))
+        .collect();
+    // A column of numbers is set right; one word in it makes it a column of words.
+    let is_number = |cell: &Text| match cell.0.as_slice() {
+        [] => true,
+        [Piece::Words(words)] => words.is_empty() || words == "–",
+        pieces => pieces.iter().any(|p| matches!(p, Piece::Number(_))),
+    };
+    let columns = 0..data.headings.len();
+    let right: Vec<bool> = columns
+        .map(|c| c > 0 && data.rows.iter().all(|row| row.get(c).is_none_or(is_number)))
+        .collect();
+    let rows = data.rows.iter().map(|row| {
+        let cells = row.iter().enumerate().map(|(c, cell)| {
+            let class = match right.get(c) {
+                Some(true) => " class=\"r\"",
+                _ => "",
+            };
+            match c {
+                0 => format!("<th scope=\"row\">{}</th>", text(cell)),
+                _ => format!("<td{class}>{}</td>", text(cell)),
+            }
+        });
+        format!("<tr>{}</tr>\n", cells.collect::<String>())
+    });
+    format!(
+        "<div class=\"table\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"><table><caption>{0}</caption>\n\
+         <thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
+        escape(&data.caption),
+        rows.collect::<String>()
+    )
+}
+
+/// A chart, its caption, and its data in a table behind it.
+fn picture(figure: &Figure) -> String {
+    format!(
+        "<figure class=\"chart\">{}<figcaption>{}</figcaption>\n{}</figure>",
+        chart(figure),
+        escape(&figure.caption),
+        data(figure)
+    )
+}
+
+/// The numbers of a chart: what a picture says to those who cannot see it.
+fn data(figure: &Figure) -> String {
+    let count: usize = figure
+        .panels
+        .iter()
+        .flat_map(|p| &p.series)
+        .map(|s| s.x.len())
+        .sum();
+    let title = escape(&figure.title);
+    if count == 0 {
+        return String::new();
+    }
+    let mut out = format!(
+        "<details class=\"data\"><summary>Data of this figure</summary><div class=\"table\" tabindex=\"0\" role=\"group\" aria-label=\"Data: {title}\">\n\
+         <table><thead><tr><th scope=\"col\">panel</th><th scope=\"col\">series</th><th scope=\"col\">x</th><th scope=\"col\">y</th><th scope=\"col\">± or value</th></tr></thead><tbody>\n"
+    );
+    let mut left = MOST_ROWS;
+    for panel in &figure.panels {
+        let heading = match panel.title.is_empty() {
+            true => panel.y.heading(),
+            false => format!("{}: {}", panel.title, panel.y.heading()),
+        };
+        for series in &panel.series {
+            for i in 0..series.x.len().min(series.y.len()).min(left) {
+                out += &format!(
+                    "<tr><td>{}</td><td>{}</td><td class=\"r\">{}</td><td class=\"r\">{}</td><td class=\"r\">{}</td></tr>\n",
+                    escape(&heading),
+                    escape(&series.label),
+                    escape(&place(&panel.x, series.x[i])),
+                    escape(&place(&panel.y, series.y[i])),
+                    beside(series, i)
+                );
+            }
+            left = left.saturating_sub(series.x.len());
+        }
+    }
+    out += "</tbody></table></div>";
+    if count > MOST_ROWS {
+        out += &format!(
+            "<p>The first {MOST_ROWS} of {count} points; <code>stiffarm report --figures</code> writes all as CSV.</p>"
+        );
+    }
+    out + "</details>"
+}
+
+/// A coordinate as the table shows it: the category's name, or the number.
+fn place(axis: &Axis, value: f64) -> String {
+    if !axis.categories.is_empty() {
+        let name = axis.categories.get(value.round().max(0.0) as usize);
+        return name.cloned().unwrap_or_default();
+    }
+    let shown = Number::new("", Some(value)).significant(5);
+    shown.text()
+}
+
+fn beside(series: &Series, i: usize) -> String {
+    let values = series.colour.as_ref().map(|colour| &colour.values);
+    let value = series.error.get(i).or_else(|| values?.get(i));
+    value.map_or_else(String::new, |value| {
+        let shown = Number::new("", Some(*value)).significant(4);
+        escape(&shown.text())
+    })
+}
+
+/// A sentence in which what one types stands in backticks.
+fn prose(sentence: &str) -> String {
+    let pieces: Vec<&str> = sentence.split('`').collect();
+    // A backtick without its partner is a character like any other.
+    if pieces.len().is_multiple_of(2) {
+        return escape(sentence);
+    }
+    let pieces = pieces.iter().enumerate().map(|(i, piece)| match i % 2 {
+        0 => escape(piece),
+        _ => format!("<code>{}</code>", escape(piece)),
+    });
+    pieces.collect()
+}
+
+fn findings(findings: &[Finding]) -> String {
+    let items = findings.iter().map(|finding| {
+        let (class, sign, word) = match finding.severity {
+            Severity::Serious => ("serious", "✗", "Serious"),
+            Severity::Caution => ("caution", "!", "Caution"),
+            Severity::Note => ("note", "i", "Note"),
+        };
+        format!(
+            "<li class=\"{class}\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span><span><b>{word}:</b> {}</span></li>\n",
+            prose(&finding.sentence)
+        )
+    });
+    match findings.is_empty() {
+        true => String::new(),
+        false => format!("<ul class=\"findings\">{}</ul>", items.collect::<String>()),
+    }
+}

@@ -1,0 +1,177 @@
+//! Numbers that know where they come from.
+
+/// A number of a saved result, as the page shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Number {
+    /// Where it stands in the file, a JSON Pointer (RFC 6901); empty for a number computed for the page.
+    pub pointer: String,
+    /// The value in the file; `None` for `null`.
+    pub value: Option<f64>,
+    /// The shown number is the value times this.
+    pub factor: f64,
+    /// Unit behind the number; empty where a heading has it.
+    pub unit: String,
+    /// How many digits are shown.
+    pub form: Form,
+    /// Written behind a ±.
+    pub plus_minus: bool,
+}
+
+/// How many digits of a number are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// So many significant digits.
+    Significant(usize),
+    /// So many digits behind the point.
+    Decimals(usize),
+}
+
+impl Number {
+    /// A number with four significant digits and no unit.
+    pub fn new(pointer: impl Into<String>, value: Option<f64>) -> Self {
+        Number {
+            pointer: pointer.into(),
+            value,
+            factor: 1.0,
+            unit: String::new(),
+            form: Form::Significant(4),
+            plus_minus: false,
+        }
+    }
+
+    /// The same times a factor.
+    #[must_use]
+    pub fn times(mut self, factor: f64) -> Self {
+        self.factor = factor;
+        self
+    }
+
+    /// The same with a unit behind it.
+    #[must_use]
+    pub fn unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = unit.into();
+        self
+    }
+
+    /// The same with so many digits behind the point.
+    #[must_use]
+    pub fn decimals(mut self, digits: usize) -> Self {
+        self.form = Form::Decimals(digits);
+        self
+    }
+
+    /// The same with so many significant digits.
+    #[must_use]
+    pub fn significant(mut self, digits: usize) -> Self {
+        self.form = Form::Significant(digits);
+        self
+    }
+
+    /// The same behind a ±.
+    #[must_use]
+    pub fn plus_minus(mut self) -> Self {
+        self.plus_minus = true;
+        self
+    }
+
+    /// A length in metres, shown in millimetres with its unit.
+    #[must_use]
+    pub fn mm(self) -> Self {
+        self.times(1e3).unit("mm")
+    }
+
+    /// A fraction, shown in percent.
+    #[must_use]
+    pub fn percent(self) -> Self {
+        self.times(100.0).unit("%")
+    }
+
+    /// A joint stiffness in N·m/rad, shown in 10⁶ N·m/rad.
+    #[must_use]
+    pub fn mega(self) -> Self {
+        self.times(1e-6).unit("10⁶ N·m/rad")
+    }
+
+    /// The same without its unit, for a column whose heading has it.
+    #[must_use]
+    pub fn bare(self) -> Self {
+        self.unit("")
+    }
+
+    /// What is shown, without unit and ±; `–` where there is no number.
+    pub fn digits(&self) -> String {
+        let Some(value) = self.value.map(|value| value * self.factor) else {
+            return "–".to_string();
+        };
+        if !value.is_finite() {
+            return "–".to_string();
+        }
+        let text = match self.form {
+            Form::Decimals(digits) => format!("{value:.digits$}"),
+            Form::Significant(digits) => significant(value, digits.max(1)),
+        };
+        // A rounded −0.004 is 0.00, and a minus sign is as wide as a plus.
+        match text.strip_prefix('-') {
+            Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_string(),
+            Some(rest) => format!("−{rest}"),
+            None => text,
+        }
+    }
+
+    /// What is shown, with unit and ±.
+    pub fn text(&self) -> String {
+        let sign = if self.plus_minus { "± " } else { "" };
+        let digits = self.digits();
+        match self.unit.is_empty() || digits == "–" {
+            true => format!("{sign}{digits}"),
+            false => format!("{sign}{digits}\u{a0}{}", self.unit),
+        }
+    }
+}
+
+/// So many significant digits; very large and very small numbers with a power of ten.
+fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    // The exponent after rounding: 9.999 with three digits is 10.0.
+    let scientific = format!("{value:.*e}", digits - 1);
+    let exponent = scientific.split('e').nth(1);
+    let exponent: i32 = exponent.and_then(|e| e.parse().ok()).unwrap_or(0);
+    let places = digits as i32 - 1 - exponent;
+    match exponent {
+        -4..7 => format!("{value:.*}", places.max(0) as usize),
+        _ => scientific,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(value: f64, digits: usize) -> String {
+        let number = Number::new("/a", Some(value)).significant(digits);
+        number.digits()
+    }
+
+    #[test]
+    fn digits_are_those_asked_for() {
+        assert_eq!(shown(0.0012345, 4), "0.001234");
+        assert_eq!(shown(9.9996, 4), "10.00");
+        assert_eq!(shown(942_757.6, 4), "942758");
+        assert_eq!(shown(-3.5, 2), "−3.5");
+        assert_eq!(shown(1.5e-9, 3), "1.50e-9");
+        assert_eq!(shown(0.0, 3), "0");
+    }
+
+    #[test]
+    fn units_and_signs_stand_around() {
+        let number = Number::new("/a", Some(1.25e-4)).mm().decimals(3);
+        assert_eq!(number.text(), "0.125\u{a0}mm");
+        assert_eq!(number.clone().plus_minus().text(), "± 0.125\u{a0}mm");
+        assert_eq!(number.bare().text(), "0.125");
+        assert_eq!(Number::new("/a", None).mm().text(), "–");
+        let tiny = Number::new("/a", Some(-1e-9)).mm().decimals(2);
+        assert_eq!(tiny.digits(), "0.00");
+    }
+}

@@ -1,0 +1,203 @@
+//! What the pages of all results share.
+
+use crate::cell::{Full, cell_drawing};
+use crate::page::{Block, DataTable, Number, Outcome, Part, Provenance, Section, Text};
+use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
+use serde_json::Value;
+use stiffarm::Result;
+use stiffarm::files::result::SavedResult;
+use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::{Posture, PostureGroup};
+
+/// A saved result with its cell, where that is at hand.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// The result.
+    pub saved: &'a SavedResult,
+    /// The cell it was made with.
+    pub cell: Option<&'a Cell>,
+}
+
+impl Given<'_> {
+    /// Cell and robot in words.
+    pub(super) fn cell_line(&self) -> Option<String> {
+        let cell = self.cell?;
+        Some(format!(
+            "{} · robot {}",
+            visible(&cell.name),
+            visible(cell.setup.robot.name())
+        ))
+    }
+}
+
+/// A result while its page is made.
+pub(super) struct Context<'a> {
+    pub saved: &'a SavedResult,
+    pub cell: Option<&'a Cell>,
+}
+
+impl<'a> Context<'a> {
+    pub fn new(given: &Given<'a>) -> Self {
+        Context {
+            saved: given.saved,
+            cell: given.cell,
+        }
+    }
+
+    /// The number at a JSON Pointer below `/result`.
+    pub fn number(&self, below: &str) -> Number {
+        let pointer = format!("/result{below}");
+        let value = self.saved.number(&pointer);
+        Number::new(pointer, value)
+    }
+
+    /// The parts that all results have, around what is their own.
+    pub fn part(
+        &self,
+        heading: String,
+        verdict: [Text; 3],
+        key: Option<DataTable>,
+        sections: Vec<Section>,
+    ) -> Part {
+        let findings = self.saved.findings();
+        let (mut warnings, notes): (Vec<Finding>, Vec<Finding>) = findings
+            .into_iter()
+            .partition(|finding| finding.severity > Severity::Note);
+        let outcome = Outcome::of(&warnings);
+        warnings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        let mut sections = sections;
+        if !notes.is_empty() {
+            let block = Block::Findings(notes);
+            sections.push(Section::new("notes", "Notes", vec![block]));
+        }
+        Part {
+            command: self.saved.command.clone(),
+            heading,
+            name: visible(&self.saved.name).into_owned(),
+            outcome,
+            verdict,
+            warnings,
+            key,
+            sections,
+            provenance: provenance(self.saved),
+        }
+    }
+
+    /// The cell in 3D at groups of postures; `None` where the cell is not at hand or cannot take them.
+    ///
+    /// # Errors
+    /// As [`scene`].
+    pub fn scene(
+        &self,
+        groups: &[SceneGroup<'_>],
+        options: &SceneOptions<'_>,
+    ) -> Result<Option<Scene>> {
+        let made = self.cell.map(|cell| scene(cell, groups, options));
+        made.transpose()
+    }
+
+    /// The same as a section, with a drawing of the first group for print; without the cell a sentence says how to
+    /// have it.
+    ///
+    /// # Errors
+    /// As [`scene`].
+    pub fn cell_section(&self, groups: &[PostureGroup], explained: &str) -> Result<Section> {
+        let shown: Vec<SceneGroup<'_>> = groups
+            .iter()
+            .map(|group| SceneGroup::new(&group.name, &group.postures))
+            .collect();
+        let scene = self.scene(&shown, &SceneOptions::default())?;
+        let first = groups.first().map_or(&[][..], |group| &group.postures);
+        self.scene_section(scene, first, explained)
+    }
+
+    /// A section with a scene that was made; `drawn` are the postures of the drawing for print.
+    ///
+    /// # Errors
+    /// As [`cell_drawing`].
+    pub fn scene_section(
+        &self,
+        scene: Option<Scene>,
+        drawn: &[Posture],
+        explained: &str,
+    ) -> Result<Section> {
+        let blocks = match (scene, self.cell) {
+            (Some(scene), Some(cell)) => {
+                let drawing = cell_drawing(cell, drawn, Full::Tightest)?;
+                vec![
+                    Block::Text(explained.into()),
+                    Block::Scene(Box::new(scene), Some(drawing)),
+                ]
+            }
+            _ => vec![Block::Text(
+                Text::new("The cell of this result is not at hand, so it is not shown. ")
+                    .code(format!("stiffarm report {} --cell cell.toml", self.file()))
+                    .words(" shows it, with the cell file as it was when the result was made."),
+            )],
+        };
+        Ok(Section::new("cell", "The cell in 3D", blocks))
+    }
+
+    /// The name of the result's file as one types it.
+    fn file(&self) -> String {
+        quoted(&self.saved.name)
+    }
+}
+
+/// How a result was made.
+fn provenance(saved: &SavedResult) -> Provenance {
+    let mut options = Vec::new();
+    flatten("", &saved.json["options"], &mut options);
+    let words = saved.arguments.iter().map(|word| quoted(word));
+    let words: Vec<String> = words.collect();
+    Provenance {
+        version: visible(&saved.version).into_owned(),
+        seed: saved.seed,
+        command_line: match words.is_empty() {
+            true => String::new(),
+            false => format!("stiffarm {}", words.join(" ")),
+        },
+        inputs: saved.inputs.clone(),
+        options,
+    }
+}
+
+/// Options by their key path.
+fn flatten(path: &str, value: &Value, out: &mut Vec<(String, String)>) {
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                let path = match path.is_empty() {
+                    true => key.clone(),
+                    false => format!("{path}.{key}"),
+                };
+                flatten(&path, value, out);
+            }
+        }
+        Value::Null => out.push((path.to_string(), "–".to_string())),
+        Value::String(text) => out.push((path.to_string(), visible(text).into_owned())),
+        Value::Array(items) if items.is_empty() => out.push((path.to_string(), "none".to_string())),
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().map(plain).collect();
+            out.push((path.to_string(), items.join(", ")));
+        }
+        other => out.push((path.to_string(), other.to_string())),
+    }
+}
+
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => visible(text).into_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// A word as a shell takes it; an input in braces stays as it is, so that it is seen to stand for a file.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./:=,@%+-{}".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_string(),
+        false => format!("'{}'", visible(word).replace('\'', r"'\''")),
+    }
+}

@@ -1,0 +1,56 @@
+//! Saved results as a page: what was done, what came out, what to do next.
+//!
+//! A part of the page is a function of the saved result, and of its cell where that is at hand: without it only
+//! the pictures of the cell are missing. The command that made a result and `stiffarm report` build the same page.
+
+mod context;
+mod predict;
+mod study;
+mod tables;
+
+pub use context::Given;
+
+use crate::page::{Page, Part};
+use context::Context;
+use stiffarm::{Code, Error, Result};
+
+/// Commands whose results become pages.
+pub const COMMANDS: [&str; 2] = ["predict", "study"];
+
+/// The page of saved results, in their order.
+///
+/// # Errors
+/// A result of a command that has no page, one that another version wrote and that looks different, or
+/// postures that the cell cannot take.
+pub fn report(given: &[Given<'_>]) -> Result<Page> {
+    let parts = given.iter().map(|one| part(&Context::new(one)));
+    let parts = parts.collect::<Result<Vec<Part>>>()?;
+    let title = match parts.as_slice() {
+        [one] => one.heading.clone(),
+        parts => format!("{} results of stiffarm", parts.len()),
+    };
+    let cells: Vec<String> = given.iter().filter_map(Given::cell_line).collect();
+    let subtitle = match cells.split_first() {
+        Some((first, rest)) if rest.iter().all(|other| other == first) => first.clone(),
+        _ => cells.join("; "),
+    };
+    Ok(Page {
+        title,
+        subtitle,
+        before: Vec::new(),
+        parts,
+    })
+}
+
+fn part(context: &Context<'_>) -> Result<Part> {
+    match context.saved.command.as_str() {
+        "predict" => predict::part(context),
+        "study" => study::part(context),
+        other => {
+            let message = format!("There is no page for the results of `{other}`.");
+            Err(Error::new(Code::Unsupported, message)
+                .file(&context.saved.name)
+                .hint(format!("there are pages for {}", COMMANDS.join(", "))))
+        }
+    }
+}
