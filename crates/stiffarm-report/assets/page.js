@@ -20,4 +20,8 @@
     show();
   });
   show();
+  // Paper has nothing to click on.
+  window.addEventListener("beforeprint", () => {
+    for (const details of document.querySelectorAll("details.more")) details.open = true;
+  });
 })();
