@@ -30,16 +30,20 @@ fn main() -> Done<()> {
         ("kr210", random(kr210, 2, 8)?),
         ("fanuc", fanuc()?),
         ("panda", random(panda, 2, 6)?),
-        (
-            "many",
-            random(Cell::built_in("comau-shapes")?, 10, 50)?,
-        ),
+        ("many", random(Cell::built_in("comau-shapes")?, 10, 50)?),
     ];
     for (name, (cell, postures, shown)) in pages {
         let picture = render_drawing(&cell_drawing(&cell, &postures, Full::Number(0))?);
-        let page = page(&cell.name, &scene_html(&shown, "cell", &cell.name, &picture));
+        let page = page(
+            &cell.name,
+            &scene_html(&shown, "cell", &cell.name, &picture),
+        );
         let bytes = serde_json::to_string(&shown)?.len();
-        println!("{name}: data {} KB, page {} KB", bytes / 1000, page.len() / 1000);
+        println!(
+            "{name}: data {} KB, page {} KB",
+            bytes / 1000,
+            page.len() / 1000
+        );
         fs::write(folder.join(format!("{name}.html")), page)?;
     }
     Ok(())
@@ -79,7 +83,9 @@ fn comau() -> Done<Shown> {
     let share = |i: usize| i as f64 / 40.0;
     let path = ScenePath {
         name: "contour".into(),
-        points: (0..=40).map(|i| [1.5, -0.6 + 1.2 * share(i), 0.7]).collect(),
+        points: (0..=40)
+            .map(|i| [1.5, -0.6 + 1.2 * share(i), 0.7])
+            .collect(),
         deflection: (0..=40)
             .map(|i| [0.0, 0.0, -2e-4 - 3e-4 * share(i)])
             .collect(),
@@ -129,16 +135,24 @@ fn random(cell: Cell, count: usize, size: usize) -> Done<Shown> {
     Ok((cell, postures, shown))
 }
 
-/// Postures that spread over the bounds.
+/// Postures that spread over the bounds, those that meet the limits where there are enough of them.
 fn spread(cell: &Cell, name: &str, count: usize, from: usize) -> PostureGroup {
     let steps = [0.618, 0.755, 0.570, 0.819, 0.430, 0.281, 0.347];
-    let angles = (from..from + count).map(|i| {
+    let angle = |i: usize| -> Vec<f64> {
         let bounds = cell.bounds.iter().zip(steps);
         bounds
             .map(|([a, b], step)| a + (b - a) * ((0.5 + (i + 1) as f64 * step) % 1.0))
             .collect()
-    });
-    PostureGroup::from_angles(name, angles)
+    };
+    let mut margins = cell.posture_margins().ok();
+    let mut meets = |q: &Vec<f64>| {
+        let named = margins.as_mut().and_then(|margins| margins.named(q).ok());
+        named.is_some_and(|all| !all.iter().any(|margin| margin.is_violated()))
+    };
+    let tried = (from * 100..(from + count) * 100).map(angle);
+    let good: Vec<Vec<f64>> = tried.filter(|q| meets(q)).take(count).collect();
+    let rest = (from..from + count - good.len()).map(angle);
+    PostureGroup::from_angles(name, good.into_iter().chain(rest))
 }
 
 fn page(title: &str, scene: &str) -> String {
