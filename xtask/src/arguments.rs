@@ -34,6 +34,9 @@ Commands:
   robots FOLDER [--check]
       Writes crates/stiffarm/data/robots.rs, the catalogue's data, from the robot descriptions in FOLDER.
       --check           writes nothing and fails when the file is not what they give
+  viewer [--check]
+      Writes crates/stiffarm-report/assets/three.min.js, the part of three.js that pages carry, from xtask/viewer by npm.
+      --check           writes nothing and fails when the file is not what npm gives; skipped without npm
   fuzz [--seconds N | --inputs N] [--target T]… [--seed S] [--threads N]
       Runs mutated inputs through every reader and every command, built for release, without end unless told.
       --seconds N       ends after this time
@@ -78,6 +81,11 @@ pub enum Command {
     Robots {
         /// The folder of the robot descriptions.
         folder: PathBuf,
+        /// Compare only.
+        check: bool,
+    },
+    /// Write the bundle of three.js, or with `check` compare it.
+    Viewer {
         /// Compare only.
         check: bool,
     },
@@ -172,6 +180,12 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [flag] => Err(unexpected(name, flag)),
             [_, second, ..] => Err(unexpected(name, second)),
         },
+        "viewer" => match rest {
+            [] => Ok(Command::Viewer { check: false }),
+            [flag] if flag == "--check" => Ok(Command::Viewer { check: true }),
+            [flag] => Err(unexpected(name, flag)),
+            [_, second, ..] => Err(unexpected(name, second)),
+        },
         "sheets" => match rest {
             [] => Ok(Command::Sheets { install: false }),
             [flag] if flag == "--install" => Ok(Command::Sheets { install: true }),
@@ -187,7 +201,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, sheets, generate, outputs, robots, fuzz, lint, features, ci or help",
+            "use test, sheets, generate, outputs, robots, viewer, fuzz, lint, features, ci or help",
         )),
     }
 }
@@ -361,6 +375,10 @@ mod tests {
         assert_eq!(
             parsed("generate --check").unwrap(),
             Command::Generate { check: true }
+        );
+        assert_eq!(
+            parsed("viewer --check").unwrap(),
+            Command::Viewer { check: true }
         );
         assert_eq!(parsed("lint").unwrap(), Command::Lint);
         assert_eq!(

@@ -14,6 +14,7 @@ mod sheets;
 mod structure;
 mod tally;
 mod test;
+mod viewer;
 
 use std::process::ExitCode;
 
@@ -46,6 +47,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Robots { folder, check } => robots::run(&workspace, &folder, check),
         Command::Fuzz(words) => fuzz::run(&workspace, &words),
         Command::Sheets { install } => sheets::alone(&workspace, install),
+        Command::Viewer { check } => viewer::run(&workspace, check),
         Command::Lint => checks::lint(&workspace),
         Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),

@@ -96,7 +96,9 @@ class Picture {
     this.grid.set(this.floor.pieces);
     this.grid.object.visible = true;
     this.triad = [0, 1, 2].map((k) => {
-      const arrow = new ArrowMesh(new THREE.MeshBasicMaterial({ color: ['#c0392b', '#1e8449', '#2471a3'][k] }));
+      const arrow = new ArrowMesh(new THREE.MeshBasicMaterial({ color: ['#c0392b', '#1e8449', '#2471a3'][k], depthTest: false }));
+      arrow.shaft.renderOrder = 2;
+      arrow.head.renderOrder = 2;
       const tip = new Vector3().setComponent(k, 0.09 * this.size);
       arrow.set(new Vector3(), tip, 0.0028 * this.size);
       this.world.add(arrow.group);
@@ -124,30 +126,7 @@ class Picture {
       this.world.add(lines.object);
       return lines;
     });
-    this.limit.set(this.limitLines());
-  }
-
-  limitLines() {
-    const { tool_box: box, keep_out: keep, wrist_height: wrist, floor } = this.data.limits;
-    const [low, high] = this.data.extent;
-    const pieces = [];
-    if (box) {
-      // Sides far beyond the picture are not drawn there.
-      const clip = (v, i) => Math.min(Math.max(v, low[i] - 0.3 * this.size), high[i] + 0.3 * this.size);
-      pieces.push(...boxLines(box.map((corner) => corner.map(clip))));
-    }
-    if (keep) {
-      const [origin, axis] = [vec(keep.origin), vec(keep.axis)];
-      for (const z of [low[2], (low[2] + high[2]) / 2, high[2]]) {
-        const along = (z - origin.z) / (axis.z || 1);
-        pieces.push(...circleLines(origin.clone().addScaledVector(axis, along), axis, keep.radius));
-      }
-    }
-    for (const z of [wrist, floor]) {
-      if (z === null || z === undefined || Math.abs(z - this.floor.z) < 1e-6) continue;
-      pieces.push(...boxLines([[low[0], low[1], z], [high[0], high[1], z]]));
-    }
-    return pieces;
+    this.limit.set(limitLines(this));
   }
 
   addPoints() {
@@ -212,11 +191,11 @@ class Picture {
     this.materials.station.color.set(colour.sight);
     if (this.materials.ellipsoid) this.materials.ellipsoid.color.set(colour.residual);
     if (this.pathAtRest) this.pathAtRest.material.color.set(colour.limit);
-    // A black group on a dark page would not be seen.
+    // Dark colours of groups would hardly be seen on a dark page.
     const isDark = new Color(colour.background).getHSL({}).l < 0.4;
     this.others.forEach((lines, i) => {
-      const shown = this.data.groups[i].colour;
-      lines.material.color.set(isDark && shown === '#000000' ? '#ffffff' : shown);
+      lines.material.color.set(this.data.groups[i].colour);
+      if (isDark) lines.material.color.lerp(new Color('#ffffff'), 0.3);
     });
   }
 
@@ -254,6 +233,7 @@ class Picture {
     }
     this.updateExtras(state);
     this.triad.forEach((tip, k) => this.label(tip, 'xyz'[k], 'axis'));
+    if (state.show.limits) limitLabels(this);
     this.limit.object.visible = state.show.limits && this.limit.object.geometry.instanceCount > 0;
   }
 
@@ -278,6 +258,9 @@ class Picture {
         this.label(middle.clone().applyMatrix4(frames[number]), body.name, red.has(i) ? 'caution' : 'standing');
       }
     });
+    // Where everything is too near to everything, the sentences beside the picture name it.
+    const cautions = this.labels.filter((label) => label.kind === 'caution');
+    if (cautions.length > 3) this.labels = this.labels.filter((label) => label.kind !== 'caution' || cautions.indexOf(label) < 3);
     const spine = [];
     if (rest !== frames) pushLine(spine, armLine(rest, new Vector3().setFromMatrixPosition(rest[rest.length - 1])));
     this.spine.set(spine);

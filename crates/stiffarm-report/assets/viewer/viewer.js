@@ -36,7 +36,7 @@ class View {
       make('div', { className: 'scene-picture' }, this.stage, this.legend()), this.panel.info, this.panel.controls, ...notes);
     container.append(this.body);
     container.classList.add('scene-live');
-    this.orbit = new Orbit(data.extent);
+    this.orbit = new Orbit(seenPoints(this.picture));
     this.listen();
     this.resize();
     this.set({});
@@ -173,7 +173,7 @@ class View {
 
 /** Labels, those that matter most first. */
 function sorted(labels) {
-  const order = ['caution', 'near', 'load', 'point', 'sight', 'axis', 'standing'];
+  const order = ['caution', 'near', 'load', 'point', 'sight', 'axis', 'standing', 'limit'];
   return [...labels].sort((a, b) => order.indexOf(a.kind) - order.indexOf(b.kind));
 }
 

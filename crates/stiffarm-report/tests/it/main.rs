@@ -4,3 +4,4 @@ mod cells;
 mod generic;
 mod maps;
 mod render;
+mod scenes;
