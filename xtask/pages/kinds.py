@@ -83,7 +83,10 @@ def kind(name, before, command, cell=COMAU, commands=None, results=(), needs_fan
 
 # Readings and the stiffness that others start from.
 READINGS = [
-    ["simulate", COMAU, GROUP, "--runs", "5", "--levels", "1", "--readings", "readings.csv", "--measurements", "measured.csv"],
+    [
+        *("simulate", COMAU, GROUP, "--runs", "5", "--levels", "1"),
+        *("--readings", "readings.csv", "--measurements", "measured.csv"),
+    ],
     ["identify", COMAU, "readings.csv", "--output", "stiffness.json"],
 ]
 
@@ -219,13 +222,15 @@ def add_prior(folder, cell, joints):
     text = (folder / cell).read_text(encoding="utf-8")
     prior = [round(2e6 / 1.6**i) for i in range(int(joints))]
     assert text.count("\n[stiffness]\n") == 1
-    (folder / cell).write_text(text.replace("\n[stiffness]\n", f"\n[stiffness]\nprior_nm_per_rad = {prior}\n"), encoding="utf-8")
+    text = text.replace("\n[stiffness]\n", f"\n[stiffness]\nprior_nm_per_rad = {prior}\n")
+    (folder / cell).write_text(text, encoding="utf-8")
 
 
 def write_hostile(folder, cell, postures):
     """The cell with shapes and the initial group, each name of them hostile."""
     text = (CELLS / "comau-shapes.toml").read_text(encoding="utf-8")
-    (folder / cell).write_text(re.sub(r'(?m)^name = "(.*)"$', lambda m: f"name = {json.dumps(m[1] + HOSTILE)}", text), encoding="utf-8")
+    text = re.sub(r'(?m)^name = "(.*)"$', lambda m: f"name = {json.dumps(m[1] + HOSTILE)}", text)
+    (folder / cell).write_text(text, encoding="utf-8")
     with open(CELLS / "comau-group1.csv", newline="", encoding="utf-8") as file:
         heading, *rows = csv.reader(line for line in file if not line.startswith("#"))
     with open(folder / postures, "w", newline="", encoding="utf-8") as file:
@@ -239,7 +244,8 @@ def edit(folder, plain, edited):
             return {k: renamed(v, k) for k, v in value.items()}
         if isinstance(value, list):
             return [renamed(v, key) for v in value]
-        return f"{value}{EDITED}" if isinstance(value, str) and key in ("name", "names", "posture", "point", "cell") else value
+        named = isinstance(value, str) and key in ("name", "names", "posture", "point", "cell")
+        return value + EDITED if named else value
 
     result = json.loads((folder / plain).read_text(encoding="utf-8"))
     (folder / edited).write_text(json.dumps(renamed(result)), encoding="utf-8")
