@@ -17,6 +17,8 @@ TOGGLE, VIEW = 'input[type="checkbox"][data-group-toggle]', "button[data-view]"
 PIXELS, SHADE = 30, 12
 # Changes of more postures than these are followed by their number alone: a picture in software takes a second.
 PICTURES = 8
+# So many postures are stepped through, forward and back: more show nothing new.
+STEPS = 60
 # Tabs from the start of a page to its first scene and through it.
 TABS = 1500
 # Shared machines draw slowly; the median is for the record and fails only far beyond what a person notices.
@@ -120,27 +122,46 @@ def postures(scene):
     return scene.control(SELECT).first.locator("option").count()
 
 
+def place(scene):
+    """Group and posture that the scene shows."""
+    return int(scene.get("group") or 0), int(scene.get("posture") or 0)
+
+
+def moved(scene, before, what):
+    """Where the scene is once it has left `before`."""
+    for _ in range(round(100 * scene.patience)):
+        if (now := place(scene)) != before:
+            return now
+        scene.page.wait_for_timeout(20)
+    raise Finding(f"scene {scene.name}: {what} does not leave posture {before}")
+
+
 def steps(opened):
     """Forward through all postures and back, by mouse; then one by its name."""
     for scene in all_of(opened):
         count = postures(scene)
-        first = int(scene.get("posture") or 0)
         scene.element.scroll_into_view_if_needed()
-        picture = scene.picture()
-        forward, back = range(first + 1, count), range(count - 2, -1, -1)
-        pictures = PICTURES
-        for button, ways in ((NEXT, forward), (PREVIOUS, back)):
-            for posture in ways:
-                scene.control(button).first.click()
-                scene.wait("posture", lambda v, p=posture: v == str(p), f"{button} to {posture}")
-                if count <= PICTURES or pictures > 0:
-                    picture = scene.changed(picture, f"the step to posture {posture}")
-                    pictures -= 1
-        if count > 1:
+        picture, way = scene.picture(), [place(scene)]
+        # The list may hold the postures of all groups: a step from the last of one leads to the first of the next.
+        far = min(count, STEPS)
+        for i in range(1, far):
+            before = group, posture = way[-1]
+            scene.control(NEXT).first.click()
+            way.append(moved(scene, before, NEXT))
+            if way[-1] != (group, posture + 1) and not (way[-1][1] == 0 and way[-1][0] > group):
+                raise Finding(f"scene {scene.name}: {NEXT} leads from posture {before} to {way[-1]}")
+            if i <= PICTURES:
+                picture = scene.changed(picture, f"the step to posture {way[-1]}")
+        for i in range(far - 2, -1, -1):
+            scene.control(PREVIOUS).first.click()
+            if (back := moved(scene, way[i + 1], PREVIOUS)) != way[i]:
+                raise Finding(f"scene {scene.name}: {PREVIOUS} leads from posture {way[i + 1]} to {back}")
+        if far > 1:
             scene.settled()
             picture = scene.picture()
-            scene.control(SELECT).first.select_option(index=count - 1)
-            scene.wait("posture", lambda v, p=count - 1: v == str(p), "the list of postures")
+            scene.control(SELECT).first.select_option(index=far - 1)
+            if (chosen := moved(scene, way[0], "the list of postures")) != way[far - 1]:
+                raise Finding(f"scene {scene.name}: number {far} of the list is posture {chosen}")
             scene.changed(picture, "a posture of the list")
         opened.note(f"{count} postures")
 
@@ -277,10 +298,10 @@ def frame_time(opened):
     scene.control(SELECT).first.select_option(index=0)
     scene.settled()
     times = []
-    for _ in range(postures(scene) - 1):
-        before = scene.get("posture")
+    for _ in range(min(postures(scene), STEPS) - 1):
+        before = place(scene)
         scene.control(NEXT).first.click()
-        scene.wait("posture", lambda v: v != before, NEXT)
+        moved(scene, before, NEXT)
         scene.settled()
         times.append(page.evaluate("id => window.stiffarm?.scenes?.[id]?.frameMs ?? null", scene.name))
     if not times or None in times:
