@@ -13,12 +13,17 @@ Usage: cargo xtask <command> [options]
 Commands:
   test [--install] [--require PARTS]
       Runs every test and closes with one line, `total: N passed, N failed, N skipped`.
-      --install         installs what a part needs and the machine lacks: LibreOffice for the sheets
+      --install         installs what a part needs and the machine lacks: LibreOffice for the sheets,
+                        Chromium and Firefox for the pages (apt-get, as root)
       --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, sheets, python,
                         browser
       Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
   sheets [--install]
       Sheets filled by openpyxl and by LibreOffice, a part of test, alone.
+  pages [--install] [--only KIND,…] [--look FOLDER]
+      Pages of stiffarm in Chromium and Firefox, a part of test, alone.
+      --only KIND,…     only these kinds of xtask/pages/kinds.py, or sample, the checks tried on a written page
+      --look FOLDER     leaves pictures of the pages there: three widths, light and dark, printed, in Firefox
   generate [--check]
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
@@ -100,6 +105,8 @@ pub enum Command {
         /// Install what the machine lacks.
         install: bool,
     },
+    /// Pages in browsers, alone.
+    Pages(PagesOptions),
     /// [`Command::Lint`], then [`Command::Test`].
     Ci(TestOptions),
 }
@@ -111,6 +118,17 @@ pub struct TestOptions {
     pub install: bool,
     /// Parts that must not skip anything.
     pub require: Vec<Part>,
+}
+
+/// Options of `cargo xtask pages`.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct PagesOptions {
+    /// Install what the machine lacks.
+    pub install: bool,
+    /// Leave pictures of all pages in this folder.
+    pub look: Option<PathBuf>,
+    /// Only these kinds of pages, with commas between them.
+    pub only: Option<String>,
 }
 
 /// Options of `cargo xtask outputs`.
@@ -191,6 +209,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [flag] if flag == "--install" => Ok(Command::Sheets { install: true }),
             [first, ..] => Err(unexpected(name, first)),
         },
+        "pages" => Ok(Command::Pages(parse_pages(rest)?)),
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
         "robots" => parse_robots(rest),
         "fuzz" => Ok(Command::Fuzz(rest.to_vec())),
@@ -201,7 +220,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, sheets, generate, outputs, robots, viewer, fuzz, lint, features, ci or help",
+            "use test, sheets, pages, generate, outputs, robots, viewer, fuzz, lint, features, ci or help",
         )),
     }
 }
@@ -225,6 +244,37 @@ fn parse_test(command: &str, rest: &[String]) -> Result<TestOptions, Failure> {
             parse_parts(parts, &mut options.require)?;
         } else {
             return Err(unexpected(command, argument));
+        }
+    }
+    Ok(options)
+}
+
+/// Parses the options of `pages`.
+fn parse_pages(rest: &[String]) -> Result<PagesOptions, Failure> {
+    let mut options = PagesOptions::default();
+    let mut rest = rest.iter();
+    while let Some(argument) = rest.next() {
+        let (name, joined) = match argument.split_once('=') {
+            Some((name, value)) => (name, Some(value.to_string())),
+            None => (argument.as_str(), None),
+        };
+        match name {
+            "--install" if joined.is_none() => {
+                options.install = true;
+                continue;
+            }
+            "--look" | "--only" => {}
+            _ => return Err(unexpected("pages", argument)),
+        }
+        let value = joined.or_else(|| rest.next().cloned()).ok_or_else(|| {
+            Failure::usage(
+                format!("`{name}` has no value"),
+                "see `cargo xtask help` for what it takes",
+            )
+        })?;
+        match name {
+            "--look" => options.look = Some(PathBuf::from(value)),
+            _ => options.only = Some(value),
         }
     }
     Ok(options)
@@ -430,6 +480,25 @@ mod tests {
                 "{line}"
             );
         }
+    }
+
+    #[test]
+    fn pages_takes_a_folder_for_pictures_and_kinds() {
+        for line in [
+            "pages --install --look pictures --only study,map",
+            "pages --only=study,map --look=pictures --install",
+        ] {
+            let expected = PagesOptions {
+                install: true,
+                look: Some(PathBuf::from("pictures")),
+                only: Some("study,map".to_string()),
+            };
+            assert_eq!(parsed(line).unwrap(), Command::Pages(expected), "{line}");
+        }
+        let failure = parsed("pages --look").unwrap_err();
+        assert_eq!(failure.message, "`--look` has no value");
+        let failure = parsed("pages study").unwrap_err();
+        assert_eq!(failure.message, "`cargo xtask pages` does not take `study`");
     }
 
     #[test]
