@@ -76,6 +76,7 @@ impl Legend {
         let all = self.entries.iter().zip(&self.lines).zip(&self.places);
         for (((label, styles), lines), (x, y)) in all {
             let middle = top + y + 0.5 * ROW;
+            canvas.begin_switch(label);
             for style in styles {
                 sample(canvas, looks, label, *style, (*x, middle));
             }
@@ -84,6 +85,7 @@ impl Legend {
                 let at = (x + KEY + KEY_GAP, middle + 0.36 * SMALL + down);
                 canvas.text(at, line, None, Font::new(SMALL, Anchor::Start));
             }
+            canvas.end();
         }
     }
 }

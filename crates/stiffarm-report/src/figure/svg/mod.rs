@@ -10,6 +10,7 @@ mod areas;
 mod canvas;
 mod data;
 mod drawing;
+mod hits;
 mod legend;
 mod look;
 mod map;
@@ -29,7 +30,7 @@ use legend::Legend;
 use look::Looks;
 use plan::{LEADING, Plan, Shown};
 
-use crate::figure::layout::{self, Layout};
+use crate::figure::layout::{self, Layout, Size};
 use crate::figure::{Figure, Panel};
 
 /// Outer margin of the picture.
@@ -140,7 +141,8 @@ fn render(figure: &Figure, layout: Option<&Layout>) -> String {
         grid.bottom + MARGIN
     };
 
-    let mut canvas = Canvas::default();
+    let is_screen = |layout: &Layout| matches!(layout.size, Size::Screen { .. });
+    let mut canvas = Canvas::answering(layout.is_some_and(is_screen));
     open(&mut canvas, figure, (width, height), layout);
     for (i, line) in title.iter().enumerate() {
         let at = (0.5 * width, MARGIN + (i as f64 + 0.85) * HEADING * LEADING);
@@ -181,11 +183,18 @@ fn open_document(
         Some(layout) => layout.families(),
         None => layout::USUAL_FAMILIES.to_owned(),
     };
+    // What answers is no single image; and its title would stand at the pointer wherever that is.
+    let role = match canvas.answers() {
+        true => format!(r#"role="group" aria-label="{}""#, escape(title)),
+        false => r#"role="img""#.to_string(),
+    };
     canvas.raw(&format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{outer_w}" height="{outer_h}" viewBox="0 0 {w} {h}" role="img" data-figure="{}">"#,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{outer_w}" height="{outer_h}" viewBox="0 0 {w} {h}" {role} data-figure="{}">"#,
         escape(id)
     ));
-    canvas.raw(&format!("<title>{}</title>", escape(title)));
+    if !canvas.answers() {
+        canvas.raw(&format!("<title>{}</title>", escape(title)));
+    }
     canvas.raw(&format!("<desc>{}</desc>", escape(caption)));
     canvas.raw(&format!(
         r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##
