@@ -168,6 +168,9 @@ class View {
     this.frameMs = performance.now() - start + (this.spent || 0);
     this.spent = 0;
     this.container.dataset.ready = 'true';
+    if (!this.picture.isQuick) return;
+    clearTimeout(this.later);
+    this.later = setTimeout(() => this.picture.drawFine(this.orbit.camera), 400);
   }
 }
 
