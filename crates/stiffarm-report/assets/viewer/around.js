@@ -44,7 +44,9 @@ function seenPoints(picture) {
   for (const group of data.groups) {
     for (const posture of group.postures) {
       const frames = framesOf(data, posture, null, 0);
-      points.push(...armLine(frames, at.clone().applyMatrix4(frames[frames.length - 1])));
+      const loading = at.clone().applyMatrix4(frames[frames.length - 1]);
+      points.push(...armLine(frames, loading));
+      for (const { force } of posture.loads) points.push(loading.clone().addScaledVector(vec(force).normalize(), data.force_length));
     }
   }
   const [low, high] = data.extent.map(vec);
