@@ -44,11 +44,13 @@ function seenPoints(picture) {
   for (const group of data.groups) {
     for (const posture of group.postures) {
       const frames = framesOf(data, posture, null, 0);
-      points.push(...armLine(frames, at.clone().applyMatrix4(frames[frames.length - 1])));
+      const loading = at.clone().applyMatrix4(frames[frames.length - 1]);
+      points.push(...armLine(frames, loading));
+      for (const { force } of posture.loads) points.push(loading.clone().addScaledVector(vec(force).normalize(), data.force_length));
     }
   }
   const [low, high] = data.extent.map(vec);
-  const add = (p) => points.push(p.clone().clamp(low, high));
+  const add = (p, stands) => points.push(stands ? p.clamp(low, high) : p);
   const first = data.groups[0]?.postures[0];
   const frames = first && framesOf(data, first, null, 0);
   picture.groups.forEach((group) => {
@@ -61,7 +63,7 @@ function seenPoints(picture) {
       const { min, max } = geometry.boundingBox;
       for (let i = 0; i < 8; i += 1) {
         const corner = new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z);
-        add(corner.applyMatrix4(frame));
+        add(corner.applyMatrix4(frame), body.kind === 'standing');
       }
     }
   });

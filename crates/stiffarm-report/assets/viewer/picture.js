@@ -6,12 +6,25 @@ const COLOURS = [
   'near', 'point', 'residual',
 ];
 
+/** True where the browser draws without a graphics card. */
+function isSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return false;
+  const told = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 class Picture {
   constructor(data, canvas, container) {
     this.data = data;
     this.container = container;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.ratio = Math.min(window.devicePixelRatio || 1, 2);
+    // Without a graphics card smooth edges cost half the time of a step: there they wait until nothing moves.
+    this.isQuick = isSoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isQuick });
+    this.renderer.setPixelRatio(this.isQuick ? 1 : this.ratio);
     this.world = new THREE.Scene();
     this.size = Math.hypot(...data.extent[0].map((low, i) => data.extent[1][i] - low));
     this.addLights();
@@ -92,7 +105,7 @@ class Picture {
     const z = level ? level.point[2] : this.data.limits.floor ?? Math.min(0, low.z);
     this.step = niceBelow(Math.max(high.x - low.x, high.y - low.y) / 7);
     this.floor = { z, ...gridLines(low, high, z, this.step) };
-    this.grid = new Lines(1, { transparent: true, opacity: 0.75 });
+    this.grid = new ThinLines();
     this.grid.set(this.floor.pieces);
     this.grid.object.visible = true;
     this.triad = [0, 1, 2].map((k) => {
@@ -120,9 +133,9 @@ class Picture {
     add('hidden', 1.6, { dashed: true, dashSize: 0.014 * this.size, gapSize: 0.014 * this.size });
     add('near', 3.5);
     this.near.material.depthTest = false;
-    this.others = this.data.groups.map((group) => {
-      const lines = new Lines(1.4, { transparent: true, opacity: 0.75 });
-      lines.material.color.set(group.colour);
+    const many = this.data.groups.reduce((sum, group) => sum + group.postures.length, 0) > 100;
+    this.others = this.data.groups.map(() => {
+      const lines = many ? new ThinLines() : new Lines(1.4);
       this.world.add(lines.object);
       return lines;
     });
@@ -195,7 +208,7 @@ class Picture {
     const isDark = new Color(colour.background).getHSL({}).l < 0.4;
     this.others.forEach((lines, i) => {
       lines.material.color.set(this.data.groups[i].colour);
-      if (isDark) lines.material.color.lerp(new Color('#ffffff'), 0.3);
+      if (isDark) lines.material.color.lerp(new Color('#ffffff'), 0.2);
     });
   }
 
@@ -371,7 +384,16 @@ class Picture {
   }
 
   draw(camera) {
+    if (this.isFine) this.renderer.setPixelRatio(1);
+    this.isFine = false;
     this.renderer.render(this.world, camera);
+  }
+
+  /** Draws once with smooth edges, where the other pictures have none. */
+  drawFine(camera) {
+    this.renderer.setPixelRatio(2);
+    this.draw(camera);
+    this.isFine = true;
   }
 
   /** Waits until the picture is really drawn. */

@@ -137,7 +137,9 @@ fn random(cell: Cell, count: usize, size: usize) -> Done<Shown> {
 
 /// Postures that spread over the bounds, those that meet the limits where there are enough of them.
 fn spread(cell: &Cell, name: &str, count: usize, from: usize) -> PostureGroup {
-    let steps = [0.618, 0.755, 0.570, 0.819, 0.430, 0.281, 0.347];
+    let steps = [
+        0.618_034, 0.754_878, 0.569_840, 0.819_173, 0.430_160, 0.281_198, 0.347_296,
+    ];
     let angle = |i: usize| -> Vec<f64> {
         let bounds = cell.bounds.iter().zip(steps);
         bounds
