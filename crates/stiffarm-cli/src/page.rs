@@ -1,8 +1,8 @@
 //! `--report FILE`: the page of a result that was just made.
 
-use crate::files::Target;
 #[cfg(feature = "report")]
-use crate::files::{only_target, write_all};
+use crate::files::only_target;
+use crate::files::{Target, write_all};
 use crate::session::Session;
 use serde::Serialize;
 use std::cell::RefCell;
@@ -45,22 +45,41 @@ impl Session {
     /// # Errors
     /// A result that has no page.
     pub fn write_page(&self, envelope: &impl Serialize) -> Result<()> {
+        let Some(target) = self.page.target.borrow_mut().take() else {
+            return Ok(());
+        };
+        let cell = self.page.cell.borrow();
+        match self.page_of(envelope, cell.as_ref())? {
+            Some(page) => write_all(self, &[(target, page)]),
+            None => Ok(()),
+        }
+    }
+
+    /// The page of a result; `None` in a program without pages.
+    ///
+    /// # Errors
+    /// A result that has no page.
+    pub fn page_of(
+        &self,
+        envelope: &impl Serialize,
+        cell: Option<&Cell>,
+    ) -> Result<Option<String>> {
         #[cfg(feature = "report")]
-        if let Some(target) = self.page.target.borrow_mut().take() {
+        {
             use stiffarm::files::result::SavedResult;
             use stiffarm_report::page::render_page;
             use stiffarm_report::report::{Given, report};
             let saved = SavedResult::of(envelope, "result")?;
-            let cell = self.page.cell.borrow();
-            let cell = cell.as_ref();
             let page = report(&[Given {
                 saved: &saved,
                 cell,
             }])?;
-            write_all(self, &[(target, render_page(&page))])?;
+            Ok(Some(render_page(&page)))
         }
         #[cfg(not(feature = "report"))]
-        let _ = envelope;
-        Ok(())
+        {
+            let _ = (envelope, cell);
+            Ok(None)
+        }
     }
 }
