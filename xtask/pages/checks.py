@@ -132,6 +132,8 @@ def charts(opened):
                 seen.add(e.id);
             }
             for (const svg of document.querySelectorAll('svg[data-figure]')) {
+                // A scene shows its drawing on paper, and where it cannot draw.
+                if (svg.closest('.scene')) continue;
                 const name = svg.dataset.figure, figure = svg.closest('figure');
                 if (!figure) { problems.push(`chart ${name} outside <figure>`); continue; }
                 if (!figure.querySelector('figcaption')?.textContent.trim())
@@ -139,26 +141,28 @@ def charts(opened):
                 const next = figure.nextElementSibling;
                 const table = figure.querySelector('details table')
                     ?? (next?.matches('details') ? next.querySelector('table') : null);
-                if (!table || table.querySelectorAll('td').length === 0)
+                // A drawing of things has no data.
+                if (!svg.closest('.sheet') && (!table || table.querySelectorAll('td').length === 0))
                     problems.push(`chart ${name} without a table of its data`);
-                const box = svg.getBoundingClientRect();
-                if (!svg.closest('details:not([open])') && (box.width < 50 || box.height < 30))
-                    problems.push(`chart ${name} is ${box.width} by ${box.height} pixels`);
+                // Of the forms for narrow and for wide screens one is seen.
+                const forms = [...figure.querySelectorAll('svg[data-figure]')];
+                const size = one => { const box = one.getBoundingClientRect(); return box.width >= 50 && box.height >= 30; };
+                const shown = forms.filter(one => one.dataset.figure === name && size(one)).length;
+                if (!svg.closest('details:not([open])') && shown !== 1)
+                    problems.push(`chart ${name} is seen ${shown} times`);
             }
             return problems;
         }"""
     )
     if problems:
         raise Finding("; ".join(problems[:5]))
-    toggles = opened.page.locator("[data-toggle-series]")
+    toggles = opened.page.locator("[data-toggle-series]").locator("visible=true")
     for index in range(min(toggles.count(), 6)):
         toggle = toggles.nth(index)
-        if not toggle.is_visible():
-            continue
         name = toggle.get_attribute("data-toggle-series")
         if toggle.evaluate("e => e.tagName !== 'BUTTON' && e.getAttribute('role') !== 'button'"):
             raise Finding(f"legend entry {name} is no button")
-        figure = "e => (e.closest('figure') ?? document.body).querySelector('svg[data-figure]')?.outerHTML"
+        figure = "e => (e.closest('svg[data-figure]') ?? document.body.querySelector('svg[data-figure]'))?.outerHTML"
         pressed, picture = toggle.get_attribute("aria-pressed"), toggle.evaluate(figure)
         toggle.focus()
         opened.page.keyboard.press("Enter")
