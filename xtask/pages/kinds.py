@@ -157,6 +157,13 @@ KINDS = [
 ]
 
 
+# What the documentation shows.
+GALLERY = [
+    "study", "kr210-obstacles", "select-shapes", "select-curve", "simulate", "identify", "validate", "predict", "compensate",
+    "map", "evaluate", "comparison", "seven-axes",
+]
+
+
 class NotMade(Exception):
     """A command that did not do what the kind needs of it."""
 

@@ -3,6 +3,8 @@
 import shutil
 import subprocess
 
+from PIL import Image
+
 SIZES = [(1440, 900), (820, 1180), (390, 844)]
 
 
@@ -24,6 +26,28 @@ def at(browser, pages, folder):
         if shutil.which("pdftoppm"):
             subprocess.run(["pdftoppm", "-r", "70", "-png", file, folder / f"{name}-a4"], check=True)
         print(f"pictures of {name} in {folder}", flush=True)
+
+
+def gallery(browser, pages, folder):
+    """Two pictures of each page for the documentation: its beginning, and the cell in 3D."""
+    folder.mkdir(parents=True, exist_ok=True)
+    context = browser.new_context(viewport={"width": 1120, "height": 1000}, color_scheme="light")
+    for name, page in pages:
+        tab = opened(context, page)
+        # The scene redraws with smooth edges once nothing moves.
+        tab.wait_for_timeout(1500)
+        tab.screenshot(path=folder / f"{name}.png")
+        scene = tab.locator("div.scene").first
+        if scene.count():
+            scene.scroll_into_view_if_needed()
+            tab.wait_for_timeout(1500)
+            scene.screenshot(path=folder / f"{name}-cell.png")
+        tab.close()
+        for picture in folder.glob(f"{name}*.png"):
+            # 128 colours are enough for a page, and a third of the size.
+            Image.open(picture).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(picture, optimize=True)
+        print(f"gallery: {name}", flush=True)
+    context.close()
 
 
 def opened(context, page):

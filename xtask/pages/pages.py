@@ -1,7 +1,7 @@
 """Opens the pages that stiffarm writes in Chromium and Firefox and checks them.
 
     python pages.py --stiffarm FILE --folder FOLDER [--chromium FILE] [--firefox FILE] [--fanuc FILE]
-                    [--look FOLDER] [--only KIND,…]
+                    [--look FOLDER] [--only KIND,…] [--gallery FOLDER]
 
 One line for each check: `ok`, `FAILED` or `SKIPPED`, then page and check. The last line is
 `pages: N passed, N failed, N skipped`. Exit code 1: a check failed.
@@ -122,7 +122,7 @@ def main():
     parser = argparse.ArgumentParser()
     for name in ("stiffarm", "folder"):
         parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
-    for name in ("chromium", "firefox", "fanuc", "look", "only"):
+    for name in ("chromium", "firefox", "fanuc", "look", "only", "gallery"):
         parser.add_argument(f"--{name}")
     options = parser.parse_args()
     tally = Tally()
@@ -137,6 +137,13 @@ def main():
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=options.chromium, args=DRAWING)
             wanted = options.only.split(",") if options.only else []
+            if options.gallery:
+                chosen = [kind for kind in kinds.KINDS if kind.name in (wanted or kinds.GALLERY)]
+                made = [(kind.name, maker.make(kind)[0][0]) for kind in chosen]
+                look.gallery(browser, made, pathlib.Path(options.gallery))
+                browser.close()
+                print(f"pages: {len(made)} passed, 0 failed, 0 skipped")
+                return 0
             if not wanted or "sample" in wanted:
                 sample.check(browser, folder, tally)
             if there:

@@ -20,10 +20,11 @@ Commands:
       Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
   sheets [--install]
       Sheets filled by openpyxl and by LibreOffice, a part of test, alone.
-  pages [--install] [--only KIND,…] [--look FOLDER]
+  pages [--install] [--only KIND,…] [--look FOLDER] [--gallery FOLDER]
       Pages of stiffarm in Chromium and Firefox, a part of test, alone.
       --only KIND,…     only these kinds of xtask/pages/kinds.py, or sample, the checks tried on a written page
       --look FOLDER     leaves pictures of the pages there: three widths, light and dark, printed, in Firefox
+      --gallery FOLDER  makes the pictures of docs/gallery.md there instead (docs/images/gallery)
   generate [--check]
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
@@ -127,6 +128,8 @@ pub struct PagesOptions {
     pub install: bool,
     /// Leave pictures of all pages in this folder.
     pub look: Option<PathBuf>,
+    /// Make the pictures of the documentation in this folder instead of checking.
+    pub gallery: Option<PathBuf>,
     /// Only these kinds of pages, with commas between them.
     pub only: Option<String>,
 }
@@ -263,7 +266,7 @@ fn parse_pages(rest: &[String]) -> Result<PagesOptions, Failure> {
                 options.install = true;
                 continue;
             }
-            "--look" | "--only" => {}
+            "--look" | "--only" | "--gallery" => {}
             _ => return Err(unexpected("pages", argument)),
         }
         let value = joined.or_else(|| rest.next().cloned()).ok_or_else(|| {
@@ -274,6 +277,7 @@ fn parse_pages(rest: &[String]) -> Result<PagesOptions, Failure> {
         })?;
         match name {
             "--look" => options.look = Some(PathBuf::from(value)),
+            "--gallery" => options.gallery = Some(PathBuf::from(value)),
             _ => options.only = Some(value),
         }
     }
@@ -491,6 +495,7 @@ mod tests {
             let expected = PagesOptions {
                 install: true,
                 look: Some(PathBuf::from("pictures")),
+                gallery: None,
                 only: Some("study,map".to_string()),
             };
             assert_eq!(parsed(line).unwrap(), Command::Pages(expected), "{line}");

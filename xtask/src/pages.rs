@@ -98,6 +98,9 @@ pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Fai
     if let Some(look) = &options.look {
         option("--look", look.into());
     }
+    if let Some(gallery) = &options.gallery {
+        option("--gallery", gallery.into());
+    }
     if let Some(only) = &options.only {
         option("--only", only.into());
     }
