@@ -3,5 +3,7 @@
 mod cells;
 mod generic;
 mod maps;
+#[cfg(feature = "page")]
+mod page;
 mod render;
 mod scenes;
