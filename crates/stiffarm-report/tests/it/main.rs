@@ -3,4 +3,6 @@
 mod cells;
 mod generic;
 mod maps;
+#[cfg(feature = "page")]
+mod pages;
 mod render;
