@@ -22,6 +22,7 @@ mod plan_page;
 #[cfg(feature = "page")]
 pub mod report;
 pub mod scene;
+mod selection;
 pub mod study;
 mod zones;
 
@@ -38,4 +39,9 @@ pub use map::{map_figure, map_table};
 pub use path::{PathCurvePoint, path_figure};
 pub use placement::{placement_figure, placement_table};
 pub use plan_page::plan_page;
+pub use selection::{
+    CountPoint, Deviations, IndexUnit, convergence_figure, correlation_figure, count_figure,
+    deviation_by_noise_figure, dexterity_figure, expected_deviation_figure, index_name,
+    price_figure, sensitivity_figure, singular_values_figure, worth_figure,
+};
 pub use zones::{zones_figure, zones_table};

@@ -30,7 +30,7 @@ pub mod zones;
 use crate::numbers;
 use crate::screen::{columns, wrapped};
 use crate::table::{Table, weight};
-use stiffarm::findings::Finding;
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::{Cell, LimitMargin};
 use stiffarm::model::load::Load;
 use stiffarm::model::posture::Posture;
@@ -90,6 +90,12 @@ fn index_value(index: Index, value: Option<f64>) -> String {
     }
 }
 
+/// Controller angles of postures \[deg\].
+fn degrees(postures: &[Posture]) -> Vec<Vec<f64>> {
+    let of = |posture: &Posture| posture.q.iter().map(|q| rad_to_shortest_deg(*q)).collect();
+    postures.iter().map(of).collect()
+}
+
 /// Postures in degrees, one row each.
 fn posture_table(cell: &Cell, postures: &[Posture]) -> Table {
     let joints = 1..=cell.setup.robot.joint_count();
@@ -100,6 +106,17 @@ fn posture_table(cell: &Cell, postures: &[Posture]) -> Table {
         table.row(std::iter::once(posture.name.clone()).chain(angles));
     }
     table
+}
+
+/// The remarks about postures outside bounds or limits as findings.
+fn posture_findings(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
+    let remarks = posture_remarks(cell, postures).into_iter();
+    let findings = remarks.map(|remark| {
+        let mut sentence = remark.replacen("posture", "Posture", 1);
+        sentence.push('.');
+        Finding::new("posture-outside", Severity::Caution, "postures", sentence)
+    });
+    findings.collect()
 }
 
 /// Where postures leave the cell's bounds or limits, one sentence each.

@@ -5,9 +5,15 @@
 
 mod compare;
 mod context;
+mod evaluate;
+mod postures;
 mod predict;
+mod select;
+mod simulate;
 mod study;
 mod tables;
+mod worth;
+mod zones;
 
 pub use context::Given;
 
@@ -16,7 +22,9 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 2] = ["predict", "study"];
+pub const COMMANDS: [&str; 6] = [
+    "evaluate", "predict", "select", "simulate", "study", "zones",
+];
 
 /// The page of saved results, in their order.
 ///
@@ -45,8 +53,12 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
 
 fn part(context: &Context<'_>) -> Result<Part> {
     match context.saved.command.as_str() {
+        "evaluate" => evaluate::part(context),
         "predict" => predict::part(context),
+        "select" => select::part(context),
+        "simulate" => simulate::part(context),
         "study" => study::part(context),
+        "zones" => zones::part(context),
         other => {
             let message = format!("There is no page for the results of `{other}`.");
             Err(Error::new(Code::Unsupported, message)

@@ -1,6 +1,7 @@
 //! The figures of a study, as data.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::selection::{Deviations, deviation_by_noise_figure, expected_deviation_figure};
 use stiffarm::study::{Study, StudyGroup};
 
 /// All figures of a study, in the order of the page.
@@ -13,7 +14,11 @@ pub fn figures(study: &Study) -> Vec<Figure> {
             .enumerate()
             .map(|(g, group)| postures(study, g, group)),
     );
-    out.push(deviation_by_noise(study));
+    out.push(deviation_by_noise_figure(
+        &study.joints,
+        &study.simulation.groups,
+        study.simulation.runs,
+    ));
     out.extend(other_starts(study));
     out.extend(q1_range(study));
     out.extend(validation(study));
@@ -26,35 +31,12 @@ fn numbers(count: usize) -> Vec<f64> {
 
 /// Bars per joint and group: what each group can be expected to give.
 fn expected_deviation(study: &Study) -> Figure {
-    let series = study
-        .groups
-        .iter()
-        .map(|g| {
-            let y = g
-                .evaluation
-                .expected_deviation
-                .iter()
-                .map(|d| d.map_or(f64::NAN, |d| 100.0 * d))
-                .collect();
-            Series::new(&g.name, Style::Bars, numbers(study.joints.len()), y)
-        })
-        .collect();
-    Figure {
-        id: "expected-deviation".into(),
-        title: "Expected deviation of the joint stiffness".into(),
-        caption: format!(
-            "Expected |k̂ − k|/k per joint at variance factor 1 (σ = {:.1} µm per axis), closed form.",
-            1e6 * study.noise_std_m
-        ),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("", study.joints.clone()),
-            y: Axis::log("expected deviation", "%"),
-            series,
-            equal_aspect: false,
-        }],
-    }
+    let groups = study.groups.iter().map(|group| Deviations {
+        name: &group.name,
+        each: &group.evaluation.expected_deviation,
+    });
+    let groups: Vec<Deviations<'_>> = groups.collect();
+    expected_deviation_figure(&study.joints, &groups, &[], Some(study.noise_std_m))
 }
 
 /// Stick figures of one group, from above and from the side (Figs. 5–7).
@@ -103,76 +85,6 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
         ),
         columns: 2,
         panels: vec![view("side", 0, 2, "x", "z"), view("top", 0, 1, "x", "y")],
-    }
-}
-
-/// Mean deviation against the noise variance, a panel per joint (Fig. 8).
-fn deviation_by_noise(study: &Study) -> Figure {
-    let factors = &study.options.simulation.variance_factors;
-    let panels = study
-        .joints
-        .iter()
-        .enumerate()
-        .map(|(j, joint)| {
-            let mut series = Vec::new();
-            for group in &study.simulation.groups {
-                let flagged = group.levels.iter().map(|l| l.beyond_first_order[j]);
-                let pick = |keep: bool, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
-                    flagged
-                        .clone()
-                        .enumerate()
-                        .filter(|(_, f)| *f != keep)
-                        .map(|(l, _)| value(l))
-                        .collect()
-                };
-                let percent = |v: f64| 100.0 * v;
-                series.push(
-                    Series::new(
-                        &group.name,
-                        Style::Line,
-                        pick(true, &|l| factors[l]),
-                        pick(true, &|l| percent(group.levels[l].mean_deviation[j])),
-                    )
-                    .with_error(pick(true, &|l| percent(group.levels[l].standard_error[j]))),
-                );
-                series.push(Series::new(
-                    format!("{}, theory", group.name),
-                    Style::Dashed,
-                    factors.clone(),
-                    group
-                        .levels
-                        .iter()
-                        .map(|l| percent(l.expected_deviation[j]))
-                        .collect(),
-                ));
-                if group.levels.iter().any(|l| l.beyond_first_order[j]) {
-                    series.push(Series::new(
-                        format!("{}, median (beyond first order)", group.name),
-                        Style::Hollow,
-                        pick(false, &|l| factors[l]),
-                        pick(false, &|l| percent(group.levels[l].median_deviation[j])),
-                    ));
-                }
-            }
-            Panel {
-                title: joint.clone(),
-                x: Axis::linear("multiple of the noise variance", ""),
-                y: Axis::log("mean deviation", "%"),
-                series,
-                equal_aspect: false,
-            }
-        })
-        .collect();
-    Figure {
-        id: "deviation-by-noise".into(),
-        title: "Simulated deviation of the joint stiffness at six noise levels".into(),
-        caption: format!(
-            "Mean of |k̂ − k|/k over {} runs with its standard error (markers), closed form (dashed). Hollow: median \
-             where the relative standard error passes 10 %; the median of a normal error is 0.85 of its mean.",
-            study.simulation.runs
-        ),
-        columns: 3,
-        panels,
     }
 }
 

@@ -5,5 +5,6 @@ mod generic;
 mod maps;
 #[cfg(feature = "page")]
 mod page;
+mod pages;
 mod render;
 mod scenes;

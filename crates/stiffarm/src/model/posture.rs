@@ -43,4 +43,17 @@ impl PostureGroup {
             postures,
         }
     }
+
+    /// A group from controller angles \[rad\] and the names of its postures; one without a name has its number.
+    pub fn named(
+        name: impl Into<String>,
+        names: &[String],
+        angles: impl IntoIterator<Item = Vec<f64>>,
+    ) -> Self {
+        let mut group = PostureGroup::from_angles(name, angles);
+        for (posture, name) in group.postures.iter_mut().zip(names) {
+            posture.name.clone_from(name);
+        }
+        group
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::certificate::efficient;
 use super::job::{Job, Mode, POSTURES, shown, to_usize};
-use crate::commands::{evaluate, posture_table};
+use crate::commands::{degrees, evaluate, posture_table};
 use crate::numbers::counted;
 use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
@@ -13,7 +13,6 @@ use stiffarm::findings::Finding;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::select::{CandidateOptions, CandidateSelection, select_candidates};
-use stiffarm::units::rad_to_shortest_deg;
 use stiffarm::{Result, Termination};
 
 /// Options of the result.
@@ -37,6 +36,8 @@ pub struct Chosen {
     /// The choice.
     #[serde(flatten)]
     pub selection: CandidateSelection,
+    /// Names of the joints, as in `evaluation`.
+    pub joints: Vec<String>,
     /// Names of all candidates: positions elsewhere count them from 0.
     pub candidate_names: Vec<String>,
     /// True where some candidates count under measured wrenches.
@@ -80,12 +81,10 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
     job.outputs.write_postures(job.session, cell, &chosen)?;
     let result = Chosen {
         findings: job.findings(),
+        joints: cell.setup.robot.spring_names(),
         candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
         measured_wrenches: candidates.iter().any(|c| c.wrench.is_some()),
-        postures_deg: chosen
-            .iter()
-            .map(|p| p.q.iter().map(|q| rad_to_shortest_deg(*q)).collect())
-            .collect(),
+        postures_deg: degrees(&chosen),
         posture_names: chosen.iter().map(|p| p.name.clone()).collect(),
         selection: found,
     };

@@ -1,7 +1,7 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
 use super::job::{Job, Mode, number, shown, to_usize, with_unit};
-use crate::commands::posture_remarks;
+use crate::commands::{degrees, posture_findings, posture_remarks};
 use crate::numbers::{counted, percent};
 use crate::progress::{Progress, announce};
 use crate::table::{Align, Table, title, yellow};
@@ -31,10 +31,12 @@ pub struct Options {
 pub struct DropResult {
     /// Names of the given postures: positions elsewhere count them from 0.
     pub posture_names: Vec<String>,
+    /// The given postures, controller angles \[deg\].
+    pub postures_deg: Vec<Vec<f64>>,
     /// Worth of each posture, and the choice.
     #[serde(flatten)]
     pub dropped: Dropped,
-    /// What to distrust about the robot of the catalogue.
+    /// What to distrust about the robot of the catalogue, and given postures outside bounds or limits.
     pub findings: Vec<Finding>,
 }
 
@@ -66,8 +68,13 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
     };
     let result = DropResult {
         posture_names: postures.iter().map(|p| p.name.clone()).collect(),
+        postures_deg: degrees(&postures),
         dropped,
-        findings: job.findings(),
+        findings: {
+            let mut findings = job.findings();
+            findings.extend(posture_findings(cell, &postures));
+            findings
+        },
     };
     let envelope = job.session.envelope("select", None, options, &result);
     job.show(&envelope, || table(job, &postures, &result.dropped))

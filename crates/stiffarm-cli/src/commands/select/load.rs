@@ -5,7 +5,6 @@ use crate::numbers::coarse_mm;
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
 use stiffarm::plan::select::{DesignedLoad, LoadDesign};
 use stiffarm::units::mm_to_m;
 
@@ -44,17 +43,7 @@ pub fn options(design: &LoadDesign) -> Option<LoadOptions> {
 
 /// The cell with the load that was chosen.
 pub fn applied(cell: &Cell, chosen: Option<&DesignedLoad>) -> Cell {
-    let mut cell = cell.clone();
-    let Some(chosen) = chosen else { return cell };
-    cell.setup.tool.loading_point = chosen.loading_point_m.into();
-    let sized = chosen
-        .magnitude_n
-        .and_then(|size| cell.setup.load.with_size(size));
-    cell.setup.load = sized.unwrap_or(cell.setup.load);
-    if let (Load::Rope { anchor, .. }, Some(to)) = (&mut cell.setup.load, chosen.anchor_m) {
-        *anchor = to.into();
-    }
-    cell
+    chosen.map_or_else(|| cell.clone(), |chosen| chosen.applied(cell))
 }
 
 /// The lines of cell.toml that the plan holds for.

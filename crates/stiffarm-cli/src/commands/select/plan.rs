@@ -4,6 +4,7 @@ use super::certificate::{self, Bounds};
 use super::job::{Job, Mode, POSTURES, to_usize};
 use super::planned::{Options, Plan, Planned};
 use super::{load, table};
+use crate::commands::posture_findings;
 use crate::commands::route::{blocked_moves, is_blocked};
 use crate::progress::Progress;
 use std::collections::HashSet;
@@ -11,7 +12,7 @@ use stiffarm::Control;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::index::{GroupEvaluation, evaluate};
+use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation};
 use stiffarm::plan::select::{
     GlobalOptions, LocalOptions, Selection, Sensitivity, SensitivityOptions, limit_prices,
     select_from, select_watched, sensitivity,
@@ -98,7 +99,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
     };
     let before = match known.is_empty() {
         true => None,
-        false => Some(evaluate(&cell, before_name, known)?),
+        false => Some(EvaluatedGroup::new(&cell, before_name, known)?),
     };
     let after_name = if given.is_empty() {
         "selected"
@@ -122,8 +123,13 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
         given_names: names(&given),
         given_value: match given.is_empty() {
             true => None,
-            false => before.as_ref().and_then(|b| b.indices.get(job.index)),
+            false => before
+                .as_ref()
+                .and_then(|b| b.evaluation.indices.get(job.index)),
         },
+        joints: cell.setup.robot.spring_names(),
+        evaluation: after.clone(),
+        before,
         certificate: bounds.certificate,
         joint_efficiencies: bounds.joints,
         certificate_missing: bounds.missing,
@@ -132,6 +138,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
         selection,
         findings: {
             let mut findings = job.findings();
+            findings.extend(posture_findings(&cell, known));
             findings.extend(blocked_moves(&selected, &route));
             findings
         },
@@ -161,7 +168,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
         design: &global.load,
         given: &given,
         selected: &selected,
-        before: before.as_ref(),
+        before: plan.before.as_ref().map(|before| &before.evaluation),
         after: &after,
     };
     let seed = is_random.then(|| job.seed());

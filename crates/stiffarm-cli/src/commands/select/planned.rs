@@ -8,7 +8,7 @@ use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::certificate::{Certificate, JointEfficiency};
-use stiffarm::plan::index::GroupEvaluation;
+use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation};
 use stiffarm::plan::route::Route;
 use stiffarm::plan::select::{LimitPrice, LoadDesign, Selection, Sensitivity};
 
@@ -47,6 +47,12 @@ pub struct Plan {
     pub selection: Selection,
     /// Names of the selected postures, in the order of `postures_deg`.
     pub posture_names: Vec<String>,
+    /// Names of the joints, as in `evaluation`.
+    pub joints: Vec<String>,
+    /// What given and selected postures together are worth.
+    pub evaluation: GroupEvaluation,
+    /// What the initial or the given postures alone are worth; `null` without any.
+    pub before: Option<EvaluatedGroup>,
     /// Names of selected postures that are the same within half a degree in every joint, group
     /// by group: what to measure more than once.
     pub repeats: Vec<Vec<String>>,
@@ -68,7 +74,8 @@ pub struct Plan {
     pub prices: Option<Vec<LimitPrice>>,
     /// The moves between the selected postures, in their order, each given posture aside.
     pub route: Route,
-    /// What to distrust about the robot of the catalogue, and moves without a free way.
+    /// What to distrust about the robot of the catalogue, initial or given postures outside bounds or limits, and
+    /// moves without a free way.
     pub findings: Vec<Finding>,
 }
 

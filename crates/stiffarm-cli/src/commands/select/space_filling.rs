@@ -2,7 +2,7 @@
 
 use super::job::{Job, Mode, POSTURES, to_usize};
 use crate::commands::route::{blocked_moves, is_blocked, sentence};
-use crate::commands::{evaluate, posture_table};
+use crate::commands::{degrees, evaluate, posture_table};
 use crate::numbers::{coarse_mm, significant};
 use crate::progress::Progress;
 use crate::table::{title, yellow};
@@ -13,7 +13,6 @@ use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::{GroupEvaluation, evaluate as evaluate_group};
 use stiffarm::plan::route::Route;
 use stiffarm::plan::select::{smallest_distance, smallest_margin, space_filling};
-use stiffarm::units::rad_to_shortest_deg;
 use stiffarm::{Result, Termination};
 
 /// Options of the result.
@@ -32,6 +31,8 @@ pub struct Options {
 /// Evenly spread postures with what they are worth.
 #[derive(Serialize, JsonSchema)]
 pub struct SpaceFilling {
+    /// Names of the joints, as in `evaluation`.
+    pub joints: Vec<String>,
     /// Selected postures, controller angles \[deg\].
     pub postures_deg: Vec<Vec<f64>>,
     /// Names of the selected postures, in the order of `postures_deg`.
@@ -67,11 +68,8 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
             findings.extend(blocked_moves(&group.postures, &route));
             findings
         },
-        postures_deg: group
-            .postures
-            .iter()
-            .map(|p| p.q.iter().map(|q| rad_to_shortest_deg(*q)).collect())
-            .collect(),
+        joints: cell.setup.robot.spring_names(),
+        postures_deg: degrees(&group.postures),
         posture_names: group.postures.iter().map(|p| p.name.clone()).collect(),
         smallest_distance: smallest_distance(&cell.bounds, &group.postures),
         termination: found.termination,

@@ -90,6 +90,19 @@ pub struct LevelResult {
 pub struct GroupSimulation {
     /// Name of the group.
     pub name: String,
+    /// Names of its postures.
+    #[serde(default)]
+    pub posture_names: Vec<String>,
+    /// Its postures, controller angles \[rad\].
+    #[serde(default, rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Its postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub postures: Vec<Vec<f64>>,
     /// Its noise levels.
     pub levels: Vec<LevelResult>,
 }
@@ -162,6 +175,8 @@ pub fn simulate(
             .zip(levels.chunks(per_group))
             .map(|(group, levels)| GroupSimulation {
                 name: group.name.clone(),
+                posture_names: group.postures.iter().map(|p| p.name.clone()).collect(),
+                postures: group.postures.iter().map(|p| p.q.clone()).collect(),
                 levels: levels.to_vec(),
             })
             .collect(),

@@ -98,6 +98,14 @@ pub struct GroupEvaluation {
     pub k_jn: Vec<Option<f64>>,
     /// Singular values of Ψ, descending \[m·N·m/rad\].
     pub singular_values: Vec<f64>,
+    /// Singular values of Ψ·diag(1/k), its rows weighted as the noise says, descending \[m\]: n times the square of
+    /// `expected_error` is σ² times the sum of their inverse squares. Empty without a prior.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scaled_singular_values: Vec<f64>,
+    /// Correlation of the errors of the joints' estimated compliances, row by row, to first order also of their
+    /// stiffness; empty where a joint is undetermined.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub correlation: Vec<Vec<f64>>,
     /// Relative standard error of k_j per joint at the cell's noise (fraction).
     pub relative_standard_error: Vec<Option<f64>>,
     /// Expected |k̂ − k|/k per joint, sqrt(2/π) times the standard error (fraction).
@@ -260,6 +268,7 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
     let std = cell.noise.displacement_std();
     let mut relative = vec![None; n];
     let (mut scaled_condition, mut d, mut drop_one) = (None, None, None);
+    let mut scaled_sigma = Vec::new();
     // Without a posture-common part the whitened Ψ is Ψ.
     let weighted = match rho > 0.0 {
         true => Factor::new(&whitened)?,
@@ -268,10 +277,11 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
     if let Some(prior) = &cell.prior {
         scaled_condition = ratio(&factor.singular_values(|j| 1.0 / prior[j])?);
         relative = relative_errors(&weighted, prior, std);
+        let s = weighted.singular_values(|j| 1.0 / prior[j])?;
         if weighted.undetermined().is_empty() {
-            let s = weighted.singular_values(|j| 1.0 / prior[j])?;
             d = Some(std * (-s.iter().map(|v| v.ln()).sum::<f64>() / n as f64).exp());
         }
+        scaled_sigma = s.iter().copied().collect();
         drop_one = drop_one_error(&whitened, &ranges, prior, std)?;
     }
     let task = match cell.tasks.is_empty() {
@@ -314,6 +324,8 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
         },
         k_jn,
         singular_values: sigma.iter().copied().collect(),
+        scaled_singular_values: scaled_sigma,
+        correlation: correlation(&weighted),
         expected_deviation: relative.iter().map(|e| e.map(expected_deviation)).collect(),
         relative_standard_error: relative,
         undetermined_joints: factor
@@ -336,6 +348,25 @@ fn relative_errors(factor: &Factor, prior: &[f64], std: f64) -> Vec<Option<f64>>
         .iter()
         .zip(prior)
         .map(|(e, k)| e.map(|e| std * k * e))
+        .collect()
+}
+
+/// Correlation of the errors of the estimated unknowns; empty where one is undetermined.
+fn correlation(factor: &Factor) -> Vec<Vec<f64>> {
+    if !factor.undetermined().is_empty() {
+        return Vec::new();
+    }
+    let covariance = factor.inverse_information();
+    let n = covariance.nrows();
+    let one = |i: usize, j: usize| {
+        let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+        match i == j {
+            true => 1.0,
+            false => (covariance[(i, j)] / size).clamp(-1.0, 1.0),
+        }
+    };
+    (0..n)
+        .map(|i| (0..n).map(|j| one(i, j)).collect())
         .collect()
 }
 

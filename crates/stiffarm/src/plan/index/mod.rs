@@ -4,6 +4,7 @@ pub(crate) mod criterion;
 
 mod error_bound;
 mod evaluate;
+mod evaluated;
 mod function;
 pub(crate) mod inputs;
 pub(crate) mod kernel;
@@ -14,6 +15,7 @@ pub(crate) mod prediction;
 pub use error_bound::{ErrorBound, error_bound};
 pub use evaluate::{FIRST_ORDER_LIMIT, GroupEvaluation, Indices, evaluate, expected_deviation};
 pub(crate) use evaluate::{evaluate_for, evaluate_terms, posture_terms};
+pub use evaluated::EvaluatedGroup;
 pub use function::IndexFunction;
 pub use kinds::Index;
 pub use minimax::Smoothed;

@@ -1,7 +1,7 @@
 //! What a route is.
 
 use crate::model::cell::LimitKind;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How a route is looked for.
 #[derive(Debug, Clone, Default)]
@@ -18,7 +18,7 @@ pub struct RouteOptions {
 }
 
 /// Postures in measuring order with the moves between them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Route {
     /// For each stop the position of its posture in the plan.
@@ -59,7 +59,7 @@ pub struct Route {
 }
 
 /// One move of a route.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RouteMove {
     /// Stop it begins at; `None` is the start.
@@ -95,7 +95,7 @@ pub struct RouteMove {
 }
 
 /// What comes nearest on a move.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NearestOnTheWay {
     /// Kind of limit.

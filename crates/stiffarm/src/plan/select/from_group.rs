@@ -104,6 +104,7 @@ pub fn select_from<Q: AsRef<[f64]>>(
         given: 0,
         termination: solution.termination,
         rounds: None,
+        improvements: Vec::new(),
         starts: 1,
         evaluations: solution.evaluations,
         iterations: solution.iterations,

@@ -50,6 +50,22 @@ impl From<Setup> for DesignedLoad {
     }
 }
 
+impl DesignedLoad {
+    /// The cell with this load.
+    pub fn applied(&self, cell: &Cell) -> Cell {
+        let mut cell = cell.clone();
+        cell.setup.tool.loading_point = self.loading_point_m.into();
+        let sized = self
+            .magnitude_n
+            .and_then(|size| cell.setup.load.with_size(size));
+        cell.setup.load = sized.unwrap_or(cell.setup.load);
+        if let (Load::Rope { anchor, .. }, Some(to)) = (&mut cell.setup.load, self.anchor_m) {
+            *anchor = to.into();
+        }
+        cell
+    }
+}
+
 impl LoadDesign {
     /// True when nothing may move.
     pub fn is_empty(&self) -> bool {

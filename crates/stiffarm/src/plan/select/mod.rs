@@ -20,11 +20,11 @@ pub use crate::numerics::optimise::Options as LocalOptions;
 pub use candidates::{CandidateOptions, CandidateSelection, ForbiddenCandidate, select_candidates};
 pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use from_group::select_from;
-pub use global::{GlobalOptions, RoundReport, select, select_watched};
+pub use global::{GlobalOptions, select, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
 pub use posture_value::{Dropped, PostureValue, drop_postures, evaluations as drop_evaluations};
 pub use price::{LimitPrice, limit_prices};
-pub use selection::{Selection, repeats, smallest_margin};
+pub use selection::{RoundReport, Selection, repeats, smallest_margin};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
 };

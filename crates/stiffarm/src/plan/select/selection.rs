@@ -50,6 +50,9 @@ pub struct Selection {
     /// the same result again. `None` for a local one.
     #[serde(default)]
     pub rounds: Option<u64>,
+    /// The rounds of a global search that brought something better, in their order; empty for a local one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub improvements: Vec<RoundReport>,
     /// Number of local searches.
     pub starts: usize,
     /// Evaluations of index, limits and their derivatives.
@@ -67,6 +70,18 @@ pub struct Selection {
     /// The load, where it was chosen together with the postures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<DesignedLoad>,
+}
+
+/// How a search stands after a round.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RoundReport {
+    /// Rounds completed.
+    pub rounds: u64,
+    /// Evaluations of the index with its gradient so far.
+    pub evaluations: u64,
+    /// Best value of the index so far, before the final polish.
+    pub value: Option<f64>,
 }
 
 /// Of an evaluation, a selection's JSON holds the indices.
@@ -87,6 +102,8 @@ fn indices_alone<'de, D: Deserializer<'de>>(
         indices: Indices::deserialize(deserializer)?,
         k_jn: Vec::new(),
         singular_values: Vec::new(),
+        scaled_singular_values: Vec::new(),
+        correlation: Vec::new(),
         relative_standard_error: Vec::new(),
         expected_deviation: Vec::new(),
         undetermined_joints: Vec::new(),

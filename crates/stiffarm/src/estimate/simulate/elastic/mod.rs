@@ -109,6 +109,8 @@ pub fn simulate_elastic(
         };
         out.push(ElasticGroup {
             name: group.name.clone(),
+            posture_names: group.postures.iter().map(|p| p.name.clone()).collect(),
+            postures: group.postures.iter().map(|p| p.q.clone()).collect(),
             levels: own.zip(&options.variance_factors).map(of).collect(),
         });
     }

@@ -96,6 +96,19 @@ pub struct ElasticLevel {
 pub struct ElasticGroup {
     /// Name of the group.
     pub name: String,
+    /// Names of its postures.
+    #[serde(default)]
+    pub posture_names: Vec<String>,
+    /// Its postures, controller angles \[rad\].
+    #[serde(default, rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Its postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub postures: Vec<Vec<f64>>,
     /// Its noise levels.
     pub levels: Vec<ElasticLevel>,
 }

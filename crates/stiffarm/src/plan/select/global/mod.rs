@@ -23,7 +23,9 @@ mod plan;
 mod polish;
 mod pool;
 
-use super::selection::{Selection, check_bounds, limits_of, no_result, smallest_length};
+use super::selection::{
+    RoundReport, Selection, check_bounds, limits_of, no_result, smallest_length,
+};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
@@ -34,8 +36,8 @@ use crate::plan::index::{Index, evaluate};
 use crate::plan::random::{StartKind, random_group};
 use chain::Chain;
 use local::{Effort, Local};
+pub use options::GlobalOptions;
 use options::Schedule;
-pub use options::{GlobalOptions, RoundReport};
 use plan::Plan;
 use pool::Pool;
 use std::time::Instant;
@@ -160,6 +162,7 @@ struct Global<'a> {
     chains: Vec<Chain>,
     best: Option<Plan>,
     completed: u64,
+    improvements: Vec<RoundReport>,
 }
 
 impl<'a> Global<'a> {
@@ -180,6 +183,7 @@ impl<'a> Global<'a> {
             chains: vec![chain; CHAINS],
             best: None,
             completed: 0,
+            improvements: Vec::new(),
         })
     }
 
@@ -226,11 +230,15 @@ impl<'a> Global<'a> {
             self.gather();
             self.completed += 1;
             let now = self.best.as_ref().map(|plan| plan.value);
-            watch(&RoundReport {
+            let report = RoundReport {
                 rounds: self.completed,
                 evaluations: self.evaluations(),
                 value: now.map(|value| self.index.of_log(value)),
-            });
+            };
+            watch(&report);
+            if now != before {
+                self.improvements.push(report);
+            }
             control.report(
                 &now.map_or("searching".to_string(), |v| {
                     format!("best {} {:.6}", self.index.as_str(), self.index.of_log(v))
@@ -372,6 +380,7 @@ impl<'a> Global<'a> {
             given: given.len(),
             termination,
             rounds: Some(self.completed),
+            improvements: self.improvements,
             starts: self.chains.iter().map(|i| i.local.searches as usize).sum(),
             evaluations,
             iterations,

@@ -35,17 +35,6 @@ impl Default for GlobalOptions {
     }
 }
 
-/// How a search stands after a round.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoundReport {
-    /// Rounds completed.
-    pub rounds: u64,
-    /// Evaluations of the index with its gradient so far.
-    pub evaluations: u64,
-    /// Best value of the index so far, before the final polish.
-    pub value: Option<f64>,
-}
-
 /// Local searches of each chain and round, and how many rounds to go on.
 pub(super) struct Schedule {
     pub tries: usize,

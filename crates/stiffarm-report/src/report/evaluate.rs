@@ -1,0 +1,225 @@
+//! The page of `evaluate`: indices and expected errors of given postures.
+
+use super::context::Context;
+use super::worth::{Worth, is_beyond_first_order, joint_names, worst_joint, worth_sections};
+use crate::page::{Block, DataTable, Part, Section, Text};
+use serde::Deserialize;
+use stiffarm::Result;
+use stiffarm::findings::{list, visible};
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::index::EvaluatedGroup;
+
+/// What `evaluate` writes.
+#[derive(Deserialize)]
+struct Evaluated {
+    joints: Vec<String>,
+    groups: Vec<EvaluatedGroup>,
+}
+
+/// The part of a page for a result of `evaluate`.
+pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+    let result: Evaluated = context.saved.result()?;
+    let groups: Vec<Worth<'_>> = result
+        .groups
+        .iter()
+        .enumerate()
+        .map(|(g, group)| Worth {
+            at: format!("/groups/{g}"),
+            evaluation: &group.evaluation,
+            posture_names: &group.posture_names,
+        })
+        .collect();
+    let name = |g: usize| visible(&result.groups[g].evaluation.name).into_owned();
+    let done = match groups.len() {
+        1 => Text::new(format!(
+            "{} with {} was evaluated: what it can tell of the joint stiffness, before anything is measured.",
+            name(0),
+            counted(groups[0].evaluation.posture_count)
+        )),
+        count => Text::new(format!(
+            "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured."
+        )),
+    };
+    let best = best(&groups);
+    let came = came(context, &result, &groups, best);
+    let next = match best {
+        None => Text::new("Add postures that differ, or measuring points: ")
+            .code("stiffarm check")
+            .words(" looks for the reason, and ")
+            .code("stiffarm select")
+            .words(" chooses postures that determine every joint."),
+        Some(g) if is_beyond_first_order(groups[g].evaluation) => {
+            Text::new("That is too unsure to rely on; ")
+                .code("stiffarm select")
+                .words(" finds postures that tell more.")
+        }
+        Some(_) => Text::new("Measure it, or let ")
+            .code("stiffarm select")
+            .words(" find out how much better another plan of as many postures could be."),
+    };
+    let shown: Vec<PostureGroup> = result
+        .groups
+        .iter()
+        .filter(|group| !group.postures.is_empty())
+        .map(EvaluatedGroup::group)
+        .collect();
+    let mut sections = Vec::new();
+    if !shown.is_empty() {
+        sections.push(context.cell_section(
+            &shown,
+            "Step through the postures of a group in measuring order, and lay other groups over them.",
+        )?);
+    }
+    sections.extend(worth_sections(context, &result.joints, &groups, &[]));
+    if let Some(table) = dexterity(context, &groups) {
+        let details = Block::Details(
+            "k(J_N) of each posture".to_string(),
+            vec![Block::Table(table)],
+        );
+        sections.push(Section::new("dexterity", "Each posture", vec![details]));
+    }
+    let key = key(context, &groups);
+    let heading = match groups.len() {
+        1 => format!("What {} can tell", name(0)),
+        _ => "What groups of postures can tell".to_string(),
+    };
+    Ok(context.part(heading, [done, came, next], Some(key), sections))
+}
+
+fn counted(count: usize) -> String {
+    match count {
+        1 => "one posture".to_string(),
+        count => format!("{count} postures"),
+    }
+}
+
+/// The group with the smallest expected error, else with the smallest condition number.
+fn best(groups: &[Worth<'_>]) -> Option<usize> {
+    let by = |of: &dyn Fn(&Worth<'_>) -> Option<f64>| {
+        let known = groups.iter().enumerate();
+        let known = known.filter_map(|(g, group)| Some((g, of(group)?)));
+        known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
+    };
+    by(&|group| group.evaluation.indices.expected_error)
+        .or_else(|| by(&|group| group.evaluation.indices.condition))
+}
+
+fn came(
+    context: &Context<'_>,
+    result: &Evaluated,
+    groups: &[Worth<'_>],
+    best: Option<usize>,
+) -> Text {
+    let Some(g) = best else {
+        let joints = groups
+            .iter()
+            .flat_map(|group| &group.evaluation.undetermined_joints);
+        let mut names: Vec<String> = joints.map(|joint| visible(joint).into_owned()).collect();
+        names.dedup();
+        return match groups.len() {
+            1 => Text::new("It cannot determine ")
+                .strong(list(&names))
+                .words("."),
+            _ => Text::new("No group determines every joint."),
+        };
+    };
+    let group = &groups[g];
+    let mut text = match groups.len() {
+        1 => Text::default(),
+        _ => Text::new("Best is ")
+            .strong(visible(&group.evaluation.name).into_owned())
+            .words(": "),
+    };
+    if group.evaluation.indices.expected_error.is_none() {
+        let condition = context.number(&format!("{}/indices/condition", group.at));
+        let begin = if groups.len() == 1 { "The" } else { "the" };
+        return text
+            .words(format!(
+                "{begin} condition number of its observation matrix is "
+            ))
+            .number(condition)
+            .words("; how sure the stiffness will be is not known without a prior stiffness.");
+    }
+    let begin = if groups.len() == 1 { "The" } else { "the" };
+    let error = context.number(&format!("{}/indices/expected_error", group.at));
+    text = text
+        .words(format!(
+            "{begin} joint stiffness can be expected with a relative standard error (RMS over the joints) of "
+        ))
+        .number(error.percent().significant(3));
+    if let Some(joint) = worst_joint(group.evaluation) {
+        let names = joint_names(&result.joints, group.evaluation);
+        let below = format!("{}/relative_standard_error/{joint}", group.at);
+        text = text
+            .words(format!("; least sure is {}, to ", names[joint]))
+            .number(context.number(&below).percent().significant(3).plus_minus());
+    }
+    text.words(".")
+}
+
+/// One row per group.
+fn key(context: &Context<'_>, groups: &[Worth<'_>]) -> DataTable {
+    let mut table = DataTable::new(
+        "The groups; expected errors are relative standard errors of the joint stiffness",
+        [
+            "group",
+            "postures",
+            "expected error [%]",
+            "worst joint [%]",
+            "one posture lost [%]",
+            "cond(Ψ)",
+            "novel index",
+            "verdict",
+        ],
+    );
+    for group in groups {
+        let index = |key: &str| context.number(&format!("{}/indices/{key}", group.at));
+        let percent = |key: &str| Text::from(index(key).percent().bare().significant(3));
+        let count = context
+            .number(&format!("{}/posture_count", group.at))
+            .decimals(0);
+        let evaluation = group.evaluation;
+        let verdict = match evaluation.undetermined_joints.is_empty() {
+            false => {
+                let names = evaluation.undetermined_joints.iter();
+                let names: Vec<String> = names.map(|n| visible(n).into_owned()).collect();
+                Text::default().strong(format!("cannot determine {}", list(&names)))
+            }
+            true if is_beyond_first_order(evaluation) => {
+                Text::from("determines every joint, but too unsure")
+            }
+            true => Text::from("determines every joint"),
+        };
+        let cells = [
+            count.into(),
+            percent("expected_error"),
+            percent("worst_joint"),
+            percent("drop_one"),
+            index("condition").into(),
+            index("novel").into(),
+            verdict,
+        ];
+        table.row(visible(&evaluation.name).into_owned(), cells);
+    }
+    table
+}
+
+/// k(J_N) posture by posture; `None` without any.
+fn dexterity(context: &Context<'_>, groups: &[Worth<'_>]) -> Option<DataTable> {
+    groups
+        .iter()
+        .flat_map(|g| &g.evaluation.k_jn)
+        .flatten()
+        .next()?;
+    let mut table = DataTable::new("k(J_N), Eq. (21)", ["group", "posture", "k(J_N)"]);
+    for group in groups {
+        for p in 0..group.evaluation.k_jn.len() {
+            let cells = [
+                Text::from(super::postures::name_of(group.posture_names, p)),
+                context.number(&format!("{}/k_jn/{p}", group.at)).into(),
+            ];
+            table.row(visible(&group.evaluation.name).into_owned(), cells);
+        }
+    }
+    Some(table)
+}

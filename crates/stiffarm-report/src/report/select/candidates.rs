@@ -1,0 +1,112 @@
+//! `--candidates`: the best postures out of a list.
+
+use super::super::context::Context;
+use super::super::postures::{name_of, posture_table};
+use super::super::worth::{Worth, index_number, index_says, worth_sections};
+use crate::page::{Block, DataTable, Part, Section, Text};
+use serde::Deserialize;
+use stiffarm::Result;
+use stiffarm::findings::visible;
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::select::CandidateSelection;
+use stiffarm::units::deg_to_rad;
+
+/// What `select --candidates` writes.
+#[derive(Deserialize)]
+struct Chosen {
+    #[serde(flatten)]
+    selection: CandidateSelection,
+    #[serde(default)]
+    joints: Vec<String>,
+    candidate_names: Vec<String>,
+    #[serde(default)]
+    measured_wrenches: bool,
+    postures_deg: Vec<Vec<f64>>,
+    posture_names: Vec<String>,
+}
+
+/// The part of a page for postures out of a list.
+pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+    let mut chosen: Chosen = context.saved.result()?;
+    chosen.selection.evaluation.name = "chosen postures".to_string();
+    let found = &chosen.selection;
+    let index = found.index;
+    let count = chosen.posture_names.len();
+    let wrenches = match chosen.measured_wrenches {
+        true => ", each under its measured wrench",
+        false => "",
+    };
+    let done = Text::new(format!(
+        "Of {} candidates the best {count} were chosen{wrenches}.",
+        chosen.candidate_names.len()
+    ));
+    let mut came = Text::new(index_says(index))
+        .number(index_number(context, index, "/value"))
+        .words(".");
+    if found.exact {
+        came = came.words(" No other choice of as many candidates is better.");
+    } else if found.bound.is_some() {
+        let side = if index.larger_is_better() {
+            "above"
+        } else {
+            "below"
+        };
+        came = came
+            .words(format!(" No choice of as many candidates can be {side} "))
+            .number(index_number(context, index, "/bound"))
+            .words(": this one reaches ")
+            .number(context.number("/efficiency").percent().decimals(1))
+            .words(" of what is possible.");
+    }
+    let next = match chosen.measured_wrenches {
+        true => Text::new(
+            "These are measured already: identify with them alone and compare, or plan more with ",
+        )
+        .code("stiffarm select --given")
+        .words("."),
+        false => Text::new("Write the sheet for the readings (")
+            .code("--sheet measurements.xlsx")
+            .words(") and measure; ")
+            .code("stiffarm select")
+            .words(" without a list finds postures of its own to compare with."),
+    };
+    let key = posture_table(
+        context,
+        "The chosen postures, controller angles",
+        &chosen.posture_names,
+        ("/postures_deg", &chosen.postures_deg),
+        &[],
+    );
+    let angles = chosen.postures_deg.iter();
+    let angles = angles.map(|q| q.iter().copied().map(deg_to_rad).collect());
+    let group = PostureGroup::named("chosen postures", &chosen.posture_names, angles);
+    let mut sections = vec![context.cell_section(
+        &[group],
+        "Step through the chosen postures in the order of the list.",
+    )?];
+    let worth = Worth {
+        at: "/evaluation".to_string(),
+        evaluation: &found.evaluation,
+        posture_names: &chosen.posture_names,
+    };
+    sections.extend(worth_sections(context, &chosen.joints, &[worth], &[]));
+    if !found.forbidden.is_empty() {
+        let mut table = DataTable::new(
+            "Candidates that bounds or limits of the cell forbid",
+            ["candidate", "why"],
+        );
+        for own in &found.forbidden {
+            let name = name_of(&chosen.candidate_names, own.candidate);
+            table.row(name, [Text::from(visible(&own.because).into_owned())]);
+        }
+        let blocks = vec![Block::Table(table)];
+        sections.push(Section::new("forbidden", "Left out", blocks));
+    }
+    let verdict = [done, came, next];
+    Ok(context.part(
+        "The best of a list".to_string(),
+        verdict,
+        Some(key),
+        sections,
+    ))
+}

@@ -1,0 +1,181 @@
+//! The story of a plan in three sentences.
+
+use super::super::context::Context;
+use super::super::worth::{
+    index_number, index_says, is_beyond_first_order, joint_names, worst_joint,
+};
+use super::plan::Plan;
+use crate::page::Text;
+use stiffarm::Termination;
+use stiffarm::findings::Severity;
+use stiffarm::plan::index::Index;
+
+/// Below this share of what is possible a longer search is worth its time.
+const WORTH_SEARCHING: f64 = 0.9;
+
+/// What was done, what came out, what to do next.
+pub(super) fn verdict(context: &Context<'_>, plan: &Plan) -> [Text; 3] {
+    [
+        done(context, plan),
+        came(context, plan),
+        next(context, plan),
+    ]
+}
+
+fn counted(count: usize) -> String {
+    match count {
+        1 => "One posture".to_string(),
+        count => format!("{count} postures"),
+    }
+}
+
+fn done(context: &Context<'_>, plan: &Plan) -> Text {
+    let count = plan.selection.group.len();
+    let were = if count == 1 { "was" } else { "were" };
+    let from = context.saved.text("/options/mode") == Some("from");
+    if from {
+        return Text::new(format!(
+            "The initial group of {count} {} was improved, as in the paper, by a local search inside the cell's limits.",
+            if count == 1 { "posture" } else { "postures" }
+        ));
+    }
+    let beside = match plan.given_names.len() {
+        0 => String::new(),
+        1 => " beside one given posture".to_string(),
+        given => format!(" beside {given} given ones"),
+    };
+    let searches = match plan.selection.rounds {
+        Some(rounds) if rounds != 1 => {
+            format!(
+                "{} local searches in {rounds} rounds",
+                plan.selection.starts
+            )
+        }
+        _ => format!("{} local searches", plan.selection.starts),
+    };
+    let ended = match plan.selection.termination {
+        Termination::Converged => ", until nothing improved any more",
+        Termination::Interrupted => ", which were interrupted",
+        Termination::TimeLimit => ", until the time was over",
+        _ => "",
+    };
+    Text::new(format!(
+        "{}{beside} {were} chosen inside the cell's limits by {searches}{ended}.",
+        counted(count)
+    ))
+}
+
+fn came(context: &Context<'_>, plan: &Plan) -> Text {
+    let index = plan.selection.index;
+    let mut text = Text::new(index_says(index)).number(index_number(context, index, "/value"));
+    let known = plan.before.as_ref();
+    if let Some(before) = known {
+        let name = match plan.given_names.is_empty() {
+            true => "the initial group",
+            false => "the given postures alone",
+        };
+        text = match before.evaluation.indices.get(index) {
+            Some(_) => {
+                let below = format!("/before/indices/{}", index.as_str());
+                text.words(", against ")
+                    .number(index_number(context, index, &below))
+                    .words(format!(" with {name}"))
+            }
+            None => text.words(format!("; {name} cannot determine every joint")),
+        };
+    }
+    text = text.words(".");
+    if let Some(found) = &plan.certificate
+        && found.efficiency.is_some()
+    {
+        let further = if found.measured_count > 0 {
+            " further"
+        } else {
+            ""
+        };
+        text = text
+            .words(format!(
+                " No plan of as many{further} postures can be below "
+            ))
+            .number(index_number(context, index, "/certificate/bound"))
+            .words(": this one reaches ")
+            .number(
+                context
+                    .number("/certificate/efficiency")
+                    .percent()
+                    .decimals(1),
+            )
+            .words(" of what is possible.");
+    }
+    let evaluation = plan.evaluation.as_ref();
+    let worst = evaluation.and_then(|e| Some((worst_joint(e)?, joint_names(&plan.joints, e))));
+    if let Some((joint, names)) = worst
+        && index != Index::WorstJoint
+    {
+        let below = format!("/evaluation/relative_standard_error/{joint}");
+        let error = context.number(&below).percent().significant(3).plus_minus();
+        text = text
+            .words(format!(" Least sure is {}, to ", names[joint]))
+            .number(error)
+            .words(".");
+    }
+    text
+}
+
+/// What to do depends on what is worst about the plan.
+fn next(context: &Context<'_>, plan: &Plan) -> Text {
+    let serious = context.saved.findings();
+    let is_blocked = serious
+        .iter()
+        .any(|f| f.code == "move-blocked" && f.severity == Severity::Serious);
+    if is_blocked {
+        return Text::new(
+            "Teach a way of your own for the moves that are not free, listed below, before driving; then measure.",
+        );
+    }
+    if plan.selection.load.is_some() {
+        return Text::new(
+            "Rig the load as listed below and put it into the cell file first: the plan holds for it alone. Then measure.",
+        );
+    }
+    if plan.evaluation.as_ref().is_some_and(is_beyond_first_order) {
+        return Text::new("That is too unsure to rely on: add postures (")
+            .code("--postures")
+            .words(") or measuring points, pull harder or elsewhere, and look at what each limit costs (")
+            .code("--prices")
+            .words(").");
+    }
+    let efficiency = plan.certificate.as_ref().and_then(|found| found.efficiency);
+    let is_loose = efficiency.is_some_and(|share| share < WORTH_SEARCHING);
+    let is_short = !matches!(plan.selection.termination, Termination::Converged);
+    if is_loose && is_short && plan.selection.rounds.is_some() {
+        return Text::new("A longer search may find a better plan: give more ")
+            .code("--rounds")
+            .words(", or leave them out; or measure with this one.");
+    }
+    let mut text = match context.saved.arguments.iter().any(|word| word == "--sheet") {
+        true => Text::new("Drive to the postures in this order, fill in the sheet, and let "),
+        false => Text::new("Write the sheet for the readings (")
+            .code("--sheet measurements.xlsx")
+            .words("), drive to the postures in this order, and let "),
+    };
+    text = text.code("stiffarm identify").words(" give the stiffness.");
+    if !plan.repeats.is_empty() {
+        let each: Vec<String> = plan
+            .repeats
+            .iter()
+            .map(|same| {
+                let names: Vec<String> = same
+                    .iter()
+                    .map(|n| stiffarm::findings::visible(n).into_owned())
+                    .collect();
+                stiffarm::findings::list(&names)
+            })
+            .collect();
+        text = text.words(format!(
+            " Postures {} are the same on purpose: measured again, they tell more than another one; drive away in between.",
+            each.join("; ")
+        ));
+    }
+    text
+}

@@ -1,0 +1,101 @@
+//! The page of `zones`: where dexterity is high and K_C matters little.
+
+use super::context::Context;
+use crate::page::{Block, DataTable, Part, Section, Text};
+use crate::zones::zones_figure;
+use stiffarm::Result;
+use stiffarm::findings::visible;
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::zones::Zones;
+
+/// The part of a page for a result of `zones`.
+pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+    let mut zones: Zones = context.saved.result()?;
+    for joint in &mut zones.joints {
+        *joint = visible(joint).into_owned();
+    }
+    let [horizontal, vertical] = &zones.joints;
+    let done = Text::new(format!(
+        "Dexterity and the influence of K_C were mapped at {} postures over {horizontal} and {vertical}, the other joints held; ",
+        zones.postures
+    ))
+    .number(context.number("/within_limits").decimals(0))
+    .words(" of them meet the limits of the cell.");
+    let angle = |below: &str| context.number(below).decimals(0);
+    let came = match &zones.best {
+        Some(_) => Text::new(format!("The best zone is {horizontal} from "))
+            .number(angle("/best/q2_deg/0").unit("°"))
+            .words(" to ")
+            .number(angle("/best/q2_deg/1").unit("°"))
+            .words(format!(" and {vertical} from "))
+            .number(angle("/best/q3_deg/0").unit("°"))
+            .words(" to ")
+            .number(angle("/best/q3_deg/1").unit("°"))
+            .words(": dexterity 1/k(J_N) up to ")
+            .number(context.number("/best/inverse_condition").significant(3))
+            .words(", K_C changes the translation by ")
+            .number(
+                context
+                    .number("/best/translation_deviation")
+                    .percent()
+                    .significant(2),
+            )
+            .words(" there."),
+        None => Text::new("No posture of the map is both dexterous and little touched by K_C."),
+    };
+    let next = match &zones.best {
+        Some(_) => Text::new("Place measuring postures there, as Dumas et al. do, or let ")
+            .code("stiffarm select")
+            .words(" weigh what they tell of the stiffness itself."),
+        None => Text::new("Hold the other joints elsewhere (")
+            .code("--q-deg")
+            .words("), widen the limits, or choose postures with ")
+            .code("stiffarm select")
+            .words("."),
+    };
+    let mut key = DataTable::new(
+        "Range over the map, and the most dexterous posture of the best zone",
+        ["quantity", "smallest", "median", "largest", "best posture"],
+    );
+    let rows = [
+        (
+            "dexterity 1/k(J_N)",
+            "inverse_condition_range",
+            "inverse_condition",
+            1.0,
+        ),
+        (
+            "translation with against without K_C [%]",
+            "translation_range",
+            "translation_deviation",
+            100.0,
+        ),
+        (
+            "rotation with against without K_C [%]",
+            "rotation_range",
+            "rotation_deviation",
+            100.0,
+        ),
+    ];
+    for (name, range, best, factor) in rows {
+        let of = |below: String| {
+            let number = context.number(&below).times(factor);
+            Text::from(number.significant(3))
+        };
+        let ends = ["smallest", "median", "largest"].map(|end| of(format!("/{range}/{end}")));
+        let best = of(format!("/best/{best}"));
+        key.row(name, ends.into_iter().chain([best]));
+    }
+    let mut sections = Vec::new();
+    if let Some(best) = &zones.best {
+        let group = PostureGroup::from_angles("best posture", [best.best_q.clone()]);
+        sections.push(context.cell_section(
+            &[group],
+            "The cell at the most dexterous posture of the best zone.",
+        )?);
+    }
+    let map = Block::Figure(zones_figure(&zones));
+    sections.insert(0, Section::new("zones", "The maps", vec![map]));
+    let heading = "Zones for stiffness identification".to_string();
+    Ok(context.part(heading, [done, came, next], Some(key), sections))
+}

@@ -1,0 +1,53 @@
+//! How a search came to its plan.
+
+use super::{IndexUnit, index_name};
+use crate::figure::{Axis, Figure, Panel, Series, Style};
+use stiffarm::plan::select::Selection;
+
+/// The best value after each round of a global search, with the plan's own and what no plan goes below; `None` for a
+/// search without rounds.
+pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<Figure> {
+    let index = selection.index;
+    let IndexUnit { factor, unit } = IndexUnit::of(index);
+    let rounds = selection.rounds.filter(|rounds| *rounds > 0)? as f64;
+    let found: Vec<(f64, f64)> = selection
+        .improvements
+        .iter()
+        .filter_map(|report| Some((report.rounds as f64, factor * report.value?)))
+        .collect();
+    let (first, last) = (found.first()?, found.last()?);
+    // A value holds until a better one is found.
+    let mut steps = vec![*first];
+    for pair in found.windows(2) {
+        steps.extend([(pair[1].0, pair[0].1), pair[1]]);
+    }
+    steps.push((rounds, last.1));
+    let line = |label: &str, style, points: &[(f64, f64)]| {
+        let (x, y) = points.iter().copied().unzip();
+        Series::new(label, style, x, y)
+    };
+    let across = |value: f64| [(1.0, factor * value), (rounds, factor * value)];
+    let mut series = vec![
+        line("best so far", Style::Curve, &steps),
+        line("better plan found", Style::Points, &found),
+        line("the plan", Style::Dashed, &across(selection.value)),
+    ];
+    if let Some(bound) = bound {
+        series.push(line("no plan goes below", Style::Outline, &across(bound)));
+    }
+    Some(Figure {
+        id: "convergence".into(),
+        title: "How the search converged".into(),
+        caption: "Best value of the index after each round of local searches. The plan itself is searched to the end once more, \
+                  and its angles are rounded. A line that is level for long says that more rounds would hardly help."
+            .into(),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::linear("round", ""),
+            y: Axis::linear(index_name(index), unit),
+            series,
+            equal_aspect: false,
+        }],
+    })
+}

@@ -1,0 +1,98 @@
+//! What limits, postures and wrong assumptions cost a plan.
+
+use super::places;
+use crate::figure::{Axis, Figure, Panel, Series, Style};
+use stiffarm::plan::select::{LimitPrice, PostureValue, Sensitivity};
+
+/// How much each kind of limit worsens the index, the dearest first.
+pub fn price_figure(prices: &[LimitPrice]) -> Figure {
+    let y = prices.iter().map(|price| 100.0 * price.price).collect();
+    let names = prices.iter().map(|price| price.kind.describe());
+    bars(
+        "prices",
+        "What each limit costs",
+        "How much worse the index is with the limit than in the best plan found without it. Each bar is a search of its own: a \
+         few tenths of a per cent may be its luck.",
+        ("", names.map(String::from).collect()),
+        "cost",
+        vec![("cost of the limit", y)],
+    )
+}
+
+/// How much worse the index becomes without each posture, the least first.
+pub fn worth_figure(values: &[PostureValue], names: &[String]) -> Figure {
+    let name = |value: &PostureValue| names.get(value.posture).cloned().unwrap_or_default();
+    let y = values
+        .iter()
+        .map(|v| v.loss.map_or(f64::NAN, |l| 100.0 * l));
+    bars(
+        "worth",
+        "What each posture is worth",
+        "How much worse the index becomes without one posture. No bar: without it a joint is undetermined.",
+        ("posture", values.iter().map(name).collect()),
+        "loss",
+        vec![("loss without the posture", y.collect())],
+    )
+}
+
+/// How much better another plan would be if one joint's stiffness were another; `None` where the index has no prior.
+pub fn sensitivity_figure(found: &Sensitivity) -> Option<Figure> {
+    let mut joints: Vec<String> = Vec::new();
+    let mut factors: Vec<f64> = Vec::new();
+    for case in &found.priors {
+        if !joints.contains(&case.joint) {
+            joints.push(case.joint.clone());
+        }
+        if !factors.contains(&case.factor) {
+            factors.push(case.factor);
+        }
+    }
+    if joints.is_empty() {
+        return None;
+    }
+    let labels: Vec<String> = factors.iter().map(|f| format!("prior × {f}")).collect();
+    let series = factors.iter().zip(&labels).map(|(factor, label)| {
+        let loss = |joint: &String| {
+            let mut cases = found.priors.iter();
+            let case = cases.find(|c| c.joint == *joint && c.factor == *factor);
+            case.and_then(|case| case.loss)
+                .map_or(f64::NAN, |l| 100.0 * l)
+        };
+        (label.as_str(), joints.iter().map(loss).collect())
+    });
+    let series = series.collect();
+    Some(bars(
+        "sensitivity",
+        "What a wrong prior stiffness costs",
+        "How much better a plan made for the changed prior stiffness of one joint would be. Below 5 % the plan stands.",
+        ("", joints.clone()),
+        "loss",
+        series,
+    ))
+}
+
+/// Bars \[%\] by name.
+fn bars(
+    id: &str,
+    title: &str,
+    caption: &str,
+    (label, names): (&str, Vec<String>),
+    y: &str,
+    series: Vec<(&str, Vec<f64>)>,
+) -> Figure {
+    let series = series.into_iter();
+    let series = series.map(|(label, y)| Series::new(label, Style::Bars, places(y.len()), y));
+    Figure {
+        id: id.into(),
+        title: title.into(),
+        caption: caption.into(),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical(label, names),
+            y: Axis::linear(y, "%").from_zero(),
+            series: series.collect(),
+            equal_aspect: false,
+        }],
+    }
+}

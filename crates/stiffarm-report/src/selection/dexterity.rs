@@ -1,0 +1,56 @@
+//! The parts of the paper's novel index.
+
+use super::places;
+use crate::figure::{Axis, Figure, Panel, Series, Style};
+use stiffarm::plan::index::GroupEvaluation;
+
+/// k(J_N) of each posture, and max k(J_N), cond(Ψ) and their product, for each group; `None` where no group has a
+/// k(J_N).
+pub fn dexterity_figure(groups: &[(&GroupEvaluation, &[String])]) -> Option<Figure> {
+    let known = groups.iter().flat_map(|(g, _)| &g.k_jn).flatten().count();
+    let longest = groups.iter().max_by_key(|(g, _)| g.k_jn.len())?;
+    if known == 0 {
+        return None;
+    }
+    let count = longest.0.k_jn.len();
+    // Names say nothing where groups name their postures differently.
+    let own = |names: &[String]| names.iter().zip(longest.1).all(|(a, b)| a == b);
+    let same = longest.1.len() == count && groups.iter().all(|(_, names)| own(names));
+    let names: Vec<String> = match same {
+        true => longest.1.to_vec(),
+        false => (1..=count).map(|i| i.to_string()).collect(),
+    };
+    let each = groups.iter().map(|(group, _)| {
+        let y: Vec<f64> = group.k_jn.iter().map(|k| k.unwrap_or(f64::NAN)).collect();
+        Series::new(&group.name, Style::Bars, places(y.len()), y)
+    });
+    let parts = groups.iter().map(|(group, _)| {
+        let of = &group.indices;
+        let y = [of.classical, of.condition, of.novel].map(|v| v.unwrap_or(f64::NAN));
+        Series::new(&group.name, Style::Bars, places(3), y.to_vec())
+    });
+    Some(Figure {
+        id: "novel-index".into(),
+        title: "The paper's novel index and its parts".into(),
+        caption: "Left: k(J_N) of each posture; the largest is the classical index. Right: that times cond(Ψ) is the novel \
+                  index. The lower, the better; a posture with a large k(J_N) is close to a singularity."
+            .into(),
+        columns: 2,
+        panels: vec![
+            Panel {
+                title: "each posture".into(),
+                x: Axis::categorical("posture", names),
+                y: Axis::log("k(J_N)", ""),
+                series: each.collect(),
+                equal_aspect: false,
+            },
+            Panel {
+                title: "the group".into(),
+                x: Axis::categorical("", ["max k(J_N)", "cond(Ψ)", "novel"]),
+                y: Axis::log("index", ""),
+                series: parts.collect(),
+                equal_aspect: false,
+            },
+        ],
+    })
+}

@@ -1,0 +1,85 @@
+//! Pages of `evaluate`, `simulate` and `zones`.
+
+use super::{figures, html, page, saved, story};
+use serde_json::json;
+use stiffarm::Control;
+use stiffarm::estimate::simulate::{SimulationOptions, simulate};
+use stiffarm::files::builtin;
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::index::EvaluatedGroup;
+use stiffarm::plan::zones::{ZoneOptions, zones};
+
+#[test]
+fn groups_are_compared_and_the_best_is_named() {
+    let cell = with_characteristic_length(builtin::cell("comau").unwrap()).unwrap();
+    let first = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let all = EvaluatedGroup::new(&cell, "all", &first).unwrap();
+    let few = EvaluatedGroup::new(&cell, "few", &first[..3]).unwrap();
+    let value =
+        json!({"joints": cell.setup.robot.spring_names(), "groups": [few, all], "findings": []});
+    let shown = page(&saved("evaluate", None, &value), Some(&cell));
+    let [_, came, _] = story(&shown);
+    assert!(came.starts_with("Best is all:"), "{came}");
+    let pictures = figures(&shown);
+    assert!(
+        pictures.contains(&"novel-index".to_string()),
+        "{pictures:?}"
+    );
+    let text = html(&shown);
+    assert!(text.contains("data-path=\"/result/groups/1/indices/expected_error\""));
+}
+
+#[test]
+fn a_group_that_leaves_a_joint_undetermined_says_so() {
+    let mut cell = builtin::cell("comau").unwrap();
+    cell.setup.tool.measuring_points.truncate(1);
+    let first = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let one = EvaluatedGroup::new(&cell, "one", &first[..1]).unwrap();
+    let joints = one.evaluation.undetermined_joints.clone();
+    assert!(!joints.is_empty());
+    let value = json!({"joints": cell.setup.robot.spring_names(), "groups": [one], "findings": []});
+    let shown = page(&saved("evaluate", None, &value), None);
+    let [_, came, next] = story(&shown);
+    assert!(came.contains(&joints[0]), "{came}");
+    assert!(next.contains("stiffarm check"), "{next}");
+}
+
+#[test]
+fn simulated_groups_are_shown_in_the_cell_and_against_noise() {
+    let cell = builtin::cell("comau").unwrap();
+    let group = PostureGroup {
+        name: "Group 1".to_string(),
+        postures: builtin::postures("comau-group1", &cell.setup.robot).unwrap(),
+    };
+    let mut options = SimulationOptions::default();
+    options.variance_factors = vec![0.5, 1.0];
+    options.runs = 30;
+    let found = simulate(&cell, &[group], &options, Control::default()).unwrap();
+    let value = serde_json::to_value(&found).unwrap();
+    assert_eq!(
+        value["groups"][0]["postures_deg"].as_array().unwrap().len(),
+        6
+    );
+    let shown = page(&saved("simulate", None, &value), Some(&cell));
+    let [done, came, _] = story(&shown);
+    assert!(done.starts_with("30 identifications"), "{done}");
+    assert!(came.contains("at the cell's own noise"), "{came}");
+    assert_eq!(figures(&shown), ["deviation-by-noise"]);
+    assert!(html(&shown).contains("<div class=\"scene\""));
+}
+
+#[test]
+fn zones_say_where_to_measure() {
+    let cell = with_characteristic_length(builtin::cell("comau").unwrap()).unwrap();
+    let mut options = ZoneOptions::default();
+    options.steps = 15;
+    let maps = zones(&cell, &options, Control::default()).unwrap();
+    let best = maps.best.clone();
+    let value = serde_json::to_value(&maps).unwrap();
+    let shown = page(&saved("zones", None, &value), Some(&cell));
+    let [_, came, _] = story(&shown);
+    assert_eq!(came.starts_with("The best zone"), best.is_some(), "{came}");
+    assert_eq!(figures(&shown), ["zones"]);
+    html(&shown);
+}

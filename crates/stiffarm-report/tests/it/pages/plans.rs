@@ -1,0 +1,215 @@
+//! Pages of `select`.
+
+use super::{figures, html, page, saved, story};
+use serde_json::{Value, json};
+use stiffarm::Control;
+use stiffarm::files::builtin;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::certificate::{CertificateOptions, certify};
+use stiffarm::plan::index::{EvaluatedGroup, Index, evaluate};
+use stiffarm::plan::route::{RouteOptions, route};
+use stiffarm::plan::select::{
+    GlobalOptions, LocalOptions, Selection, drop_postures, select, select_from,
+};
+
+const HOSTILE: &str = "</script><img onerror=alert(1)>\u{1b}[31m=cmd|x";
+
+/// A selection as `select` writes it, with what goes with it.
+fn result(cell: &Cell, selection: &Selection, more: Value) -> Value {
+    let mut value = serde_json::to_value(selection).unwrap();
+    let evaluation = evaluate(cell, "selected", &selection.group).unwrap();
+    let count = selection.group.len();
+    let names: Vec<String> = (1..=count).map(|i| i.to_string()).collect();
+    let mut options = RouteOptions::default();
+    options.keep_order = true;
+    options.keep_angles = true;
+    let route = route(cell, &selection.group, &options, Control::default()).unwrap();
+    let with = json!({
+        "posture_names": names, "joints": cell.setup.robot.spring_names(), "evaluation": evaluation,
+        "repeats": [], "given_names": [], "route": route, "findings": [],
+    });
+    let all = with
+        .as_object()
+        .unwrap()
+        .iter()
+        .chain(more.as_object().unwrap());
+    for (key, one) in all {
+        value[key] = one.clone();
+    }
+    value
+}
+
+fn plan(cell: &Cell, index: Index, rounds: u64) -> Selection {
+    let mut options = GlobalOptions::default();
+    options.rounds = Some(rounds);
+    select(cell, index, 4, &options, Control::default()).unwrap()
+}
+
+#[test]
+fn a_plan_says_how_good_it_is_and_shows_why() {
+    let cell = builtin::cell("comau").unwrap();
+    let selection = plan(&cell, Index::ExpectedError, 3);
+    assert!(!selection.improvements.is_empty());
+    let mut options = CertificateOptions::default();
+    options.samples = 32;
+    let index = selection.index;
+    let bound = certify(&cell, index, &selection.group, &options, Control::default()).unwrap();
+    let value = result(&cell, &selection, json!({"certificate": bound}));
+    let file = saved("select", Some("global"), &value);
+    let shown = page(&file, Some(&cell));
+    let [done, came, next] = story(&shown);
+    assert!(done.starts_with("4 postures were chosen"), "{done}");
+    assert!(came.contains("of what is possible"), "{came}");
+    assert!(next.contains("--sheet measurements.xlsx"), "{next}");
+    let key = shown.parts[0].key.as_ref().unwrap();
+    assert_eq!(key.rows.len(), 4);
+    assert!(key.headings.contains(&"least room [mm]".to_string()));
+    let pictures = figures(&shown);
+    for wanted in [
+        "expected-deviation",
+        "convergence",
+        "singular-values",
+        "correlation",
+    ] {
+        assert!(
+            pictures.iter().any(|id| id == wanted),
+            "{wanted}: {pictures:?}"
+        );
+    }
+    let text = html(&shown);
+    assert!(text.contains("<div class=\"scene\""));
+    // Without the cell only its pictures are missing.
+    let without = page(&file, None);
+    assert_eq!(figures(&without), pictures);
+    assert!(!html(&without).contains("<div class=\"scene\""));
+}
+
+#[test]
+fn a_move_that_is_not_free_comes_before_everything_else() {
+    let cell = builtin::cell("comau").unwrap();
+    let selection = plan(&cell, Index::ExpectedError, 1);
+    let finding = json!({"code": "move-blocked", "severity": "serious", "subject": "move 1 to 2",
+        "sentence": "The way is not free."});
+    let value = result(&cell, &selection, json!({"findings": [finding]}));
+    let shown = page(&saved("select", Some("global"), &value), None);
+    let [_, _, next] = story(&shown);
+    assert!(next.starts_with("Teach a way of your own"), "{next}");
+    assert_eq!(shown.parts[0].warnings.len(), 1);
+}
+
+#[test]
+fn a_plan_from_an_initial_group_is_compared_with_it() {
+    let cell = builtin::cell("comau").unwrap();
+    let first = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let mut options = LocalOptions::default();
+    options.max_iterations = 20;
+    let index = Index::ExpectedError;
+    let selection = select_from(&cell, index, &first, options, Control::default()).unwrap();
+    let before = EvaluatedGroup::new(&cell, "initial", &first).unwrap();
+    let value = result(&cell, &selection, json!({"before": before}));
+    let shown = page(&saved("select", Some("from"), &value), Some(&cell));
+    let [done, came, _] = story(&shown);
+    assert!(done.contains("local search"), "{done}");
+    assert!(
+        came.contains("against") && came.contains("with the initial group"),
+        "{came}"
+    );
+    assert!(!figures(&shown).contains(&"convergence".to_string()));
+}
+
+#[test]
+fn a_plan_that_is_too_unsure_says_so() {
+    let mut cell = builtin::cell("comau").unwrap();
+    let selection = plan(&cell, Index::ExpectedError, 1);
+    cell.noise.reading_variance *= 1e5;
+    let value = result(&cell, &selection, json!({}));
+    let [_, _, next] = story(&page(&saved("select", Some("global"), &value), None));
+    assert!(next.starts_with("That is too unsure"), "{next}");
+}
+
+#[test]
+fn a_cell_without_prior_stiffness_has_a_page() {
+    let mut cell = builtin::cell("comau").unwrap();
+    cell.prior = None;
+    let selection = plan(&cell, Index::Condition, 1);
+    let value = result(&cell, &selection, json!({}));
+    let shown = page(&saved("select", Some("global"), &value), Some(&cell));
+    let [_, came, _] = story(&shown);
+    assert!(came.contains("condition number"), "{came}");
+    let pictures = figures(&shown);
+    assert!(!pictures.contains(&"expected-deviation".to_string()));
+    assert!(pictures.contains(&"singular-values".to_string()));
+}
+
+#[test]
+fn hostile_names_stay_text() {
+    let cell = builtin::cell("comau").unwrap();
+    let selection = plan(&cell, Index::ExpectedError, 1);
+    let names = [HOSTILE; 4];
+    let joints = [HOSTILE; 6];
+    let finding =
+        json!({"code": "x", "severity": "caution", "subject": HOSTILE, "sentence": HOSTILE});
+    let more = json!({"posture_names": names, "joints": joints, "repeats": [names], "findings": [finding]});
+    let value = result(&cell, &selection, more);
+    let text = html(&page(&saved("select", Some("global"), &value), Some(&cell)));
+    assert!(!text.contains("<img onerror"));
+    assert!(!text.contains('\u{1b}'));
+}
+
+#[test]
+fn postures_left_out_are_named_with_their_loss() {
+    let cell = builtin::cell("comau").unwrap();
+    let first = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let index = Index::ExpectedError;
+    let dropped = drop_postures(&cell, index, &first, 1, Control::default()).unwrap();
+    let mut value = serde_json::to_value(&dropped).unwrap();
+    let group = PostureGroup {
+        name: "given".to_string(),
+        postures: first,
+    };
+    let names: Vec<&str> = group.postures.iter().map(|p| p.name.as_str()).collect();
+    let degrees = |q: &Vec<f64>| q.iter().map(|q| q.to_degrees()).collect::<Vec<f64>>();
+    let angles: Vec<Vec<f64>> = group.postures.iter().map(|p| degrees(&p.q)).collect();
+    value["posture_names"] = json!(names);
+    value["postures_deg"] = json!(angles);
+    let shown = page(&saved("select", Some("drop"), &value), Some(&cell));
+    let [done, came, _] = story(&shown);
+    assert!(done.contains("every way"), "{done}");
+    let left = &group.postures[dropped.dropped[0]].name;
+    assert!(came.contains(&format!("without {left}, against")), "{came}");
+    let rows = &shown.parts[0].key.as_ref().unwrap().rows;
+    let out = rows
+        .iter()
+        .filter(|row| row[3].plain() == "leave out")
+        .count();
+    assert_eq!(out, 1);
+}
+
+#[test]
+fn a_curve_says_how_many_postures_are_enough() {
+    let size = |postures: usize, value: Option<f64>, gain: Option<f64>| {
+        json!({"postures": postures, "value": value, "expected_error": value, "rounds": 1,
+               "evaluations": 1, "gain": gain, "bound": 0.01, "efficiency": null})
+    };
+    let sizes = [
+        size(1, None, None),
+        size(2, Some(0.08), Some(0.5)),
+        size(3, Some(0.04), Some(0.25)),
+        size(4, Some(0.03), Some(0.05)),
+        size(5, Some(0.0285), None),
+    ];
+    let value = json!({"index": "expected_error", "sizes": sizes, "certificate_missing": null,
+                       "findings": []});
+    let shown = page(&saved("select", Some("curve"), &value), None);
+    let [_, came, next] = story(&shown);
+    assert!(
+        came.contains("with 2 postures") && came.contains("with 5 postures"),
+        "{came}"
+    );
+    assert!(
+        next.contains("Beyond 4 postures") && next.contains("--postures 4"),
+        "{next}"
+    );
+    assert_eq!(figures(&shown), ["count"]);
+}
