@@ -13,6 +13,8 @@
 
 mod cell;
 pub mod figure;
+#[cfg(feature = "page")]
+pub mod identified;
 mod map;
 #[cfg(feature = "page")]
 pub mod page;

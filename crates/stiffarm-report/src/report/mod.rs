@@ -4,6 +4,7 @@
 //! the pictures of the cell are missing. The command that made a result and `stiffarm report` build the same page.
 
 mod context;
+mod identify;
 mod predict;
 mod study;
 mod tables;
@@ -15,7 +16,7 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 2] = ["predict", "study"];
+pub const COMMANDS: [&str; 3] = ["identify", "predict", "study"];
 
 /// The page of saved results, in their order.
 ///
@@ -44,6 +45,7 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
 
 fn part(context: &Context<'_>) -> Result<Part> {
     match context.saved.command.as_str() {
+        "identify" => identify::part(context),
         "predict" => predict::part(context),
         "study" => study::part(context),
         other => {
