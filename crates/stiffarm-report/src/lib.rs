@@ -25,6 +25,8 @@ mod plan_page;
 pub mod report;
 pub mod scene;
 pub mod study;
+#[cfg(feature = "page")]
+pub mod validated;
 mod zones;
 
 pub use cell::{Full, cell_drawing, usual_posture};

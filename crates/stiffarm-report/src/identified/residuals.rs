@@ -61,8 +61,8 @@ pub fn residual_figure(found: &Identification) -> Figure {
         all.push(Series::new(
             label,
             Style::Dashed,
-            vec![-0.5, last, last, -0.5, -0.5],
-            vec![band, band, -band, -band, band],
+            vec![-0.5, last, f64::NAN, -0.5, last],
+            vec![band, band, f64::NAN, -band, -band],
         ));
     }
     let rms = found.points.iter().map(|p| 1e3 * p.residual_rms_m);
@@ -80,17 +80,17 @@ pub fn residual_figure(found: &Identification) -> Figure {
             vec![1e3 * found.expected_std_m; 2],
         ));
     }
-    Figure {
+    let mut figure = Figure {
         id: "residuals".into(),
         title: "Residuals against noise".into(),
-        caption: "Top: what the fit leaves of each displacement component, posture by posture, with the band that holds 95 of \
+        caption: "What the fit leaves of each displacement component, posture by posture, with the band that holds 95 of \
                   100 where noise is all there is. A posture outside, or points of one posture that lie together away from \
-                  zero, show an error of that posture or of the model. Bottom: the same by measuring point."
+                  zero, show an error of that posture or of the model."
             .into(),
         columns: 1,
         panels: vec![
             Panel {
-                title: "by posture".into(),
+                title: if points.len() > 1 { "by posture" } else { "" }.into(),
                 x: Axis::categorical("posture", postures),
                 y: Axis::linear("residual component", "mm"),
                 series: all,
@@ -104,7 +104,12 @@ pub fn residual_figure(found: &Identification) -> Figure {
                 equal_aspect: false,
             },
         ],
+    };
+    // One point has nothing to be compared with.
+    if found.points.len() < 2 {
+        figure.panels.truncate(1);
     }
+    figure
 }
 
 /// RMS of the residual angles of each posture and load state with the flange fixed.

@@ -30,7 +30,7 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
     });
     Figure {
         id: "load-states".into(),
-        title: "Loads going up and down".into(),
+        title: "Displacement beyond proportion to the load".into(),
         caption: format!(
             "Displacement less its share in proportion to the load, in the order the loads were taken: zero at the largest \
              load, and everywhere for an arm that is a spring. A loop is hysteresis, a bow a joint that stiffens or softens, \
@@ -70,7 +70,7 @@ pub fn influence_figure(influence: &LeaveOneOut) -> Figure {
     let ends = vec![-0.5, count as f64 - 0.5];
     Figure {
         id: "influence".into(),
-        title: "What hangs on single postures".into(),
+        title: "Change of the compliances without each posture".into(),
         caption: "How far the compliance that moves most would move without each posture, in its standard errors. Beyond 2 the \
                   result leans on that posture: look at it, and measure more like it."
             .into(),

@@ -7,7 +7,9 @@ mod context;
 mod identify;
 mod predict;
 mod study;
+mod study_measured;
 mod tables;
+mod validate;
 
 pub use context::Given;
 
@@ -16,7 +18,7 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 3] = ["identify", "predict", "study"];
+pub const COMMANDS: [&str; 4] = ["identify", "predict", "study", "validate"];
 
 /// The page of saved results, in their order.
 ///
@@ -47,7 +49,11 @@ fn part(context: &Context<'_>) -> Result<Part> {
     match context.saved.command.as_str() {
         "identify" => identify::part(context),
         "predict" => predict::part(context),
+        "study" if context.saved.json["options"]["measured"] == true => {
+            study_measured::part(context)
+        }
         "study" => study::part(context),
+        "validate" => validate::part(context),
         other => {
             let message = format!("There is no page for the results of `{other}`.");
             Err(Error::new(Code::Unsupported, message)

@@ -13,7 +13,7 @@ use crate::output::Exit;
 use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
-use crate::table::{Align, Table, green, red, serious, title, weight, yellow};
+use crate::table::{Align, Table, green, red, serious, title, weight};
 use remarks::{notes, said};
 use schemars::JsonSchema;
 use serde::Serialize;

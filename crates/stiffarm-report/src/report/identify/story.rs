@@ -44,7 +44,25 @@ pub(super) fn done(context: &Context<'_>, found: &Identified) -> Text {
 
 /// What came out.
 pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
-    residual(known(joints), joints.context, found)
+    let context = joints.context;
+    let text = residual(known(joints), context, found);
+    if found.mixed().is_none() {
+        return text;
+    }
+    let mm = |key: &str| {
+        let number = context.number(&format!("/elastic/{key}"));
+        number.mm().decimals(3)
+    };
+    let text = text.words(" More than the joint axes gives way: ");
+    match (mm("axes_rms_m").value, mm("mixed_rms_m").value) {
+        (Some(_), Some(_)) => text
+            .words("the mixed model misses a posture that took no part by ")
+            .number(mm("mixed_rms_m"))
+            .words(", the axes alone by ")
+            .number(mm("axes_rms_m"))
+            .words("."),
+        _ => text.words("the mixed model predicts."),
+    }
 }
 
 /// How well the joints are known.
@@ -169,6 +187,25 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified, serious: bool) -> Te
             .words(", then identify again; until then the numbers here are not to be used.");
     }
     let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
+    if found.mixed().is_some() {
+        return Text::new("Predict and compensate with this file, which holds the mixed model; quote the stiffness of the \
+                          axes with its ±. ")
+            .code("stiffarm validate --folds all --elastic mixed")
+            .words(" shows posture by posture how well it predicts.");
+    }
+    // What is left without the outliers is the model's.
+    let left = found.diagnosis.as_ref().and_then(|d| {
+        let without = d.outliers.noise_without.as_ref();
+        without.or(d.noise.as_ref())
+    });
+    let larger = left.is_some_and(|test| test.agreement == Agreement::Larger);
+    if larger && found.elastic.is_none() {
+        return Text::new("Identify again with ")
+            .code("--elastic auto")
+            .words(": it tells whether more than the joint axes gives way. Then ")
+            .code("stiffarm validate")
+            .words(" on postures that were held out.");
+    }
     let outlier = found
         .diagnosis
         .as_ref()
@@ -228,14 +265,6 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified, serious: bool) -> Te
             .words(" of the cell looks for the reason why ")
             .strong(joints.names(&missing))
             .words(" cannot be told; other postures or loads may show it.");
-    }
-    let larger = found.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
-    if larger.is_some_and(|test| test.agreement == Agreement::Larger) && found.elastic.is_none() {
-        return Text::new("Identify again with ")
-            .code("--elastic auto")
-            .words(": it tells whether more than the joint axes gives way. Then ")
-            .code("stiffarm validate")
-            .words(" on postures that were held out.");
     }
     Text::new("Validate on postures that took no part: ")
         .code("stiffarm validate")
