@@ -13,6 +13,8 @@
 
 mod cell;
 pub mod figure;
+#[cfg(feature = "page")]
+pub mod identified;
 mod map;
 #[cfg(feature = "page")]
 pub mod page;
@@ -24,6 +26,8 @@ pub mod report;
 pub mod scene;
 mod selection;
 pub mod study;
+#[cfg(feature = "page")]
+pub mod validated;
 mod zones;
 
 pub use cell::{Full, cell_drawing, usual_posture};

@@ -13,7 +13,6 @@ use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
-use stiffarm::estimate::validate::Validation;
 use stiffarm::files::cell::cell_schema;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
@@ -51,7 +50,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultIdentifyClamped => {
             of::<identify::clamped::Options, ClampedIdentification>("identify --clamped")
         }
-        SchemaChoice::ResultValidate => of::<validate::Options, Validation>("validate"),
+        SchemaChoice::ResultValidate => of::<validate::Options, validate::Validated>("validate"),
         SchemaChoice::ResultPredict => of::<predict::Options, predict::Predicted>("predict"),
         SchemaChoice::ResultCompensate => {
             of::<compensate::Options, compensate::Compensated>("compensate")

@@ -6,12 +6,15 @@
 mod compare;
 mod context;
 mod evaluate;
+mod identify;
 mod postures;
 mod predict;
 mod select;
 mod simulate;
 mod study;
+mod study_measured;
 mod tables;
+mod validate;
 mod worth;
 mod zones;
 
@@ -22,8 +25,8 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 6] = [
-    "evaluate", "predict", "select", "simulate", "study", "zones",
+pub const COMMANDS: [&str; 8] = [
+    "evaluate", "identify", "predict", "select", "simulate", "study", "validate", "zones",
 ];
 
 /// The page of saved results, in their order.
@@ -54,10 +57,15 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
 fn part(context: &Context<'_>) -> Result<Part> {
     match context.saved.command.as_str() {
         "evaluate" => evaluate::part(context),
+        "identify" => identify::part(context),
         "predict" => predict::part(context),
         "select" => select::part(context),
         "simulate" => simulate::part(context),
+        "study" if context.saved.json["options"]["measured"] == true => {
+            study_measured::part(context)
+        }
         "study" => study::part(context),
+        "validate" => validate::part(context),
         "zones" => zones::part(context),
         other => {
             let message = format!("There is no page for the results of `{other}`.");

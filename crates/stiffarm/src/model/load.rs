@@ -27,6 +27,21 @@ impl Wrench {
         }
     }
 
+    /// A wrench from its components \[Fx, Fy, Fz, Mx, My, Mz\] \[N; N·m\].
+    pub fn from_components(components: [f64; 6]) -> Self {
+        let [fx, fy, fz, mx, my, mz] = components;
+        Wrench {
+            force: Vector3::new(fx, fy, fz),
+            moment: Vector3::new(mx, my, mz),
+        }
+    }
+
+    /// Its components \[Fx, Fy, Fz, Mx, My, Mz\] \[N; N·m\].
+    pub fn components(&self) -> [f64; 6] {
+        let (f, m) = (&self.force, &self.moment);
+        [f.x, f.y, f.z, m.x, m.y, m.z]
+    }
+
     /// The same wrench about another point: M' = M + (from − to) × F.
     #[must_use]
     pub fn moved(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Self {

@@ -32,6 +32,21 @@ pub struct ClampedResidual {
     pub motor_rms_rad: f64,
     /// RMS of their residuals \[rad\].
     pub residual_rms_rad: f64,
+    /// The posture's controller angles \[rad\]; empty in results of earlier versions.
+    #[serde(
+        rename = "q_deg",
+        with = "crate::units::degrees",
+        default,
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "The posture's controller angles \\[deg\\]; empty in results of earlier versions."
+        )
+    )]
+    pub angles: Vec<f64>,
 }
 
 /// Weight that Huber's estimator gave a state.
@@ -64,6 +79,10 @@ pub struct ClampedIdentification {
     pub residual_std_rad: Option<f64>,
     /// σ of an angle difference as it was given \[rad\].
     pub expected_std_rad: Option<f64>,
+    /// The cell's prior stiffness, joint by joint \[N·m/rad\]; empty where it has none, and
+    /// in results of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prior_stiffness: Vec<f64>,
     /// Residuals posture by posture.
     pub postures: Vec<ClampedResidual>,
     /// Huber's weights, smallest first, where that estimator was used.
@@ -108,6 +127,7 @@ pub fn identify_clamped(
             state: clamped[label.measured].state.clone(),
             motor_rms_rad: rms(&system.delta.as_slice()[label.rows.clone()]),
             residual_rms_rad: rms(&residual.as_slice()[label.rows.clone()]),
+            angles: clamped[label.measured].posture.q.clone(),
         })
         .collect();
     let mut result = ClampedIdentification {
@@ -115,6 +135,7 @@ pub fn identify_clamped(
         residual_rms_rad: rms(residual.as_slice()),
         residual_std_rad: solution.residual_std,
         expected_std_rad: angle_std,
+        prior_stiffness: cell.prior.clone().unwrap_or_default(),
         postures,
         weights: weights(clamped, &system, &solution),
         friction,

@@ -42,7 +42,7 @@ pub(crate) use leave_out::{Fold, missed, prediction_error, rounding};
 pub use leave_out::{Influence, LeaveOneOut};
 pub use plausibility::implausible_scale;
 pub use profile::{JointProfile, Profile, profile};
-pub use residuals::{DisplacementWeight, PointResidual, PostureResidual};
+pub use residuals::{DisplacementResidual, DisplacementWeight, PointResidual, PostureResidual};
 pub(crate) use response::Response;
 pub(crate) use solve::{Prepared, Solution};
 pub(crate) use system::{Block, MeasuredSystem, NO_LOAD};
@@ -159,6 +159,10 @@ pub struct Identification {
     pub total_std_m: Option<f64>,
     /// σ of a displacement component by the cell's noise \[m\].
     pub expected_std_m: f64,
+    /// The cell's prior stiffness, joint by joint \[N·m/rad\]; empty where it has none, and
+    /// in results of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prior_stiffness: Vec<f64>,
     /// Residuals posture by posture.
     pub postures: Vec<PostureResidual>,
     /// Residuals point by point.
@@ -285,7 +289,8 @@ fn describe(fit: &Fit) -> Result<Identification> {
             .map(|s| s * solution.gamma.sqrt()),
         total_std_m: (free > 0).then(|| (left / free as f64).sqrt()),
         expected_std_m: cell.noise.displacement_std(),
-        postures: residuals::by_posture(fit.postures(), system, &residual),
+        prior_stiffness: cell.prior.clone().unwrap_or_default(),
+        postures: residuals::by_posture(cell, fit.postures(), system, &residual),
         points: residuals::by_point(cell, fit.postures(), system, &residual),
         weights: residuals::displacement_weights(cell, fit.postures(), system, solution),
     })

@@ -5,6 +5,7 @@ use super::rms;
 use super::solve::Solution;
 use super::system::MeasuredSystem;
 use crate::model::cell::Cell;
+use crate::model::load::Wrench;
 use crate::model::measurement::MeasuredPosture;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,42 @@ pub struct PostureResidual {
     pub displacement_rms_m: f64,
     /// RMS of its residual components \[m\].
     pub residual_rms_m: f64,
+    /// Its controller angles \[rad\]; empty in results of earlier versions.
+    #[serde(
+        rename = "q_deg",
+        with = "crate::units::degrees",
+        default,
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<f64>",
+            description = "Its controller angles \\[deg\\]; empty in results of earlier versions."
+        )
+    )]
+    pub angles: Vec<f64>,
+    /// Measured force and moment on the robot at the loading point, base axes \[N; N·m\];
+    /// `None` where the cell's load gives them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrench: Option<[f64; 6]>,
+    /// Its displacements, in the order of the measurements; empty in results of earlier
+    /// versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub residuals: Vec<DisplacementResidual>,
+}
+
+/// Residual of one displacement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DisplacementResidual {
+    /// Measuring point.
+    pub point: String,
+    /// Measured minus calculated displacement, base axes \[m\].
+    pub residual_m: [f64; 3],
+    /// Standard deviation of a component by the cell's noise and the number of readings,
+    /// RMS over the axes \[m\].
+    pub expected_std_m: f64,
 }
 
 /// Residuals of one measuring point over all postures.
@@ -50,24 +87,45 @@ pub struct DisplacementWeight {
 }
 
 pub(super) fn by_posture(
+    cell: &Cell,
     measured: &[MeasuredPosture],
     system: &MeasuredSystem,
     residual: &DVector<f64>,
 ) -> Vec<PostureResidual> {
-    let mut parts = vec![(Vec::new(), Vec::new()); measured.len()];
-    for label in &system.labels {
-        let (displacements, residuals) = &mut parts[label.measured];
-        displacements.extend_from_slice(&system.delta.as_slice()[label.rows.clone()]);
-        residuals.extend_from_slice(&residual.as_slice()[label.rows.clone()]);
+    let mut parts = vec![(Vec::new(), Vec::new(), Vec::new()); measured.len()];
+    let std = cell.noise.displacement_std();
+    for block in &system.blocks {
+        for label in system.labels_of(block) {
+            let (displacements, residuals, vectors) = &mut parts[label.measured];
+            displacements.extend_from_slice(&system.delta.as_slice()[label.rows.clone()]);
+            let own = &residual.as_slice()[label.rows.clone()];
+            residuals.extend_from_slice(own);
+            let point = point_of(measured, label);
+            let covariance = block
+                .covariance
+                .of_point(label.rows.start - block.rows.start);
+            let vector = DisplacementResidual {
+                point: cell.setup.tool.measuring_points[point].name.clone(),
+                residual_m: std::array::from_fn(|i| own[i]),
+                expected_std_m: std * (covariance.trace() / 3.0).sqrt(),
+            };
+            vectors.push((label.displacement, vector));
+        }
     }
     measured
         .iter()
         .zip(parts)
-        .map(|(m, (displacements, residuals))| PostureResidual {
-            posture: m.posture.name.clone(),
-            state: m.state.clone(),
-            displacement_rms_m: rms(&displacements),
-            residual_rms_m: rms(&residuals),
+        .map(|(m, (displacements, residuals, mut vectors))| {
+            vectors.sort_by_key(|(number, _)| *number);
+            PostureResidual {
+                posture: m.posture.name.clone(),
+                state: m.state.clone(),
+                displacement_rms_m: rms(&displacements),
+                residual_rms_m: rms(&residuals),
+                angles: m.posture.q.clone(),
+                wrench: m.wrench.as_ref().map(Wrench::components),
+                residuals: vectors.into_iter().map(|(_, vector)| vector).collect(),
+            }
         })
         .collect()
 }

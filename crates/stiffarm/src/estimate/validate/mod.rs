@@ -16,6 +16,7 @@ use crate::estimate::simulate::draw_noise;
 use crate::findings::Finding;
 use crate::measure::Measured;
 use crate::model::cell::Cell;
+use crate::model::load::Wrench;
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
@@ -49,6 +50,27 @@ pub struct PointDeviation {
     pub band: Option<PointBand>,
 }
 
+/// A posture of a validation in one load state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ValidatedPosture {
+    /// Posture.
+    pub posture: String,
+    /// Load state.
+    pub state: String,
+    /// Its controller angles \[rad\].
+    #[serde(rename = "q_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
+    )]
+    pub angles: Vec<f64>,
+    /// Measured force and moment on the robot at the loading point, base axes \[N; N·m\];
+    /// `None` where the cell's load gives them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrench: Option<[f64; 6]>,
+}
+
 /// Result of a validation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -57,6 +79,10 @@ pub struct Validation {
     pub model: Model,
     /// Eq. (22), row by row.
     pub points: Vec<PointDeviation>,
+    /// The postures with their load states, in the order of the measurements; empty in results
+    /// of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub postures: Vec<ValidatedPosture>,
     /// RMS of δb \[m\].
     pub deviation_rms_m: f64,
     /// Largest δb \[m\].
@@ -245,6 +271,17 @@ struct Point {
     band: Option<PointBand>,
 }
 
+impl ValidatedPosture {
+    fn of(measured: &MeasuredPosture) -> Self {
+        ValidatedPosture {
+            posture: measured.posture.name.clone(),
+            state: measured.state.clone(),
+            angles: measured.posture.q.clone(),
+            wrench: measured.wrench.as_ref().map(Wrench::components),
+        }
+    }
+}
+
 fn check_tolerance(tolerance_m: Option<f64>) -> Result<()> {
     match tolerance_m.is_some_and(|t| t.is_nan() || t < 0.0) {
         true => Err(Error::new(
@@ -307,6 +344,7 @@ fn summarise(
         band: None,
         findings: Vec::new(),
         points,
+        postures: measured.iter().map(ValidatedPosture::of).collect(),
     }
 }
 

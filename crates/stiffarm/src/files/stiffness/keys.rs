@@ -29,7 +29,7 @@ pub(super) const RESULT: &[&str] = &[
     "confidence",
     // Identification
     "residual_rms_m", "displacement_rms_m", "residual_std_m", "posture_common_std_m",
-    "total_std_m", "expected_std_m", "postures", "points", "weights",
+    "total_std_m", "expected_std_m", "prior_stiffness", "postures", "points", "weights",
     // what the command adds
     "readings", "profile", "bootstrap", "budget", "elastic", "diagnosis", "next_posture",
     "not_computed",

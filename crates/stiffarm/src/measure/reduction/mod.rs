@@ -43,7 +43,7 @@ use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
 use nalgebra::{Isometry3, Matrix3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Options of a reduction.
@@ -56,7 +56,7 @@ pub struct ReduceOptions {
 }
 
 /// Displacements from raw readings, and what was found on the way.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reduction {
     /// The displacements, posture by posture and state by state; not part of the

@@ -4,7 +4,7 @@ use super::GUESS;
 use crate::estimate::elastic::ElasticChoice;
 use crate::findings::{Finding, Severity, length_with_error, percent};
 use crate::plan::index::Index;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Options of the study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -74,9 +74,11 @@ pub struct MeasuredChoice {
     /// The model: `axes` or `mixed`.
     pub model: ElasticChoice,
     /// Mean over the splits of the RMS error of a displacement component at the postures
-    /// outside the pool \[m\].
+    /// outside the pool \[m\]; not a number where no split has a prediction.
+    #[serde(deserialize_with = "null_as_nan")]
     pub mean_m: f64,
     /// Its standard error \[m\]: over splits of one experiment, which share postures.
+    #[serde(deserialize_with = "null_as_nan")]
     pub standard_error_m: f64,
     /// Share of the splits in which this choice predicts better than chance with as many
     /// postures and the same model; `None` for chance and for the whole pool.
@@ -117,6 +119,11 @@ pub struct MeasuredStudy {
     pub choices: Vec<MeasuredChoice>,
     /// What came out, in sentences.
     pub findings: Vec<Finding>,
+}
+
+/// JSON has no way to write a number that is not finite.
+fn null_as_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 impl MeasuredStudy {

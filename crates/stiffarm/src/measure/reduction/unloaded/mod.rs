@@ -53,7 +53,7 @@ pub struct UnloadedPostureResidual {
 }
 
 /// Tracker against base, by the unloaded readings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct UnloadedRegistration {
     /// True where the transform was given and the readings only check it.

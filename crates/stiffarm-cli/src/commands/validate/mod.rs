@@ -1,16 +1,20 @@
 //! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
 //! postures kept out of the identification, or fold by fold without any.
 
+mod remarks;
+
+pub use remarks::Validated;
+
 use super::identify::readings::{done, marked};
 use super::identify::{check_names, confidence};
 use crate::args::{Folds, ValidateArgs};
 use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
 use crate::progress::Progress;
-use crate::saved::Saved;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
-use crate::table::{Align, Table, green, red, serious, title, weight, yellow};
+use crate::table::{Align, Table, green, red, serious, title, weight};
+use remarks::{notes, said};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -20,7 +24,7 @@ use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::validate::{
     Model, PointBand, Validation, cross_validate, cross_validate_mixed, validate_with,
 };
-use stiffarm::findings::{Severity, list};
+use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::observation::ExtraTerm;
@@ -113,11 +117,21 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
     let model = args.model.into();
     let tolerance = args.tolerance_mm.map(mm_to_m);
     let unsettled = unsettled(&measured);
+    let mut remarks: Vec<Finding> = measured.findings().cloned().collect();
     let result = validate_with(cell, &saved.predictor, measured, model, tolerance)?;
+    let same_cell = !saved.is_of_another_cell(session.hashes().get("cell"));
+    remarks.extend(notes(&saved, same_cell, &result));
+    let result = Validated {
+        validation: result,
+        remarks,
+    };
     let envelope = session.envelope("validate", None, options(args, None), &result);
-    let same_cell = !saved.is_of_another_cell(envelope.inputs.get("cell"));
+    let result = &result.validation;
     session.show(&envelope, || {
-        unsettled.clone() + &named.line() + &notes(&saved, same_cell, &result) + &table(&result)
+        unsettled.clone()
+            + &named.line()
+            + &said(&notes(&saved, same_cell, result))
+            + &table(result)
     })?;
     Ok(Exit::finding(
         result.passed == Some(false) || !unsettled.is_empty(),
@@ -151,6 +165,7 @@ fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) 
         }
     };
     let unsettled = unsettled(&measured);
+    let remarks = measured.findings().cloned().collect();
     let tolerance = args.tolerance_mm.map(mm_to_m);
     let progress = Progress::new(session, "predicting each posture");
     let asked = args.fit.elastic();
@@ -191,9 +206,14 @@ fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) 
         noise: fit.noise,
         confidence: fit.confidence,
     };
+    let result = Validated {
+        validation: result,
+        remarks,
+    };
     let envelope = session.envelope("validate", None, options(args, Some(fit)), &result);
+    let result = &result.validation;
     session.show(&envelope, || {
-        unsettled.clone() + &named.line() + &said + &table(&result)
+        unsettled.clone() + &named.line() + &said + &table(result)
     })?;
     Ok(Exit::finding(
         result.passed == Some(false) || !result.unpredicted.is_empty() || !unsettled.is_empty(),
@@ -272,34 +292,6 @@ fn unsettled(measured: &Measured) -> String {
             said.join("\n")
         ),
     }
-}
-
-/// What to know about the stiffness before reading on.
-fn notes(saved: &Saved, same_cell: bool, result: &Validation) -> String {
-    let mut out = String::new();
-    let note = yellow("note");
-    if !same_cell {
-        out += &format!("{note}: the stiffness was identified with another version of this cell\n");
-    }
-    let mut seen: Vec<&str> = result
-        .points
-        .iter()
-        .map(|p| p.posture.as_str())
-        .filter(|p| saved.postures.iter().any(|s| s == p))
-        .collect();
-    seen.dedup();
-    if !seen.is_empty() {
-        let (verb, them) = if seen.len() == 1 {
-            ("posture", "its deviations")
-        } else {
-            ("postures", "their deviations")
-        };
-        out += &format!(
-            "{note}: {verb} {} took part in the identification: {them} say little\n",
-            list(&seen)
-        );
-    }
-    out
 }
 
 fn table(result: &Validation) -> String {

@@ -1,0 +1,81 @@
+//! Systematic errors by source, and which unknowns the data tell apart.
+
+use super::places;
+use crate::figure::{Axis, Figure, Panel, Series, Style};
+use stiffarm::estimate::identify::Estimates;
+use stiffarm::estimate::systematic::SystematicErrors;
+
+/// What each source of systematic error leaves in each joint's stiffness.
+pub fn errors_figure(budget: &SystematicErrors) -> Figure {
+    let count = budget.joints.len();
+    let series = budget.sources.iter().map(|source| {
+        // Results of earlier versions have the whole change alone.
+        let own = match source.bounded.is_empty() {
+            true => &source.change,
+            false => &source.bounded,
+        };
+        let y = (0..count).map(|j| {
+            own.get(j)
+                .copied()
+                .flatten()
+                .map_or(f64::NAN, |c| 100.0 * c.abs())
+        });
+        let star = if source.declared { "" } else { " *" };
+        let label = format!("{}{star}", source.name.replace('-', " "));
+        Series::new(label, Style::Bars, places(count), y.collect())
+    });
+    let assumed = budget.sources.iter().any(|source| !source.declared);
+    Figure {
+        id: "systematic-errors".into(),
+        title: "Systematic errors by source".into(),
+        caption: format!(
+            "Relative standard uncertainty of each joint's stiffness by each source, as far as the readings leave it \
+             possible. The tallest bar of a joint is what to make better first.{}",
+            match assumed {
+                true => " * Size assumed; [uncertainty] of the cell declares it.",
+                false => "",
+            }
+        ),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical("", budget.joints.clone()),
+            y: Axis::linear("standard uncertainty", "% of k").from_zero(),
+            series: series.collect(),
+            equal_aspect: false,
+        }],
+    }
+}
+
+/// How far the errors of two unknowns are one error.
+pub fn correlation_figure(found: &Estimates) -> Figure {
+    let count = found.unknowns.len();
+    let (mut x, mut y, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..count {
+        for column in 0..count {
+            x.push(column as f64);
+            y.push(row as f64);
+            let own = found.correlation.get(row).and_then(|r| r.get(column));
+            values.push(own.copied().flatten().map_or(f64::NAN, f64::abs));
+        }
+    }
+    let series = Series::new("not determined", Style::Map, x, y).with_colour(
+        Axis::linear("|correlation|", "").with_range(0.0, 1.0),
+        values,
+    );
+    Figure {
+        id: "correlations".into(),
+        title: "Which joints the data tell apart".into(),
+        caption: "Size of the correlation between the errors of two compliances. A bright square off the diagonal: an error \
+                  of one is an error of the other, and other postures or loads would separate them."
+            .into(),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical("", found.unknowns.clone()),
+            y: Axis::categorical("", found.unknowns.clone()),
+            series: vec![series],
+            equal_aspect: false,
+        }],
+    }
+}

@@ -1,0 +1,153 @@
+//! Residuals against noise, posture by posture and point by point.
+
+use super::{in_order, place, places};
+use crate::figure::{Axis, Figure, Panel, Series, Style};
+use stiffarm::estimate::clamped::ClampedIdentification;
+use stiffarm::estimate::identify::Identification;
+use stiffarm::units::rad_to_deg;
+
+/// Half width of the band that holds 95 of 100 components of noise alone.
+const BAND: f64 = 1.96;
+/// More measuring points than this are one series.
+const MOST_POINTS: usize = 6;
+
+/// Components of every residual by posture, and their RMS by measuring point, against the cell's noise.
+pub fn residual_figure(found: &Identification) -> Figure {
+    let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
+    let points: Vec<&str> = found.points.iter().map(|p| p.point.as_str()).collect();
+    let several = points.len() <= MOST_POINTS;
+    let labels = if several { points.len().max(1) } else { 1 };
+    let mut shown = vec![(Vec::new(), Vec::new()); labels];
+    for one in &found.postures {
+        let at = place(&postures, &one.posture) as f64;
+        for residual in &one.residuals {
+            let number = place(&points, &residual.point);
+            let (x, y) = &mut shown[if several { number } else { 0 }];
+            // Points of a posture stand side by side.
+            let share = (number as f64 + 0.5) / points.len().max(1) as f64 - 0.5;
+            for component in residual.residual_m {
+                x.push(at + 0.7 * share);
+                y.push(1e3 * component);
+            }
+        }
+    }
+    let named = |number: usize| match several && !points.is_empty() {
+        true => format!("point {}", points[number]),
+        false => "residual".to_string(),
+    };
+    let mut all: Vec<Series> = shown
+        .into_iter()
+        .enumerate()
+        .map(|(number, (x, y))| Series::new(named(number), Style::Points, x, y))
+        .collect();
+    let has_vectors = all.iter().any(|series| !series.x.is_empty());
+    let last = postures.len() as f64 - 0.5;
+    let band = 1e3 * BAND * found.expected_std_m;
+    if !has_vectors {
+        // A result of an earlier version has no vectors: its RMS, posture by posture.
+        let x = found
+            .postures
+            .iter()
+            .map(|p| place(&postures, &p.posture) as f64);
+        let y = found.postures.iter().map(|p| 1e3 * p.residual_rms_m);
+        all = vec![Series::new(
+            "RMS of a load state",
+            Style::Points,
+            x.collect(),
+            y.collect(),
+        )];
+    } else if band > 0.0 {
+        let label = "95 % of the noise";
+        all.push(Series::new(
+            label,
+            Style::Dashed,
+            vec![-0.5, last, f64::NAN, -0.5, last],
+            vec![band, band, f64::NAN, -band, -band],
+        ));
+    }
+    let rms = found.points.iter().map(|p| 1e3 * p.residual_rms_m);
+    let mut by_point = vec![Series::new(
+        "residual RMS",
+        Style::Bars,
+        places(points.len()),
+        rms.collect(),
+    )];
+    if found.expected_std_m > 0.0 {
+        by_point.push(Series::new(
+            "noise",
+            Style::Dashed,
+            vec![-0.5, points.len() as f64 - 0.5],
+            vec![1e3 * found.expected_std_m; 2],
+        ));
+    }
+    let mut figure = Figure {
+        id: "residuals".into(),
+        title: "Residuals against noise".into(),
+        caption: "What the fit leaves of each displacement component, posture by posture, with the band that holds 95 of \
+                  100 where noise is all there is. A posture outside, or points of one posture that lie together away from \
+                  zero, show an error of that posture or of the model."
+            .into(),
+        columns: 1,
+        panels: vec![
+            Panel {
+                title: if points.len() > 1 { "by posture" } else { "" }.into(),
+                x: Axis::categorical("posture", postures),
+                y: Axis::linear("residual component", "mm"),
+                series: all,
+                equal_aspect: false,
+            },
+            Panel {
+                title: "by measuring point".into(),
+                x: Axis::categorical("measuring point", points),
+                y: Axis::linear("residual RMS", "mm").from_zero(),
+                series: by_point,
+                equal_aspect: false,
+            },
+        ],
+    };
+    // One point has nothing to be compared with.
+    if found.points.len() < 2 {
+        figure.panels.truncate(1);
+    }
+    figure
+}
+
+/// RMS of the residual angles of each posture and load state with the flange fixed.
+pub fn clamped_residual_figure(found: &ClampedIdentification) -> Figure {
+    let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
+    let states = in_order(found.postures.iter().map(|p| p.state.as_str()));
+    let mdeg = |angle: f64| 1e3 * rad_to_deg(angle);
+    let mut series: Vec<Series> = Vec::new();
+    for state in states {
+        let own = found.postures.iter().filter(|p| p.state == state);
+        let (x, y) = own
+            .map(|p| {
+                (
+                    place(&postures, &p.posture) as f64,
+                    mdeg(p.residual_rms_rad),
+                )
+            })
+            .unzip();
+        series.push(Series::new(state, Style::Points, x, y));
+    }
+    if let Some(expected) = found.expected_std_rad {
+        let ends = vec![-0.5, postures.len() as f64 - 0.5];
+        let line = vec![mdeg(expected); 2];
+        series.push(Series::new("noise as given", Style::Dashed, ends, line));
+    }
+    Figure {
+        id: "residuals".into(),
+        title: "Residual angles, posture by posture".into(),
+        caption: "RMS of what the fit leaves of the angles that the flange holds. A posture far above the others has an error \
+                  of its own."
+            .into(),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical("posture", postures),
+            y: Axis::linear("residual RMS", "10⁻³ deg").from_zero(),
+            series,
+            equal_aspect: false,
+        }],
+    }
+}

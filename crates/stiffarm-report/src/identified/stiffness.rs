@@ -1,0 +1,101 @@
+//! Joint stiffness with its uncertainty beside prior and published values.
+
+use super::places;
+use crate::figure::{Axis, Figure, Panel, Series, Style};
+
+/// Half widths from this share of k on are no ±: 1/H is far from linear there.
+const NO_LONGER: f64 = 0.95;
+
+/// One joint of [`stiffness_figure`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct StiffnessRow {
+    /// Name of the joint.
+    pub joint: String,
+    /// k \[N·m/rad\].
+    pub stiffness: Option<f64>,
+    /// Half width by the scatter of the readings (fraction of k).
+    pub statistical: Option<f64>,
+    /// Half width by systematic errors (fraction of k).
+    pub systematic: Option<f64>,
+    /// Half width by both (fraction of k).
+    pub total: Option<f64>,
+}
+
+/// Stiffness per joint with its total ±, beside prior \[N·m/rad\] and published values, and the parts of that ±.
+pub fn stiffness_figure(
+    rows: &[StiffnessRow],
+    prior: &[f64],
+    published: &[(String, Vec<f64>)],
+    confidence: f64,
+) -> Figure {
+    let joints: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
+    let mega = |k: Option<f64>| k.filter(|k| *k > 0.0).map_or(f64::NAN, |k| 1e-6 * k);
+    let level = (1000.0 * confidence).round() / 10.0;
+    let k: Vec<f64> = rows.iter().map(|row| mega(row.stiffness)).collect();
+    let half = rows.iter().zip(&k).map(|(row, k)| {
+        let part = row.total.filter(|total| *total < NO_LONGER);
+        part.filter(|_| k.is_finite())
+            .map_or(0.0, |total| total * k)
+    });
+    let beside = |by: f64| places(rows.len()).iter().map(|x| x + by).collect();
+    let identified = Series::new("identified", Style::Points, places(rows.len()), k.clone());
+    let mut series = vec![identified.with_error(half.collect())];
+    if prior.len() == rows.len() {
+        let values = prior.iter().map(|k| 1e-6 * k).collect();
+        series.push(Series::new("prior", Style::Hollow, beside(0.18), values));
+    }
+    for (i, (label, values)) in published.iter().enumerate() {
+        let values = values.iter().map(|k| 1e-6 * k).collect();
+        let x = beside(-0.18 * (i + 1) as f64);
+        series.push(Series::new(label.clone(), Style::Hollow, x, values));
+    }
+    let part = |label: &str, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
+        let known = |row: &StiffnessRow| of(row).filter(|part| *part < 1.0);
+        let values = rows
+            .iter()
+            .map(|row| known(row).map_or(f64::NAN, |part| 100.0 * part));
+        Series::new(label, Style::Bars, places(rows.len()), values.collect())
+    };
+    let parts = [
+        part("readings", &|row| row.statistical),
+        part("systematic", &|row| row.systematic),
+        part("both", &|row| row.total),
+    ];
+    let parts = parts
+        .into_iter()
+        .filter(|series| series.y.iter().any(|y| y.is_finite()));
+    let panel = |title: &str, y: Axis, series: Vec<Series>| Panel {
+        title: title.into(),
+        x: Axis::categorical("", joints.clone()),
+        y,
+        series,
+        equal_aspect: false,
+    };
+    Figure {
+        id: "joint-stiffness".into(),
+        title: "Joint stiffness and how well it is known".into(),
+        caption: format!(
+            "Left: stiffness of each joint with its ± at {level} % (none where the interval is open){}. Right: that ± and its \
+             parts; a joint without a bar is known to no better than its own size.",
+            match (prior.is_empty(), published.is_empty()) {
+                (true, true) => "",
+                (false, true) => ", beside the cell's prior",
+                (true, false) => ", beside published values",
+                (false, false) => ", beside the cell's prior and published values",
+            }
+        ),
+        columns: 2,
+        panels: vec![
+            panel(
+                "stiffness",
+                Axis::log("joint stiffness", "10⁶ N·m/rad"),
+                series,
+            ),
+            panel(
+                "±",
+                Axis::linear("half width", "% of k").from_zero(),
+                parts.collect(),
+            ),
+        ],
+    }
+}

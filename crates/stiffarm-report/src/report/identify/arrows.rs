@@ -1,0 +1,130 @@
+//! Residuals as arrows at the measuring points, on the cell in 3D.
+
+use super::Identified;
+use crate::identified::in_order;
+use crate::page::Section;
+use crate::report::context::Context;
+use crate::scene::{Arrow, SceneGroup, SceneOptions};
+use stiffarm::Result;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::posture::Posture;
+
+/// A posture in one load state with what is left at its points.
+pub(in crate::report) struct Residuals<'a> {
+    pub posture: &'a str,
+    /// Controller angles \[rad\].
+    pub angles: &'a [f64],
+    pub wrench: Option<[f64; 6]>,
+    /// How much moves in this state \[m\]: of a posture the state with most is shown.
+    pub size: f64,
+    /// Measuring point, residual in base axes \[m\].
+    pub at: Vec<(&'a str, [f64; 3])>,
+}
+
+/// The measured postures with their residuals.
+pub(super) fn cell_section(context: &Context<'_>, found: &Identified) -> Result<Option<Section>> {
+    let own = &found.identification;
+    let all = own.postures.iter().map(|posture| Residuals {
+        posture: &posture.posture,
+        angles: &posture.angles,
+        wrench: posture.wrench,
+        size: posture.displacement_rms_m,
+        at: posture
+            .residuals
+            .iter()
+            .map(|r| (r.point.as_str(), r.residual_m))
+            .collect(),
+    });
+    let stiffness = own.estimates.stiffness();
+    residual_section(
+        context,
+        "measured",
+        &all.collect::<Vec<_>>(),
+        stiffness.as_deref(),
+        ("Residuals", "what the fit leaves of each displacement"),
+    )
+}
+
+/// A section with postures and arrows of one kind; `None` where the result has no angles.
+pub(in crate::report) fn residual_section(
+    context: &Context<'_>,
+    group: &str,
+    all: &[Residuals<'_>],
+    stiffness: Option<&[f64]>,
+    (label, explained): (&str, &str),
+) -> Result<Option<Section>> {
+    if all.is_empty() || all.iter().any(|one| one.angles.is_empty()) {
+        return Ok(None);
+    }
+    let names = in_order(all.iter().map(|one| one.posture));
+    // Of several load states the one that moves most.
+    let mut shown: Vec<&Residuals<'_>> = Vec::with_capacity(names.len());
+    for name in &names {
+        let own = all.iter().filter(|one| one.posture == *name);
+        shown.extend(own.max_by(|a, b| a.size.total_cmp(&b.size)));
+    }
+    let postures: Vec<Posture> = shown
+        .iter()
+        .map(|one| Posture {
+            name: one.posture.to_string(),
+            q: one.angles.to_vec(),
+        })
+        .collect();
+    let wrenches: Option<Vec<Wrench>> = shown
+        .iter()
+        .map(|one| one.wrench.map(Wrench::from_components))
+        .collect();
+    let wrenches = wrenches.unwrap_or_default();
+    let groups = [SceneGroup {
+        name: group,
+        postures: &postures,
+        wrenches: &wrenches,
+    }];
+    let options = SceneOptions {
+        stiffness,
+        ..SceneOptions::default()
+    };
+    let arrows = context.cell.map_or_else(Vec::new, |cell| {
+        let tool = &cell.setup.tool.measuring_points;
+        let mut arrows = Vec::new();
+        for (number, one) in shown.iter().enumerate() {
+            // The scene itself says what is wrong with angles that do not fit.
+            if one.angles.len() != cell.setup.robot.joint_count() {
+                continue;
+            }
+            let frames = Frames::new(&cell.setup.robot, one.angles);
+            for (point, vector) in &one.at {
+                let own = tool.iter().find(|p| p.name == *point);
+                arrows.extend(own.map(|own| Arrow {
+                    group: 0,
+                    posture: number,
+                    name: (*point).to_string(),
+                    at: frames.point(&own.position).into(),
+                    vector: *vector,
+                }));
+            }
+        }
+        arrows
+    });
+    let scene = context.scene(&groups, &options)?;
+    let scene = scene.map(|scene| match arrows.is_empty() {
+        true => scene,
+        false => scene.with_arrows(label, arrows),
+    });
+    let states = match all.len() > names.len() {
+        true => " Of several load states the one that moves most is shown.",
+        false => "",
+    };
+    let text = format!(
+        "The measured postures in their order. Arrows at the measuring points are {explained}, drawn much larger than they are: \
+         arrows that point alike at all points of a posture are a shift that its points share, arrows without order are noise.\
+         {states}"
+    );
+    context
+        .scene_section(scene, &postures, &text)
+        .map(|mut section| {
+            section.title = format!("{label} on the cell in 3D");
+            Some(section)
+        })
+}

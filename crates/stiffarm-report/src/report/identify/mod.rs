@@ -1,0 +1,107 @@
+//! The page of `identify`: which joints are known to what ±, and what to do next.
+
+mod arrows;
+mod clamped;
+mod joints;
+mod readings;
+mod sections;
+mod story;
+
+pub(super) use arrows::{Residuals, residual_section};
+
+use super::context::Context;
+use crate::page::{Part, Section};
+use joints::Joints;
+use serde::Deserialize;
+use stiffarm::Result;
+use stiffarm::estimate::clamped::ClampedIdentification;
+use stiffarm::estimate::diagnose::Diagnosis;
+use stiffarm::estimate::elastic::{Elastic, ElasticChoice};
+use stiffarm::estimate::identify::Identification;
+use stiffarm::estimate::next_posture::NextPosture;
+use stiffarm::estimate::systematic::SystematicErrors;
+use stiffarm::findings::Severity;
+use stiffarm::measure::reduction::Reduction;
+use stiffarm::measure::screening::Screening;
+
+/// What `identify` writes, as far as the page shows it.
+#[derive(Debug, Deserialize)]
+struct Identified {
+    #[serde(flatten)]
+    identification: Identification,
+    readings: Option<Readings>,
+    sanity: Option<Screening>,
+    budget: Option<SystematicErrors>,
+    elastic: Option<Elastic>,
+    diagnosis: Option<Diagnosis>,
+    next_posture: Option<NextPosture>,
+    next_posture_missing: Option<String>,
+    #[serde(default)]
+    not_computed: Vec<String>,
+}
+
+/// What became of raw readings.
+#[derive(Debug, Deserialize)]
+struct Readings {
+    reduction: Reduction,
+    sanity: Screening,
+}
+
+impl Identified {
+    /// The elastic model, where it is the mixed one that predicts.
+    fn mixed(&self) -> Option<&Elastic> {
+        let elastic = self.elastic.as_ref();
+        elastic.filter(|e| e.model == ElasticChoice::Mixed && e.mixed.is_some())
+    }
+
+    /// What was found wrong with the table.
+    fn screening(&self) -> Option<&Screening> {
+        let readings = self.readings.as_ref().map(|readings| &readings.sanity);
+        readings.or(self.sanity.as_ref())
+    }
+}
+
+/// The part of a page for a result of `identify`.
+pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+    if context.saved.json["result"].get("motor_rms_rad").is_some() {
+        let found: ClampedIdentification = context.saved.result()?;
+        return clamped::part(context, &found);
+    }
+    let found: Identified = context.saved.result()?;
+    let joints = Joints {
+        context,
+        estimates: &found.identification.estimates,
+        budget: found.budget.as_ref(),
+    };
+    let serious = context.saved.findings().into_iter();
+    let serious: Vec<_> = serious
+        .filter(|f| f.severity == Severity::Serious)
+        .collect();
+    let verdict = [
+        story::done(context, &found),
+        story::came(&joints, &found),
+        story::next(&joints, &found, !serious.is_empty()),
+    ];
+    let cell = arrows::cell_section(context, &found)?;
+    let mut all: Vec<Option<Section>> = Vec::new();
+    // What is wrong with the readings comes first where something is.
+    let readings = readings::section(context, &found);
+    let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
+    let mut readings = Some(readings);
+    if suspicious {
+        all.push(readings.take().flatten());
+    }
+    all.push(Some(sections::stiffness(&joints, &found)));
+    all.push(sections::elastic(context, &found));
+    all.push(Some(sections::residuals(context, &found)));
+    all.push(cell);
+    all.push(readings.flatten());
+    all.push(sections::errors(context, &found));
+    all.push(sections::together(context, &found));
+    all.push(sections::states(context, &found));
+    all.push(sections::influence(context, &found));
+    all.push(sections::next(&joints, &found));
+    let sections = all.into_iter().flatten().collect();
+    let heading = "Joint stiffness from measurements".to_string();
+    Ok(context.part(heading, verdict, Some(joints.key()), sections))
+}

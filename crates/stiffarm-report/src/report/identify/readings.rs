@@ -1,0 +1,229 @@
+//! The verdict on the measured readings, in the order in which one acts.
+
+use super::{Identified, Readings};
+use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::identified::places;
+use crate::page::{Block, DataTable, Section, Text};
+use crate::report::context::Context;
+use serde_json::Value;
+use stiffarm::findings::{Severity, list, visible};
+use stiffarm::measure::reduction::UnloadedRegistration;
+use stiffarm::measure::screening::{Screening, Suspicion};
+
+/// What was found about the readings; `None` where nothing is worth a word.
+pub(super) fn section(context: &Context<'_>, found: &Identified) -> Option<Section> {
+    let mut blocks = Vec::new();
+    if let Some(screening) = found.screening().filter(|s| !s.suspicions.is_empty()) {
+        let below = match found.readings {
+            Some(_) => "/readings/sanity",
+            None => "/sanity",
+        };
+        blocks.push(Block::Table(suspicions(context, screening, below)));
+    }
+    if let Some(readings) = &found.readings {
+        blocks.push(Block::Table(checks(context, readings)));
+        let registration = readings.reduction.registration.as_ref();
+        blocks.extend(
+            registration
+                .filter(|r| r.postures.len() > 1)
+                .map(|r| Block::Figure(registration_figure(r))),
+        );
+    }
+    let title = "The readings: what to correct, what to know";
+    (!blocks.is_empty()).then(|| Section::new("readings", title, blocks))
+}
+
+/// What is likely wrong, one row each, the first to be corrected first.
+fn suspicions(context: &Context<'_>, screening: &Screening, below: &str) -> DataTable {
+    let mut table = DataTable::new(
+        "What is likely wrong with the table, in the order to correct it; each correction was tried and fits",
+        [
+            "likely cause",
+            "weight",
+            "where",
+            "lines",
+            "misfit as read [mm]",
+            "misfit corrected [mm]",
+        ],
+    );
+    let mut order: Vec<usize> = (0..screening.suspicions.len()).collect();
+    let weight = |i: &usize| screening.findings.get(*i).map(|f| f.severity);
+    order.sort_by_key(|i| std::cmp::Reverse(weight(i)));
+    for i in order {
+        let own = &screening.suspicions[i];
+        let misfit = |key: &str| {
+            let number = context.number(&format!("{below}/suspicions/{i}/{key}"));
+            number.mm().bare().significant(3)
+        };
+        let lines: Vec<String> = own.lines.iter().map(usize::to_string).collect();
+        let cells = [
+            match weight(&i) {
+                Some(Severity::Serious) => Text::default().strong("serious"),
+                Some(Severity::Caution) => "caution".into(),
+                _ => "note".into(),
+            },
+            Text::new(place(own)),
+            Text::new(shortened(&lines)),
+            misfit("before_m").into(),
+            misfit("after_m").into(),
+        ];
+        table.row(cause(own), cells);
+    }
+    table
+}
+
+/// The stable name of a cause as words.
+fn cause(own: &Suspicion) -> String {
+    let name = serde_json::to_value(own.cause);
+    let name = name.as_ref().ok().and_then(Value::as_str);
+    name.unwrap_or_default().replace('_', " ")
+}
+
+/// Posture, state and points of a suspicion.
+fn place(own: &Suspicion) -> String {
+    let part = |word: &str, names: &[String]| {
+        let names: Vec<String> = names
+            .iter()
+            .map(|name| visible(name).into_owned())
+            .collect();
+        (!names.is_empty()).then(|| format!("{word} {}", shortened(&names)))
+    };
+    let parts = [
+        part("posture", &own.postures),
+        part("state", &own.states),
+        part("point", &own.points),
+        part("joint", &own.joints),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    match parts.is_empty() {
+        true => "the whole table".to_string(),
+        false => parts.join(", "),
+    }
+}
+
+/// A list of which a long middle is left out.
+fn shortened(names: &[String]) -> String {
+    match names {
+        [] => "–".to_string(),
+        [first, second, .., last] if names.len() > 6 => {
+            format!("{first}, {second}, …, {last} ({})", names.len())
+        }
+        names => list(names),
+    }
+}
+
+/// What else the readings say of the day: one row per check.
+fn checks(context: &Context<'_>, readings: &Readings) -> DataTable {
+    let mut table = DataTable::new(
+        "What the readings say of the measurement itself",
+        [
+            "check",
+            "found [mm]",
+            "by noise alone [mm]",
+            "what it means",
+        ],
+    );
+    let number = |below: &str| {
+        let number = context.number(&format!("/readings/reduction/{below}"));
+        Text::from(number.mm().bare().decimals(4))
+    };
+    let reduction = &readings.reduction;
+    if let Some(registration) = &reduction.registration {
+        let left: Vec<String> = registration
+            .postures
+            .iter()
+            .filter(|p| !p.used)
+            .map(|p| visible(&p.posture).into_owned())
+            .collect();
+        let how = match registration.given {
+            true => "the tracker's place is as given; the unloaded points check it".to_string(),
+            false => format!(
+                "the tracker's place comes from the unloaded points of {} of {} postures",
+                registration.postures.len() - left.len(),
+                registration.postures.len()
+            ),
+        };
+        let how = match left.is_empty() {
+            true => how,
+            false => format!("{how}; {} disagrees", shortened(&left)),
+        };
+        let cells = [number("registration/rms_m"), "–".into(), how.into()];
+        table.row("registration, RMS from the kinematic model", cells);
+    }
+    if let Some(repeats) = &reduction.repeatability {
+        let mut how = format!(
+            "scatter of one reading along an axis, from {} degrees of freedom",
+            repeats.degrees_of_freedom
+        );
+        if repeats.identical_readings > 0 {
+            how += &format!(
+                "; {} readings repeat another to the last digit",
+                repeats.identical_readings
+            );
+        }
+        let cells = [number("repeatability/std_m"), "–".into(), how.into()];
+        table.row("repeatability", cells);
+    }
+    if let Some(drift) = &reduction.drift {
+        let how = match drift.significance {
+            Some(p) if p < 1e-3 => {
+                "more than noise; a straight line in time is taken off, look for its cause"
+            }
+            _ => "no more than noise; a straight line in time is taken off",
+        };
+        let cells = [
+            number("drift/rms_m"),
+            number("drift/expected_rms_m"),
+            how.into(),
+        ];
+        table.row("drift within a posture, RMS along an axis", cells);
+    }
+    let motion = reduction.base_motion.iter().enumerate();
+    let largest = motion.max_by(|a, b| {
+        let of = |m: &stiffarm::measure::reduction::BaseMotion| m.largest_correction_m;
+        of(a.1).total_cmp(&of(b.1))
+    });
+    if let Some((i, own)) = largest {
+        let how = format!(
+            "largest correction, at posture {}, {:.1} times what noise gives; it is taken off the displacements",
+            visible(&own.posture),
+            own.times_noise
+        );
+        let found = number(&format!("base_motion/{i}/largest_correction_m"));
+        let noise = number(&format!("base_motion/{i}/noise_m"));
+        table.row("motion of the base", [found, noise, how.into()]);
+    }
+    table
+}
+
+/// How the unloaded points of each posture fit the kinematic model.
+fn registration_figure(registration: &UnloadedRegistration) -> Figure {
+    let postures = &registration.postures;
+    let bars = |label: &str, used: bool| {
+        let y = postures.iter().map(|p| match p.used == used {
+            true => 1e3 * p.rms_m,
+            false => f64::NAN,
+        });
+        Series::new(label, Style::Bars, places(postures.len()), y.collect())
+    };
+    let mut series = vec![bars("used", true)];
+    if postures.iter().any(|p| !p.used) {
+        series.push(bars("left out: disagrees with the others", false));
+    }
+    let names = postures.iter().map(|p| visible(&p.posture).into_owned());
+    Figure {
+        id: "registration".into(),
+        title: "Unloaded points against the kinematic model".into(),
+        caption: "RMS distance between where the unloaded measuring points are and where the angles put them. One posture far \
+                  above the others has wrong angles or exchanged rows; all of them large is the calibration of the robot."
+            .into(),
+        columns: 1,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::categorical("posture", names),
+            y: Axis::linear("RMS distance", "mm").from_zero(),
+            series,
+            equal_aspect: false,
+        }],
+    }
+}

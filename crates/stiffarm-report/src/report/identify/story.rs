@@ -1,0 +1,285 @@
+//! What was done, what came out, what to do next.
+
+use super::Identified;
+use super::joints::{Grade, Joints, WELL, level};
+use crate::identified::in_order;
+use crate::page::{Number, Text};
+use crate::report::context::Context;
+use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
+use stiffarm::findings::visible;
+
+/// Residuals this many times the expected noise hold more than noise, where no test says it.
+const MORE_THAN_NOISE: f64 = 1.5;
+
+/// What was done.
+pub(super) fn done(context: &Context<'_>, found: &Identified) -> Text {
+    let estimates = &found.identification.estimates;
+    let names = found
+        .identification
+        .postures
+        .iter()
+        .map(|p| p.posture.as_str());
+    let postures = in_order(names).len();
+    let from = match found.readings {
+        Some(_) => "raw readings of the tracker",
+        None => "measured displacements",
+    };
+    let excluded = context.saved.json["options"]["exclude"].as_array();
+    let excluded = match excluded.map_or(0, Vec::len) {
+        0 => String::new(),
+        1 => " One posture was left out.".to_string(),
+        count => format!(" {count} postures were left out."),
+    };
+    let stopped = match found.not_computed.is_empty() {
+        true => "",
+        false => " The command was stopped: a part of the checks is missing.",
+    };
+    Text::new(format!(
+        "The stiffness of {} joints was identified from {from} at {postures} {}: {} displacements.{excluded}{stopped}",
+        estimates.joints.len(),
+        if postures == 1 { "posture" } else { "postures" },
+        estimates.rows / 3,
+    ))
+}
+
+/// What came out.
+pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
+    let context = joints.context;
+    let text = residual(known(joints), context, found);
+    if found.mixed().is_none() {
+        return text;
+    }
+    let mm = |key: &str| {
+        let number = context.number(&format!("/elastic/{key}"));
+        number.mm().decimals(3)
+    };
+    let text = text.words(" More than the joint axes gives way: ");
+    match (mm("axes_rms_m").value, mm("mixed_rms_m").value) {
+        (Some(_), Some(_)) => text
+            .words("the mixed model misses a posture that took no part by ")
+            .number(mm("mixed_rms_m"))
+            .words(", the axes alone by ")
+            .number(mm("axes_rms_m"))
+            .words("."),
+        _ => text.words("the mixed model predicts."),
+    }
+}
+
+/// How well the joints are known.
+pub(super) fn known(joints: &Joints<'_>) -> Text {
+    let mut within = joints.of(|grade| matches!(grade, Grade::Known | Grade::Weak));
+    let half = |j: &usize| joints.half_width(*j).unwrap_or(f64::INFINITY);
+    within.sort_by(|a, b| half(a).total_cmp(&half(b)));
+    let level = level(joints.estimates.confidence);
+    let with = match joints.budget {
+        Some(_) => "readings and systematic errors together",
+        None => "the scatter of the readings alone",
+    };
+    let mut text = match within.as_slice() {
+        [] => Text::default().strong("No joint's stiffness is known to better than half of it."),
+        [one] => Text::new(format!(
+            "The stiffness of {} is known to ",
+            joints.name(*one)
+        ))
+        .number(joints.total(*one).plus_minus())
+        .words(format!(" ({level} %, {with}).")),
+        [first, .., last] => Text::new("The stiffness is known to ")
+            .number(joints.total(*first).plus_minus())
+            .words(format!(" ({}) to ", joints.name(*first)))
+            .number(joints.total(*last).plus_minus())
+            .words(format!(
+                " ({}) at {level} % confidence, {with}.",
+                joints.name(*last)
+            )),
+    };
+    let weak = joints.of(|grade| *grade == Grade::Weak);
+    if !weak.is_empty() {
+        text = text.words(format!(
+            " Weak, above ± {:.0} %: {}.",
+            100.0 * WELL,
+            joints.names(&weak)
+        ));
+    }
+    let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
+    if !missing.is_empty() && !within.is_empty() {
+        text = text
+            .words(" No usable value: ")
+            .strong(joints.names(&missing))
+            .words(".");
+    }
+    text
+}
+
+/// Whether the residual is noise.
+fn residual(text: Text, context: &Context<'_>, found: &Identified) -> Text {
+    let own = &found.identification;
+    let test = found.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
+    let (std, expected) = match test {
+        Some(_) => (
+            "/diagnosis/noise/residual_std_m",
+            "/diagnosis/noise/expected_std_m",
+        ),
+        None => ("/total_std_m", "/expected_std_m"),
+    };
+    let mm = |below: &str| context.number(below).mm().decimals(4);
+    if own.estimates.degrees_of_freedom == 0 {
+        return text.words(" No reading is left over to check the model.");
+    }
+    if own.expected_std_m <= 0.0 {
+        return text
+            .words(" The residual is ")
+            .number(mm(std))
+            .words("; the cell states no noise to compare it with.");
+    }
+    let agreement = match (test, own.total_std_m) {
+        (Some(test), _) => test.agreement,
+        (None, Some(std)) if std > MORE_THAN_NOISE * own.expected_std_m => Agreement::Larger,
+        _ => Agreement::Agrees,
+    };
+    let numbers = |text: Text| {
+        text.number(mm(std))
+            .words(" against ")
+            .number(mm(expected))
+            .words(" expected")
+    };
+    match agreement {
+        Agreement::Agrees => {
+            numbers(text.words(" What the fit leaves looks like noise: ")).words(".")
+        }
+        Agreement::Smaller => {
+            numbers(text.words(" What the fit leaves is less than the stated noise: ")).words(".")
+        }
+        Agreement::Larger => {
+            let ratio = Number::new("", own.total_std_m.map(|s| s / own.expected_std_m));
+            let ratio = match test {
+                Some(_) => context.number("/diagnosis/noise/ratio"),
+                None => ratio,
+            };
+            let text = text
+                .words(" What the fit leaves is ")
+                .strong("not noise alone")
+                .words(": ");
+            numbers(text)
+                .words(", ")
+                .number(ratio.significant(2))
+                .words(" times as much.")
+        }
+    }
+}
+
+/// What to do next.
+pub(super) fn next(joints: &Joints<'_>, found: &Identified, serious: bool) -> Text {
+    let suspicions = found.screening().map_or(&[][..], |s| &s.suspicions);
+    if serious && !suspicions.is_empty() {
+        let lines = suspicions.first().map_or(&[][..], |s| &s.lines);
+        let lines = match lines {
+            [] => String::new(),
+            [one] => format!(" (line {one})"),
+            [first, .., last] => format!(" (lines {first} to {last})"),
+        };
+        return Text::default()
+            .strong(format!("Correct the table first{lines}"))
+            .words(", then identify again; until then the numbers here are not to be used.");
+    }
+    if serious {
+        return Text::default()
+            .strong("Settle what is marked serious first")
+            .words(", then identify again; until then the numbers here are not to be used.");
+    }
+    let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
+    if found.mixed().is_some() {
+        return Text::new("Predict and compensate with this file, which holds the mixed model; quote the stiffness of the \
+                          axes with its ±. ")
+            .code("stiffarm validate --folds all --elastic mixed")
+            .words(" shows posture by posture how well it predicts.");
+    }
+    // What is left without the outliers is the model's.
+    let left = found.diagnosis.as_ref().and_then(|d| {
+        let without = d.outliers.noise_without.as_ref();
+        without.or(d.noise.as_ref())
+    });
+    let larger = left.is_some_and(|test| test.agreement == Agreement::Larger);
+    if larger && found.elastic.is_none() {
+        return Text::new("Identify again with ")
+            .code("--elastic auto")
+            .words(": it tells whether more than the joint axes gives way. Then ")
+            .code("stiffarm validate")
+            .words(" on postures that were held out.");
+    }
+    let outlier = found
+        .diagnosis
+        .as_ref()
+        .and_then(|d| d.outliers.found.first());
+    if let Some(outlier) = outlier {
+        let what = match (outlier.kind, &outlier.posture, &outlier.point) {
+            (OutlierKind::Point, _, Some(point)) => {
+                let text = Text::new("Look at measuring point ").strong(visible(point));
+                return text.words(
+                    ": it contradicts the others. Check its place on the tool, correct the cell or leave its readings \
+                     out, and identify again.",
+                );
+            }
+            (_, Some(posture), _) => posture,
+            _ => "",
+        };
+        return Text::new("Measure posture ")
+            .strong(visible(what))
+            .words(" again, or leave it out with ")
+            .code(format!("--exclude {}", visible(what)))
+            .words(" and see what changes: it contradicts the others.");
+    }
+    let weak = joints.of(|grade| *grade == Grade::Weak);
+    if let (Some(advice), false) = (&found.next_posture, missing.is_empty() && weak.is_empty()) {
+        let text = Text::new("Measure one more posture: q = ");
+        let text = angles(text, joints.context, advice.angles.len());
+        let most = missing.iter().chain(&weak).copied();
+        let fallen = |j: &usize| {
+            let before = advice.before.get(*j).copied().flatten();
+            let after = advice.after.get(*j).copied().flatten();
+            Some(after? / before?)
+        };
+        let best = most.min_by(|a, b| {
+            let of = |j| fallen(j).unwrap_or(0.0);
+            of(a).total_cmp(&of(b))
+        });
+        let Some(j) = best else {
+            return text.words(" helps most.");
+        };
+        let at = |key: &str| {
+            let number = joints.context.number(&format!("/next_posture/{key}/{j}"));
+            number.percent().significant(2)
+        };
+        let text = text.words(format!(
+            "; it takes the standard error of {}",
+            joints.name(j)
+        ));
+        let text = match at("before").value {
+            Some(_) => text.words(" by the readings from ").number(at("before")),
+            None => text.words(" by the readings from unknown"),
+        };
+        return text.words(" to ").number(at("after")).words(".");
+    }
+    if !missing.is_empty() {
+        return Text::default()
+            .code("stiffarm check")
+            .words(" of the cell looks for the reason why ")
+            .strong(joints.names(&missing))
+            .words(" cannot be told; other postures or loads may show it.");
+    }
+    Text::new("Validate on postures that took no part: ")
+        .code("stiffarm validate")
+        .words(" compares what this stiffness predicts with what is measured there.")
+}
+
+/// The angles of the next posture.
+pub(super) fn angles(text: Text, context: &Context<'_>, count: usize) -> Text {
+    let mut text = text.words("(");
+    for j in 0..count {
+        if j > 0 {
+            text = text.words(", ");
+        }
+        let number = context.number(&format!("/next_posture/posture_deg/{j}"));
+        text = text.number(number.decimals(2));
+    }
+    text.words(")°")
+}

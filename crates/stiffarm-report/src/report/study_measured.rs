@@ -1,0 +1,149 @@
+//! The page of `study --measured`: which postures and which model predict a measured robot.
+
+use super::context::Context;
+use super::tables::data_table;
+use crate::page::{Block, DataTable, Part, Section, Text};
+use crate::study::{measured_figure, measured_table};
+use stiffarm::Result;
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::findings::{Severity, visible};
+use stiffarm::study::{Choice, MeasuredStudy};
+
+/// The part of a page.
+pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+    let study: MeasuredStudy = context.saved.result()?;
+    let done = Text::new(format!(
+        "{} measured postures of {} were split {} times into a pool of {} and {} to be predicted; postures were chosen from \
+         the pool by chance and by index, and predicted the others.",
+        study.posture_count,
+        visible(&study.robot),
+        study.split_count,
+        study.pool_count,
+        study.posture_count - study.pool_count
+    ));
+    let number = |i: usize, key: &str| {
+        let number = context.number(&format!("/choices/{i}/{key}"));
+        number.mm().decimals(3)
+    };
+    let fewest = study.options.counts.iter().copied().min().unwrap_or(0);
+    let known = |i: &usize| study.choices[*i].mean_m.is_finite();
+    let mean = |i: &usize| study.choices[*i].mean_m;
+    let of_fewest = (0..study.choices.len())
+        .filter(|i| study.choices[*i].postures == fewest)
+        .filter(|i| study.choices[*i].choice != Choice::Pool)
+        .filter(known);
+    let best = of_fewest.min_by(|a, b| mean(a).total_cmp(&mean(b)));
+    let whole = (0..study.choices.len()).find(|i| {
+        let own = &study.choices[*i];
+        own.choice == Choice::Pool && own.model == ElasticChoice::Axes
+    });
+    let came = match best {
+        None => Text::new("No choice of postures predicts the others."),
+        Some(i) => {
+            let own = &study.choices[i];
+            let mut text = Text::new(format!(
+                "With {fewest} postures, those chosen by {} with the {} predict best: the others are missed by ",
+                in_words(own.choice),
+                own.model.in_words()
+            ))
+            .number(number(i, "mean_m"))
+            .words(" ")
+            .number(number(i, "standard_error_m").plus_minus());
+            if let Some(whole) = whole.filter(known) {
+                text = text
+                    .words(format!(
+                        ", all {} of the pool with the joint axes alone miss them by ",
+                        study.pool_count
+                    ))
+                    .number(number(whole, "mean_m"));
+            }
+            text.words(" (RMS of a component).")
+        }
+    };
+    let next = match best.map(|i| &study.choices[i]) {
+        Some(own) => {
+            let text = Text::new("For the next robot of this kind choose postures with ");
+            let text = match own.choice {
+                Choice::Index(index) => {
+                    text.code(format!("stiffarm select --index {}", index.as_str()))
+                }
+                _ => text.code("stiffarm select"),
+            };
+            match own.model {
+                ElasticChoice::Mixed => text
+                    .words(", and identify with ")
+                    .code("--elastic auto")
+                    .words(": more than the joint axes gives way here."),
+                _ => text.words(", and identify with the joint axes alone."),
+            }
+        }
+        None => {
+            Text::new("Measure more postures: these do not determine every joint in any split.")
+        }
+    };
+    let mut key = DataTable::new(
+        "RMS error of a displacement component at the postures outside the pool [mm], with its standard error",
+        [
+            "postures, chosen by",
+            "joint axes",
+            "± joint axes",
+            "mixed model",
+            "± mixed model",
+        ],
+    );
+    for own in study
+        .choices
+        .iter()
+        .filter(|c| c.model == ElasticChoice::Axes)
+    {
+        let of = |model: ElasticChoice, name: &str| {
+            let found = study
+                .choices
+                .iter()
+                .position(|c| (c.postures, c.choice, c.model) == (own.postures, own.choice, model));
+            found.map_or_else(|| "–".into(), |i| Text::from(number(i, name).bare()))
+        };
+        let cells = [
+            of(ElasticChoice::Axes, "mean_m"),
+            of(ElasticChoice::Axes, "standard_error_m"),
+            of(ElasticChoice::Mixed, "mean_m"),
+            of(ElasticChoice::Mixed, "standard_error_m"),
+        ];
+        let name = format!("{}, {}", own.postures, in_words(own.choice));
+        key.row(name, cells);
+    }
+    let notes = study
+        .findings
+        .iter()
+        .filter(|f| f.severity == Severity::Note);
+    let notes: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
+    let mut blocks = vec![Block::Figure(measured_figure(&study))];
+    if !notes.is_empty() {
+        blocks.push(Block::List(notes));
+    }
+    let sections = vec![
+        Section::new("choices", "Ways to choose postures", blocks),
+        Section::new(
+            "table",
+            "All ways with both models",
+            vec![Block::Table(data_table(&measured_table(&study)))],
+        ),
+    ];
+    let heading = format!(
+        "Choosing postures on measured readings: {}",
+        visible(&study.cell)
+    );
+    let mut part = context.part(heading, [done, came, next], Some(key), sections);
+    // The notes are all told above.
+    part.sections.retain(|section| section.id != "notes");
+    Ok(part)
+}
+
+/// A way to choose in a sentence.
+fn in_words(choice: Choice) -> String {
+    match choice {
+        Choice::Random => "chance".to_string(),
+        Choice::Index(index) => index.as_str().to_string(),
+        Choice::Pool => "whole pool".to_string(),
+    }
+}
