@@ -2,5 +2,7 @@
 
 mod cells;
 mod generic;
+#[cfg(feature = "page")]
+mod identified;
 mod maps;
 mod render;

@@ -63,7 +63,10 @@ pub(super) fn part(context: &Context<'_>, found: &ClampedIdentification) -> Resu
     sections.extend(cell(context, found, &names)?);
     sections.extend(together_section(context, &found.estimates));
     let heading = "Joint stiffness with the flange fixed".to_string();
-    Ok(context.part(heading, [done, came, next], Some(joints.key()), sections))
+    let verdict = [done, came, next];
+    let mut part = context.part(heading, verdict, Some(joints.key()), sections);
+    part.outcome = joints.outcome(part.outcome);
+    Ok(part)
 }
 
 /// Friction, where loads went up and down.
