@@ -145,7 +145,7 @@ pub fn clamped_residual_figure(found: &ClampedIdentification) -> Figure {
         panels: vec![Panel {
             title: String::new(),
             x: Axis::categorical("posture", postures),
-            y: Axis::linear("residual RMS", "10⁻³ deg").from_zero(),
+            y: Axis::linear("residual RMS", "mdeg").from_zero(),
             series,
             equal_aspect: false,
         }],

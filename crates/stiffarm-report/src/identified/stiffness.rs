@@ -56,6 +56,7 @@ pub fn stiffness_figure(
             .map(|row| known(row).map_or(f64::NAN, |part| 100.0 * part));
         Series::new(label, Style::Bars, places(rows.len()), values.collect())
     };
+    let has_both = rows.iter().any(|row| row.systematic.is_some());
     let parts = [
         part("readings", &|row| row.statistical),
         part("systematic", &|row| row.systematic),
@@ -63,7 +64,9 @@ pub fn stiffness_figure(
     ];
     let parts = parts
         .into_iter()
-        .filter(|series| series.y.iter().any(|y| y.is_finite()));
+        .filter(|series| series.y.iter().any(|y| y.is_finite()))
+        // Without systematic errors both are one.
+        .filter(|series| has_both || series.label != "both");
     let panel = |title: &str, y: Axis, series: Vec<Series>| Panel {
         title: title.into(),
         x: Axis::categorical("", joints.clone()),
