@@ -200,7 +200,9 @@ impl<'a> Joints<'a> {
     /// The verdict on a joint, with the ends of its interval where there is no ±.
     fn verdict(&self, j: usize) -> Text {
         let end = |i: usize| {
-            let below = match self.errors(j) {
+            let own = self.errors(j);
+            // Without a stiffness there is the interval by the scatter alone.
+            let below = match own.filter(|own| own.interval_nm_per_rad[0].is_some()) {
                 Some(_) => format!("/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
                 None => format!("/joints/{j}/interval/{i}"),
             };
@@ -266,5 +268,5 @@ fn source(budget: &SystematicErrors, name: &str) -> String {
         Some(own) if !own.declared => " *",
         _ => "",
     };
-    format!("{}{star}", name.replace('-', " "))
+    format!("{}{star}", name.replace('-', " ")).replace(' ', "\u{a0}")
 }
