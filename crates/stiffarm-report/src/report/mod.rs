@@ -6,6 +6,7 @@
 mod context;
 mod identify;
 mod predict;
+mod register;
 mod study;
 mod study_measured;
 mod tables;
@@ -18,7 +19,7 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 4] = ["identify", "predict", "study", "validate"];
+pub const COMMANDS: [&str; 5] = ["identify", "predict", "register", "study", "validate"];
 
 /// The page of saved results, in their order.
 ///
@@ -49,6 +50,7 @@ fn part(context: &Context<'_>) -> Result<Part> {
     match context.saved.command.as_str() {
         "identify" => identify::part(context),
         "predict" => predict::part(context),
+        "register" => register::part(context),
         "study" if context.saved.json["options"]["measured"] == true => {
             study_measured::part(context)
         }
