@@ -57,13 +57,12 @@ pub fn residual_figure(found: &Identification) -> Figure {
             y.collect(),
         )];
     } else if band > 0.0 {
-        let label = "95 % of the noise";
-        all.push(Series::new(
-            label,
-            Style::Dashed,
-            vec![-0.5, last, f64::NAN, -0.5, last],
-            vec![band, band, f64::NAN, -band, -band],
-        ));
+        // Two lines under one name: one entry of the legend.
+        let ends = || vec![-0.5, last];
+        for line in [band, -band] {
+            let label = "95 % of the noise";
+            all.push(Series::new(label, Style::Dashed, ends(), vec![line; 2]));
+        }
     }
     let rms = found.points.iter().map(|p| 1e3 * p.residual_rms_m);
     let mut by_point = vec![Series::new(
@@ -145,7 +144,7 @@ pub fn clamped_residual_figure(found: &ClampedIdentification) -> Figure {
         panels: vec![Panel {
             title: String::new(),
             x: Axis::categorical("posture", postures),
-            y: Axis::linear("residual RMS", "10⁻³ deg").from_zero(),
+            y: Axis::linear("residual RMS", "mdeg").from_zero(),
             series,
             equal_aspect: false,
         }],

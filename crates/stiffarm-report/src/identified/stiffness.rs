@@ -29,17 +29,17 @@ pub fn stiffness_figure(
     confidence: f64,
 ) -> Figure {
     let joints: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
-    let mega = |k: Option<f64>| k.filter(|k| *k > 0.0).map_or(f64::NAN, |k| 1e-6 * k);
     let level = (1000.0 * confidence).round() / 10.0;
-    let k: Vec<f64> = rows.iter().map(|row| mega(row.stiffness)).collect();
-    let half = rows.iter().zip(&k).map(|(row, k)| {
-        let part = row.total.filter(|total| *total < NO_LONGER);
-        part.filter(|_| k.is_finite())
-            .map_or(0.0, |total| total * k)
+    let known = rows.iter().enumerate().filter_map(|(j, row)| {
+        let k = 1e-6 * row.stiffness.filter(|k| *k > 0.0)?;
+        let half = row.total.filter(|total| *total < NO_LONGER);
+        Some((j as f64, (k, half.map_or(0.0, |total| total * k))))
     });
+    let (x, known): (Vec<f64>, Vec<(f64, f64)>) = known.unzip();
+    let (k, half): (Vec<f64>, Vec<f64>) = known.into_iter().unzip();
     let beside = |by: f64| places(rows.len()).iter().map(|x| x + by).collect();
-    let identified = Series::new("identified", Style::Points, places(rows.len()), k.clone());
-    let mut series = vec![identified.with_error(half.collect())];
+    let identified = Series::new("identified", Style::Points, x, k);
+    let mut series = vec![identified.with_error(half)];
     if prior.len() == rows.len() {
         let values = prior.iter().map(|k| 1e-6 * k).collect();
         series.push(Series::new("prior", Style::Hollow, beside(0.18), values));
@@ -51,11 +51,12 @@ pub fn stiffness_figure(
     }
     let part = |label: &str, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
         let known = |row: &StiffnessRow| of(row).filter(|part| *part < 1.0);
-        let values = rows
-            .iter()
-            .map(|row| known(row).map_or(f64::NAN, |part| 100.0 * part));
-        Series::new(label, Style::Bars, places(rows.len()), values.collect())
+        let all = rows.iter().enumerate();
+        let shown = all.filter_map(|(j, row)| Some((j as f64, 100.0 * known(row)?)));
+        let (x, y) = shown.unzip();
+        Series::new(label, Style::Bars, x, y)
     };
+    let has_both = rows.iter().any(|row| row.systematic.is_some());
     let parts = [
         part("readings", &|row| row.statistical),
         part("systematic", &|row| row.systematic),
@@ -63,7 +64,9 @@ pub fn stiffness_figure(
     ];
     let parts = parts
         .into_iter()
-        .filter(|series| series.y.iter().any(|y| y.is_finite()));
+        .filter(|series| !series.y.is_empty())
+        // Without systematic errors both are one.
+        .filter(|series| has_both || series.label != "both");
     let panel = |title: &str, y: Axis, series: Vec<Series>| Panel {
         title: title.into(),
         x: Axis::categorical("", joints.clone()),

@@ -9,6 +9,7 @@ mod evaluate;
 mod identify;
 mod postures;
 mod predict;
+mod register;
 mod select;
 mod simulate;
 mod study;
@@ -25,8 +26,9 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 8] = [
-    "evaluate", "identify", "predict", "select", "simulate", "study", "validate", "zones",
+pub const COMMANDS: [&str; 9] = [
+    "evaluate", "identify", "predict", "register", "select", "simulate", "study", "validate",
+    "zones",
 ];
 
 /// The page of saved results, in their order.
@@ -59,6 +61,7 @@ fn part(context: &Context<'_>) -> Result<Part> {
         "evaluate" => evaluate::part(context),
         "identify" => identify::part(context),
         "predict" => predict::part(context),
+        "register" => register::part(context),
         "select" => select::part(context),
         "simulate" => simulate::part(context),
         "study" if context.saved.json["options"]["measured"] == true => {

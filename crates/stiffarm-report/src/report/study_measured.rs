@@ -64,9 +64,10 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         Some(own) => {
             let text = Text::new("For the next robot of this kind choose postures with ");
             let text = match own.choice {
-                Choice::Index(index) => {
-                    text.code(format!("stiffarm select --index {}", index.as_str()))
-                }
+                Choice::Index(index) => text.code(format!(
+                    "stiffarm select --index {}",
+                    in_words(Choice::Index(index))
+                )),
                 _ => text.code("stiffarm select"),
             };
             match own.model {
@@ -143,7 +144,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
 fn in_words(choice: Choice) -> String {
     match choice {
         Choice::Random => "chance".to_string(),
-        Choice::Index(index) => index.as_str().to_string(),
+        Choice::Index(index) => index.as_str().replace('_', "-"),
         Choice::Pool => "whole pool".to_string(),
     }
 }

@@ -3,12 +3,14 @@
 use super::context::Context;
 use super::identify::{Residuals, residual_section};
 use crate::identified::in_order;
-use crate::page::{Block, DataTable, Number, Part, Section, Text};
+use crate::page::{Block, DataTable, Number, Outcome, Part, Section, Text};
 use crate::validated::validation_figure;
 use stiffarm::Result;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
 use stiffarm::findings::{Severity, list, visible};
 
+/// Deviations this many times what noise gives on average are the model's.
+const MODEL: f64 = 3.0;
 /// Postures of the table to read first.
 const MOST_ROWS: usize = 8;
 
@@ -27,12 +29,14 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         Some(_) => "Cross-validation of the joint stiffness",
         None => "Validation of the joint stiffness",
     };
-    Ok(context.part(
-        heading.to_string(),
-        verdict,
-        Some(key(context, &found)),
-        sections,
-    ))
+    let key = key(context, &found);
+    let mut part = context.part(heading.to_string(), verdict, Some(key), sections);
+    part.outcome = match (found.passed, found.unpredicted.is_empty()) {
+        (Some(false), _) => Outcome::Serious,
+        (_, false) if part.outcome == Outcome::Good => Outcome::Caution,
+        _ => part.outcome,
+    };
+    Ok(part)
 }
 
 fn done(found: &Validation) -> Text {
@@ -128,6 +132,20 @@ fn next(context: &Context<'_>, found: &Validation) -> Text {
             .words(" keeps some of those measured out, or ")
             .code("--folds")
             .words(" predicts each by a fit without it.");
+    }
+    if found.noise_expectation_m > 0.0 && found.deviation_rms_m > MODEL * found.noise_expectation_m
+    {
+        let text = Text::new("At postures like these count on errors of ")
+            .number(context.number("/deviation_max_m").mm().decimals(2))
+            .words(": what is left is the model's, not the tracker's.");
+        let elastic = &context.saved.json["options"]["fit"]["elastic"];
+        return match elastic == "mixed" {
+            true => text,
+            false => text
+                .words(" ")
+                .code("stiffarm identify --elastic auto")
+                .words(" tells whether more than the joint axes gives way."),
+        };
     }
     Text::new("The stiffness can be worked with: ")
         .code("stiffarm predict")

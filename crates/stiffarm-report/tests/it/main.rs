@@ -2,6 +2,8 @@
 
 mod cells;
 mod generic;
+#[cfg(feature = "page")]
+mod identified;
 mod maps;
 #[cfg(feature = "page")]
 mod page;

@@ -30,7 +30,7 @@ pub(super) fn part(context: &Context<'_>, found: &ClampedIdentification) -> Resu
     // Thousandths of a degree, in which such angles are a few.
     let mdeg = |below: &str| {
         let number = context.number(below).times(1e3 * rad_to_deg(1.0));
-        number.unit("10⁻³ deg").significant(3)
+        number.unit("mdeg").significant(3)
     };
     let came = known(&joints)
         .words(" The fit leaves ")
@@ -63,7 +63,10 @@ pub(super) fn part(context: &Context<'_>, found: &ClampedIdentification) -> Resu
     sections.extend(cell(context, found, &names)?);
     sections.extend(together_section(context, &found.estimates));
     let heading = "Joint stiffness with the flange fixed".to_string();
-    Ok(context.part(heading, [done, came, next], Some(joints.key()), sections))
+    let verdict = [done, came, next];
+    let mut part = context.part(heading, verdict, Some(joints.key()), sections);
+    part.outcome = joints.outcome(part.outcome);
+    Ok(part)
 }
 
 /// Friction, where loads went up and down.
@@ -72,7 +75,7 @@ fn friction(context: &Context<'_>, found: &ClampedIdentification) -> Option<Data
         "Loads going up and down: half of the loop of each joint, and the torque that would hold it",
         [
             "joint",
-            "half loop [10⁻³ deg]",
+            "half loop [mdeg]",
             "friction [N·m]",
             "torque RMS [N·m]",
         ],

@@ -1,7 +1,7 @@
 //! The joints of an identification: how well each is known, and the table of it.
 
 use crate::identified::StiffnessRow;
-use crate::page::{DataTable, Number, Text};
+use crate::page::{DataTable, Number, Outcome, Text};
 use crate::report::context::Context;
 use stiffarm::estimate::identify::{Estimates, JointEstimate, Verdict};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors};
@@ -11,6 +11,9 @@ use stiffarm::findings::{list, visible};
 pub(super) const WELL: f64 = 0.1;
 /// From this fraction of k on there is no ±: 1/H is far from linear there.
 const NO_LONGER: f64 = 0.5;
+
+/// Names of so many letters are not broken.
+const SHORT: usize = 16;
 
 /// How well a joint is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,6 +109,20 @@ impl<'a> Joints<'a> {
         }
     }
 
+    /// The outcome with what the joints say: findings do not name a joint without a value.
+    pub fn outcome(&self, found: Outcome) -> Outcome {
+        let any = |is: &dyn Fn(&Grade) -> bool| !self.of(is).is_empty();
+        if any(&|grade| *grade == Grade::Fault) {
+            return Outcome::Serious;
+        }
+        match found {
+            Outcome::Good if any(&|grade| !matches!(grade, Grade::Known | Grade::Weak)) => {
+                Outcome::Caution
+            }
+            found => found,
+        }
+    }
+
     /// Joints of a grade.
     pub fn of(&self, is: impl Fn(&Grade) -> bool) -> Vec<usize> {
         let all = 0..self.all().len();
@@ -169,7 +186,13 @@ impl<'a> Joints<'a> {
                 cells.push(visible(&source).into_owned().into());
             }
             cells.push(self.verdict(j));
-            table.row(self.name(j), cells);
+            // A short name stays on its line.
+            let name = self.name(j);
+            let name = match name.chars().count() <= SHORT {
+                true => name.replace(' ', "\u{a0}"),
+                false => name,
+            };
+            table.row(name, cells);
         }
         table
     }
@@ -177,7 +200,9 @@ impl<'a> Joints<'a> {
     /// The verdict on a joint, with the ends of its interval where there is no ±.
     fn verdict(&self, j: usize) -> Text {
         let end = |i: usize| {
-            let below = match self.errors(j) {
+            let own = self.errors(j);
+            // Without a stiffness there is the interval by the scatter alone.
+            let below = match own.filter(|own| own.interval_nm_per_rad[0].is_some()) {
                 Some(_) => format!("/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
                 None => format!("/joints/{j}/interval/{i}"),
             };
@@ -205,9 +230,7 @@ impl<'a> Joints<'a> {
             Grade::Unsure => Text::default()
                 .strong("no interval")
                 .words(": nothing says how sure it is"),
-            Grade::Undetermined => Text::default()
-                .strong("not determined")
-                .words(" by these measurements"),
+            Grade::Undetermined => Text::default().strong("not determined"),
         }
     }
 
@@ -245,5 +268,5 @@ fn source(budget: &SystematicErrors, name: &str) -> String {
         Some(own) if !own.declared => " *",
         _ => "",
     };
-    format!("{}{star}", name.replace('-', " "))
+    format!("{}{star}", name.replace('-', " ")).replace(' ', "\u{a0}")
 }

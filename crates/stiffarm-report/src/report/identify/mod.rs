@@ -10,14 +10,14 @@ mod story;
 pub(super) use arrows::{Residuals, residual_section};
 
 use super::context::Context;
-use crate::page::{Part, Section};
+use crate::page::{Outcome, Part, Section};
 use joints::Joints;
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::diagnose::Diagnosis;
 use stiffarm::estimate::elastic::{Elastic, ElasticChoice};
-use stiffarm::estimate::identify::Identification;
+use stiffarm::estimate::identify::{Identification, implausible_scale};
 use stiffarm::estimate::next_posture::NextPosture;
 use stiffarm::estimate::systematic::SystematicErrors;
 use stiffarm::findings::Severity;
@@ -73,7 +73,17 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         estimates: &found.identification.estimates,
         budget: found.budget.as_ref(),
     };
-    let serious = context.saved.findings().into_iter();
+    // A scale that no screening could name, where the cell is at hand.
+    let named = found
+        .screening()
+        .is_some_and(|s| s.scales().next().is_some());
+    let implausible = context.cell.filter(|_| !named);
+    let implausible = implausible.and_then(|cell| implausible_scale(cell, &found.identification));
+    let serious = context
+        .saved
+        .findings()
+        .into_iter()
+        .chain(implausible.clone());
     let serious: Vec<_> = serious
         .filter(|f| f.severity == Severity::Serious)
         .collect();
@@ -103,5 +113,8 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     all.push(sections::next(&joints, &found));
     let sections = all.into_iter().flatten().collect();
     let heading = "Joint stiffness from measurements".to_string();
-    Ok(context.part(heading, verdict, Some(joints.key()), sections))
+    let mut part = context.part(heading, verdict, Some(joints.key()), sections);
+    part.warnings.splice(0..0, implausible);
+    part.outcome = joints.outcome(Outcome::of(&part.warnings));
+    Ok(part)
 }

@@ -36,7 +36,7 @@ pub(super) fn section(context: &Context<'_>, found: &Identified) -> Option<Secti
 /// What is likely wrong, one row each, the first to be corrected first.
 fn suspicions(context: &Context<'_>, screening: &Screening, below: &str) -> DataTable {
     let mut table = DataTable::new(
-        "What is likely wrong with the table, in the order to correct it; each correction was tried and fits",
+        "What is likely wrong with the table, in the order to correct it",
         [
             "likely cause",
             "weight",

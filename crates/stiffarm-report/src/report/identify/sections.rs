@@ -364,9 +364,12 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Option<Section> {
         ));
     };
     let text = angles(Text::new("q = "), context, advice.angles.len()).words(format!(
-        ", measured as posture {} was, {} displacements at the same points and in the same load states.",
+        ", measured as posture {} was, {} at the same points and in the same load states.",
         visible(&advice.measured_as),
-        advice.displacements
+        match advice.displacements {
+            1 => "one displacement".to_string(),
+            count => format!("{count} displacements"),
+        }
     ));
     let mut table = DataTable::new(
         "Relative standard error of each joint's stiffness by the scatter of the readings [%]",

@@ -199,7 +199,9 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified, serious: bool) -> Te
         without.or(d.noise.as_ref())
     });
     let larger = left.is_some_and(|test| test.agreement == Agreement::Larger);
-    if larger && found.elastic.is_none() {
+    // A joint without a value comes before how well the others fit.
+    let blind = joints.of(|grade| matches!(grade, Grade::Undetermined | Grade::Together(_)));
+    if larger && found.elastic.is_none() && blind.is_empty() {
         return Text::new("Identify again with ")
             .code("--elastic auto")
             .words(": it tells whether more than the joint axes gives way. Then ")
@@ -210,7 +212,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified, serious: bool) -> Te
         .diagnosis
         .as_ref()
         .and_then(|d| d.outliers.found.first());
-    if let Some(outlier) = outlier {
+    if let Some(outlier) = outlier.filter(|_| blind.is_empty()) {
         let what = match (outlier.kind, &outlier.posture, &outlier.point) {
             (OutlierKind::Point, _, Some(point)) => {
                 let text = Text::new("Look at measuring point ").strong(visible(point));
