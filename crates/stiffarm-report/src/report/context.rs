@@ -84,6 +84,14 @@ impl<'a> Context<'a> {
         }
     }
 
+    /// The same for a result that is to be looked at, whatever its findings say.
+    pub fn caution(mut part: Part, is_caution: bool) -> Part {
+        if is_caution && part.outcome == Outcome::Good {
+            part.outcome = Outcome::Caution;
+        }
+        part
+    }
+
     /// The cell in 3D at groups of postures; `None` where the cell is not at hand or cannot take them.
     ///
     /// # Errors

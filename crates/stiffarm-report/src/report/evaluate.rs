@@ -83,7 +83,9 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         1 => format!("What {} can tell", name(0)),
         _ => "What groups of postures can tell".to_string(),
     };
-    Ok(context.part(heading, [done, came, next], Some(key), sections))
+    let unsure = best.is_none_or(|g| is_beyond_first_order(groups[g].evaluation));
+    let part = context.part(heading, [done, came, next], Some(key), sections);
+    Ok(Context::caution(part, unsure))
 }
 
 fn counted(count: usize) -> String {
