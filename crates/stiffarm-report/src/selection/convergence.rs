@@ -8,11 +8,11 @@ use stiffarm::plan::select::Selection;
 const FEW: u64 = 16;
 
 /// The best value after each round of a global search, with the plan's own and what no plan goes below; `None` for a
-/// search without rounds.
+/// search of fewer than two rounds.
 pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<Figure> {
     let index = selection.index;
     let IndexUnit { factor, unit } = IndexUnit::of(index);
-    let all = selection.rounds.filter(|rounds| *rounds > 0)?;
+    let all = selection.rounds.filter(|rounds| *rounds > 1)?;
     // Category i lies at i, round 1 is the first.
     let (axis, before) = match all <= FEW {
         true => {

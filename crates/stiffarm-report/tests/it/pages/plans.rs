@@ -64,7 +64,7 @@ fn a_plan_says_how_good_it_is_and_shows_why() {
     assert!(next.contains("--sheet measurements.xlsx"), "{next}");
     let key = shown.parts[0].key.as_ref().unwrap();
     assert_eq!(key.rows.len(), 4);
-    assert!(key.headings.contains(&"least room [mm]".to_string()));
+    assert!(key.headings.contains(&"room [mm]".to_string()));
     let pictures = figures(&shown);
     for wanted in [
         "expected-deviation",
