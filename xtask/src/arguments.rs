@@ -13,12 +13,18 @@ Usage: cargo xtask <command> [options]
 Commands:
   test [--install] [--require PARTS]
       Runs every test and closes with one line, `total: N passed, N failed, N skipped`.
-      --install         installs what a part needs and the machine lacks: LibreOffice for the sheets
+      --install         installs what a part needs and the machine lacks: LibreOffice for the sheets,
+                        Chromium and Firefox for the pages (apt-get, as root)
       --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, sheets, python,
                         browser
       Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
   sheets [--install]
       Sheets filled by openpyxl and by LibreOffice, a part of test, alone.
+  pages [--install] [--only KIND,…] [--look FOLDER] [--gallery FOLDER]
+      Pages of stiffarm in Chromium and Firefox, a part of test, alone.
+      --only KIND,…     only these kinds of xtask/pages/kinds.py, or sample, the checks tried on a written page
+      --look FOLDER     leaves pictures of the pages there: three widths, light and dark, printed, in Firefox
+      --gallery FOLDER  makes the pictures of docs/gallery.md there instead (docs/images/gallery)
   generate [--check]
       Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
       --check           writes nothing and fails when one of them is out of date
@@ -34,6 +40,9 @@ Commands:
   robots FOLDER [--check]
       Writes crates/stiffarm/data/robots.rs, the catalogue's data, from the robot descriptions in FOLDER.
       --check           writes nothing and fails when the file is not what they give
+  viewer [--check]
+      Writes crates/stiffarm-report/assets/three.min.js, the part of three.js that pages carry, from xtask/viewer by npm.
+      --check           writes nothing and fails when the file is not what npm gives; skipped without npm
   fuzz [--seconds N | --inputs N] [--target T]… [--seed S] [--threads N]
       Runs mutated inputs through every reader and every command, built for release, without end unless told.
       --seconds N       ends after this time
@@ -81,6 +90,11 @@ pub enum Command {
         /// Compare only.
         check: bool,
     },
+    /// Write the bundle of three.js, or with `check` compare it.
+    Viewer {
+        /// Compare only.
+        check: bool,
+    },
     /// Mutated inputs for readers and commands; the words are the fuzzer's.
     Fuzz(Vec<String>),
     /// Every check that is not a test.
@@ -92,6 +106,8 @@ pub enum Command {
         /// Install what the machine lacks.
         install: bool,
     },
+    /// Pages in browsers, alone.
+    Pages(PagesOptions),
     /// [`Command::Lint`], then [`Command::Test`].
     Ci(TestOptions),
 }
@@ -103,6 +119,19 @@ pub struct TestOptions {
     pub install: bool,
     /// Parts that must not skip anything.
     pub require: Vec<Part>,
+}
+
+/// Options of `cargo xtask pages`.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct PagesOptions {
+    /// Install what the machine lacks.
+    pub install: bool,
+    /// Leave pictures of all pages in this folder.
+    pub look: Option<PathBuf>,
+    /// Make the pictures of the documentation in this folder instead of checking.
+    pub gallery: Option<PathBuf>,
+    /// Only these kinds of pages, with commas between them.
+    pub only: Option<String>,
 }
 
 /// Options of `cargo xtask outputs`.
@@ -172,11 +201,18 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [flag] => Err(unexpected(name, flag)),
             [_, second, ..] => Err(unexpected(name, second)),
         },
+        "viewer" => match rest {
+            [] => Ok(Command::Viewer { check: false }),
+            [flag] if flag == "--check" => Ok(Command::Viewer { check: true }),
+            [flag] => Err(unexpected(name, flag)),
+            [_, second, ..] => Err(unexpected(name, second)),
+        },
         "sheets" => match rest {
             [] => Ok(Command::Sheets { install: false }),
             [flag] if flag == "--install" => Ok(Command::Sheets { install: true }),
             [first, ..] => Err(unexpected(name, first)),
         },
+        "pages" => Ok(Command::Pages(parse_pages(rest)?)),
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
         "robots" => parse_robots(rest),
         "fuzz" => Ok(Command::Fuzz(rest.to_vec())),
@@ -187,7 +223,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, sheets, generate, outputs, robots, fuzz, lint, features, ci or help",
+            "use test, sheets, pages, generate, outputs, robots, viewer, fuzz, lint, features, ci or help",
         )),
     }
 }
@@ -211,6 +247,38 @@ fn parse_test(command: &str, rest: &[String]) -> Result<TestOptions, Failure> {
             parse_parts(parts, &mut options.require)?;
         } else {
             return Err(unexpected(command, argument));
+        }
+    }
+    Ok(options)
+}
+
+/// Parses the options of `pages`.
+fn parse_pages(rest: &[String]) -> Result<PagesOptions, Failure> {
+    let mut options = PagesOptions::default();
+    let mut rest = rest.iter();
+    while let Some(argument) = rest.next() {
+        let (name, joined) = match argument.split_once('=') {
+            Some((name, value)) => (name, Some(value.to_string())),
+            None => (argument.as_str(), None),
+        };
+        match name {
+            "--install" if joined.is_none() => {
+                options.install = true;
+                continue;
+            }
+            "--look" | "--only" | "--gallery" => {}
+            _ => return Err(unexpected("pages", argument)),
+        }
+        let value = joined.or_else(|| rest.next().cloned()).ok_or_else(|| {
+            Failure::usage(
+                format!("`{name}` has no value"),
+                "see `cargo xtask help` for what it takes",
+            )
+        })?;
+        match name {
+            "--look" => options.look = Some(PathBuf::from(value)),
+            "--gallery" => options.gallery = Some(PathBuf::from(value)),
+            _ => options.only = Some(value),
         }
     }
     Ok(options)
@@ -362,6 +430,10 @@ mod tests {
             parsed("generate --check").unwrap(),
             Command::Generate { check: true }
         );
+        assert_eq!(
+            parsed("viewer --check").unwrap(),
+            Command::Viewer { check: true }
+        );
         assert_eq!(parsed("lint").unwrap(), Command::Lint);
         assert_eq!(
             parsed("sheets --install").unwrap(),
@@ -412,6 +484,26 @@ mod tests {
                 "{line}"
             );
         }
+    }
+
+    #[test]
+    fn pages_takes_a_folder_for_pictures_and_kinds() {
+        for line in [
+            "pages --install --look pictures --only study,map",
+            "pages --only=study,map --look=pictures --install",
+        ] {
+            let expected = PagesOptions {
+                install: true,
+                look: Some(PathBuf::from("pictures")),
+                gallery: None,
+                only: Some("study,map".to_string()),
+            };
+            assert_eq!(parsed(line).unwrap(), Command::Pages(expected), "{line}");
+        }
+        let failure = parsed("pages --look").unwrap_err();
+        assert_eq!(failure.message, "`--look` has no value");
+        let failure = parsed("pages study").unwrap_err();
+        assert_eq!(failure.message, "`cargo xtask pages` does not take `study`");
     }
 
     #[test]

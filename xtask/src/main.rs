@@ -8,12 +8,16 @@ mod checks;
 mod fuzz;
 mod generate;
 mod outputs;
+mod pages;
+mod reference;
 mod robots;
 mod run;
 mod sheets;
 mod structure;
 mod tally;
 mod test;
+mod tools;
+mod viewer;
 
 use std::process::ExitCode;
 
@@ -45,7 +49,9 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Outputs(options) => outputs::run(&workspace, &options),
         Command::Robots { folder, check } => robots::run(&workspace, &folder, check),
         Command::Fuzz(words) => fuzz::run(&workspace, &words),
+        Command::Pages(options) => pages::alone(&workspace, &options),
         Command::Sheets { install } => sheets::alone(&workspace, install),
+        Command::Viewer { check } => viewer::run(&workspace, check),
         Command::Lint => checks::lint(&workspace),
         Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),

@@ -215,7 +215,7 @@ pub fn quoted(word: &str) -> String {
 }
 
 /// Copies `from` to `to` line by line, at once, and hands every line without its end to `see`.
-fn copy_lines(
+pub fn copy_lines(
     mut from: impl BufRead,
     mut to: impl Write,
     mut see: impl FnMut(&str),

@@ -2,9 +2,9 @@
 //! `stiffarm identify` must make the same of it as of the readings as text (`xtask/sheets/fill.py`).
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
 
 use crate::run::{Failure, Workspace};
+use crate::tools::{self, Missing, call, first_that_runs, runs};
 
 /// What became of one of the programs.
 #[derive(Debug, PartialEq, Eq)]
@@ -14,12 +14,7 @@ pub enum Outcome {
     /// They do not, or the check did not come to its end.
     Failed(String),
     /// The machine lacks something.
-    Skipped {
-        /// What is missing.
-        reason: String,
-        /// How to get it.
-        fix: &'static str,
-    },
+    Skipped(Missing),
 }
 
 /// A program, by the name that `fill.py` has for it, and what came of it.
@@ -30,9 +25,6 @@ pub struct Filled {
     pub outcome: Outcome,
 }
 
-/// What `fill.py` needs of Python.
-const PYTHON: &str = "import sys; sys.exit(sys.version_info < (3, 10))";
-
 const INSTALL: &str = "cargo xtask sheets --install";
 
 /// Fills sheets by each program; with `install`, what is missing is installed first.
@@ -40,17 +32,13 @@ pub fn run(workspace: &Workspace, install: bool) -> Result<Vec<Filled>, Failure>
     let build = workspace.cargo(&["build", "--package", "stiffarm-cli", "--locked"]);
     println!("{build}");
     build.run()?;
-    let target = match std::env::var_os("CARGO_TARGET_DIR") {
-        Some(folder) => workspace.root().join(folder),
-        None => workspace.root().join("target"),
-    };
     let place = Place {
         script: workspace.root().join("xtask/sheets"),
-        stiffarm: target.join(format!("debug/stiffarm{}", std::env::consts::EXE_SUFFIX)),
-        folder: target.join("sheets"),
+        stiffarm: tools::stiffarm(workspace),
+        folder: tools::target(workspace).join("sheets"),
     };
     let filled = [
-        ("sheet filled by openpyxl", place.openpyxl()),
+        ("sheet filled by openpyxl", place.openpyxl(install)),
         ("sheet filled by LibreOffice", place.libreoffice(install)),
     ];
     Ok(filled
@@ -65,7 +53,9 @@ pub fn alone(workspace: &Workspace, install: bool) -> Result<(), Failure> {
     for Filled { name, outcome } in run(workspace, install)? {
         match outcome {
             Outcome::Passed => {}
-            Outcome::Skipped { reason, fix } => println!("SKIPPED {name}: {reason}; fix: {fix}"),
+            Outcome::Skipped(Missing { reason, fix }) => {
+                println!("SKIPPED {name}: {reason}; fix: {fix}")
+            }
             Outcome::Failed(why) => {
                 println!("FAILED {name}: {why}");
                 failed = true;
@@ -86,43 +76,12 @@ struct Place {
 }
 
 impl Place {
-    fn openpyxl(&self) -> Outcome {
-        let python = match first_that_runs(&["python3", "python"], &["-c", PYTHON]) {
-            Some(python) => python,
-            None => {
-                return Outcome::Skipped {
-                    reason: "there is no Python 3.10 or newer".to_string(),
-                    fix: "install Python from python.org or the system's packages",
-                };
-            }
-        };
-        let venv = self.folder.join("venv");
-        let bin = venv.join(if cfg!(windows) {
-            "Scripts/python.exe"
-        } else {
-            "bin/python"
-        });
-        if !runs(&bin, &["-c", "import openpyxl"]) {
-            let requirements = self.script.join("requirements.txt");
-            let made =
-                call(Path::new(python), &["-m", "venv", &venv.to_string_lossy()]).and_then(|_| {
-                    let wanted = requirements.to_string_lossy();
-                    call(
-                        &bin,
-                        &["-m", "pip", "install", "--quiet", "--requirement", &wanted],
-                    )
-                });
-            if let Err(why) = made {
-                return Outcome::Skipped {
-                    reason: format!(
-                        "openpyxl could not be installed into {}: {why}",
-                        venv.display()
-                    ),
-                    fix: "give pip a way to pypi.org, and run it again",
-                };
-            }
+    fn openpyxl(&self, install: bool) -> Outcome {
+        let requirements = self.script.join("requirements.txt");
+        match tools::python(&self.folder, &requirements, "import openpyxl", install) {
+            Ok(python) => self.fill(&python, "openpyxl"),
+            Err(missing) => Outcome::Skipped(missing),
         }
-        self.fill(&bin, "openpyxl")
     }
 
     fn libreoffice(&self, install: bool) -> Outcome {
@@ -132,25 +91,14 @@ impl Place {
             python.filter(|_| office)
         };
         if install && ready().is_none() {
-            println!("installing libreoffice-calc and python3-uno");
-            // What is missing afterwards is said below.
-            let packages = [
-                "install",
-                "-y",
-                "-qq",
-                "--no-install-recommends",
-                "libreoffice-calc",
-                "python3-uno",
-            ];
-            let _ = call(Path::new("apt-get"), &["update", "-qq"]);
-            let _ = call(Path::new("apt-get"), &packages);
+            tools::apt_install(&["libreoffice-calc", "python3-uno"]);
         }
         match ready() {
             Some(python) => self.fill(Path::new(python), "libreoffice"),
-            None => Outcome::Skipped {
+            None => Outcome::Skipped(Missing {
                 reason: "there is no soffice with its Python bridge (uno)".to_string(),
                 fix: INSTALL,
-            },
+            }),
         }
     }
 
@@ -164,51 +112,5 @@ impl Place {
             }
             Err(why) => Outcome::Failed(why),
         }
-    }
-}
-
-/// The first of `programs` that ends well with `arguments`.
-fn first_that_runs<'p>(programs: &[&'p str], arguments: &[&str]) -> Option<&'p str> {
-    let mut programs = programs.iter().copied();
-    programs.find(|program| runs(Path::new(program), arguments))
-}
-
-fn runs(program: &Path, arguments: &[&str]) -> bool {
-    output(program, arguments).is_ok_and(|output| output.status.success())
-}
-
-/// What a program prints; the error is the last line that it complains with.
-fn call(program: &Path, arguments: &[&str]) -> Result<String, String> {
-    let output = output(program, arguments)
-        .map_err(|e| format!("`{}` could not be run: {e}", program.display()))?;
-    if output.status.success() {
-        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
-    }
-    let complaint = String::from_utf8_lossy(&output.stderr);
-    let last = complaint.lines().rfind(|line| !line.trim().is_empty());
-    Err(last.map_or_else(|| output.status.to_string(), str::to_string))
-}
-
-fn output(program: &Path, arguments: &[&str]) -> std::io::Result<Output> {
-    Command::new(program)
-        .args(arguments)
-        .env("DEBIAN_FRONTEND", "noninteractive")
-        .stdin(Stdio::null())
-        .output()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_program_that_is_not_there_or_fails_says_so() {
-        let none = Path::new("no-such-program-of-stiffarm");
-        assert!(!runs(none, &[]));
-        assert!(call(none, &[]).unwrap_err().contains("could not be run"));
-        assert_eq!(first_that_runs(&["no-such-program-of-stiffarm"], &[]), None);
-        let cargo = Path::new("cargo");
-        assert!(call(cargo, &["--version"]).unwrap().starts_with("cargo"));
-        assert!(call(cargo, &["no-such-subcommand"]).is_err());
     }
 }

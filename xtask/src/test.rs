@@ -1,22 +1,18 @@
 //! `cargo xtask test`: every test this machine can run, what it skips and why, and one closing line.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::arguments::{Part, TestOptions};
+use crate::arguments::{PagesOptions, Part, TestOptions};
+use crate::pages;
+use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Cargo, Failure, Workspace, quoted};
 use crate::sheets::{self, Filled, Outcome};
 use crate::tally::{Ignored, Tally, Total};
-
-/// Names the folder of the reference data; the tests read it, and their `#[ignore]` reason names it.
-pub const REFERENCE_VARIABLE: &str = "STIFFARM_REFERENCE_DATA";
+use crate::tools::Missing;
 
 /// Parts of the test suite that belong to a version of the project that has their folder.
-const LATER_PARTS: [(Part, &str); 2] = [
-    (Part::Python, "crates/stiffarm-py"),
-    (Part::Browser, "tests/browser"),
-];
+const LATER_PARTS: [(Part, &str); 1] = [(Part::Python, "crates/stiffarm-py")];
 
 /// One test or part that was not run.
 #[derive(Debug, PartialEq, Eq)]
@@ -46,7 +42,7 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
                 Outcome::Failed(why) => failures.push(format!(
                     "{name}: {why}; fix: cargo xtask sheets shows it alone"
                 )),
-                Outcome::Skipped { reason, fix } => skips.push(Skip {
+                Outcome::Skipped(Missing { reason, fix }) => skips.push(Skip {
                     part: Part::Sheets,
                     name: name.to_string(),
                     reason,
@@ -54,6 +50,24 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
                 }),
             }
         }
+        let browsers = PagesOptions {
+            install: options.install,
+            ..PagesOptions::default()
+        };
+        let checked = pages::run(workspace, &browsers)?;
+        tally.passed += checked.passed;
+        failures.extend(
+            checked
+                .failures
+                .into_iter()
+                .map(|why| format!("page {why}; fix: cargo xtask pages shows the pages alone")),
+        );
+        skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip {
+            part: Part::Browser,
+            name,
+            reason,
+            fix,
+        }));
     }
     let (unmet, allowed): (Vec<_>, Vec<_>) = skips
         .iter()
@@ -123,21 +137,6 @@ fn run_rust(
         }
     }
     Ok((tally, complaint))
-}
-
-/// The folder that `value` names, absolute because `cargo test` starts every test in its package's folder; otherwise
-/// why there is none.
-pub fn reference_folder(value: Option<OsString>) -> Result<PathBuf, String> {
-    let Some(value) = value.filter(|value| !value.is_empty()) else {
-        return Err(format!("{REFERENCE_VARIABLE} is not set"));
-    };
-    match std::path::absolute(&value) {
-        Ok(folder) if folder.is_dir() => Ok(folder),
-        _ => Err(format!(
-            "{REFERENCE_VARIABLE} is `{}`, which is no folder",
-            value.display()
-        )),
-    }
 }
 
 /// What was not run: the ignored tests, and the reference data where they are required, missing and no test says so.
@@ -235,19 +234,6 @@ mod tests {
     }
 
     #[test]
-    fn the_reference_folder_must_exist_and_becomes_absolute() {
-        let unset = "STIFFARM_REFERENCE_DATA is not set".to_string();
-        assert_eq!(reference_folder(None), Err(unset.clone()));
-        assert_eq!(reference_folder(Some("".into())), Err(unset));
-        assert_eq!(
-            reference_folder(Some("no/such/folder".into())).unwrap_err(),
-            "STIFFARM_REFERENCE_DATA is `no/such/folder`, which is no folder"
-        );
-        let folder = reference_folder(Some("src".into())).unwrap();
-        assert!(folder.is_absolute() && folder.ends_with("src"));
-    }
-
-    #[test]
     fn skips_name_the_test_the_reason_and_the_fix() {
         let tests = [
             ignored("fanuc::measured", "needs STIFFARM_REFERENCE_DATA"),
@@ -292,9 +278,9 @@ mod tests {
         assert!(refuse_later_parts(&root, &[Part::Rust, Part::Reference]).is_ok());
         assert!(untested_parts(&root).is_empty());
 
-        std::fs::create_dir_all(root.join("tests/browser")).unwrap();
-        assert!(refuse_later_parts(&root, &[Part::Browser]).is_ok());
-        assert!(untested_parts(&root)[0].starts_with("browser: `tests/browser` exists"));
+        std::fs::create_dir_all(root.join("crates/stiffarm-py")).unwrap();
+        assert!(refuse_later_parts(&root, &[Part::Python]).is_ok());
+        assert!(untested_parts(&root)[0].starts_with("python: `crates/stiffarm-py` exists"));
         std::fs::remove_dir_all(root).unwrap();
     }
 }

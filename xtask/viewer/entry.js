@@ -1,7 +1,7 @@
 // What crates/stiffarm-report/assets/viewer uses of three.js, and nothing else.
 export {
-  AmbientLight, BoxGeometry, BufferGeometry, CapsuleGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
-  DoubleSide, Float32BufferAttribute, Group, HemisphereLight, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  BoxGeometry, BufferGeometry, CapsuleGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
+  DoubleSide, Float32BufferAttribute, Group, HemisphereLight, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
   PerspectiveCamera, PlaneGeometry, Quaternion, Scene, SphereGeometry, Vector3, WebGLRenderer,
 } from 'three';
 export { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';

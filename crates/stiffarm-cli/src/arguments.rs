@@ -1,7 +1,6 @@
 //! The command line that makes a result again: without where results go and how they are shown.
 
-use crate::identity::FileId;
-use crate::session::Input;
+use crate::identity::{FileId, Input};
 use std::ffi::OsString;
 use std::path::Path;
 use stiffarm::files::builtin;

@@ -3,6 +3,22 @@
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 
+/// One file that was read.
+pub struct Input {
+    /// What the command reads it as, for example `cell`.
+    pub role: String,
+    /// Its name in messages.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+    /// SHA-256 of the content.
+    pub sha256: String,
+    /// True for standard input.
+    pub is_stdin: bool,
+    /// The file, where it is one.
+    pub id: Option<FileId>,
+}
+
 /// A file, not its name: `p.csv`, `./p.csv` and a link to it are the same.
 #[derive(Debug, Clone)]
 pub struct FileId {

@@ -1,7 +1,7 @@
 //! Reading: files, standard input, built-in files.
 
-use crate::identity::{FileId, folder_of, of_stdin};
-use crate::session::{Input, Session};
+use crate::identity::{FileId, Input, folder_of, of_stdin};
+use crate::session::Session;
 use std::io::Read;
 use std::path::Path;
 use stiffarm::files::builtin;
@@ -65,7 +65,9 @@ impl Session {
                 })
         };
         let cell = parse_cell_bytes_with(&bytes, &name, &read)?;
-        self.page.remember(&cell);
+        if let Some(page) = self.page.borrow_mut().as_mut() {
+            page.cell.get_or_insert_with(|| cell.clone());
+        }
         Ok(NamedCell { cell, name })
     }
 

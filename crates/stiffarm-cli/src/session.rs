@@ -3,33 +3,27 @@
 use crate::Captured;
 use crate::args::Global;
 use crate::arguments::arguments;
-use crate::identity::FileId;
-use crate::page::ResultPage;
+use crate::identity::{FileId, Input};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::Path;
 use std::rc::Rc;
 use stiffarm::findings::{list, visible};
+use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
 
 /// Threads that are started on a machine of fewer cores.
 const MOST_THREADS: usize = 16;
 
-/// One file that was read.
-pub struct Input {
-    /// What the command reads it as, for example `cell`.
-    pub role: String,
-    /// Its name in messages.
-    pub name: String,
-    /// Its content.
-    pub bytes: Vec<u8>,
-    /// SHA-256 of the content.
-    pub sha256: String,
-    /// True for standard input.
-    pub is_stdin: bool,
-    /// The file, where it is one.
-    pub id: Option<FileId>,
+/// Where the page of the result goes, and what it needs.
+pub struct WantedPage {
+    /// The file, as it was given.
+    pub path: String,
+    /// True where it may take the place of another.
+    pub force: bool,
+    /// The cell as its file describes it.
+    pub cell: Option<Cell>,
 }
 
 /// One run of the command.
@@ -50,8 +44,8 @@ pub struct Session {
     failure: RefCell<Option<Error>>,
     /// Names of the files that were written, for the end of what is printed.
     written: RefCell<Vec<String>>,
-    /// What the page of the result needs, where one is asked for.
-    pub page: ResultPage,
+    /// The page of the result, where one is asked for.
+    pub page: RefCell<Option<WantedPage>>,
     /// Takes what is printed, instead of the process's own output.
     pub captured: Option<Rc<RefCell<Captured>>>,
 }
@@ -76,7 +70,7 @@ impl Session {
             outputs: RefCell::new(Vec::new()),
             failure: RefCell::new(None),
             written: RefCell::default(),
-            page: ResultPage::default(),
+            page: RefCell::default(),
             captured,
         }
     }
@@ -92,7 +86,7 @@ impl Session {
             outputs: RefCell::default(),
             failure: RefCell::default(),
             written: RefCell::default(),
-            page: ResultPage::default(),
+            page: RefCell::default(),
             captured: self.captured.clone(),
         }
     }

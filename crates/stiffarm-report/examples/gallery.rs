@@ -10,7 +10,8 @@ use std::f64::consts::TAU;
 use std::{env, fs, io, path::PathBuf};
 
 use stiffarm_report::{
-    Axis, Figure, Panel, PathCurvePoint, Series, Style, path_figure, render_svg,
+    Axis, Figure, Layout, Panel, PathCurvePoint, Series, Style, path_figure, render_svg,
+    render_svg_with,
 };
 
 const GROUPS: [&str; 4] = [
@@ -39,6 +40,14 @@ fn main() -> io::Result<()> {
             folder.join(format!("{}.svg", figure.id)),
             render_svg(&figure),
         )?;
+        for (name, layout) in [
+            ("88mm", Layout::paper(88.0, 8.0)),
+            ("180mm", Layout::paper(180.0, 8.0)),
+            ("phone", Layout::screen(360.0, 11.0)),
+        ] {
+            let file = folder.join(format!("{}-{name}.svg", figure.id));
+            fs::write(file, render_svg_with(&figure, &layout))?;
+        }
     }
     Ok(())
 }

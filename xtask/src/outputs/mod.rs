@@ -2,7 +2,7 @@
 
 mod binary;
 mod compare;
-mod fanuc;
+pub mod fanuc;
 mod folder;
 mod list;
 
@@ -11,8 +11,8 @@ use std::process::{Command, Output, Stdio};
 use std::time::Instant;
 
 use crate::arguments::OutputsOptions;
+use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace};
-use crate::test::{REFERENCE_VARIABLE, reference_folder};
 use list::{COMMANDS, Call, FANUC, brief, calls};
 
 /// The folder of what the commands print.

@@ -23,6 +23,7 @@ mod own_robot;
 mod pictures;
 mod pose;
 mod register;
+mod report;
 mod saved;
 mod select;
 mod shapes;

@@ -9,17 +9,14 @@ const VIEWS = {
 
 /** A camera that turns around a place. `turn` and `tilt` [rad] as in the printed pictures: from the side at 0, 0. */
 class Orbit {
-  constructor(extent) {
+  /** `points` are what must be seen. */
+  constructor(points) {
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.1, 100);
-    this.setExtent(extent);
+    this.points = points;
+    this.centre = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length || 1);
+    this.radius = points.reduce((most, p) => Math.max(most, p.distanceTo(this.centre)), 1e-3);
     this.aspect = 1;
     this.look('perspective');
-  }
-
-  setExtent([low, high]) {
-    this.low = vec(low);
-    this.high = vec(high);
-    this.radius = Math.max(this.high.distanceTo(this.low) / 2, 1e-3);
   }
 
   look(view) {
@@ -38,18 +35,27 @@ class Orbit {
     };
   }
 
-  /** As near as everything is still seen. */
+  /** As near as everything is still seen, and in the middle. */
   fit() {
-    this.target = this.low.clone().add(this.high).multiplyScalar(0.5);
     const { right, up, toward } = this.axes();
     const tangent = Math.tan((this.field * Math.PI) / 360);
-    this.distance = 0;
-    for (let i = 0; i < 8; i += 1) {
-      const corner = new Vector3(
-        i & 1 ? this.high.x : this.low.x, i & 2 ? this.high.y : this.low.y, i & 4 ? this.high.z : this.low.z,
-      ).sub(this.target);
-      const across = Math.max(Math.abs(corner.dot(right)) / this.aspect, Math.abs(corner.dot(up)));
-      this.distance = Math.max(this.distance, corner.dot(toward) + (1.06 * across) / tangent);
+    const [wide, high] = [tangent * this.aspect, tangent];
+    this.target = this.centre.clone();
+    for (let round = 0; round < 4; round += 1) {
+      // Lines of sight along each edge of the picture, moved until they touch: what is seen of each point
+      // grows with its distance, so the outermost is known without knowing how far one stands.
+      const ends = { left: -Infinity, right: -Infinity, low: -Infinity, top: -Infinity };
+      for (const point of this.points) {
+        const off = point.clone().sub(this.target);
+        const [x, y, z] = [off.dot(right), off.dot(up), off.dot(toward)];
+        ends.left = Math.max(ends.left, z - x / wide);
+        ends.right = Math.max(ends.right, z + x / wide);
+        ends.low = Math.max(ends.low, z - y / high);
+        ends.top = Math.max(ends.top, z + y / high);
+      }
+      this.target.addScaledVector(right, ((ends.right - ends.left) * wide) / 2);
+      this.target.addScaledVector(up, ((ends.top - ends.low) * high) / 2);
+      this.distance = 1.1 * Math.max((ends.left + ends.right) / 2, (ends.low + ends.top) / 2, 1e-3);
     }
     this.place();
   }

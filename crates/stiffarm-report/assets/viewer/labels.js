@@ -3,6 +3,14 @@
 /** Offsets that are tried in turn, in label widths and heights from the place. */
 const ASIDE = [[0, -0.75], [0.55, -0.5], [-0.55, -0.5], [0.6, 0], [-0.6, 0], [0, 0.75], [0.55, 0.6], [-0.55, 0.6], [0, -1.7], [0, 1.7]];
 
+const pen = document.createElement('canvas').getContext('2d');
+
+/** Width of text in pixels, without asking the page, which would have to lay itself out anew at every step. */
+function widthOf(text, size, family) {
+  pen.font = `600 ${size}px ${family}`;
+  return pen.measureText(text).width;
+}
+
 class Labels {
   constructor(parent) {
     this.layer = document.createElement('div');
@@ -30,10 +38,11 @@ class Labels {
       return { ...label, slot };
     });
     for (const slot of this.pool.slice(wanted.length)) slot.element.style.visibility = 'hidden';
+    this.family ??= getComputedStyle(this.layer).fontFamily;
     for (const { slot } of this.shown) {
       if (slot.width) continue;
-      slot.width = slot.element.offsetWidth;
-      slot.height = slot.element.offsetHeight;
+      slot.width = widthOf(slot.text, 12, this.family) + 7;
+      slot.height = 16;
     }
   }
 

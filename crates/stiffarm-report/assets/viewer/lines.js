@@ -22,6 +22,25 @@ class Lines {
   }
 }
 
+/** Many separate pieces of line one pixel wide: without a graphics card, fat ones would take four times as long. */
+class ThinLines {
+  constructor(options = {}) {
+    this.material = new THREE.LineBasicMaterial(options);
+    this.object = new THREE.LineSegments(new THREE.BufferGeometry(), this.material);
+    this.object.frustumCulled = false;
+    this.object.visible = false;
+  }
+
+  /** `pieces`: six numbers each. */
+  set(pieces) {
+    this.object.visible = pieces.length > 0;
+    if (!pieces.length) return;
+    this.object.geometry.dispose();
+    this.object.geometry = new THREE.BufferGeometry();
+    this.object.geometry.setAttribute('position', new THREE.Float32BufferAttribute(pieces, 3));
+  }
+}
+
 /** Puts the pieces of a line through points behind `pieces`. */
 function pushLine(pieces, points) {
   for (let i = 1; i < points.length; i += 1) pieces.push(...points[i - 1].toArray(), ...points[i].toArray());

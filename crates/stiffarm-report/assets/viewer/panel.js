@@ -136,13 +136,15 @@ class Panel {
     const row = (term, ...said) => list.append(make('dt', { textContent: term }), make('dd', {}, ...said));
     const angles = posture.angles_deg.map((angle, j) => make('span', {},
       make('span', { className: 'scene-joint', textContent: `${data.joints[j]} ` }), minus(`${angle.toFixed(1)}\u00b0`)));
-    row('Angles', make('span', { className: 'scene-angles' }, ...angles));
+    row('Angles', '');
+    list.lastChild.className = 'scene-angles';
+    list.lastChild.replaceChildren(...angles);
     if (load) {
       const force = Math.hypot(...load.force);
       const moment = Math.hypot(...load.moment);
       const parts = minus(`(${load.force.map((f) => f.toFixed(0)).join(', ')}) N`);
       const turning = moment > 1e-9 ? `; ${moment.toFixed(1)} N\u00b7m about its point` : '';
-      const name = kind.name ? `${kind.name}: ` : '';
+      const name = kind.name && kind.name !== kind.kind ? `${kind.name}: ` : '';
       row('Load', `${name}${kind.kind}, ${force.toFixed(0)} N = ${parts}${turning}`);
       if (load.deflection?.length) row('Deflection', this.deflection(load), make('small', { textContent: `from the joints, ${data.model} model` }));
     }
@@ -180,7 +182,7 @@ class Panel {
     const sizes = load.deflection.map((d) => Math.hypot(...d));
     const most = sizes.slice(1).reduce((best, size, i) => (size > best[0] ? [size, i] : best), [-1, -1]);
     let said = `loading point ${millimetres(sizes[0])}`;
-    if (most[1] >= 0) said += `; measuring point ${this.data.measuring_points[most[1]].name} ${millimetres(most[0])}, the most`;
+    if (most[1] >= 0) said += `; at most ${millimetres(most[0])} at measuring point ${this.data.measuring_points[most[1]].name}`;
     return said;
   }
 }

@@ -6,12 +6,25 @@ const COLOURS = [
   'near', 'point', 'residual',
 ];
 
+/** True where the browser draws without a graphics card. */
+function isSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return false;
+  const told = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 class Picture {
   constructor(data, canvas, container) {
     this.data = data;
     this.container = container;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.ratio = Math.min(window.devicePixelRatio || 1, 2);
+    // Without a graphics card smooth edges cost half the time of a step: there they wait until nothing moves.
+    this.isQuick = isSoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isQuick });
+    this.renderer.setPixelRatio(this.isQuick ? 1 : this.ratio);
     this.world = new THREE.Scene();
     this.size = Math.hypot(...data.extent[0].map((low, i) => data.extent[1][i] - low));
     this.addLights();
@@ -92,11 +105,13 @@ class Picture {
     const z = level ? level.point[2] : this.data.limits.floor ?? Math.min(0, low.z);
     this.step = niceBelow(Math.max(high.x - low.x, high.y - low.y) / 7);
     this.floor = { z, ...gridLines(low, high, z, this.step) };
-    this.grid = new Lines(1, { transparent: true, opacity: 0.75 });
+    this.grid = new ThinLines();
     this.grid.set(this.floor.pieces);
     this.grid.object.visible = true;
     this.triad = [0, 1, 2].map((k) => {
-      const arrow = new ArrowMesh(new THREE.MeshBasicMaterial({ color: ['#c0392b', '#1e8449', '#2471a3'][k] }));
+      const arrow = new ArrowMesh(new THREE.MeshBasicMaterial({ color: ['#c0392b', '#1e8449', '#2471a3'][k], depthTest: false }));
+      arrow.shaft.renderOrder = 2;
+      arrow.head.renderOrder = 2;
       const tip = new Vector3().setComponent(k, 0.09 * this.size);
       arrow.set(new Vector3(), tip, 0.0028 * this.size);
       this.world.add(arrow.group);
@@ -118,36 +133,13 @@ class Picture {
     add('hidden', 1.6, { dashed: true, dashSize: 0.014 * this.size, gapSize: 0.014 * this.size });
     add('near', 3.5);
     this.near.material.depthTest = false;
-    this.others = this.data.groups.map((group) => {
-      const lines = new Lines(1.4, { transparent: true, opacity: 0.75 });
-      lines.material.color.set(group.colour);
+    const many = this.data.groups.reduce((sum, group) => sum + group.postures.length, 0) > 100;
+    this.others = this.data.groups.map(() => {
+      const lines = many ? new ThinLines() : new Lines(1.4);
       this.world.add(lines.object);
       return lines;
     });
-    this.limit.set(this.limitLines());
-  }
-
-  limitLines() {
-    const { tool_box: box, keep_out: keep, wrist_height: wrist, floor } = this.data.limits;
-    const [low, high] = this.data.extent;
-    const pieces = [];
-    if (box) {
-      // Sides far beyond the picture are not drawn there.
-      const clip = (v, i) => Math.min(Math.max(v, low[i] - 0.3 * this.size), high[i] + 0.3 * this.size);
-      pieces.push(...boxLines(box.map((corner) => corner.map(clip))));
-    }
-    if (keep) {
-      const [origin, axis] = [vec(keep.origin), vec(keep.axis)];
-      for (const z of [low[2], (low[2] + high[2]) / 2, high[2]]) {
-        const along = (z - origin.z) / (axis.z || 1);
-        pieces.push(...circleLines(origin.clone().addScaledVector(axis, along), axis, keep.radius));
-      }
-    }
-    for (const z of [wrist, floor]) {
-      if (z === null || z === undefined || Math.abs(z - this.floor.z) < 1e-6) continue;
-      pieces.push(...boxLines([[low[0], low[1], z], [high[0], high[1], z]]));
-    }
-    return pieces;
+    this.limit.set(limitLines(this));
   }
 
   addPoints() {
@@ -212,11 +204,11 @@ class Picture {
     this.materials.station.color.set(colour.sight);
     if (this.materials.ellipsoid) this.materials.ellipsoid.color.set(colour.residual);
     if (this.pathAtRest) this.pathAtRest.material.color.set(colour.limit);
-    // A black group on a dark page would not be seen.
+    // Dark colours of groups would hardly be seen on a dark page.
     const isDark = new Color(colour.background).getHSL({}).l < 0.4;
     this.others.forEach((lines, i) => {
-      const shown = this.data.groups[i].colour;
-      lines.material.color.set(isDark && shown === '#000000' ? '#ffffff' : shown);
+      lines.material.color.set(this.data.groups[i].colour);
+      if (isDark) lines.material.color.lerp(new Color('#ffffff'), 0.2);
     });
   }
 
@@ -254,6 +246,7 @@ class Picture {
     }
     this.updateExtras(state);
     this.triad.forEach((tip, k) => this.label(tip, 'xyz'[k], 'axis'));
+    if (state.show.limits) limitLabels(this);
     this.limit.object.visible = state.show.limits && this.limit.object.geometry.instanceCount > 0;
   }
 
@@ -278,6 +271,9 @@ class Picture {
         this.label(middle.clone().applyMatrix4(frames[number]), body.name, red.has(i) ? 'caution' : 'standing');
       }
     });
+    // Where everything is too near to everything, the sentences beside the picture name it.
+    const cautions = this.labels.filter((label) => label.kind === 'caution');
+    if (cautions.length > 3) this.labels = this.labels.filter((label) => label.kind !== 'caution' || cautions.indexOf(label) < 3);
     const spine = [];
     if (rest !== frames) pushLine(spine, armLine(rest, new Vector3().setFromMatrixPosition(rest[rest.length - 1])));
     this.spine.set(spine);
@@ -388,7 +384,16 @@ class Picture {
   }
 
   draw(camera) {
+    if (this.isFine) this.renderer.setPixelRatio(1);
+    this.isFine = false;
     this.renderer.render(this.world, camera);
+  }
+
+  /** Draws once with smooth edges, where the other pictures have none. */
+  drawFine(camera) {
+    this.renderer.setPixelRatio(2);
+    this.draw(camera);
+    this.isFine = true;
   }
 
   /** Waits until the picture is really drawn. */

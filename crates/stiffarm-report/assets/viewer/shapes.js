@@ -2,6 +2,9 @@
 
 const { Vector3, Matrix4, Quaternion, Color } = THREE;
 
+// three.js marks the page with its version; the page's only name of ours is `stiffarm`.
+delete window.__THREE__;
+
 const vec = (a) => new Vector3(a[0], a[1], a[2]);
 
 /** Position and quaternion x, y, z, w as a matrix. */

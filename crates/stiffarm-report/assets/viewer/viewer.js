@@ -36,7 +36,7 @@ class View {
       make('div', { className: 'scene-picture' }, this.stage, this.legend()), this.panel.info, this.panel.controls, ...notes);
     container.append(this.body);
     container.classList.add('scene-live');
-    this.orbit = new Orbit(data.extent);
+    this.orbit = new Orbit(seenPoints(this.picture));
     this.listen();
     this.resize();
     this.set({});
@@ -148,6 +148,15 @@ class View {
     this.drawSoon();
   }
 
+  /** Where the two lines of text stand in the picture's lower corners. */
+  corners() {
+    const { width, height } = this;
+    const box = (element) => widthOf(element.textContent, 13, this.labels.family) + 18;
+    const [left, right] = [Math.min(box(this.status), 0.65 * width), box(this.scale)];
+    const top = height - (box(this.status) > left ? 46 : 28);
+    return [[0, top, left, height], [width - right, height - 28, width, height]];
+  }
+
   drawSoon() {
     if (this.pending) return;
     this.pending = true;
@@ -159,21 +168,20 @@ class View {
     if (!this.width) return;
     const start = performance.now();
     this.picture.draw(this.orbit.camera);
-    const box = (element) => {
-      const [left, top] = [element.offsetLeft, element.offsetTop];
-      return [left, top, left + element.offsetWidth, top + element.offsetHeight];
-    };
-    this.labels.place(this.orbit.camera, this.width, this.height, [box(this.status), box(this.scale)]);
+    this.labels.place(this.orbit.camera, this.width, this.height, this.corners());
     if (window.stiffarm.measure) this.picture.finish();
     this.frameMs = performance.now() - start + (this.spent || 0);
     this.spent = 0;
     this.container.dataset.ready = 'true';
+    if (!this.picture.isQuick) return;
+    clearTimeout(this.later);
+    this.later = setTimeout(() => this.picture.drawFine(this.orbit.camera), 400);
   }
 }
 
 /** Labels, those that matter most first. */
 function sorted(labels) {
-  const order = ['caution', 'near', 'load', 'point', 'sight', 'axis', 'standing'];
+  const order = ['caution', 'near', 'load', 'point', 'sight', 'axis', 'standing', 'limit'];
   return [...labels].sort((a, b) => order.indexOf(a.kind) - order.indexOf(b.kind));
 }
 

@@ -135,16 +135,26 @@ fn random(cell: Cell, count: usize, size: usize) -> Done<Shown> {
     Ok((cell, postures, shown))
 }
 
-/// Postures that spread over the bounds.
+/// Postures that spread over the bounds, those that meet the limits where there are enough of them.
 fn spread(cell: &Cell, name: &str, count: usize, from: usize) -> PostureGroup {
-    let steps = [0.618, 0.755, 0.570, 0.819, 0.430, 0.281, 0.347];
-    let angles = (from..from + count).map(|i| {
+    let steps = [
+        0.618_034, 0.754_878, 0.569_840, 0.819_173, 0.430_160, 0.281_198, 0.347_296,
+    ];
+    let angle = |i: usize| -> Vec<f64> {
         let bounds = cell.bounds.iter().zip(steps);
         bounds
             .map(|([a, b], step)| a + (b - a) * ((0.5 + (i + 1) as f64 * step) % 1.0))
             .collect()
-    });
-    PostureGroup::from_angles(name, angles)
+    };
+    let mut margins = cell.posture_margins().ok();
+    let mut meets = |q: &Vec<f64>| {
+        let named = margins.as_mut().and_then(|margins| margins.named(q).ok());
+        named.is_some_and(|all| !all.iter().any(|margin| margin.is_violated()))
+    };
+    let tried = (from * 100..(from + count) * 100).map(angle);
+    let good: Vec<Vec<f64>> = tried.filter(|q| meets(q)).take(count).collect();
+    let rest = (from..from + count - good.len()).map(angle);
+    PostureGroup::from_angles(name, good.into_iter().chain(rest))
 }
 
 fn page(title: &str, scene: &str) -> String {

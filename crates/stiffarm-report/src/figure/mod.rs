@@ -10,7 +10,9 @@
 //! that it could be a crate of its own. A test (`tests/it/generic.rs`) reads
 //! the sources and fails where they do.
 
+pub mod csv;
 pub mod drawing;
+pub mod layout;
 pub mod svg;
 
 use serde::{Deserialize, Deserializer, Serialize};

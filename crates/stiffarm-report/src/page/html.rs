@@ -15,6 +15,8 @@ const STYLE: &str = include_str!("../../assets/page.css");
 const SCRIPT: &str = include_str!("../../assets/page.js");
 /// Most points of a chart that the table behind it shows.
 const MOST_ROWS: usize = 400;
+/// Cautions that are seen without asking.
+const SEEN_AT_ONCE: usize = 4;
 
 #[derive(Template)]
 #[template(path = "page.html")]
@@ -35,7 +37,8 @@ struct PartTemplate<'a> {
     alone: bool,
     status: Status,
     verdict: Vec<String>,
-    warnings: String,
+    serious: String,
+    cautions: String,
     key: String,
     sections: String,
     contents: Vec<(String, &'a str)>,
@@ -92,6 +95,10 @@ impl<'a> PartTemplate<'a> {
         let prefix = format!("r{number}");
         let level = if alone { 2 } else { 3 };
         let ids = part.sections.iter();
+        let of = |severity: Severity| {
+            let own = part.warnings.iter().filter(|f| f.severity == severity);
+            own.cloned().collect::<Vec<Finding>>()
+        };
         PartTemplate {
             part,
             number,
@@ -99,7 +106,8 @@ impl<'a> PartTemplate<'a> {
             alone,
             status: part.outcome.status(),
             verdict: part.verdict.iter().map(text).collect(),
-            warnings: findings(&part.warnings),
+            serious: findings(&of(Severity::Serious)),
+            cautions: folded(&of(Severity::Caution)),
             key: part.key.as_ref().map_or_else(String::new, table),
             sections: sections(&part.sections, &prefix, level),
             contents: ids
@@ -141,6 +149,10 @@ fn block(block: &Block, id: &str) -> String {
         }
         Block::Table(data) => table(data),
         Block::Figure(figure) => picture(figure),
+        Block::Figures(figures) => {
+            let figures: String = figures.iter().map(picture).collect();
+            format!("<div class=\"beside\">{figures}</div>")
+        }
         Block::Drawing(drawing) => format!(
             "<figure class=\"chart\"><div class=\"sheet\">{}</div><figcaption>{}</figcaption></figure>",
             render_drawing(drawing),
@@ -164,6 +176,7 @@ fn text(text: &Text) -> String {
         Piece::Words(words) => escape(words),
         Piece::Strong(words) => format!("<strong>{}</strong>", escape(words)),
         Piece::Code(words) => format!("<code>{}</code>", escape(words)),
+        Piece::Different(words) => format!("<span class=\"different\">{}</span>", escape(words)),
         Piece::Number(number) => number_html(number),
     });
     pieces.collect()
@@ -181,8 +194,11 @@ fn number_html(number: &Number) -> String {
         true => String::new(),
         false => format!(" data-factor=\"{}\"", number.factor),
     };
+    let result = number
+        .result
+        .map_or_else(String::new, |result| format!(" data-result=\"{result}\""));
     format!(
-        "<span class=\"n\" data-path=\"{}\" data-value=\"{value}\"{factor}>{shown}</span>",
+        "<span class=\"n\" data-path=\"{}\" data-value=\"{value}\"{factor}{result}>{shown}</span>",
         escape(&number.pointer)
     )
 }
@@ -209,7 +225,7 @@ fn table(data: &DataTable) -> String {
                 _ => "",
             };
             match c {
-                0 => format!("<th scope=\"row\">{}</th>", text(cell)),
+                0 => format!("<th scope=\"row\"{}>{}</th>", short(cell), text(cell)),
                 _ => format!("<td{class}>{}</td>", text(cell)),
             }
         });
@@ -221,6 +237,14 @@ fn table(data: &DataTable) -> String {
         escape(&data.caption),
         rows.collect::<String>()
     )
+}
+
+/// Class of a row's name that is short enough to stay on one line.
+fn short(name: &Text) -> &'static str {
+    match name.plain().chars().count() <= 24 {
+        true => " class=\"short\"",
+        false => "",
+    }
 }
 
 /// A chart, its caption, and its data in a table behind it.
@@ -295,6 +319,19 @@ fn beside(series: &Series, i: usize) -> String {
         let shown = Number::new("", Some(*value)).significant(4);
         escape(&shown.text())
     })
+}
+
+/// Findings of which the first ones are seen at once.
+fn folded(list: &[Finding]) -> String {
+    let (first, rest) = list.split_at(list.len().min(SEEN_AT_ONCE));
+    let rest = match rest.len() {
+        0 => String::new(),
+        count => format!(
+            "<details class=\"more\"><summary>{count} more to look at</summary>{}</details>",
+            findings(rest)
+        ),
+    };
+    findings(first) + &rest
 }
 
 /// A sentence in which what one types stands in backticks.

@@ -85,6 +85,8 @@ pub enum Block {
     Table(DataTable),
     /// A chart with its caption and its data.
     Figure(Figure),
+    /// Charts side by side.
+    Figures(Vec<Figure>),
     /// A drawing with its caption.
     Drawing(Drawing),
     /// The cell in 3D; the drawing stands in where it cannot be shown, and in print.
@@ -108,6 +110,8 @@ pub enum Piece {
     Strong(String),
     /// What one types, or a name from a file.
     Code(String),
+    /// Words that say how something differs from what stands beside it.
+    Different(String),
     /// A number with its unit.
     Number(Number),
 }
@@ -175,7 +179,10 @@ impl Text {
     /// As one line of plain text.
     pub fn plain(&self) -> String {
         let pieces = self.0.iter().map(|piece| match piece {
-            Piece::Words(words) | Piece::Strong(words) | Piece::Code(words) => words.clone(),
+            Piece::Words(words)
+            | Piece::Strong(words)
+            | Piece::Code(words)
+            | Piece::Different(words) => words.clone(),
             Piece::Number(number) => number.text(),
         });
         pieces.collect()

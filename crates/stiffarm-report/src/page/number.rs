@@ -15,6 +15,8 @@ pub struct Number {
     pub form: Form,
     /// Written behind a ±.
     pub plus_minus: bool,
+    /// The result it stands in, by its number on the page; `None` for that of the part it is in.
+    pub result: Option<usize>,
 }
 
 /// How many digits of a number are shown.
@@ -36,6 +38,7 @@ impl Number {
             unit: String::new(),
             form: Form::Significant(4),
             plus_minus: false,
+            result: None,
         }
     }
 

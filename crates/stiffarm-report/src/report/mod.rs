@@ -3,6 +3,7 @@
 //! A part of the page is a function of the saved result, and of its cell where that is at hand: without it only
 //! the pictures of the cell are missing. The command that made a result and `stiffarm report` build the same page.
 
+mod compare;
 mod context;
 mod evaluate;
 mod postures;
@@ -45,7 +46,7 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
     Ok(Page {
         title,
         subtitle,
-        before: Vec::new(),
+        before: compare::compare(&parts),
         parts,
     })
 }

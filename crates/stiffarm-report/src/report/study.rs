@@ -33,7 +33,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         None => Text::new("No group determines every joint."),
         Some(best) => {
             let deviation = groups[best].evaluation.mean_expected_deviation();
-            let mut text = Text::new("")
+            let mut text = Text::new("The group ")
                 .strong(visible(&groups[best].name).into_owned())
                 .words(format!(
                     " measures the joint stiffness best: {} expected on average over the joints",

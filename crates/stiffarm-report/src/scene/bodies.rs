@@ -96,7 +96,13 @@ fn tubes(robot: &Robot) -> Vec<Part> {
         }
         let along = Vector3::z() * (1.15 * radius(link));
         if link > 0 {
-            solids.extend(Solid::cylinder(-along, along, radius(link)).ok());
+            // The first drum stands on the base, not half below it.
+            let at_base = link == 1 && end(0).translation.vector.norm() <= radius(0);
+            let middle = match at_base {
+                true => along * to.z.signum(),
+                false => Vector3::zeros(),
+            };
+            solids.extend(Solid::cylinder(middle - along, middle + along, radius(link)).ok());
             Part::new(format!("link {link}"), Carrier::Link(link), solids)
         } else {
             Part::new("base", Carrier::World, solids)

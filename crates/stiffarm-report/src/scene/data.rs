@@ -1,10 +1,8 @@
 //! The cell in three dimensions as data: what a page needs to draw it, and no pixels.
 
 use super::extras::{ArrowSet, Ellipsoid, ScenePath};
+use super::numbers::Triple;
 use serde::Serialize;
-
-/// A place or a direction, base axes unless said otherwise.
-pub type Triple = [f64; 3];
 
 /// Position \[m\] and rotation as a quaternion x, y, z, w.
 pub type Pose = [f64; 7];

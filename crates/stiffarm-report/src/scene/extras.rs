@@ -1,7 +1,6 @@
 //! What may be shown with a cell: a path, arrows at places, ellipsoids.
 
-use super::data::{Scene, Triple};
-use super::numbers::{digits, length};
+use super::numbers::Triple;
 use serde::Serialize;
 
 /// A path with its deflection, in colour by a size.
@@ -64,47 +63,4 @@ pub struct Ellipsoid {
     pub half: Triple,
     /// What it shows, with numbers and unit.
     pub text: String,
-}
-
-impl Scene {
-    /// The same with a path.
-    #[must_use]
-    pub fn with_path(mut self, path: ScenePath) -> Self {
-        self.path = Some(ScenePath {
-            points: path.points.iter().map(|p| p.map(length)).collect(),
-            deflection: path.deflection.iter().map(|d| d.map(digits)).collect(),
-            size: path.size.iter().copied().map(digits).collect(),
-            range: path.range.map(digits),
-            ..path
-        });
-        self
-    }
-
-    /// The same with arrows, for example the residuals at the measuring points.
-    #[must_use]
-    pub fn with_arrows(mut self, label: impl Into<String>, arrows: Vec<Arrow>) -> Self {
-        let arrows = arrows.into_iter().map(|arrow| Arrow {
-            at: arrow.at.map(length),
-            vector: arrow.vector.map(digits),
-            ..arrow
-        });
-        self.arrows = Some(ArrowSet {
-            label: label.into(),
-            arrows: arrows.collect(),
-        });
-        self
-    }
-
-    /// The same with ellipsoids.
-    #[must_use]
-    pub fn with_ellipsoids(mut self, ellipsoids: Vec<Ellipsoid>) -> Self {
-        let ellipsoids = ellipsoids.into_iter().map(|one| Ellipsoid {
-            centre: one.centre.map(length),
-            axes: one.axes.map(|axis| axis.map(digits)),
-            half: one.half.map(digits),
-            ..one
-        });
-        self.ellipsoids = ellipsoids.collect();
-        self
-    }
 }

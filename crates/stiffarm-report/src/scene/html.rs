@@ -11,6 +11,7 @@ pub const VIEWER_SCRIPT: &str = concat!(
     include_str!("../../assets/viewer/lines.js"),
     include_str!("../../assets/viewer/camera.js"),
     include_str!("../../assets/viewer/labels.js"),
+    include_str!("../../assets/viewer/around.js"),
     include_str!("../../assets/viewer/picture.js"),
     include_str!("../../assets/viewer/panel.js"),
     include_str!("../../assets/viewer/viewer.js"),

@@ -9,13 +9,15 @@ mod extras;
 mod html;
 mod numbers;
 mod postures;
+mod with;
 
 pub use data::{
     ArmShapes, Body, BodyKind, Closest, Group, KeepOut, LoadKind, NamedPlace, Pose, Scene,
-    SceneLimits, SceneLoad, ScenePosture, SceneSolid, Triple,
+    SceneLimits, SceneLoad, ScenePosture, SceneSolid,
 };
 pub use extras::{Arrow, ArrowSet, Ellipsoid, ScenePath};
 pub use html::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
+pub use numbers::Triple;
 
 use crate::cell::stage::Stage;
 use crate::series_colour;

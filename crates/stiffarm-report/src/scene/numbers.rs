@@ -2,6 +2,9 @@
 
 use stiffarm::nalgebra::{Isometry3, Vector3};
 
+/// A place or a direction, base axes unless said otherwise.
+pub type Triple = [f64; 3];
+
 /// A length to 1e-6 \[m\].
 pub(super) fn length(value: f64) -> f64 {
     // Adding zero turns −0 into 0.

@@ -4,5 +4,7 @@ mod cells;
 mod generic;
 mod maps;
 #[cfg(feature = "page")]
+mod page;
 mod pages;
 mod render;
+mod scenes;

@@ -47,6 +47,7 @@ mod robots;
 mod rope_follows;
 mod route;
 mod saved;
+mod saved_result;
 mod scales;
 mod screening;
 mod screening_base;

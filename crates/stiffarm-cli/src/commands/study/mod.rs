@@ -26,6 +26,8 @@ use stiffarm_report::{render_drawing, render_svg};
 
 /// Group 1 of the built-in COMAU cells.
 const GROUP_1: &str = "builtin:comau-group1";
+/// The page with the cell in 3D.
+const REPORT: &str = "report.html";
 /// Postures of an initial group that nobody gave, as many as in the paper.
 const POSTURES: usize = 6;
 
@@ -96,8 +98,9 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         files.push((format!("{}.csv", table.id), table.csv()));
     }
     let names = std::iter::once("study.json").chain(files.iter().map(|(name, _)| name.as_str()));
+    let page_name = cfg!(feature = "report").then_some(REPORT);
     let result = Written {
-        files: names.map(String::from).collect(),
+        files: names.chain(page_name).map(String::from).collect(),
         study: result,
     };
     let envelope = session.envelope(
@@ -110,6 +113,11 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         &result,
     );
     files.insert(0, ("study.json".to_string(), to_json(&envelope)?));
+    files.extend(
+        session
+            .page_of(&envelope, Some(&named.cell))?
+            .map(|page| (REPORT.to_string(), page)),
+    );
     let earlier = Earlier::of(&args.output_dir);
     let count = files.len();
     write_folder(session, &args.output_dir, files, args.force)?;
@@ -129,7 +137,9 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
                 false => format!(
                     "\nwrote {count} files to {}: start with {}\n",
                     args.output_dir.display(),
-                    args.output_dir.join("study.md").display()
+                    args.output_dir
+                        .join(page_name.unwrap_or("study.md"))
+                        .display()
                 ),
             }
         )
@@ -187,6 +197,7 @@ fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
         "study.json".to_string(),
         "study.md".to_string(),
         "cell.svg".to_string(),
+        REPORT.to_string(),
         "expected-deviation.svg".to_string(),
         "indices.csv".to_string(),
         "simulation.csv".to_string(),

@@ -27,6 +27,21 @@ pub(super) fn draw(
     looks: &Looks,
     trace: &mut Trace,
 ) {
+    for (series, slot) in slots(frame, panel) {
+        let look = looks.look(&series.label, series.style);
+        let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
+        canvas.begin(&series.label);
+        if series.style == Style::Box {
+            boxes(canvas, frame, &points, look, slot, trace);
+        } else {
+            bars(canvas, frame, &points, look, slot, trace);
+        }
+        canvas.end();
+    }
+}
+
+/// Series of bars and boxes with their room.
+fn slots<'a>(frame: &Frame, panel: &'a Panel) -> Vec<(&'a Series, Slot)> {
     let chosen: Vec<&Series> = panel
         .series
         .iter()
@@ -35,18 +50,45 @@ pub(super) fn draw(
     let step = spacing(frame, &chosen);
     let count = chosen.len().max(1) as f64;
     let pitch = (FILLED * step / count).min(WIDEST);
-    for (i, series) in chosen.iter().enumerate() {
+    let slots = chosen.iter().enumerate().map(|(i, series)| {
         let slot = Slot {
             offset: (i as f64 - 0.5 * (count - 1.0)) * pitch,
             width: 0.88 * pitch,
         };
-        let look = looks.look(&series.label, series.style);
-        let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
-        if series.style == Style::Box {
-            boxes(canvas, frame, &points, look, slot, trace);
-        } else {
-            bars(canvas, frame, &points, look, slot, trace);
-        }
+        (*series, slot)
+    });
+    slots.collect()
+}
+
+/// The points of a series of bars with their bars.
+pub(super) fn columns(frame: &Frame, panel: &Panel, series: &Series) -> Vec<(Datum, Rect)> {
+    let slots = slots(frame, panel);
+    let Some((_, slot)) = slots.iter().find(|(own, _)| std::ptr::eq(*own, series)) else {
+        return Vec::new();
+    };
+    let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
+    let bars = points.iter().flatten().map(|d| {
+        let body = bar(frame, d, *slot);
+        (*d, body)
+    });
+    bars.collect()
+}
+
+/// A bar from zero, or on a logarithmic axis, which has none, from the frame.
+fn bar(frame: &Frame, d: &Datum, slot: Slot) -> Rect {
+    let centre = frame.px(d.x) + slot.offset;
+    let half = 0.5 * slot.width;
+    Rect::spanning(
+        frame.area.clamp((centre - half, base(frame))),
+        frame.area.clamp((centre + half, frame.py(d.y))),
+    )
+}
+
+/// Where bars begin.
+fn base(frame: &Frame) -> f64 {
+    match frame.y.kind {
+        Kind::Linear => frame.py(0.0),
+        _ => frame.area.y + frame.area.h,
     }
 }
 
@@ -78,19 +120,11 @@ fn bars(
     slot: Slot,
     trace: &mut Trace,
 ) {
-    // A logarithmic axis has no zero; bars start at the frame.
-    let base = match frame.y.kind {
-        Kind::Linear => frame.py(0.0),
-        _ => frame.area.y + frame.area.h,
-    };
+    let base = base(frame);
     for d in points.iter().flatten() {
         let centre = frame.px(d.x) + slot.offset;
         let top = frame.py(d.y);
-        let half = 0.5 * slot.width;
-        let body = Rect::spanning(
-            frame.area.clamp((centre - half, base)),
-            frame.area.clamp((centre + half, top)),
-        );
+        let body = bar(frame, d, slot);
         if body.w > 0.0 {
             look.area(canvas, body, false);
             error_bar(canvas, frame, d, centre, Stroke::solid(INK, 1.1));

@@ -134,9 +134,60 @@ impl Rect {
 #[derive(Default)]
 pub(super) struct Canvas {
     out: String,
+    /// On a screen: series can be put out, and places answer the pointer.
+    answers: bool,
 }
 
 impl Canvas {
+    /// A picture that answers on a screen if `yes`.
+    pub(super) fn answering(yes: bool) -> Self {
+        Canvas {
+            answers: yes,
+            ..Canvas::default()
+        }
+    }
+
+    /// True on a screen.
+    pub(super) fn answers(&self) -> bool {
+        self.answers
+    }
+
+    /// Begins what belongs to a series.
+    pub(super) fn begin(&mut self, label: &str) {
+        if self.answers {
+            self.raw(&format!(r#"<g data-series="{}">"#, escape(label)));
+        }
+    }
+
+    /// Begins the entry of a legend that puts its series out.
+    pub(super) fn begin_switch(&mut self, label: &str) {
+        if self.answers {
+            self.raw(&format!(
+                r#"<g data-toggle-series="{0}" role="button" tabindex="0" aria-pressed="true" aria-label="Show {0}">"#,
+                escape(label)
+            ));
+        }
+    }
+
+    /// Ends what was begun last.
+    pub(super) fn end(&mut self) {
+        if self.answers {
+            self.raw("</g>");
+        }
+    }
+
+    /// An invisible area with words that a screen shows at the pointer.
+    pub(super) fn hit(&mut self, r: Rect, words: &str) {
+        self.raw(&format!(
+            r#"<rect class="hit" x="{}" y="{}" width="{}" height="{}" fill-opacity="0" data-tip="{}"/>"#,
+            num(r.x),
+            num(r.y),
+            num(r.w),
+            num(r.h),
+            escape(words)
+        ));
+    }
+
     /// Appends markup as it is.
     pub(super) fn raw(&mut self, markup: &str) {
         self.out.push_str(markup);

@@ -4,7 +4,7 @@ use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::look::Looks;
 use super::map;
 use super::marks::{FAINT, LANDMARK, MARKER, STROKE};
-use super::plan::SMALL;
+use super::plan::{LEADING, SMALL};
 use super::text;
 use crate::figure::{Figure, Style};
 
@@ -20,13 +20,16 @@ const ROW: f64 = 19.0;
 /// The entries of a figure and where they go.
 pub(super) struct Legend {
     entries: Vec<(String, Vec<Style>)>,
+    /// The lines of every entry's label.
+    lines: Vec<Vec<String>>,
     places: Vec<Point>,
-    rows: usize,
+    height: f64,
 }
 
 impl Legend {
-    /// Collects the labels in order of appearance and fits them into a width.
-    pub(super) fn of(figure: &Figure, width: f64) -> Self {
+    /// Collects the labels in order of appearance and fits them into a width;
+    /// one that is wider takes up to `most` lines.
+    pub(super) fn of(figure: &Figure, width: f64, most: usize) -> Self {
         let mut entries: Vec<(String, Vec<Style>)> = Vec::new();
         for series in figure.panels.iter().flat_map(|p| &p.series) {
             if series.label.is_empty() {
@@ -47,41 +50,58 @@ impl Legend {
             let area = |s: &Style| matches!(s, Style::Bars | Style::Box | Style::Map | Style::Band);
             styles.sort_by_key(|s| !area(s));
         }
-        let (places, rows) = arrange(&entries, width);
+        let limit = width - KEY - KEY_GAP - 2.0 * ENTRY_GAP;
+        let lines: Vec<Vec<String>> = entries
+            .iter()
+            .map(|(label, _)| match most {
+                1 => vec![text::shorten(label, SMALL, limit)],
+                _ => text::wrap(label, SMALL, limit, most),
+            })
+            .collect();
+        let (places, height) = arrange(&lines, width);
         Self {
             entries,
+            lines,
             places,
-            rows,
+            height,
         }
     }
 
     pub(super) fn height(&self) -> f64 {
-        self.rows as f64 * ROW
+        self.height
     }
 
     /// Draws the legend with its upper edge at `top`.
-    pub(super) fn draw(&self, canvas: &mut Canvas, looks: &Looks, width: f64, top: f64) {
-        for ((label, styles), (x, y)) in self.entries.iter().zip(&self.places) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, looks: &Looks, top: f64) {
+        let all = self.entries.iter().zip(&self.lines).zip(&self.places);
+        for (((label, styles), lines), (x, y)) in all {
             let middle = top + y + 0.5 * ROW;
+            canvas.begin_switch(label);
             for style in styles {
                 sample(canvas, looks, label, *style, (*x, middle));
             }
-            let at = (x + KEY + KEY_GAP, middle + 0.36 * SMALL);
-            let limit = width - KEY - KEY_GAP - 2.0 * ENTRY_GAP;
-            let shown = text::shorten(label, SMALL, limit);
-            canvas.text(at, &shown, None, Font::new(SMALL, Anchor::Start));
+            for (i, line) in lines.iter().enumerate() {
+                let down = i as f64 * SMALL * LEADING;
+                let at = (x + KEY + KEY_GAP, middle + 0.36 * SMALL + down);
+                canvas.text(at, line, None, Font::new(SMALL, Anchor::Start));
+            }
+            canvas.end();
         }
     }
 }
 
 /// Fewest rows whose columns fit, read column by column, so that a series and
 /// its variant listed after it stay together. Returns the upper left corner
-/// of every entry relative to the legend, and the number of rows.
-fn arrange(entries: &[(String, Vec<Style>)], width: f64) -> (Vec<Point>, usize) {
+/// of every entry relative to the legend, and its height.
+fn arrange(entries: &[Vec<String>], width: f64) -> (Vec<Point>, f64) {
     let room = width - 2.0 * ENTRY_GAP;
+    let long = |lines: &Vec<String>| {
+        let widths = lines.iter().map(|l| text::width(l, SMALL));
+        widths.fold(0.0, f64::max)
+    };
     let widths: Vec<f64> = entries
         .iter()
-        .map(|(l, _)| (KEY + KEY_GAP + text::width(l, SMALL)).min(room))
+        .map(|lines| (KEY + KEY_GAP + long(lines)).min(room))
         .collect();
     for rows in 1..=entries.len() {
         let columns: Vec<f64> = widths
@@ -92,17 +112,24 @@ fn arrange(entries: &[(String, Vec<Style>)], width: f64) -> (Vec<Point>, usize) 
         if total > room && columns.len() > 1 {
             continue;
         }
+        // Where each row begins, and the last one ends.
+        let mut tops = vec![0.0];
+        for row in 0..rows {
+            let most = entries.iter().skip(row).step_by(rows).map(Vec::len).max();
+            let further = most.unwrap_or(1).saturating_sub(1) as f64 * SMALL * LEADING;
+            tops.push(tops[row] + ROW + further);
+        }
         let mut left = 0.5 * (width - total);
         let mut places = Vec::new();
         for (c, column) in columns.iter().enumerate() {
-            for r in 0..rows.min(entries.len() - c * rows) {
-                places.push((left, r as f64 * ROW));
+            for top in &tops[..rows.min(entries.len() - c * rows)] {
+                places.push((left, *top));
             }
             left += column + ENTRY_GAP;
         }
-        return (places, rows);
+        return (places, tops[rows]);
     }
-    (Vec::new(), 0)
+    (Vec::new(), 0.0)
 }
 
 /// A short piece of the mark of a series, centred on its left edge's height.

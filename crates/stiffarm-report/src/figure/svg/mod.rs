@@ -10,6 +10,7 @@ mod areas;
 mod canvas;
 mod data;
 mod drawing;
+mod hits;
 mod legend;
 mod look;
 mod map;
@@ -20,7 +21,7 @@ mod scale;
 mod text;
 mod ticks;
 
-pub use drawing::render_drawing;
+pub use drawing::{render_drawing, render_drawing_with};
 pub use look::series_colour;
 
 pub use canvas::escape;
@@ -29,6 +30,7 @@ use legend::Legend;
 use look::Looks;
 use plan::{LEADING, Plan, Shown};
 
+use crate::figure::layout::{self, Layout, Size};
 use crate::figure::{Figure, Panel};
 
 /// Outer margin of the picture.
@@ -37,6 +39,13 @@ const MARGIN: f64 = 12.0;
 const GUTTER: f64 = 20.0;
 /// Least width of a plot area.
 const NARROWEST: f64 = 60.0;
+/// Least width of a plot area beside others in a picture of stated width.
+const COMFORTABLE: f64 = 150.0;
+/// Height of a plot area by its width in a picture of stated width, and its limits.
+const SHAPE: f64 = 0.66;
+const HEIGHTS: [f64; 2] = [150.0, 300.0];
+/// Most lines of a legend entry in a picture of stated width.
+const ENTRY_LINES: usize = 4;
 /// Font size of the figure title.
 const HEADING: f64 = 15.0;
 
@@ -70,19 +79,61 @@ const HEADING: f64 = 15.0;
 /// assert!(svg.contains("1 value not drawn"));
 /// ```
 pub fn render_svg(figure: &Figure) -> String {
+    render(figure, None)
+}
+
+/// The same picture at a stated width and in a stated typeface. Panels that do
+/// not fit side by side go below each other.
+///
+/// ```
+/// use stiffarm_report::{Figure, Layout, render_svg_with};
+///
+/// let figure = Figure {
+///     id: "empty".into(),
+///     title: String::new(),
+///     caption: String::new(),
+///     columns: 1,
+///     panels: Vec::new(),
+/// };
+/// let svg = render_svg_with(&figure, &Layout::paper(88.0, 8.0));
+/// assert!(svg.contains(r#"width="88mm""#));
+/// ```
+pub fn render_svg_with(figure: &Figure, layout: &Layout) -> String {
+    render(figure, Some(layout))
+}
+
+fn render(figure: &Figure, layout: Option<&Layout>) -> String {
     let columns = figure.columns.clamp(1, figure.panels.len().max(1));
-    let width = match columns {
-        1 => 560.0,
-        2 => 800.0,
-        n => 320.0 * n as f64,
+    let width = match (layout, columns) {
+        (Some(layout), _) => layout.drawn_width(),
+        (None, 1) => 560.0,
+        (None, 2) => 800.0,
+        (None, n) => 320.0 * n as f64,
     };
     let looks = Looks::of(figure);
-    let title = text::wrap(&figure.title, text::BOLD * HEADING, width - 2.0 * MARGIN, 3);
+    let title = match layout {
+        Some(layout) if !layout.title => Vec::new(),
+        _ => text::wrap(&figure.title, text::BOLD * HEADING, width - 2.0 * MARGIN, 3),
+    };
     let title_height = title.len() as f64 * HEADING * LEADING;
     let top = MARGIN + title_height + if title.is_empty() { 0.0 } else { 10.0 };
-    let grid = Grid::new(&figure.panels, columns, width, top);
+    let (grid, entry_lines) = match layout {
+        Some(_) => (
+            Grid::fitting(&figure.panels, columns, width, top),
+            ENTRY_LINES,
+        ),
+        None => {
+            let usual = match columns {
+                1 => 300.0,
+                2 => 230.0,
+                _ => 190.0,
+            };
+            let grid = Grid::new(&figure.panels, columns, width, top, |_| usual);
+            (grid, 1)
+        }
+    };
     let width = grid.width;
-    let legend = Legend::of(figure, width);
+    let legend = Legend::of(figure, width, entry_lines);
     let legend_top = grid.bottom + 10.0;
     let height = if legend.height() > 0.0 {
         legend_top + legend.height() + MARGIN
@@ -90,8 +141,9 @@ pub fn render_svg(figure: &Figure) -> String {
         grid.bottom + MARGIN
     };
 
-    let mut canvas = Canvas::default();
-    open(&mut canvas, figure, width, height);
+    let is_screen = |layout: &Layout| matches!(layout.size, Size::Screen { .. });
+    let mut canvas = Canvas::answering(layout.is_some_and(is_screen));
+    open(&mut canvas, figure, (width, height), layout);
     for (i, line) in title.iter().enumerate() {
         let at = (0.5 * width, MARGIN + (i as f64 + 0.85) * HEADING * LEADING);
         canvas.text(at, line, None, Font::new(HEADING, Anchor::Middle).bold());
@@ -103,16 +155,16 @@ pub fn render_svg(figure: &Figure) -> String {
         let at = (0.5 * width, top + 30.0);
         canvas.text(at, "no data", None, Font::new(plan::NORMAL, Anchor::Middle));
     }
-    legend.draw(&mut canvas, &looks, width, legend_top);
+    legend.draw(&mut canvas, &looks, legend_top);
     canvas.raw("</g>");
     canvas.raw("</svg>");
     canvas.finish()
 }
 
 /// Root element, description and background.
-fn open(canvas: &mut Canvas, figure: &Figure, width: f64, height: f64) {
+fn open(canvas: &mut Canvas, figure: &Figure, size: (f64, f64), layout: Option<&Layout>) {
     let texts = (&figure.id[..], &figure.title[..], &figure.caption[..]);
-    open_document(canvas, texts, (width, height));
+    open_document(canvas, texts, size, layout);
 }
 
 /// The same for any picture, by its id, title and caption.
@@ -120,19 +172,35 @@ fn open_document(
     canvas: &mut Canvas,
     (id, title, caption): (&str, &str, &str),
     (width, height): (f64, f64),
+    layout: Option<&Layout>,
 ) {
     let (w, h) = (num(width), num(height.ceil()));
+    let [outer_w, outer_h] = match layout {
+        Some(layout) => layout.attributes([width, height.ceil()]),
+        None => [w.clone(), h.clone()],
+    };
+    let families = match layout {
+        Some(layout) => layout.families(),
+        None => layout::USUAL_FAMILIES.to_owned(),
+    };
+    // What answers is no single image; and its title would stand at the pointer wherever that is.
+    let role = match canvas.answers() {
+        true => format!(r#"role="group" aria-label="{}""#, escape(title)),
+        false => r#"role="img""#.to_string(),
+    };
     canvas.raw(&format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" role="img" data-figure="{}">"#,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{outer_w}" height="{outer_h}" viewBox="0 0 {w} {h}" {role} data-figure="{}">"#,
         escape(id)
     ));
-    canvas.raw(&format!("<title>{}</title>", escape(title)));
+    if !canvas.answers() {
+        canvas.raw(&format!("<title>{}</title>", escape(title)));
+    }
     canvas.raw(&format!("<desc>{}</desc>", escape(caption)));
     canvas.raw(&format!(
         r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##
     ));
     canvas.raw(&format!(
-        r#"<g font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif" fill="{}">"#,
+        r#"<g font-family="{families}" fill="{}">"#,
         canvas::INK
     ));
 }
@@ -150,15 +218,32 @@ struct Grid {
     places: Vec<Place>,
     bottom: f64,
     width: f64,
+    /// Width of every plot area.
+    plot: f64,
 }
 
 impl Grid {
-    fn new(panels: &[Panel], columns: usize, width: f64, top: f64) -> Self {
-        let usual = match columns {
-            1 => 300.0,
-            2 => 230.0,
-            _ => 190.0,
-        };
+    /// As many columns, up to `most`, as fit into the width with plot areas that can be read.
+    fn fitting(panels: &[Panel], most: usize, width: f64, top: f64) -> Self {
+        let usual = |plot: f64| (SHAPE * plot).clamp(HEIGHTS[0], HEIGHTS[1]);
+        let mut columns = most.min((width / COMFORTABLE) as usize).max(1);
+        loop {
+            let grid = Self::new(panels, columns, width, top, usual);
+            if columns == 1 || (grid.plot >= COMFORTABLE && grid.width <= width) {
+                return grid;
+            }
+            columns -= 1;
+        }
+    }
+
+    /// Panels in so many columns; `usual` is the height of a plot area by its width.
+    fn new(
+        panels: &[Panel],
+        columns: usize,
+        width: f64,
+        top: f64,
+        usual: impl Fn(f64) -> f64,
+    ) -> Self {
         let inner = width - 2.0 * MARGIN - GUTTER * (columns - 1) as f64;
         // The room for labels depends on the ticks, the ticks on the size of
         // the plot area, and that on the room. The room only ever grows, so a
@@ -175,7 +260,7 @@ impl Grid {
                 .chunks(columns)
                 .map(|row| {
                     row.iter()
-                        .map(|p| plan::suitable_height(p, plot, usual))
+                        .map(|p| plan::suitable_height(p, plot, usual(plot)))
                         .fold(0.0, f64::max)
                 })
                 .collect();
@@ -228,6 +313,7 @@ impl Grid {
             plans,
             places,
             bottom,
+            plot,
             // Only labels of excessive width exceed the intended one.
             width: width.max(x - GUTTER + MARGIN),
         }

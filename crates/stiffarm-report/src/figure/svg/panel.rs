@@ -2,6 +2,7 @@
 
 use super::areas;
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
+use super::hits;
 use super::look::Looks;
 use super::map;
 use super::marks::{self, Frame, Trace};
@@ -53,12 +54,14 @@ pub(super) fn draw(
         }
         for series in panel.series.iter().filter(|s| layer.contains(&s.style)) {
             let look = looks.look(&series.label, series.style);
+            canvas.begin(&series.label);
             if series.style == Style::Map {
                 let extent = plan.colour.as_ref().map(|colour| &colour.extent);
                 map::draw(canvas, &frame, &cells, (series, look), extent, &mut trace);
-                continue;
+            } else {
+                marks::draw(canvas, &frame, series, look, &mut trace);
             }
-            marks::draw(canvas, &frame, series, look, &mut trace);
+            canvas.end();
         }
     }
     x_axis(canvas, &frame, panel, plan);
@@ -75,6 +78,7 @@ pub(super) fn draw(
         canvas.text(at, "no data", None, Font::new(NORMAL, Anchor::Middle));
     }
     note(canvas, &frame, plan.lost, &trace);
+    hits::draw(canvas, &frame, panel);
 }
 
 /// Lines of text below each other.

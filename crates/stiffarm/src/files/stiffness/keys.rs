@@ -9,7 +9,14 @@ pub(super) const BARE: &str = "stiffness_nm_per_rad";
 
 /// A result with what made it.
 pub(super) const ENVELOPE: &[&str] = &[
-    "format", "stiffarm", "command", "inputs", "seed", "options", "result",
+    "format",
+    "stiffarm",
+    "command",
+    "arguments",
+    "inputs",
+    "seed",
+    "options",
+    "result",
 ];
 
 /// What `identify` writes, with a free and with a clamped flange.

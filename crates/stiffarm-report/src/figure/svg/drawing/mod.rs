@@ -10,13 +10,14 @@ use super::canvas::{self, Anchor, Canvas, Font, Point, Rect};
 use super::plan::{LEADING, SMALL};
 use super::{HEADING, MARGIN, text};
 use crate::figure::drawing::{Drawing, View};
+use crate::figure::layout::Layout;
 use key::Key;
 use view::Placed;
 
-/// Width of a drawing.
+/// Usual width of a drawing.
 const WIDTH: f64 = 800.0;
-/// Widest plot area.
-const PLOT: f64 = 345.0;
+/// Least width of a drawing with two columns; in a narrower one everything is below each other.
+const TWO_COLUMNS: f64 = 600.0;
 /// Highest and lowest plot area.
 const HIGHEST: f64 = 420.0;
 const LOWEST: f64 = 150.0;
@@ -35,20 +36,44 @@ const GAP: f64 = 14.0;
 /// coordinates that are not finite are left out. The caption becomes the description of the
 /// picture. The document contains no ids, so several can be embedded in one page.
 pub fn render_drawing(drawing: &Drawing) -> String {
+    render(drawing, None)
+}
+
+/// The same picture at a stated width and in a stated typeface. In a narrow one all views are
+/// below each other, the key and the notes last.
+pub fn render_drawing_with(drawing: &Drawing, layout: &Layout) -> String {
+    render(drawing, Some(layout))
+}
+
+fn render(drawing: &Drawing, layout: Option<&Layout>) -> String {
+    let width = layout.map_or(WIDTH, Layout::drawn_width);
     let mut canvas = Canvas::default();
-    let title = text::wrap(
-        &drawing.title,
-        text::BOLD * HEADING,
-        WIDTH - 2.0 * MARGIN,
-        3,
-    );
+    let title = match layout {
+        Some(layout) if !layout.title => Vec::new(),
+        _ => text::wrap(
+            &drawing.title,
+            text::BOLD * HEADING,
+            width - 2.0 * MARGIN,
+            3,
+        ),
+    };
     let top = MARGIN + title.len() as f64 * HEADING * LEADING + 6.0;
     let (with_axes, without): (Vec<&View>, Vec<&View>) =
         drawing.views.iter().partition(|view| view.axes.is_some());
-    let right = MARGIN + LEFT + PLOT + GAP + 8.0;
-    let right_width = WIDTH - MARGIN - right;
-    let (left_views, left_end) = column(&with_axes, top, (MARGIN + LEFT, PLOT), BELOW);
-    let (right_views, right_end) = column(&without, top, (right, right_width), 4.0);
+    let two = width >= TWO_COLUMNS;
+    let plot = match two {
+        true => 0.5 * (width - 2.0 * MARGIN - LEFT - GAP - 8.0) - 1.0,
+        // The last tick label reaches beyond the frame.
+        false => width - 2.0 * MARGIN - LEFT - 6.0,
+    };
+    let (left_views, left_end) = column(&with_axes, top, (MARGIN + LEFT, plot), BELOW);
+    let (right, right_top) = match two {
+        true => (MARGIN + LEFT + plot + GAP + 8.0, top),
+        false if with_axes.is_empty() => (MARGIN, top),
+        false => (MARGIN, left_end + GAP),
+    };
+    let right_width = width - MARGIN - right;
+    let (right_views, right_end) = column(&without, right_top, (right, right_width), 4.0);
     let key = Key::of(&drawing.key, right_width);
     let key_top = right_end + 4.0;
     let notes = note_lines(drawing, right_width);
@@ -56,9 +81,9 @@ pub fn render_drawing(drawing: &Drawing) -> String {
     let right_end = notes_top + notes.len() as f64 * SMALL * LEADING;
     let height = left_end.max(right_end) + MARGIN;
 
-    open(&mut canvas, drawing, height);
+    open(&mut canvas, drawing, (width, height), layout);
     for (i, line) in title.iter().enumerate() {
-        let at = (0.5 * WIDTH, MARGIN + (i as f64 + 0.85) * HEADING * LEADING);
+        let at = (0.5 * width, MARGIN + (i as f64 + 0.85) * HEADING * LEADING);
         canvas.text(at, line, None, Font::new(HEADING, Anchor::Middle).bold());
     }
     for placed in left_views.iter().chain(&right_views) {
@@ -113,10 +138,7 @@ fn note_lines(drawing: &Drawing, width: f64) -> Vec<(String, bool)> {
 }
 
 /// Root element, description and background.
-fn open(canvas: &mut Canvas, drawing: &Drawing, height: f64) {
-    super::open_document(
-        canvas,
-        (&drawing.id, &drawing.title, &drawing.caption),
-        (WIDTH, height),
-    );
+fn open(canvas: &mut Canvas, drawing: &Drawing, size: (f64, f64), layout: Option<&Layout>) {
+    let texts = (&drawing.id[..], &drawing.title[..], &drawing.caption[..]);
+    super::open_document(canvas, texts, size, layout);
 }

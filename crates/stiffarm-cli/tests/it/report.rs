@@ -1,0 +1,166 @@
+//! Pages of results: `report`, and `--report` of other commands.
+
+use crate::support;
+
+use serde_json::Value;
+use support::Folder;
+
+/// Readings of a simulated experiment and what `identify` makes of them.
+fn measured() -> Folder {
+    let folder = Folder::new();
+    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --readings r.csv");
+    folder.ok("identify builtin:comau r.csv --brief --output k.json");
+    folder
+}
+
+#[test]
+fn the_command_and_report_make_the_same_page() {
+    let folder = measured();
+    let line = "predict builtin:comau k.json builtin:contour";
+    let value = folder.json(&format!("{line} --report now.html"));
+    folder.write("saved.json", folder.ok(&format!("{line} --json")));
+    folder.ok("report saved.json --output later.html");
+    assert_eq!(folder.read("now.html"), folder.read("later.html"));
+    let page = folder.read("now.html");
+    // What the page shows is what the result holds, to the last digit.
+    let rms = &value["result"]["deflection_rms_m"];
+    let wanted = format!("data-path=\"/result/deflection_rms_m\" data-value=\"{rms}\"");
+    assert!(page.contains(&wanted), "{wanted}");
+    assert!(page.contains("default-src 'none'"));
+    assert!(!page.contains("http://") || page.contains("http://www.w3.org/"));
+}
+
+#[test]
+fn a_page_is_never_written_over_unasked() {
+    let folder = measured();
+    folder.write("report.html", "mine");
+    let refused = folder.refused("predict builtin:comau k.json --report report.html");
+    assert!(refused.contains("exists already"), "{refused}");
+    assert!(
+        folder
+            .refused("predict builtin:comau k.json --report k.json --force")
+            .contains("input")
+    );
+    assert_eq!(folder.read("report.html"), "mine");
+}
+
+#[test]
+fn what_is_no_result_is_refused_with_a_reason() {
+    let folder = Folder::new();
+    folder.write("broken.json", "{\"format\": 1,");
+    folder.write("other.json", "{\"a\": 1}");
+    folder.write(
+        "future.json",
+        "{\"format\": 2, \"stiffarm\": \"9\", \"command\": \"predict\", \"result\": {}}",
+    );
+    folder.write("poor.json", "{\"format\": 1, \"stiffarm\": \"0.1.0\", \"command\": \"predict\", \"result\": {\"model\": \"linear\"}}");
+    folder.write(
+        "error.json",
+        folder.run("predict builtin:comau nowhere.json --json").out,
+    );
+    folder.write("robots.json", folder.ok("robots --json"));
+    for (line, said) in [
+        ("report broken.json", "This is not JSON."),
+        ("report other.json", "This is not a result of stiffarm."),
+        ("report future.json", "format 2"),
+        ("report poor.json", "missing field"),
+        ("report error.json", "holds the error of a command"),
+        (
+            "report robots.json",
+            "There is no page for the results of `robots`",
+        ),
+        ("report nowhere.json", "There is no such file"),
+    ] {
+        let refused = folder.refused(line);
+        assert!(refused.contains(said), "{line}\n{refused}");
+        assert!(
+            !folder.names().contains(&"report.html".to_string()),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn a_cell_is_known_by_its_hash() {
+    let folder = measured();
+    let cells = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cells/");
+    let cell = std::fs::read_to_string(format!("{cells}comau.toml")).unwrap();
+    folder.write("own.toml", format!("{cell}\n# my own\n"));
+    let line = "predict own.toml prior builtin:contour --json";
+    folder.write("own.json", folder.ok(line));
+    let said = folder.ok("report own.json --output without.html");
+    assert!(said.contains("give it with --cell"), "{said}");
+    let said = folder.ok("report own.json --cell own.toml --output with.html");
+    assert!(!said.contains("--cell"), "{said}");
+    let scenes = |page: &str| folder.read(page).matches("<div class=\"scene\"").count();
+    assert_eq!((scenes("without.html"), scenes("with.html")), (0, 1));
+    let refused = folder.refused("report own.json --cell builtin:comau --output other.html");
+    assert!(
+        refused.contains("No result was made with this version"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn the_words_of_a_result_make_it_again() {
+    let folder = measured();
+    folder.write(
+        "group.csv",
+        folder.ok("select builtin:comau --space-filling -n 6 --quiet --output -"),
+    );
+    for line in [
+        "identify builtin:comau r.csv --exclude 6 --brief --seed 3",
+        "predict builtin:comau k.json builtin:contour --load-uncertainty-percent 10 --output p.csv",
+        "evaluate builtin:comau group.csv",
+        "simulate builtin:comau group.csv --runs 2 --levels=1,2 --measurements m.csv --threads 1",
+        "validate builtin:comau k.json r.csv --only 6 --quiet",
+        "map builtin:comau prior --plane z=800 --steps 5 --output-dir map",
+    ] {
+        let first: Value = folder.json(&format!("{line} --force"));
+        let words = first["arguments"].as_array().unwrap().iter();
+        let words = words.map(|word| match word.as_str().unwrap() {
+            "{measurements}" => "r.csv",
+            "{stiffness}" => "k.json",
+            "{postures_1}" => "group.csv",
+            word => word,
+        });
+        let words: Vec<&str> = words.collect();
+        for gone in [
+            "--force",
+            "--output",
+            "--measurements",
+            "--threads",
+            "--output-dir",
+        ] {
+            assert!(!words.contains(&gone), "{words:?}");
+        }
+        let again = folder.json(&format!("{} --quiet", words.join(" ")));
+        assert_eq!(again["result"], first["result"], "{words:?}");
+        assert_eq!(again["arguments"], first["arguments"], "{words:?}");
+    }
+}
+
+#[test]
+fn results_side_by_side_mark_what_differs() {
+    let folder = measured();
+    let line = "predict builtin:comau";
+    folder.write(
+        "one.json",
+        folder.ok(&format!("{line} k.json builtin:contour --json")),
+    );
+    folder.write(
+        "two.json",
+        folder.ok(&format!("{line} prior builtin:contour --json")),
+    );
+    folder.ok("report one.json one.json --output same.html");
+    folder.ok("report one.json two.json --output two.html");
+    let (same, two) = (folder.read("same.html"), folder.read("two.html"));
+    assert!(same.contains("Inputs, seed and options are the same."));
+    assert!(same.contains("numbers of the key tables are the same."));
+    assert!(!same.contains("class=\"different\""));
+    assert!(two.contains("numbers of the key tables differ"));
+    assert!(two.contains("class=\"different\""));
+    assert!(two.contains("input stiffness"));
+    // Every number says which of the results it stands in.
+    assert!(two.contains("data-result=\"0\"") && two.contains("data-result=\"1\""));
+}

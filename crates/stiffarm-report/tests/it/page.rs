@@ -1,0 +1,186 @@
+//! A page: names stay text, ids are unique, numbers say where they come from, equal pages give equal bytes.
+
+use stiffarm::findings::{Finding, Severity};
+use stiffarm_report::page::{
+    Block, DataTable, Number, Outcome, Page, Part, Provenance, Section, Text, render_page,
+};
+use stiffarm_report::{Axis, Figure, Panel, Series, Style};
+
+const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&amp;\u{202e}";
+
+fn figure(id: &str, label: &str) -> Figure {
+    Figure {
+        id: id.into(),
+        title: label.into(),
+        caption: format!("About {label}."),
+        columns: 1,
+        panels: vec![Panel {
+            title: label.into(),
+            x: Axis::categorical("joint", [label, "joint 2"]),
+            y: Axis::linear("deviation", "%"),
+            series: vec![
+                Series::new(label, Style::Bars, vec![0.0, 1.0], vec![2.0, 3.5]),
+                Series::new("theory", Style::Dashed, vec![0.0, 1.0], vec![2.5, 3.0]),
+            ],
+            equal_aspect: false,
+        }],
+    }
+}
+
+fn part(name: &str) -> Part {
+    let mut key = DataTable::new(
+        format!("Key of {name}"),
+        ["joint", "k [10⁶ N·m/rad]", "said"],
+    );
+    let number = Number::new("/result/joints/0/stiffness", Some(942_757.625))
+        .mega()
+        .bare();
+    key.row(
+        name,
+        [number.decimals(3).into(), Text::new("").strong(name)],
+    );
+    let missing = Number::new("/result/joints/1/stiffness", None).mega();
+    key.row("joint 2", [missing.into(), Text::new("").code(name)]);
+    Part {
+        command: "identify".into(),
+        heading: format!("Stiffness of {name}"),
+        name: name.into(),
+        outcome: Outcome::Caution,
+        verdict: [
+            Text::from(name),
+            Text::new("It bends by ")
+                .number(Number::new("/result/rms", Some(1.25e-4)).mm().plus_minus()),
+            Text::from("Measure on."),
+        ],
+        warnings: vec![
+            Finding::new("a", Severity::Caution, name, format!("`{name}` is odd.")),
+            Finding::new("b", Severity::Serious, name, "It is wrong."),
+        ],
+        key: Some(key),
+        sections: vec![
+            Section::new(
+                "one",
+                name,
+                vec![Block::Figure(figure("f", name)), Block::Text(name.into())],
+            ),
+            Section::new(
+                "two",
+                "Two",
+                vec![Block::Details(
+                    name.into(),
+                    vec![Block::Figure(figure("g", name))],
+                )],
+            ),
+            Section::new(
+                "three",
+                "Three",
+                vec![Block::Figures(vec![figure("h", name), figure("i", name)])],
+            ),
+        ],
+        provenance: Provenance {
+            version: "0.1.0".into(),
+            seed: Some(1),
+            command_line: format!("stiffarm identify {name}"),
+            inputs: vec![(name.into(), "ab".into())],
+            options: vec![(name.into(), name.into())],
+        },
+    }
+}
+
+fn page(parts: Vec<Part>) -> Page {
+    Page {
+        title: HOSTILE.into(),
+        subtitle: HOSTILE.into(),
+        before: Vec::new(),
+        parts,
+    }
+}
+
+/// Values of an attribute, in order.
+fn attributes<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
+    let begin = format!(" {name}=\"");
+    let values = html.match_indices(&begin).map(|(at, _)| {
+        let rest = &html[at + begin.len()..];
+        &rest[..rest.find('"').unwrap()]
+    });
+    values.collect()
+}
+
+#[test]
+fn names_of_other_people_stay_text() {
+    let html = render_page(&page(vec![part(HOSTILE)]));
+    assert!(!html.contains("<img"));
+    assert!(html.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;"));
+    // One script, the page's own, and it ends where it ends.
+    assert_eq!(html.matches("<script").count(), 1);
+    assert_eq!(html.matches("</script").count(), 1);
+}
+
+#[test]
+fn ids_are_unique_and_links_lead_somewhere() {
+    let html = render_page(&page(vec![part("a"), part("b")]));
+    let mut ids = attributes(&html, "id");
+    for link in attributes(&html, "href") {
+        assert!(ids.contains(&&link[1..]), "{link}");
+    }
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count);
+}
+
+#[test]
+fn numbers_say_where_they_stand() {
+    let html = render_page(&page(vec![part("a")]));
+    assert!(html.contains(
+        "<span class=\"n\" data-path=\"/result/joints/0/stiffness\" data-value=\"942757.625\" data-factor=\"0.000001\">0.943</span>"
+    ));
+    assert!(html.contains("data-value=\"null\" data-factor=\"0.000001\">–</span>"));
+    assert!(html.contains(">± 0.1250\u{a0}mm</span>"));
+    let several = render_page(&page(vec![part("a"), part("b")]));
+    assert_eq!(attributes(&several, "data-result"), ["0", "1"]);
+    assert_eq!(
+        attributes(&several, "data-command"),
+        ["report", "identify", "identify"]
+    );
+}
+
+#[test]
+fn what_is_serious_stands_before_the_key_table_and_cautions_behind() {
+    let html = render_page(&page(vec![part("a")]));
+    let at = |words: &str| html.find(words).unwrap();
+    assert!(at("It is wrong.") < at("Key of a"));
+    assert!(at("Key of a") < at("<code>a</code> is odd."));
+    assert!(html.contains("Look at the cautions"));
+}
+
+#[test]
+fn nothing_is_asked_of_the_network() {
+    let html = render_page(&page(vec![part("a")]));
+    assert!(html.contains("default-src 'none'"));
+    for word in ["src=\"http", "href=\"http", "@import", "url(", "fetch("] {
+        assert!(!html.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn a_chart_has_a_form_for_narrow_screens_and_its_data_behind() {
+    let html = render_page(&page(vec![part("a")]));
+    let charts = attributes(&html, "data-figure");
+    assert_eq!(charts, ["f", "f", "g", "g", "h", "h", "i", "i"]);
+    assert_eq!(
+        html.matches("<summary>Data of this figure</summary>")
+            .count(),
+        4
+    );
+    assert!(html.contains(
+        "data-toggle-series=\"theory\" role=\"button\" tabindex=\"0\" aria-pressed=\"true\""
+    ));
+    assert!(html.contains("data-tip=\"theory · joint 2: 3 %\""));
+}
+
+#[test]
+fn equal_pages_give_equal_bytes() {
+    let one = page(vec![part("a"), part("b")]);
+    assert_eq!(render_page(&one), render_page(&one.clone()));
+}

@@ -1,0 +1,135 @@
+//! Any saved result is read back as what was written, or refused with a reason.
+#![cfg(feature = "files")]
+
+use serde_json::{Value, json};
+use stiffarm::files::builtin;
+use stiffarm::files::result::{SavedResult, read_result};
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::index::Index;
+use stiffarm::plan::select::{Selection, select_from};
+use stiffarm::study::{Study, StudyOptions, study};
+use stiffarm::{Code, Control};
+
+fn wrapped(result: Value) -> Value {
+    json!({
+        "format": 1,
+        "stiffarm": "0.1.0",
+        "command": "study",
+        "arguments": ["study", "{cell}"],
+        "inputs": {"cell": "ab12"},
+        "seed": 7,
+        "options": {},
+        "result": result,
+    })
+}
+
+fn small_study() -> Study {
+    let cell = builtin::cell("comau").unwrap();
+    let group = PostureGroup {
+        name: "Group 1".to_string(),
+        postures: builtin::postures("comau-group1", &cell.setup.robot).unwrap(),
+    };
+    let mut options = StudyOptions::default();
+    options.simulation.runs = 3;
+    options.starts = 2;
+    options.q1_draws = 5;
+    options.max_iterations = 20;
+    study(&cell, &group, &options, Control::default()).unwrap()
+}
+
+#[test]
+fn a_study_is_read_back_to_the_last_bit() {
+    let written = small_study();
+    let value = wrapped(serde_json::to_value(&written).unwrap());
+    let text = serde_json::to_string_pretty(&value).unwrap();
+    let saved = read_result(text.as_bytes(), "study.json").unwrap();
+    assert_eq!(saved.command, "study");
+    assert_eq!((saved.seed, saved.input("cell")), (Some(7), Some("ab12")));
+    assert_eq!(saved.arguments, ["study", "{cell}"]);
+    let read: Study = saved.result().unwrap();
+    assert_eq!(serde_json::to_value(&read).unwrap(), value["result"]);
+    // Angles go through degrees; everything else is the same to the last bit.
+    for (a, b) in written.groups.iter().zip(&read.groups) {
+        assert_eq!(a.evaluation, b.evaluation);
+        assert_eq!(a.identification, b.identification);
+    }
+    for finding in &written.findings {
+        assert!(saved.findings().contains(finding), "{finding:?}");
+    }
+}
+
+#[test]
+fn a_selection_keeps_its_indices() {
+    let cell = builtin::cell("comau-reference").unwrap();
+    let postures = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let group = PostureGroup {
+        name: "Group 1".to_string(),
+        postures,
+    };
+    let options = Default::default();
+    let found = select_from(
+        &cell,
+        Index::ExpectedError,
+        &group.postures,
+        options,
+        Control::default(),
+    );
+    let found = found.unwrap();
+    let value = serde_json::to_value(&found).unwrap();
+    let read: Selection = serde_json::from_value(value.clone()).unwrap();
+    assert_eq!(read.evaluation.indices, found.evaluation.indices);
+    assert_eq!(serde_json::to_value(&read).unwrap(), value);
+}
+
+#[test]
+fn numbers_and_texts_are_found_by_pointer() {
+    let value = wrapped(json!({"a": [0.1, null], "b": {"c": "text"}}));
+    let saved = SavedResult::of(&value, "result").unwrap();
+    assert_eq!(saved.number("/result/a/0"), Some(0.1));
+    assert_eq!(saved.number("/result/a/1"), None);
+    assert_eq!(saved.number("/result/x"), None);
+    assert_eq!(saved.text("/result/b/c"), Some("text"));
+}
+
+#[test]
+fn findings_are_collected_wherever_they_stand_each_once() {
+    let one = json!({"code": "a", "severity": "caution", "subject": "s", "sentence": "One."});
+    let two = json!({"code": "b", "severity": "note", "subject": "s", "sentence": "Two."});
+    let value = wrapped(json!({"x": {"findings": [one, two]}, "y": [{"finding": one}]}));
+    let saved = SavedResult::of(&value, "result").unwrap();
+    let codes: Vec<String> = saved.findings().into_iter().map(|f| f.code).collect();
+    assert_eq!(codes, ["a", "b"]);
+}
+
+#[test]
+fn what_is_no_result_is_refused() {
+    let refused = |text: &str| read_result(text.as_bytes(), "x.json").unwrap_err();
+    let error = refused("{\"format\": 1,\n \"a\" }");
+    assert_eq!(
+        (error.code(), error.place().line),
+        (Code::ResultFile, Some(2))
+    );
+    for (text, said) in [
+        ("[]", "not a result of stiffarm"),
+        ("{\"format\": 3}", "format 3"),
+        (
+            "{\"format\": 1, \"command\": \"study\"}",
+            "lacks one of the keys",
+        ),
+        (
+            "{\"error\": {\"message\": \"No.\"}}",
+            "holds the error of a command",
+        ),
+        ("{\"format\": 1, \"format\": 1}", "format"),
+    ] {
+        let error = refused(text);
+        assert_eq!(error.code(), Code::ResultFile);
+        assert!(error.message().contains(said), "{}", error.message());
+        assert_eq!(error.place().file.as_deref(), Some("x.json"), "{text}");
+    }
+    // A result of another shape names its version.
+    let value = wrapped(json!({"cell": 3}));
+    let saved = SavedResult::of(&value, "result").unwrap();
+    let error = saved.result::<Study>().unwrap_err();
+    assert!(error.to_string().contains("study"), "{error}");
+}

@@ -1,0 +1,313 @@
+"""Scenes in 3D on a page: postures step, groups toggle, the slider and the views work, by mouse and by keyboard, and the
+picture changes with them."""
+
+import io
+import statistics
+
+from PIL import Image, ImageChops
+
+from finding import Finding
+
+NEXT, PREVIOUS = 'button[data-step="next"]', 'button[data-step="previous"]'
+SELECT = 'select[data-control="posture"]'
+SLIDER = 'input[type="range"][data-control="deflection"]'
+TOGGLE, VIEW = 'input[type="checkbox"][data-group-toggle]', "button[data-view]"
+
+# Pixels that must differ by more than a shade where a picture has changed.
+PIXELS, SHADE = 30, 12
+# Changes of more postures than these are followed by their number alone: a picture in software takes a second.
+PICTURES = 8
+# So many postures are stepped through, forward and back: more show nothing new.
+STEPS = 60
+# Tabs from the start of a page to its first scene and through it.
+TABS = 1500
+# Shared machines draw slowly; the median is for the record and fails only far beyond what a person notices.
+FRAME_MS = 200
+
+# Marks each scene and the smallest element that holds it together with its controls.
+MARK = """() => [...document.querySelectorAll('div.scene')].map((scene, i) => {
+    scene.dataset.testScene = i;
+    let e = scene;
+    while (e !== document.body && !e.querySelector('button[data-step]')) e = e.parentElement;
+    e.setAttribute(`data-test-controls-${i}`, '');
+    return scene.id;
+})"""
+
+
+class Scene:
+    """A scene with its controls."""
+
+    def __init__(self, opened, index, name):
+        page = opened.page
+        self.page, self.patience, self.name = page, opened.patience, name or f"number {index}"
+        self.element = page.locator(f'[data-test-scene="{index}"]')
+        self.controls = page.locator(f"[data-test-controls-{index}]")
+
+    def get(self, name):
+        return self.element.get_attribute(f"data-{name}")
+
+    def control(self, selector):
+        return self.controls.locator(selector)
+
+    def wait(self, name, accept, what):
+        """Until the attribute is accepted."""
+        value = None
+        for _ in range(round(100 * self.patience)):
+            value = self.get(name)
+            if accept(value):
+                return value
+            self.page.wait_for_timeout(50)
+        raise Finding(f"scene {self.name}: {what} leaves data-{name} at {value!r}")
+
+    def picture(self):
+        """What the drawing shows, without words beside it: its canvas where there is one."""
+        drawn = self.element.locator("canvas, svg")
+        boxes = [(b["width"] * b["height"], i) for i in range(drawn.count()) if (b := drawn.nth(i).bounding_box())]
+        # Layers of equal size lie over each other; the picture of one shows them all.
+        target = drawn.nth(max(boxes)[1]) if boxes else self.element
+        return Image.open(io.BytesIO(target.screenshot(animations="allow"))).convert("RGB")
+
+    def settled(self):
+        self.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def changed(self, before, what):
+        """The picture after a change; it may take the page a moment."""
+        for _ in range(round(20 * self.patience)):
+            self.settled()
+            now = self.picture()
+            if differ(before, now):
+                return now
+            self.page.wait_for_timeout(100)
+        raise Finding(f"scene {self.name}: {what} does not change the picture")
+
+
+def differ(before, now):
+    if before.size != now.size:
+        return True
+    shades = ImageChops.difference(before, now).convert("L").histogram()
+    return sum(shades[SHADE:]) > PIXELS
+
+
+def all_of(opened):
+    names = opened.page.evaluate(MARK)
+    return [Scene(opened, i, name) for i, name in enumerate(names)]
+
+
+def ready(opened):
+    """Each scene is drawn, and its picture is not of one colour."""
+    found = all_of(opened)
+    if opened.expected.scene and not found:
+        raise Finding("no div.scene")
+    for scene in found:
+        scene.element.scroll_into_view_if_needed()
+        for _ in range(round(600 * opened.patience)):
+            if scene.get("ready") == "true":
+                break
+            opened.page.wait_for_timeout(50)
+        else:
+            raise Finding(f"scene {scene.name}: data-ready is {scene.get('ready')!r} and stays so")
+        scene.settled()
+        colours = scene.picture().getcolors(1 << 24)
+        if len(colours) < 8 or max(n for n, _ in colours) > 0.995 * sum(n for n, _ in colours):
+            raise Finding(f"scene {scene.name} is empty")
+    if found:
+        opened.note(f"{len(found)} scenes")
+
+
+def postures(scene):
+    """How many postures the scene steps through."""
+    for selector in (NEXT, PREVIOUS, SELECT):
+        if scene.control(selector).count() == 0:
+            raise Finding(f"scene {scene.name}: no {selector}")
+    return scene.control(SELECT).first.locator("option").count()
+
+
+def place(scene):
+    """Group and posture that the scene shows."""
+    return int(scene.get("group") or 0), int(scene.get("posture") or 0)
+
+
+def moved(scene, before, what):
+    """Where the scene is once it has left `before`."""
+    for _ in range(round(100 * scene.patience)):
+        if (now := place(scene)) != before:
+            return now
+        scene.page.wait_for_timeout(20)
+    raise Finding(f"scene {scene.name}: {what} does not leave posture {before}")
+
+
+def steps(opened):
+    """Forward through all postures and back, by mouse; then one by its name."""
+    for scene in all_of(opened):
+        count = postures(scene)
+        scene.element.scroll_into_view_if_needed()
+        picture, way = scene.picture(), [place(scene)]
+        # The list may hold the postures of all groups: a step from the last of one leads to the first of the next.
+        far = min(count, STEPS)
+        for i in range(1, far):
+            before = group, posture = way[-1]
+            scene.control(NEXT).first.click()
+            way.append(moved(scene, before, NEXT))
+            if way[-1] != (group, posture + 1) and not (way[-1][1] == 0 and way[-1][0] > group):
+                raise Finding(f"scene {scene.name}: {NEXT} leads from posture {before} to {way[-1]}")
+            if i <= PICTURES:
+                picture = scene.changed(picture, f"the step to posture {way[-1]}")
+        for i in range(far - 2, -1, -1):
+            scene.control(PREVIOUS).first.click()
+            if (back := moved(scene, way[i + 1], PREVIOUS)) != way[i]:
+                raise Finding(f"scene {scene.name}: {PREVIOUS} leads from posture {way[i + 1]} to {back}")
+        if far > 1:
+            scene.settled()
+            picture = scene.picture()
+            scene.control(SELECT).first.select_option(index=far - 1)
+            if (chosen := moved(scene, way[0], "the list of postures")) != way[far - 1]:
+                raise Finding(f"scene {scene.name}: number {far} of the list is posture {chosen}")
+            scene.changed(picture, "a posture of the list")
+        opened.note(f"{count} postures")
+
+
+def groups(opened):
+    """Each group can be hidden and shown."""
+    found = all_of(opened)
+    counts = [scene.control(TOGGLE).count() for scene in found]
+    if opened.expected.groups > 1 and max(counts, default=0) < opened.expected.groups:
+        raise Finding(f"{max(counts, default=0)} group toggles for {opened.expected.groups} groups")
+    for scene, count in zip(found, counts):
+        scene.element.scroll_into_view_if_needed()
+        for index in range(min(count, 4)):
+            toggle = scene.control(TOGGLE).nth(index)
+            group = toggle.get_attribute("data-group-toggle")
+            picture = scene.picture()
+            for _ in range(2):
+                before = scene.get("shown-groups") or ""
+                was_shown = group in before.split()
+                toggle.focus()
+                opened.page.keyboard.press("Space")
+                told = f"the toggle of group {group}"
+                scene.wait("shown-groups", lambda v: (group in (v or "").split()) != was_shown, told)
+                picture = scene.changed(picture, told)
+
+
+def slider(opened):
+    """The slider exaggerates the deflection, and the picture follows."""
+    found = all_of(opened)
+    sliders = [scene for scene in found if scene.control(SLIDER).count()]
+    if opened.expected.slider and not sliders:
+        raise Finding(f"no {SLIDER}")
+    for scene in sliders:
+        scene.element.scroll_into_view_if_needed()
+        scene.control(SLIDER).first.focus()
+        opened.page.keyboard.press("Home")
+        scene.settled()
+        opened.page.wait_for_timeout(100)
+        low, picture = scene.get("exaggeration"), scene.picture()
+        opened.page.keyboard.press("End")
+        high = scene.wait("exaggeration", lambda v: v != low, "the slider")
+        if not float(high) > float(low):
+            raise Finding(f"scene {scene.name}: the slider goes from {low} to {high}")
+        scene.changed(picture, "the slider")
+
+
+def views(opened):
+    """Each view is another picture."""
+    for scene in all_of(opened):
+        buttons = scene.control(VIEW)
+        if buttons.count() < 2:
+            raise Finding(f"scene {scene.name}: {buttons.count()} buttons data-view")
+        scene.element.scroll_into_view_if_needed()
+        buttons.first.click()
+        scene.settled()
+        opened.page.wait_for_timeout(200)
+        picture = scene.picture()
+        for index in range(1, buttons.count()):
+            name = buttons.nth(index).get_attribute("data-view")
+            buttons.nth(index).click()
+            picture = scene.changed(picture, f"the view {name}")
+        buttons.first.click()
+
+
+FOCUSED = """() => { const e = document.activeElement;
+    if (!e || e === document.body) return null;
+    return [e.matches('[data-test-controls-0] *'), %s.find(s => e.matches(s)) ?? null]; }"""
+
+
+def keyboard(opened):
+    """Tab reaches the controls of the first scene, and they work by keys alone."""
+    found = all_of(opened)
+    if not found:
+        return
+    scene, page = found[0], opened.page
+    wanted = [s for s in (NEXT, PREVIOUS, SELECT, SLIDER, TOGGLE, VIEW) if scene.control(s).count()]
+    # From the first posture every control has somewhere to go.
+    several = postures(scene) > 1
+    if several:
+        scene.control(SELECT).first.select_option(index=0)
+        scene.wait("posture", lambda v: v == "0", "the list of postures")
+    missing = set(wanted)
+    query = FOCUSED % str(wanted)
+    page.evaluate("() => { document.activeElement?.blur(); getSelection().removeAllRanges(); scrollTo(0, 0); }")
+    for _ in range(TABS):
+        if not missing:
+            return
+        page.keyboard.press("Tab")
+        inside, which = page.evaluate(query) or (False, None)
+        if inside and which in missing:
+            press(scene, which, several)
+            missing.discard(which)
+    raise Finding(f"scene {scene.name}: Tab does not reach {', '.join(sorted(missing))}")
+
+
+def press(scene, which, several):
+    """Works the control that has the focus, and turns it back where others need that."""
+    keys = scene.page.keyboard
+    told = f"{which} by keyboard"
+    if which in (NEXT, PREVIOUS, SELECT) and several:
+        # `previous` may come before `next` in the page: it needs a posture to come from.
+        if which == PREVIOUS and scene.get("posture") == "0":
+            scene.control(SELECT).first.select_option(index=1)
+            scene.wait("posture", lambda v: v == "1", "the list of postures")
+            scene.control(PREVIOUS).first.focus()
+        if which != PREVIOUS and scene.get("posture") != "0":
+            scene.control(SELECT).first.select_option(index=0)
+            scene.wait("posture", lambda v: v == "0", "the list of postures")
+            scene.control(which).first.focus()
+        before = scene.get("posture")
+        keys.press("ArrowDown" if which == SELECT else "Enter")
+        scene.wait("posture", lambda v: v != before, told)
+    elif which == SLIDER:
+        keys.press("Home")
+        before = scene.get("exaggeration")
+        keys.press("ArrowRight")
+        scene.wait("exaggeration", lambda v: v != before, told)
+    elif which == TOGGLE:
+        for _ in range(2):
+            before = scene.get("shown-groups")
+            keys.press("Space")
+            scene.wait("shown-groups", lambda v, b=before: v != b, told)
+    elif which == VIEW:
+        keys.press("Enter")
+
+
+def frame_time(opened):
+    """Stepping stays quick on the largest page."""
+    if opened.expected.frame_ms is None:
+        return
+    page, scene = opened.page, all_of(opened)[0]
+    scene.element.scroll_into_view_if_needed()
+    page.evaluate("() => { window.stiffarm.measure = true; }")
+    scene.control(SELECT).first.select_option(index=0)
+    scene.settled()
+    times = []
+    for _ in range(min(postures(scene), STEPS) - 1):
+        before = place(scene)
+        scene.control(NEXT).first.click()
+        moved(scene, before, NEXT)
+        scene.settled()
+        times.append(page.evaluate("id => window.stiffarm?.scenes?.[id]?.frameMs ?? null", scene.name))
+    if not times or None in times:
+        raise Finding(f"window.stiffarm.scenes[{scene.name!r}].frameMs is not there")
+    median, longest = statistics.median(times), max(times)
+    opened.note(f"a step takes {median:.1f} ms in the median of {len(times)}, {longest:.1f} ms at most; "
+                f"{opened.expected.frame_ms:g} ms are wanted")
+    if not median <= FRAME_MS:
+        raise Finding(f"a step takes {median:.1f} ms in the median, more than {FRAME_MS} ms")
