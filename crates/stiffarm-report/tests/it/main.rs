@@ -5,6 +5,7 @@ mod generic;
 mod maps;
 #[cfg(feature = "page")]
 mod page;
+#[cfg(feature = "page")]
 mod pages;
 mod render;
 mod scenes;

@@ -51,6 +51,15 @@ fn a_plan_says_how_good_it_is_and_shows_why() {
     let cell = builtin::cell("comau").unwrap();
     let selection = plan(&cell, Index::ExpectedError, 3);
     assert!(!selection.improvements.is_empty());
+    for pair in selection.improvements.windows(2) {
+        assert!(pair[1].rounds > pair[0].rounds);
+        assert!(pair[1].value < pair[0].value);
+    }
+    let last = selection
+        .improvements
+        .last()
+        .and_then(|report| report.value);
+    assert!(selection.value <= last.unwrap() * (1.0 + 1e-9));
     let mut options = CertificateOptions::default();
     options.samples = 32;
     let index = selection.index;
