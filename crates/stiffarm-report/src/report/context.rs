@@ -84,10 +84,13 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// The same for a result that is to be looked at, whatever its findings say.
-    pub fn caution(mut part: Part, is_caution: bool) -> Part {
-        if is_caution && part.outcome == Outcome::Good {
-            part.outcome = Outcome::Caution;
+    /// The same with one more thing to look at, where there is one.
+    pub fn caution(mut part: Part, sentence: Option<&str>) -> Part {
+        if let Some(sentence) = sentence {
+            let command = part.command.clone();
+            part.warnings
+                .push(Finding::new("page", Severity::Caution, command, sentence));
+            part.outcome = Outcome::of(&part.warnings);
         }
         part
     }

@@ -98,5 +98,6 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     sections.insert(0, Section::new("zones", "The maps", vec![map]));
     let heading = "Zones for stiffness identification".to_string();
     let part = context.part(heading, [done, came, next], Some(key), sections);
-    Ok(Context::caution(part, zones.best.is_none()))
+    let none = "No posture of the map is in a good zone.";
+    Ok(Context::caution(part, zones.best.is_none().then_some(none)))
 }

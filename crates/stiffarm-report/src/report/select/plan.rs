@@ -2,7 +2,7 @@
 
 use super::super::context::Context;
 use super::super::postures::{FEW, limit_table, posture_table, route_section};
-use super::super::worth::{Worth, is_beyond_first_order, joint_names, worth_sections};
+use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_names, worth_sections};
 use super::{details, story};
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::{convergence_figure, price_figure};
@@ -106,7 +106,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     };
     let part = context.part(heading, story::verdict(context, &plan), Some(key), sections);
     let unsure = plan.evaluation.as_ref().is_some_and(is_beyond_first_order);
-    Ok(Context::caution(part, unsure))
+    Ok(Context::caution(part, unsure.then_some(UNSURE)))
 }
 
 fn worth(context: &Context<'_>, plan: &Plan) -> Vec<Section> {

@@ -2,7 +2,7 @@
 
 use super::super::context::Context;
 use super::super::postures::{posture_table, route_section};
-use super::super::worth::{Worth, is_beyond_first_order, worst_joint, worth_sections};
+use super::super::worth::{UNSURE, Worth, is_beyond_first_order, worst_joint, worth_sections};
 use crate::page::{Part, Text};
 use serde::Deserialize;
 use stiffarm::Result;
@@ -101,6 +101,9 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         Some(key),
         sections,
     );
-    let unsure = !undetermined.is_empty() || is_beyond_first_order(evaluation);
+    let unsure = match undetermined.is_empty() {
+        true => is_beyond_first_order(evaluation).then_some(UNSURE),
+        false => Some("These postures leave a joint undetermined."),
+    };
     Ok(Context::caution(part, unsure))
 }

@@ -3,6 +3,7 @@
 mod elastic;
 
 use super::context::Context;
+use super::worth::UNSURE;
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::deviation_by_noise_figure;
 use serde_json::Value;
@@ -86,7 +87,11 @@ fn axes(context: &Context<'_>) -> Result<Part> {
         tables.collect(),
     ));
     let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
-    let unsure = is_unsure(best) || result.interrupted;
+    let unsure = match (is_unsure(best), result.interrupted) {
+        (true, _) => Some(UNSURE),
+        (false, true) => Some("The simulation was stopped: there are fewer runs than asked for."),
+        (false, false) => None,
+    };
     let part = context.part(
         "Simulated identifications".to_string(),
         verdict,
