@@ -2,7 +2,7 @@
 
 use super::super::context::Context;
 use super::super::worth::index_number;
-use super::plan::Plan;
+use super::planned::Plan;
 use crate::page::{Block, DataTable, Section, Text};
 use crate::selection::{IndexUnit, index_name, sensitivity_figure};
 use stiffarm::Termination;

@@ -3,40 +3,13 @@
 use super::super::context::Context;
 use super::super::postures::{FEW, limit_table, posture_table, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_names, worth_sections};
+use super::planned::Plan;
 use super::{details, story};
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::{convergence_figure, price_figure};
-use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::certificate::{Certificate, JointEfficiency};
-use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation};
-use stiffarm::plan::route::Route;
-use stiffarm::plan::select::{LimitPrice, Selection, Sensitivity};
-
-/// What `select` writes of a plan, as far as the page shows it.
-#[derive(Deserialize)]
-pub(super) struct Plan {
-    #[serde(flatten)]
-    pub selection: Selection,
-    #[serde(default)]
-    pub posture_names: Vec<String>,
-    #[serde(default)]
-    pub joints: Vec<String>,
-    pub evaluation: Option<GroupEvaluation>,
-    pub before: Option<EvaluatedGroup>,
-    #[serde(default)]
-    pub repeats: Vec<Vec<String>>,
-    #[serde(default)]
-    pub given_names: Vec<String>,
-    pub certificate: Option<Certificate>,
-    pub joint_efficiencies: Option<Vec<JointEfficiency>>,
-    pub certificate_missing: Option<String>,
-    pub sensitivity: Option<Sensitivity>,
-    pub prices: Option<Vec<LimitPrice>>,
-    pub route: Option<Route>,
-}
 
 /// The part of a page for a plan.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {

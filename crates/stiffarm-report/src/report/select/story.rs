@@ -4,7 +4,7 @@ use super::super::context::Context;
 use super::super::worth::{
     index_number, index_says, is_beyond_first_order, joint_names, worst_joint,
 };
-use super::plan::Plan;
+use super::planned::Plan;
 use crate::page::Text;
 use stiffarm::Termination;
 use stiffarm::findings::Severity;
