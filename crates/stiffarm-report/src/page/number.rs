@@ -127,6 +127,7 @@ impl Number {
         let digits = self.digits();
         match self.unit.is_empty() || digits == "–" {
             true => format!("{sign}{digits}"),
+            false if self.unit == "°" => format!("{sign}{digits}°"),
             false => format!("{sign}{digits}\u{a0}{}", self.unit),
         }
     }

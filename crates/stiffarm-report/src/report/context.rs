@@ -84,6 +84,17 @@ impl<'a> Context<'a> {
         }
     }
 
+    /// The same with one more thing to look at, where there is one.
+    pub fn caution(mut part: Part, sentence: Option<&str>) -> Part {
+        if let Some(sentence) = sentence {
+            let command = part.command.clone();
+            part.warnings
+                .push(Finding::new("page", Severity::Caution, command, sentence));
+            part.outcome = Outcome::of(&part.warnings);
+        }
+        part
+    }
+
     /// The cell in 3D at groups of postures; `None` where the cell is not at hand or cannot take them.
     ///
     /// # Errors

@@ -1,7 +1,9 @@
 //! The page of `evaluate`: indices and expected errors of given postures.
 
 use super::context::Context;
-use super::worth::{Worth, is_beyond_first_order, joint_names, worst_joint, worth_sections};
+use super::worth::{
+    UNSURE, Worth, is_beyond_first_order, joint_names, worst_joint, worth_sections,
+};
 use crate::page::{Block, DataTable, Part, Section, Text};
 use serde::Deserialize;
 use stiffarm::Result;
@@ -53,6 +55,9 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
                 .code("stiffarm select")
                 .words(" finds postures that tell more.")
         }
+        Some(_) if is_outside(context) => Text::new("Do not drive there as they are: ")
+            .code("stiffarm select --from")
+            .words(" moves the postures inside the limits of the cell."),
         Some(_) => Text::new("Measure it, or let ")
             .code("stiffarm select")
             .words(" find out how much better another plan of as many postures could be."),
@@ -83,7 +88,15 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         1 => format!("What {} can tell", name(0)),
         _ => "What groups of postures can tell".to_string(),
     };
-    Ok(context.part(heading, [done, came, next], Some(key), sections))
+    let unsure = best.is_some_and(|g| is_beyond_first_order(groups[g].evaluation));
+    let part = context.part(heading, [done, came, next], Some(key), sections);
+    Ok(Context::caution(part, unsure.then_some(UNSURE)))
+}
+
+/// Whether some posture lies outside bounds or limits.
+fn is_outside(context: &Context<'_>) -> bool {
+    let findings = context.saved.findings();
+    findings.iter().any(|found| found.code == "posture-outside")
 }
 
 fn counted(count: usize) -> String {

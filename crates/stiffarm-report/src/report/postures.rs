@@ -24,7 +24,7 @@ pub(super) fn posture_table(
     let mut headings = vec!["posture".to_string()];
     headings.extend((1..=joints).map(|j| format!("q{j} [°]")));
     if has_lengths {
-        headings.extend(["least room [mm]".to_string(), "at".to_string()]);
+        headings.extend(["room [mm]".to_string(), "least at".to_string()]);
     }
     if has_shares {
         headings.push("torque left [%]".to_string());
@@ -88,16 +88,24 @@ fn nearest_share(limits: &PostureLimits) -> Option<usize> {
     Some(least.0)
 }
 
+/// A place in few words, for a narrow column.
 fn place(limit: &NearestLimit) -> String {
+    let what = match limit.kind {
+        LimitKind::ToolBox => "tool box: ",
+        LimitKind::Floor => "floor: ",
+        LimitKind::KeepOut => "keep-out cylinder: ",
+        LimitKind::WristHeight => "lowest height: ",
+        LimitKind::RopeLength => "length of ",
+        LimitKind::Sight => "line of sight: ",
+        // The two that come near each other say it all.
+        _ => "",
+    };
+    let subject = visible(&limit.subject).replace("measuring point", "point");
     let load = match &limit.load {
         Some(load) => format!(", load {}", visible(load)),
         None => String::new(),
     };
-    format!(
-        "{}: {}{load}",
-        limit.kind.describe(),
-        visible(&limit.subject)
-    )
+    format!("{what}{subject}{load}")
 }
 
 /// The margins of every posture to every kind of limit; `None` without limits.

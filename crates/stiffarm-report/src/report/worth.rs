@@ -9,6 +9,9 @@ use crate::selection::{
 use stiffarm::findings::visible;
 use stiffarm::plan::index::{FIRST_ORDER_LIMIT, GroupEvaluation, Index, expected_deviation};
 
+/// What to know where some joint is beyond what the first order says.
+pub(super) const UNSURE: &str = "A joint's relative standard error is above 10 %: its stiffness may come out far from the truth.";
+
 /// A group with the place of its evaluation in the file.
 pub(super) struct Worth<'a> {
     /// JSON Pointer below `/result`.

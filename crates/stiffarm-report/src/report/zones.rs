@@ -97,5 +97,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let map = Block::Figure(zones_figure(&zones));
     sections.insert(0, Section::new("zones", "The maps", vec![map]));
     let heading = "Zones for stiffness identification".to_string();
-    Ok(context.part(heading, [done, came, next], Some(key), sections))
+    let part = context.part(heading, [done, came, next], Some(key), sections);
+    let none = "No posture of the map is in a good zone.";
+    Ok(Context::caution(part, zones.best.is_none().then_some(none)))
 }

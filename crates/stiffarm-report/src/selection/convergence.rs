@@ -4,16 +4,28 @@ use super::{IndexUnit, index_name};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use stiffarm::plan::select::Selection;
 
+/// Rounds up to which each has its own mark on the axis.
+const FEW: u64 = 16;
+
 /// The best value after each round of a global search, with the plan's own and what no plan goes below; `None` for a
-/// search without rounds.
+/// search of fewer than two rounds.
 pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<Figure> {
     let index = selection.index;
     let IndexUnit { factor, unit } = IndexUnit::of(index);
-    let rounds = selection.rounds.filter(|rounds| *rounds > 0)? as f64;
+    let all = selection.rounds.filter(|rounds| *rounds > 1)?;
+    // Category i lies at i, round 1 is the first.
+    let (axis, before) = match all <= FEW {
+        true => {
+            let names = (1..=all).map(|round| round.to_string());
+            (Axis::categorical("round", names), 1.0)
+        }
+        false => (Axis::linear("round", ""), 0.0),
+    };
+    let rounds = all as f64 - before;
     let found: Vec<(f64, f64)> = selection
         .improvements
         .iter()
-        .filter_map(|report| Some((report.rounds as f64, factor * report.value?)))
+        .filter_map(|report| Some((report.rounds as f64 - before, factor * report.value?)))
         .collect();
     let (first, last) = (found.first()?, found.last()?);
     // A value holds until a better one is found.
@@ -26,7 +38,7 @@ pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<F
         let (x, y) = points.iter().copied().unzip();
         Series::new(label, style, x, y)
     };
-    let across = |value: f64| [(1.0, factor * value), (rounds, factor * value)];
+    let across = |value: f64| [(1.0 - before, factor * value), (rounds, factor * value)];
     let mut series = vec![
         line("best so far", Style::Curve, &steps),
         line("better plan found", Style::Points, &found),
@@ -44,7 +56,7 @@ pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<F
         columns: 1,
         panels: vec![Panel {
             title: String::new(),
-            x: Axis::linear("round", ""),
+            x: axis,
             y: Axis::linear(index_name(index), unit),
             series,
             equal_aspect: false,

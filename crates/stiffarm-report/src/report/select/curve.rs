@@ -67,10 +67,9 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
                     counted(size.point.postures)
                 )),
             };
-            text = text.words(": plan with ").code(format!(
-                "stiffarm select cell.toml --postures {} --sheet measurements.xlsx",
-                size.point.postures
-            ));
+            text = text
+                .words(": plan with ")
+                .code(format!("--postures {}", size.point.postures));
             match last {
                 true => text.words(", or with more where the error is still too large."),
                 false => text.words(" unless the error is still too large."),

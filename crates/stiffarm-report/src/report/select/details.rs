@@ -2,11 +2,11 @@
 
 use super::super::context::Context;
 use super::super::worth::index_number;
-use super::plan::Plan;
+use super::planned::Plan;
 use crate::page::{Block, DataTable, Section, Text};
 use crate::selection::{IndexUnit, index_name, sensitivity_figure};
 use stiffarm::Termination;
-use stiffarm::findings::visible;
+use stiffarm::findings::{list, visible};
 use stiffarm::plan::select::{LimitPrice, Spread, WORTH_CHANGING};
 
 /// What the bound rests on; `None` where nobody wanted one.
@@ -30,6 +30,19 @@ pub(super) fn certificate(plan: &Plan) -> Option<Text> {
         text = text.words(" It says nothing of postures outside bounds or limits.");
     }
     Some(text)
+}
+
+/// What is measured more than once.
+pub(super) fn repeats(plan: &Plan) -> Option<Block> {
+    let each: Vec<Text> = plan
+        .repeats
+        .iter()
+        .map(|same| {
+            let names: Vec<String> = same.iter().map(|n| visible(n).into_owned()).collect();
+            Text::new(format!("Postures {} are the same.", list(&names)))
+        })
+        .collect();
+    (!each.is_empty()).then_some(Block::List(each))
 }
 
 /// What each kind of limit costs.

@@ -5,6 +5,7 @@ mod curve;
 mod details;
 mod drop;
 mod plan;
+mod planned;
 mod space_filling;
 mod story;
 

@@ -2,41 +2,14 @@
 
 use super::super::context::Context;
 use super::super::postures::{FEW, limit_table, posture_table, route_section};
-use super::super::worth::{Worth, joint_names, worth_sections};
+use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_names, worth_sections};
+use super::planned::Plan;
 use super::{details, story};
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::{convergence_figure, price_figure};
-use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::certificate::{Certificate, JointEfficiency};
-use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation};
-use stiffarm::plan::route::Route;
-use stiffarm::plan::select::{LimitPrice, Selection, Sensitivity};
-
-/// What `select` writes of a plan, as far as the page shows it.
-#[derive(Deserialize)]
-pub(super) struct Plan {
-    #[serde(flatten)]
-    pub selection: Selection,
-    #[serde(default)]
-    pub posture_names: Vec<String>,
-    #[serde(default)]
-    pub joints: Vec<String>,
-    pub evaluation: Option<GroupEvaluation>,
-    pub before: Option<EvaluatedGroup>,
-    #[serde(default)]
-    pub repeats: Vec<Vec<String>>,
-    #[serde(default)]
-    pub given_names: Vec<String>,
-    pub certificate: Option<Certificate>,
-    pub joint_efficiencies: Option<Vec<JointEfficiency>>,
-    pub certificate_missing: Option<String>,
-    pub sensitivity: Option<Sensitivity>,
-    pub prices: Option<Vec<LimitPrice>>,
-    pub route: Option<Route>,
-}
 
 /// The part of a page for a plan.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {
@@ -91,7 +64,11 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     sections.extend(search_section(&plan));
     sections.extend(limit_section(context, &plan));
     let route = plan.route.as_ref();
-    sections.extend(route.and_then(|route| route_section(context, &plan.posture_names, route)));
+    let way = route.and_then(|route| route_section(context, &plan.posture_names, route));
+    sections.extend(way.map(|mut section| {
+        section.blocks.extend(details::repeats(&plan));
+        section
+    }));
     sections.extend(details::load_section(context, &plan));
     sections.extend(details::sensitivity_section(context, &plan));
     sections.extend(indices);
@@ -100,7 +77,9 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         (true, 1) => "Plan of one posture".to_string(),
         (true, count) => format!("Plan of {count} postures"),
     };
-    Ok(context.part(heading, story::verdict(context, &plan), Some(key), sections))
+    let part = context.part(heading, story::verdict(context, &plan), Some(key), sections);
+    let unsure = plan.evaluation.as_ref().is_some_and(is_beyond_first_order);
+    Ok(Context::caution(part, unsure.then_some(UNSURE)))
 }
 
 fn worth(context: &Context<'_>, plan: &Plan) -> Vec<Section> {
@@ -207,6 +186,12 @@ fn limit_section(context: &Context<'_>, plan: &Plan) -> Option<Section> {
     if let Some(prices) = plan.prices.as_ref().filter(|prices| !prices.is_empty()) {
         blocks.push(Block::Figure(price_figure(prices)));
         blocks.push(Block::Table(details::price_table(context, plan, prices)));
+    }
+    let wanted = context.saved.json.pointer("/options/prices");
+    if plan.prices.is_none() && wanted == Some(&serde_json::Value::Bool(true)) {
+        blocks.push(Block::Text(
+            "What each limit costs is not known: the search was stopped before.".into(),
+        ));
     }
     let limits = &plan.selection.limits;
     if let Some(table) = limit_table(context, &plan.posture_names, limits) {

@@ -2,7 +2,7 @@
 
 use super::super::context::Context;
 use super::super::postures::{posture_table, route_section};
-use super::super::worth::{Worth, worst_joint, worth_sections};
+use super::super::worth::{UNSURE, Worth, is_beyond_first_order, worst_joint, worth_sections};
 use crate::page::{Part, Text};
 use serde::Deserialize;
 use stiffarm::Result;
@@ -95,10 +95,15 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let route = result.route.as_ref();
     sections.extend(route.and_then(|route| route_section(context, &result.posture_names, route)));
     let verdict = [done, came, next];
-    Ok(context.part(
+    let part = context.part(
         "Evenly spread postures".to_string(),
         verdict,
         Some(key),
         sections,
-    ))
+    );
+    let unsure = match undetermined.is_empty() {
+        true => is_beyond_first_order(evaluation).then_some(UNSURE),
+        false => Some("These postures leave a joint undetermined."),
+    };
+    Ok(Context::caution(part, unsure))
 }

@@ -4,7 +4,7 @@ use super::super::context::Context;
 use super::super::worth::{
     index_number, index_says, is_beyond_first_order, joint_names, worst_joint,
 };
-use super::plan::Plan;
+use super::planned::Plan;
 use crate::page::Text;
 use stiffarm::Termination;
 use stiffarm::findings::Severity;
@@ -139,6 +139,14 @@ fn next(context: &Context<'_>, plan: &Plan) -> Text {
         );
     }
     if plan.evaluation.as_ref().is_some_and(is_beyond_first_order) {
+        let index = plan.selection.index;
+        if !index.is_relative_error() && !index.is_length() {
+            return Text::new(
+                "That is too unsure to rely on, for this index does not count errors: choose with ",
+            )
+            .code("--index expected-error")
+            .words(" instead.");
+        }
         return Text::new("That is too unsure to rely on: add postures (")
             .code("--postures")
             .words(") or measuring points, pull harder or elsewhere, and look at what each limit costs (")
@@ -161,21 +169,10 @@ fn next(context: &Context<'_>, plan: &Plan) -> Text {
     };
     text = text.code("stiffarm identify").words(" give the stiffness.");
     if !plan.repeats.is_empty() {
-        let each: Vec<String> = plan
-            .repeats
-            .iter()
-            .map(|same| {
-                let names: Vec<String> = same
-                    .iter()
-                    .map(|n| stiffarm::findings::visible(n).into_owned())
-                    .collect();
-                stiffarm::findings::list(&names)
-            })
-            .collect();
-        text = text.words(format!(
-            " Postures {} are the same on purpose: measured again, they tell more than another one; drive away in between.",
-            each.join("; ")
-        ));
+        text = text.words(
+            " Some postures are the same on purpose, listed with the moves: measured again, they tell more than another one; \
+             drive away in between.",
+        );
     }
     text
 }

@@ -3,6 +3,7 @@
 mod elastic;
 
 use super::context::Context;
+use super::worth::UNSURE;
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::deviation_by_noise_figure;
 use serde_json::Value;
@@ -86,12 +87,18 @@ fn axes(context: &Context<'_>) -> Result<Part> {
         tables.collect(),
     ));
     let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
-    Ok(context.part(
+    let unsure = match (is_unsure(best), result.interrupted) {
+        (true, _) => Some(UNSURE),
+        (false, true) => Some("The simulation was stopped: there are fewer runs than asked for."),
+        (false, false) => None,
+    };
+    let part = context.part(
         "Simulated identifications".to_string(),
         verdict,
         key,
         sections,
-    ))
+    );
+    Ok(Context::caution(part, unsure))
 }
 
 /// The level nearest to the cell's own noise.
@@ -197,9 +204,13 @@ fn came(
         .words(".")
 }
 
+/// Whether some joint's relative standard error is above 10 %.
+fn is_unsure(best: Option<&Shown<'_>>) -> bool {
+    best.is_some_and(|best| best.level.beyond_first_order.contains(&true))
+}
+
 fn next(best: Option<&Shown<'_>>) -> Text {
-    let unsure = best.is_some_and(|best| best.level.beyond_first_order.contains(&true));
-    match unsure {
+    match is_unsure(best) {
         true => Text::new(
             "That is too unsure to rely on: some joint's relative standard error is above 10 %. Choose better postures with ",
         )

@@ -30,6 +30,31 @@ fn groups_are_compared_and_the_best_is_named() {
     assert!(text.contains("data-path=\"/result/groups/1/indices/expected_error\""));
 }
 
+/// What the picture of the singular values says: n·error² = σ²·Σ 1/s².
+#[test]
+fn singular_values_and_correlations_belong_to_the_expected_errors() {
+    let cell = builtin::cell("comau").unwrap();
+    let first = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let found = EvaluatedGroup::new(&cell, "all", &first)
+        .unwrap()
+        .evaluation;
+    let error = found.indices.expected_error.unwrap();
+    let inverse: f64 = found
+        .scaled_singular_values
+        .iter()
+        .map(|s| s.powi(-2))
+        .sum();
+    let expected = cell.noise.displacement_std() * (inverse / 6.0).sqrt();
+    assert!((expected / error - 1.0).abs() < 1e-9, "{expected} {error}");
+    for (i, row) in found.correlation.iter().enumerate() {
+        assert_eq!((row.len(), row[i]), (6, 1.0));
+        for (j, value) in row.iter().enumerate() {
+            assert!((value - found.correlation[j][i]).abs() < 1e-12);
+            assert!(value.abs() <= 1.0);
+        }
+    }
+}
+
 #[test]
 fn a_group_that_leaves_a_joint_undetermined_says_so() {
     let mut cell = builtin::cell("comau").unwrap();

@@ -51,6 +51,15 @@ fn a_plan_says_how_good_it_is_and_shows_why() {
     let cell = builtin::cell("comau").unwrap();
     let selection = plan(&cell, Index::ExpectedError, 3);
     assert!(!selection.improvements.is_empty());
+    for pair in selection.improvements.windows(2) {
+        assert!(pair[1].rounds > pair[0].rounds);
+        assert!(pair[1].value < pair[0].value);
+    }
+    let last = selection
+        .improvements
+        .last()
+        .and_then(|report| report.value);
+    assert!(selection.value <= last.unwrap() * (1.0 + 1e-9));
     let mut options = CertificateOptions::default();
     options.samples = 32;
     let index = selection.index;
@@ -64,7 +73,7 @@ fn a_plan_says_how_good_it_is_and_shows_why() {
     assert!(next.contains("--sheet measurements.xlsx"), "{next}");
     let key = shown.parts[0].key.as_ref().unwrap();
     assert_eq!(key.rows.len(), 4);
-    assert!(key.headings.contains(&"least room [mm]".to_string()));
+    assert!(key.headings.contains(&"room [mm]".to_string()));
     let pictures = figures(&shown);
     for wanted in [
         "expected-deviation",
