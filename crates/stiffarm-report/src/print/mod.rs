@@ -148,7 +148,7 @@ pub fn paper_names(
 ///
 /// # Errors
 /// As [`PaperOptions::check`]; the stated font is not installed though PDF or
-/// PNG is written; a PNG of more than 150 million pixels.
+/// PNG is written; a PNG of more than 80 million pixels.
 ///
 /// ```
 /// use stiffarm_report::print::{Format, PaperOptions, paper_files};

@@ -5,8 +5,8 @@ use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use stiffarm::{Code, Error, Result};
 
-/// Most pixels of a picture; with their colours they take four bytes each.
-const MOST_PIXELS: f64 = 150e6;
+/// Most pixels of a picture; each takes seven bytes while the file is made.
+const MOST_PIXELS: f64 = 80e6;
 /// Pixels of an SVG per inch.
 const CSS_DPI: f64 = 96.0;
 
@@ -14,7 +14,7 @@ const CSS_DPI: f64 = 96.0;
 /// says how large it is on paper.
 ///
 /// # Errors
-/// The picture has more than 150 million pixels, or is no SVG.
+/// The picture has more than 80 million pixels, or is no SVG.
 pub fn to_png(svg: &str, dpi: f64, fonts: &Fonts) -> Result<Vec<u8>> {
     let tree = fonts.read(svg)?;
     let (width, height) = (
