@@ -171,6 +171,11 @@ fn string(content: &[u8], from: usize) -> (Vec<u8>, usize) {
             b't' if is_escaped => b'\t',
             b'b' if is_escaped => 8,
             b'f' if is_escaped => 12,
+            b'0'..=b'7' if is_escaped => {
+                let digits = std::str::from_utf8(&content[at..at + 3]).unwrap();
+                at += 2;
+                u8::from_str_radix(digits, 8).unwrap()
+            }
             other => other,
         });
         at += 1;
