@@ -5,6 +5,7 @@ use crate::files::{check_folder, only_target, shown, write_all, write_folder};
 use crate::input::NamedCell;
 use crate::output::Exit;
 use crate::session::Session;
+use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::result::{SavedResult, read_result};
 use stiffarm::files::table::sha256_hex;
@@ -55,11 +56,13 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         let (name, command) = (&one.saved.name, &one.saved.command);
         lines += &format!("{name}: {command}, {cell}\n");
     }
-    let files = paper(session, args, &page)?;
+    let folder = args.figures.as_deref();
+    let files = folder.map(|folder| paper(session, args, folder, &page));
+    let files = files.transpose()?;
     if let Some(target) = target {
         write_all(session, &[(target, render_page(&page))])?;
     }
-    if let (Some(folder), Some(files)) = (&args.figures, files) {
+    if let (Some(folder), Some(files)) = (folder, files) {
         let count = files.len();
         write_folder(session, folder, files, args.force)?;
         if !session.has_failed() {
@@ -70,15 +73,11 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// The pictures for a paper, where they are asked for; the folder can take them.
-fn paper(
-    session: &Session,
-    args: &ReportArgs,
-    page: &Page,
-) -> Result<Option<Vec<(String, Vec<u8>)>>> {
-    let Some(folder) = &args.figures else {
-        return Ok(None);
-    };
+/// Files by their names.
+type Files = Vec<(String, Vec<u8>)>;
+
+/// The pictures for a paper; the folder can take them.
+fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Result<Files> {
     let options = args.paper.options();
     let (figures, drawings) = pictures(page);
     let names = paper_names(&figures, &drawings, &options);
@@ -87,13 +86,9 @@ fn paper(
         return Err(Error::new(Code::Usage, message)
             .hint("choose other formats, or give the cell with --cell for its drawings"));
     }
-    check_folder(
-        session,
-        folder,
-        names.iter().map(String::as_str),
-        args.force,
-    )?;
-    paper_files(&figures, &drawings, &options).map(Some)
+    let names = names.iter().map(String::as_str);
+    check_folder(session, folder, names, args.force)?;
+    paper_files(&figures, &drawings, &options)
 }
 
 /// The cells of the results: those given, and built-in ones.
