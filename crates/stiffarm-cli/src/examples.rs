@@ -174,4 +174,7 @@ pub const REPORT: &str = "Examples:
   $ stiffarm report k.json k.json --output both.html
 
   With the cell that it was made with, where that is not a built-in one:
-  $ stiffarm report k.json --cell builtin:comau --output again.html --force";
+  $ stiffarm report k.json --cell builtin:comau --output again.html --force
+
+  Its pictures for a paper, with their data:
+  $ stiffarm report k.json --figures figures --width-mm 88 --format pdf,csv";

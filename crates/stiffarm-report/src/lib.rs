@@ -21,6 +21,8 @@ pub mod page;
 mod path;
 mod placement;
 mod plan_page;
+#[cfg(feature = "print")]
+pub mod print;
 #[cfg(feature = "page")]
 pub mod report;
 pub mod scene;

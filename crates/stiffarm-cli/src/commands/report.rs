@@ -1,16 +1,21 @@
-//! `stiffarm report`: one offline page of saved results.
+//! `stiffarm report`: one offline page of saved results, and their pictures for papers.
 
 use crate::args::ReportArgs;
-use crate::files::{only_target, write_all};
+use crate::files::{check_folder, only_target, shown, write_all, write_folder};
 use crate::input::NamedCell;
 use crate::output::Exit;
 use crate::session::Session;
+use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::result::{SavedResult, read_result};
 use stiffarm::files::table::sha256_hex;
 use stiffarm::{Code, Error, Result};
-use stiffarm_report::page::render_page;
+use stiffarm_report::page::{Page, pictures, render_page};
+use stiffarm_report::print::{paper_files, paper_names};
 use stiffarm_report::report::{Given, report};
+
+/// The page where nothing else is asked for.
+const PAGE: &str = "report.html";
 
 /// A cell that was given, by its hash.
 struct Known {
@@ -18,9 +23,11 @@ struct Known {
     named: NamedCell,
 }
 
-/// Reads the results and writes their page.
+/// Reads the results and writes their page and pictures.
 pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
-    let target = only_target(session, Some(&args.output), args.force)?;
+    let usual = args.figures.is_none().then_some(PAGE);
+    let target = only_target(session, args.output.as_deref().or(usual), args.force)?;
+    args.paper.options().check()?;
     let mut results = Vec::with_capacity(args.results.len());
     for (number, from) in (1..).zip(&args.results) {
         let (name, bytes) = session.read(&format!("result_{number}"), from)?;
@@ -49,11 +56,39 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         let (name, command) = (&one.saved.name, &one.saved.command);
         lines += &format!("{name}: {command}, {cell}\n");
     }
+    let folder = args.figures.as_deref();
+    let files = folder.map(|folder| paper(session, args, folder, &page));
+    let files = files.transpose()?;
     if let Some(target) = target {
         write_all(session, &[(target, render_page(&page))])?;
     }
+    if let (Some(folder), Some(files)) = (folder, files) {
+        let count = files.len();
+        write_folder(session, folder, files, args.force)?;
+        if !session.has_failed() {
+            session.has_written(format!("{count} files in {}", shown(folder)));
+        }
+    }
     session.print(&(lines + &session.written()))?;
     Ok(Exit::Done)
+}
+
+/// Files by their names.
+type Files = Vec<(String, Vec<u8>)>;
+
+/// The pictures for a paper; the folder can take them.
+fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Result<Files> {
+    let options = args.paper.options();
+    let (figures, drawings) = pictures(page);
+    let names = paper_names(&figures, &drawings, &options);
+    if names.is_empty() {
+        let message = "The results have no pictures in these formats.";
+        return Err(Error::new(Code::Usage, message)
+            .hint("choose other formats, or give the cell with --cell for its drawings"));
+    }
+    let names = names.iter().map(String::as_str);
+    check_folder(session, folder, names, args.force)?;
+    paper_files(&figures, &drawings, &options)
 }
 
 /// The cells of the results: those given, and built-in ones.

@@ -195,13 +195,13 @@ fn write_unsaid<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result
 ///
 /// # Errors
 /// As [`write_all`].
-pub fn write_folder(
+pub fn write_folder<C: Contents>(
     session: &Session,
     folder: &Path,
-    files: Vec<(String, String)>,
+    files: Vec<(String, C)>,
     force: bool,
 ) -> Result<()> {
-    let target = |(name, _): &(String, String)| Target::file(&folder.join(name), force);
+    let target = |(name, _): &(String, C)| Target::file(&folder.join(name), force);
     let targets: Result<Vec<Target>> =
         make_folder(folder).and_then(|()| files.iter().map(target).collect());
     match targets {
@@ -211,9 +211,9 @@ pub fn write_folder(
         }
         Err(error) => {
             session.fail(error);
-            files
-                .iter()
-                .try_for_each(|(name, text)| print_instead(session, &folder.join(name), text))
+            files.iter().try_for_each(|(name, contents)| {
+                print_instead(session, &folder.join(name), &contents.text())
+            })
         }
     }
 }
@@ -229,7 +229,7 @@ fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
 
 fn is_table(path: &Path) -> bool {
     !path.extension().is_some_and(|e| {
-        ["svg", "json", "xlsx", "html"]
+        ["svg", "pdf", "png", "json", "xlsx", "html"]
             .iter()
             .any(|other| e.eq_ignore_ascii_case(other))
     })
@@ -276,15 +276,13 @@ pub fn check_folder<'n>(
         return Err(
             Error::new(Code::FileWrite, "This is a file; the output is a folder.")
                 .file(name)
-                .hint("give another --output-dir"),
+                .hint("name another folder"),
         );
     }
     if folder.is_dir() {
         for name in names {
             let target = Target::file(&folder.join(name), force).map_err(|e| match e.code() {
-                Code::FileExists => {
-                    e.hint("add --force to overwrite it, or give another --output-dir")
-                }
+                Code::FileExists => e.hint("add --force to overwrite it, or name another folder"),
                 _ => e,
             })?;
             if let Target::File(path) = target {
@@ -300,7 +298,7 @@ pub fn check_folder<'n>(
         let message = format!("The folder cannot be made: {} is a file.", shown(file));
         return Err(Error::new(Code::FileWrite, message)
             .file(name)
-            .hint("give another --output-dir"));
+            .hint("name another folder"));
     }
     let nearest = nearest.unwrap_or(Path::new("."));
     let inside = folder
@@ -324,7 +322,7 @@ pub fn make_folder(path: &Path) -> Result<()> {
 }
 
 /// A path as messages show it.
-fn shown(path: &Path) -> String {
+pub fn shown(path: &Path) -> String {
     visible(&path.to_string_lossy()).into_owned()
 }
 

@@ -20,6 +20,8 @@ mod map;
 mod numbers;
 mod outputs;
 mod own_robot;
+#[cfg(feature = "report")]
+mod papers;
 mod pictures;
 mod pose;
 mod register;

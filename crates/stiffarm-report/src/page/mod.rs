@@ -7,9 +7,11 @@
 mod chart;
 mod html;
 mod number;
+mod pictures;
 
 pub use html::render_page;
 pub use number::{Form, Number};
+pub use pictures::pictures;
 
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;

@@ -1,6 +1,7 @@
 //! One table, for a CSV file and for the page.
 
 use super::markdown::cell;
+use crate::figure::csv;
 
 /// One cell: the page rounds numbers, the CSV file has every digit.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,12 +26,11 @@ impl Cell {
         }
     }
 
-    /// Every digit, empty for none.
+    /// Every digit, empty for none; text as a table of comma-separated values has it.
     fn exact(&self) -> String {
         match self {
-            Cell::Text(text) => text.clone(),
-            Cell::Number(Some(value)) if value.is_finite() => value.to_string(),
-            Cell::Number(_) => String::new(),
+            Cell::Text(text) => csv::text(text),
+            Cell::Number(value) => csv::number(*value),
         }
     }
 }
@@ -82,23 +82,17 @@ impl Table {
         }
     }
 
-    /// The table as CSV, LF line ends, cells quoted where needed.
+    /// The table as CSV, LF line ends, cells quoted where needed. Text that a spreadsheet program would take for a
+    /// formula begins with an apostrophe.
     pub fn csv(&self) -> String {
-        let line = |cells: &[String]| {
-            let quoted: Vec<String> = cells
+        let headings = self.headings.iter().map(|heading| csv::text(heading));
+        let mut lines = vec![headings.collect::<Vec<_>>()];
+        lines.extend(
+            self.rows
                 .iter()
-                .map(|c| match c.contains([',', ';', '"', '\n', '\r', '\t']) {
-                    true => format!("\"{}\"", c.replace('"', "\"\"")),
-                    false => c.clone(),
-                })
-                .collect();
-            quoted.join(",") + "\n"
-        };
-        let mut out = line(&self.headings);
-        for row in &self.rows {
-            out.push_str(&line(&row.iter().map(Cell::exact).collect::<Vec<_>>()));
-        }
-        out
+                .map(|row| row.iter().map(Cell::exact).collect()),
+        );
+        lines.iter().map(|cells| cells.join(",") + "\n").collect()
     }
 
     /// The table as Markdown.
@@ -141,4 +135,21 @@ pub(super) fn significant(value: Option<f64>) -> String {
 
 pub(super) fn percent(value: Option<f64>) -> String {
     significant(value.map(|v| 100.0 * v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formulas_in_names_stay_text_and_numbers_numbers() {
+        let mut table = Table::new("t", "", vec!["=group".into(), "value [%]".into()]);
+        table
+            .rows
+            .push(vec!["=cmd|' /C calc'!A0".into(), (-0.5).into()]);
+        table.rows.push(vec!["@SUM(A1,A2)".into(), None.into()]);
+        table.rows.push(vec!["-3".into(), 1e-12.into()]);
+        let lines = "'=group,value [%]\n'=cmd|' /C calc'!A0,-0.5\n\"'@SUM(A1,A2)\",\n-3,1e-12\n";
+        assert_eq!(table.csv(), lines);
+    }
 }

@@ -1,6 +1,8 @@
 //! All tests of the crate in one binary; a file per subject.
 
 mod cells;
+#[path = "../../examples/gallery/figures.rs"]
+mod gallery;
 mod generic;
 #[cfg(feature = "page")]
 mod identified;
@@ -9,5 +11,7 @@ mod maps;
 mod page;
 #[cfg(feature = "page")]
 mod pages;
+#[cfg(feature = "print")]
+mod print;
 mod render;
 mod scenes;

@@ -1,18 +1,7 @@
-//! Writes one picture of every kind of figure.
-//!
-//! ```text
-//! cargo run -p stiffarm-report --example gallery -- target/gallery
-//! ```
-//!
-//! The numbers are made up; they only have the shape of real results.
+//! One figure of every kind, with made-up numbers.
 
 use std::f64::consts::TAU;
-use std::{env, fs, io, path::PathBuf};
-
-use stiffarm_report::{
-    Axis, Figure, Layout, Panel, PathCurvePoint, Series, Style, path_figure, render_svg,
-    render_svg_with,
-};
+use stiffarm_report::{Axis, Figure, Panel, PathCurvePoint, Series, Style, path_figure};
 
 const GROUPS: [&str; 4] = [
     "Group 1",
@@ -21,12 +10,9 @@ const GROUPS: [&str; 4] = [
     "scaled",
 ];
 
-fn main() -> io::Result<()> {
-    let folder = env::args_os()
-        .nth(1)
-        .map_or_else(|| PathBuf::from("target/gallery"), PathBuf::from);
-    fs::create_dir_all(&folder)?;
-    for figure in [
+/// All of them.
+pub fn all() -> Vec<Figure> {
+    vec![
         noise(),
         joints(),
         postures(),
@@ -35,21 +21,7 @@ fn main() -> io::Result<()> {
         maps(),
         awkward(),
         path(),
-    ] {
-        fs::write(
-            folder.join(format!("{}.svg", figure.id)),
-            render_svg(&figure),
-        )?;
-        for (name, layout) in [
-            ("88mm", Layout::paper(88.0, 8.0)),
-            ("180mm", Layout::paper(180.0, 8.0)),
-            ("phone", Layout::screen(360.0, 11.0)),
-        ] {
-            let file = folder.join(format!("{}-{name}.svg", figure.id));
-            fs::write(file, render_svg_with(&figure, &layout))?;
-        }
-    }
-    Ok(())
+    ]
 }
 
 /// Deflection along a long path, before and after compensation.
