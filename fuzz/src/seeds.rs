@@ -6,6 +6,9 @@ use std::sync::OnceLock;
 use stiffarm::files::builtin;
 use stiffarm::files::program::{Language, ProgramOptions, Stop, program_of_stops, write_program};
 
+/// Stands for a file: what the command prints is the seed.
+const PRINTED: &str = "-";
+
 /// What a file is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -29,6 +32,8 @@ pub enum Kind {
     Stiffness,
     /// A saved registration.
     Registration,
+    /// Any saved result.
+    Saved,
     /// A robot description.
     Urdf,
     /// Denavit–Hartenberg rows.
@@ -39,7 +44,7 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 13] = [
+    pub const ALL: [Kind; 14] = [
         Kind::Cell,
         Kind::Postures,
         Kind::Displacements,
@@ -50,6 +55,7 @@ impl Kind {
         Kind::Path,
         Kind::Stiffness,
         Kind::Registration,
+        Kind::Saved,
         Kind::Urdf,
         Kind::Rows,
         Kind::Program,
@@ -151,7 +157,7 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     add(Kind::Clamped, input("clamped.csv"));
     add(Kind::Stiffness, input("bare.json"));
     std::fs::write(folder.path("clamped.csv"), input("clamped.csv")).unwrap_or_default();
-    const MADE: [(&str, &str, Kind); 11] = [
+    const MADE: [(&str, &str, Kind); 19] = [
         (
             "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv",
             "m.csv",
@@ -203,6 +209,42 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
             Kind::Registration,
         ),
         (
+            "select builtin:comau-shapes -n 2 --rounds 1 --no-certificate --json",
+            PRINTED,
+            Kind::Saved,
+        ),
+        (
+            "select builtin:comau --curve -n 3 --rounds 1 --json",
+            PRINTED,
+            Kind::Saved,
+        ),
+        (
+            "evaluate builtin:comau builtin:comau-group1 --json",
+            PRINTED,
+            Kind::Saved,
+        ),
+        (
+            "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --json",
+            PRINTED,
+            Kind::Saved,
+        ),
+        (
+            "validate builtin:comau b.json m.csv --json",
+            PRINTED,
+            Kind::Saved,
+        ),
+        ("predict builtin:comau b.json --json", PRINTED, Kind::Saved),
+        (
+            "map builtin:comau prior --plane z=800 --steps 3 --json",
+            PRINTED,
+            Kind::Saved,
+        ),
+        (
+            "study builtin:comau --runs 1 --starts 0 --output-dir study --json",
+            PRINTED,
+            Kind::Saved,
+        ),
+        (
             "init --robot kuka-kr240-2 --output-dir .",
             "cell.toml",
             Kind::Cell,
@@ -210,6 +252,10 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     ];
     for (line, file, kind) in MADE {
         let ran = folder.run(line.split(' ').map(String::from));
+        if file == PRINTED {
+            add(kind, ran.out);
+            continue;
+        }
         match std::fs::read_to_string(folder.path(file)) {
             Ok(text) => add(kind, text),
             // A seed that cannot be made is a fault of its own, and told by the tests.

@@ -17,7 +17,7 @@ use stiffarm::files::table::{read_measurements, read_path, read_postures, write_
 
 /// Command lines that end soon; files by the names of [`FILES`], `out.…` is written.
 /// After `|` the schema of their object.
-const LINES: [&str; 47] = [
+const LINES: [&str; 53] = [
     "check cell.toml | check",
     "check cell.toml --figure out.svg | check",
     "check builtin:comau --postures postures.csv --figure out.svg | check",
@@ -65,10 +65,16 @@ const LINES: [&str; 47] = [
     "zones cell.toml --steps 3 --output-dir folder | zones",
     "capsules builtin:spindle.obj --unit mm --most 1 | capsules",
     "study cell.toml --runs 1 --starts 0 --output-dir folder | study",
+    "report s.json --output out.html | report",
+    "report result.json --output out.html | report",
+    "report result.json s.json --cell cell.toml --output out.html | report",
+    "report result.json --figures folder --format csv,svg | report",
+    "identify cell.toml m.csv --brief --report out.html | identify",
+    "evaluate cell.toml postures.csv --report out.html | evaluate",
 ];
 
 /// Files of the lines.
-const FILES: [(&str, Kind, Grammar); 10] = [
+const FILES: [(&str, Kind, Grammar); 11] = [
     ("cell.toml", Kind::Cell, Grammar::Toml),
     ("postures.csv", Kind::Postures, Grammar::Table),
     ("m.csv", Kind::Displacements, Grammar::Table),
@@ -79,6 +85,7 @@ const FILES: [(&str, Kind, Grammar); 10] = [
     ("path.csv", Kind::Path, Grammar::Table),
     ("s.json", Kind::Stiffness, Grammar::Json),
     ("reg.json", Kind::Registration, Grammar::Json),
+    ("result.json", Kind::Saved, Grammar::Json),
 ];
 
 /// Options with how many numbers they take; `c` is one count.

@@ -14,6 +14,7 @@ use stiffarm::files::cell::{parse_cell_bytes, template_of, template_with_shapes}
 use stiffarm::files::mesh::parse_mesh;
 use stiffarm::files::program::{Language, Program, ProgramFile, read_program, write_program};
 use stiffarm::files::registration::read_registration;
+use stiffarm::files::result::read_result;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::{
     read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses,
@@ -136,6 +137,7 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
         }
         Kind::Stiffness => read_stiffness(file, NAME, cell).is_ok(),
         Kind::Registration => read_registration(file, NAME).is_ok(),
+        Kind::Saved => read_result(file, NAME).is_ok(),
         Kind::Urdf => described(file).is_ok(),
         Kind::Rows => read_dh_rows(file, NAME, NAME, DhConvention::Modified).is_ok(),
         Kind::Program => {

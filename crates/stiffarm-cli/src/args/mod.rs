@@ -375,6 +375,9 @@ pub enum SchemaChoice {
     ResultPose,
     /// Output of `pose --from --json`
     ResultPoseFrom,
+    /// Output of `report --json`
+    #[cfg(feature = "report")]
+    ResultReport,
     /// Output of `route --json`
     ResultRoute,
     /// Output of `export --json`

@@ -5,6 +5,8 @@ use crate::files::{check_folder, only_target, shown, write_all, write_folder};
 use crate::input::NamedCell;
 use crate::output::Exit;
 use crate::session::Session;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::result::{SavedResult, read_result};
@@ -16,6 +18,36 @@ use stiffarm_report::report::{Given, report};
 
 /// The page where nothing else is asked for.
 const PAGE: &str = "report.html";
+
+/// Options of the result: none, where files go changes nothing.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {}
+
+/// What the page shows.
+#[derive(Serialize, JsonSchema)]
+pub struct Reported {
+    /// The results, in their order.
+    pub results: Vec<Shown>,
+}
+
+/// A result on the page.
+#[derive(Serialize, JsonSchema)]
+pub struct Shown {
+    /// The command that made it.
+    pub command: String,
+    /// Name of the cell in its pictures; `null` where the cell is not at hand.
+    pub cell: Option<String>,
+}
+
+/// A result in words.
+fn line(one: &Given<'_>) -> String {
+    let cell = match (one.cell, one.saved.input("cell")) {
+        (Some(cell), _) => format!("cell {}", cell.name),
+        (None, Some(_)) => "no cell: give it with --cell for the pictures in 3D".to_string(),
+        (None, None) => "no cell".to_string(),
+    };
+    format!("{}: {}, {cell}\n", one.saved.name, one.saved.command)
+}
 
 /// A cell that was given, by its hash.
 struct Known {
@@ -46,16 +78,6 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         })
         .collect();
     let page = report(&given)?;
-    let mut lines = String::new();
-    for one in &given {
-        let cell = match (one.cell, one.saved.input("cell")) {
-            (Some(cell), _) => format!("cell {}", cell.name),
-            (None, Some(_)) => "no cell: give it with --cell for the pictures in 3D".to_string(),
-            (None, None) => "no cell".to_string(),
-        };
-        let (name, command) = (&one.saved.name, &one.saved.command);
-        lines += &format!("{name}: {command}, {cell}\n");
-    }
     let folder = args.figures.as_deref();
     let files = folder.map(|folder| paper(session, args, folder, &page));
     let files = files.transpose()?;
@@ -69,7 +91,15 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
             session.has_written(format!("{count} files in {}", shown(folder)));
         }
     }
-    session.print(&(lines + &session.written()))?;
+    let shown = given.iter().map(|one| Shown {
+        command: one.saved.command.clone(),
+        cell: one.cell.map(|cell| cell.name.clone()),
+    });
+    let result = Reported {
+        results: shown.collect(),
+    };
+    let envelope = session.envelope("report", None, Options {}, result);
+    session.show(&envelope, || given.iter().map(line).collect())?;
     Ok(Exit::Done)
 }
 

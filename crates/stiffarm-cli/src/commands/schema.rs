@@ -62,6 +62,10 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),
         SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
         SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
+        #[cfg(feature = "report")]
+        SchemaChoice::ResultReport => {
+            of::<super::report::Options, super::report::Reported>("report")
+        }
         SchemaChoice::ResultRoute => of::<route::Options, route::Routed>("route"),
         SchemaChoice::ResultExport => of::<export::Options, export::Exported>("export"),
         SchemaChoice::ResultExportCompare => {
