@@ -3,7 +3,11 @@
 //! A part of the page is a function of the saved result, and of its cell where that is at hand: without it only
 //! the pictures of the cell are missing. The command that made a result and `stiffarm report` build the same page.
 
+mod at_work;
+mod compensate;
 mod context;
+mod map;
+mod place;
 mod predict;
 mod study;
 mod tables;
@@ -15,7 +19,7 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 2] = ["predict", "study"];
+pub const COMMANDS: [&str; 4] = ["compensate", "map", "predict", "study"];
 
 /// The page of saved results, in their order.
 ///
@@ -44,6 +48,8 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
 
 fn part(context: &Context<'_>) -> Result<Part> {
     match context.saved.command.as_str() {
+        "compensate" => compensate::part(context),
+        "map" => map::part(context),
         "predict" => predict::part(context),
         "study" => study::part(context),
         other => {

@@ -80,6 +80,24 @@ impl Scene {
         self
     }
 
+    /// The same at work: its loading point is the tool tip, which moves by these shifts \[m\] posture by posture, and
+    /// not by the joints alone; group by group. What the measuring points do is left out.
+    #[must_use]
+    pub fn at_work(mut self, shifts: &[Vec<Triple>]) -> Self {
+        self.loaded = Some("tip");
+        for load in &mut self.loads {
+            load.kind = "at work";
+        }
+        for (group, shifts) in self.groups.iter_mut().zip(shifts) {
+            for (posture, shift) in group.postures.iter_mut().zip(shifts) {
+                for load in &mut posture.loads {
+                    load.deflection = vec![shift.map(digits)];
+                }
+            }
+        }
+        self
+    }
+
     /// The same with arrows, for example the residuals at the measuring points.
     #[must_use]
     pub fn with_arrows(mut self, label: impl Into<String>, arrows: Vec<Arrow>) -> Self {
