@@ -19,6 +19,7 @@ mod map;
 #[cfg(feature = "page")]
 pub mod page;
 mod path;
+mod path_components;
 mod placement;
 mod plan_page;
 #[cfg(feature = "print")]
@@ -43,6 +44,7 @@ pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};
 
 pub use path::{PathCurvePoint, path_figure};
+pub use path_components::{PathShift, path_components_figure};
 pub use placement::{placement_figure, placement_table};
 pub use plan_page::plan_page;
 pub use selection::{

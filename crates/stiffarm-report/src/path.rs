@@ -109,7 +109,7 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
 }
 
 /// Indices of a curve to draw: of each piece its first, smallest and largest value.
-fn thinned(values: &[Option<f64>]) -> Vec<usize> {
+pub(crate) fn thinned(values: &[Option<f64>]) -> Vec<usize> {
     let count = values.len();
     if count <= DRAWN {
         return (0..count).collect();

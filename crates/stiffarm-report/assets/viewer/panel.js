@@ -146,7 +146,7 @@ class Panel {
       const turning = moment > 1e-9 ? `; ${moment.toFixed(1)} N\u00b7m about its point` : '';
       const name = kind.name && kind.name !== kind.kind ? `${kind.name}: ` : '';
       row('Load', `${name}${kind.kind}, ${force.toFixed(0)} N = ${parts}${turning}`);
-      if (load.deflection?.length) row('Deflection', this.deflection(load), make('small', { textContent: `from the joints, ${data.model} model` }));
+      if (load.deflection?.length) row('Deflection', this.deflection(load), data.loaded ? null : make('small', { textContent: `from the joints, ${data.model} model` }));
     }
     if (posture.closest) {
       const { names, distance } = posture.closest;
@@ -181,7 +181,7 @@ class Panel {
   deflection(load) {
     const sizes = load.deflection.map((d) => Math.hypot(...d));
     const most = sizes.slice(1).reduce((best, size, i) => (size > best[0] ? [size, i] : best), [-1, -1]);
-    let said = `loading point ${millimetres(sizes[0])}`;
+    let said = `${this.data.loaded || 'loading point'} ${millimetres(sizes[0])}`;
     if (most[1] >= 0) said += `; at most ${millimetres(most[0])} at measuring point ${this.data.measuring_points[most[1]].name}`;
     return said;
   }

@@ -136,7 +136,8 @@ class View {
     const load = data.groups[state.group]?.postures[state.posture]?.loads[state.load];
     if (!load?.deflection?.length) return '';
     const drawn = state.exaggeration ? `, drawn \u00d7 ${Number(state.exaggeration.toPrecision(3))}` : '';
-    return `Loading point moves ${millimetres(Math.hypot(...load.deflection[0]))}${drawn}`;
+    const point = data.loaded ? `The ${data.loaded}` : 'Loading point';
+    return `${point} moves ${millimetres(Math.hypot(...load.deflection[0]))}${drawn}`;
   }
 
   resize() {

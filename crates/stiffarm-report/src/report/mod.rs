@@ -3,10 +3,14 @@
 //! A part of the page is a function of the saved result, and of its cell where that is at hand: without it only
 //! the pictures of the cell are missing. The command that made a result and `stiffarm report` build the same page.
 
+mod at_work;
 mod compare;
+mod compensate;
 mod context;
 mod evaluate;
 mod identify;
+mod map;
+mod place;
 mod postures;
 mod predict;
 mod register;
@@ -26,8 +30,17 @@ use context::Context;
 use stiffarm::{Code, Error, Result};
 
 /// Commands whose results become pages.
-pub const COMMANDS: [&str; 9] = [
-    "evaluate", "identify", "predict", "register", "select", "simulate", "study", "validate",
+pub const COMMANDS: [&str; 11] = [
+    "compensate",
+    "evaluate",
+    "identify",
+    "map",
+    "predict",
+    "register",
+    "select",
+    "simulate",
+    "study",
+    "validate",
     "zones",
 ];
 
@@ -58,8 +71,10 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
 
 fn part(context: &Context<'_>) -> Result<Part> {
     match context.saved.command.as_str() {
+        "compensate" => compensate::part(context),
         "evaluate" => evaluate::part(context),
         "identify" => identify::part(context),
+        "map" => map::part(context),
         "predict" => predict::part(context),
         "register" => register::part(context),
         "select" => select::part(context),

@@ -1,102 +1,347 @@
 //! The page of `predict`: how far the loaded tool bends away, and how sure that is.
 
+use super::at_work::{
+    AtWork, WorkPoint, along, band_table, dominant, norm, principal_table, wrench,
+};
 use super::context::Context;
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::path::{PathCurvePoint, path_figure};
+use crate::path_components::{PathShift, path_components_figure};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::work::predict::Prediction;
 
+/// Rows of the key table, and most rows of the table of all points.
+const KEY_ROWS: usize = 5;
+const ROWS: usize = 200;
+
 /// The part of a page for a result of `predict`.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let prediction: Prediction = context.saved.result()?;
-    let count = prediction.points.len();
-    let number = |below: &str| context.number(below);
-    let done = Text::new(format!(
-        "The deflection of the loaded tool was predicted at {count} points, "
-    ))
-    .words("from the exact equilibrium of arm and load.");
-    let mut came = Text::new("The tool bends away by ")
-        .number(number("/deflection_rms_m").mm().decimals(3))
-        .words(" (RMS), at most ")
-        .number(number("/deflection_max_m").mm().decimals(3))
-        .words(format!(
-            ", at point {}",
-            visible(&prediction.deflection_max_point)
-        ));
-    came = match prediction.error_rms_m {
-        Some(_) => came
-            .words("; the prediction is sure to ")
-            .number(number("/error_rms_m").mm().decimals(3).plus_minus())
-            .words(" (RMS)."),
-        None => came.words("; the stiffness says nothing about how sure that is."),
-    };
-    let next = Text::new("Where that is too much, ")
-        .code("stiffarm compensate")
-        .words(" gives the path to command instead, and ")
-        .code("stiffarm map --place")
-        .words(" looks for a stiffer place for the workpiece.");
-    let mut key = DataTable::new(
-        "Deflection at the points where it is largest, with its total ±",
-        [
-            "point",
-            "deflection [mm]",
-            "± total [mm]",
-            "x [mm]",
-            "y [mm]",
-            "z [mm]",
-        ],
+    let work = What::of(context);
+    let verdict = [
+        done(&prediction, &work),
+        came(context, &prediction),
+        next(&prediction, &work),
+    ];
+    let order = largest_first(&prediction);
+    let caption = "Deflection of the tool tip where it is largest, with its total ±";
+    let key = points_table(
+        context,
+        &prediction,
+        caption,
+        order.iter().take(KEY_ROWS).copied(),
     );
-    let mut order: Vec<usize> = (0..count).collect();
-    let size = |i: &usize| prediction.points[*i].deflection_m;
-    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    for i in order.into_iter().take(5) {
-        let at = |below: &str| {
-            number(&format!("/points/{i}{below}"))
-                .mm()
-                .bare()
-                .decimals(3)
-        };
-        let band = at("/band/size_m/3");
-        let cells = [
-            at("/deflection_m").into(),
-            band.into(),
-            at("/shift_m/0").into(),
-            at("/shift_m/1").into(),
-            at("/shift_m/2").into(),
-        ];
-        key.row(visible(&prediction.points[i].point).into_owned(), cells);
-    }
-    let curve = curve(&prediction);
-    let sections = vec![Section::new(
-        "path",
-        "Along the path",
-        vec![Block::Figure(path_figure(&curve, prediction.confidence))],
-    )];
+    let mut sections = vec![
+        cell_section(context, &prediction, &work)?,
+        path_section(&prediction, &work),
+    ];
+    sections.extend(band_section(context, &prediction));
+    sections.extend(stiffness_section(context, &prediction));
+    sections.push(all_points(context, &prediction));
     Ok(context.part(
         "Predicted deflection".to_string(),
-        [done, came, next],
+        verdict,
         Some(key),
         sections,
     ))
 }
 
-/// The deflection along the path of the unloaded tip.
-fn curve(prediction: &Prediction) -> Vec<PathCurvePoint> {
-    let mut along = 0.0;
-    let mut last: Option<[f64; 3]> = None;
-    let points = prediction.points.iter().map(|point| {
-        along += last.map_or(0.0, |last| {
-            let squares = (0..3).map(|i| (point.tip_m[i] - last[i]).powi(2));
-            squares.sum::<f64>().sqrt()
-        });
-        last = Some(point.tip_m);
-        PathCurvePoint {
-            along_m: along,
+/// What was predicted.
+struct What {
+    /// Points of a path, and not tasks of the cell.
+    is_path: bool,
+    /// The cell's own load at its loading point.
+    is_cell_load: bool,
+}
+
+impl What {
+    fn of(context: &Context<'_>) -> Self {
+        let json = &context.saved.json;
+        let is_cell_load = json["options"]["load_at"] == "loading_point";
+        What {
+            is_path: !json["result"]["postures"].is_null(),
+            is_cell_load,
+        }
+    }
+
+    fn name(&self) -> &'static str {
+        match (self.is_path, self.is_cell_load) {
+            (true, _) => "path",
+            (false, true) => "postures",
+            (false, false) => "tasks",
+        }
+    }
+}
+
+fn done(prediction: &Prediction, what: &What) -> Text {
+    let count = prediction.points.len();
+    let points = match (what.is_path, what.is_cell_load, count) {
+        (true, _, 1) => "at one point of the path".to_string(),
+        (true, _, count) => format!("at {count} points of the path"),
+        (false, true, 1) => "at one posture under the load of the identification".to_string(),
+        (false, true, count) => {
+            format!("at {count} postures under the load of the identification")
+        }
+        (false, false, 1) => "at the one task of the cell".to_string(),
+        (false, false, count) => format!("at the {count} tasks of the cell"),
+    };
+    Text::new(format!(
+        "The deflection of the tool tip was predicted {points}, each under its own load."
+    ))
+}
+
+/// The point of the largest deflection.
+fn worst(prediction: &Prediction) -> Option<usize> {
+    let sizes = prediction.points.iter().map(|p| p.deflection_m).enumerate();
+    let most = sizes.reduce(|a, b| if b.1 > a.1 { b } else { a });
+    most.map(|(i, _)| i)
+}
+
+fn came(context: &Context<'_>, prediction: &Prediction) -> Text {
+    let number = |below: &str| context.number(below).mm().decimals(3);
+    let text = Text::new("The tool bends away by ")
+        .number(number("/deflection_rms_m"))
+        .words(" (RMS), at most ")
+        .number(number("/deflection_max_m"));
+    let at = format!(" at point {}", visible(&prediction.deflection_max_point));
+    let worst = worst(prediction);
+    let band = worst.and_then(|i| Some((i, prediction.points[i].band?, prediction.confidence?)));
+    match band {
+        None => text.words(format!("{at}; nothing says how sure that is.")),
+        Some((i, band, confidence)) => text
+            .words(" ")
+            .number(number(&format!("/points/{i}/band/size_m/3")).plus_minus())
+            .words(format!(
+                " ({} %){at}; most of the ± comes from {}.",
+                (1000.0 * confidence).round() / 10.0,
+                dominant(band.size_m)
+            )),
+    }
+}
+
+fn next(prediction: &Prediction, what: &What) -> Text {
+    if prediction.deflection_rms_m == 0.0 {
+        return Text::new("Give the path its forces, in its own columns or in ")
+            .code("[work]")
+            .words(" of the cell.");
+    }
+    let Some(band) = worst(prediction).and_then(|i| prediction.points[i].band) else {
+        return Text::new("Predict with an identified stiffness, so that the deflection has a ±: ")
+            .code("stiffarm identify cell.toml readings.csv --output k.json")
+            .words(" writes it.");
+    };
+    if band.size_m[3] > 0.5 * prediction.deflection_max_m {
+        let [statistical, common, load, _] = band.size_m;
+        let text = Text::new("The ± is large beside the deflection: ");
+        return if load >= statistical.max(common) {
+            text.words("measure the force at work and state its uncertainty with ")
+                .code("--load-uncertainty-percent")
+                .words(".")
+        } else if common >= statistical {
+            text.words("make the largest common error smaller that ")
+                .code("stiffarm identify --details")
+                .words(" names.")
+        } else {
+            text.words("measure more postures; ")
+                .code("stiffarm select")
+                .words(" chooses those that help most.")
+        };
+    }
+    if what.is_cell_load {
+        return Text::new("Measure these postures and compare: ")
+            .code("stiffarm validate")
+            .words(" says whether the model holds.");
+    }
+    Text::new("Where that is too much, ")
+        .code("stiffarm compensate")
+        .words(" gives the path to command instead, and ")
+        .code("stiffarm map --place")
+        .words(" looks for a stiffer place for the workpiece.")
+}
+
+fn largest_first(prediction: &Prediction) -> Vec<usize> {
+    let size = |i: &usize| prediction.points[*i].deflection_m;
+    let mut order: Vec<usize> = (0..prediction.points.len()).collect();
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    order
+}
+
+fn points_table(
+    context: &Context<'_>,
+    prediction: &Prediction,
+    caption: &str,
+    rows: impl Iterator<Item = usize>,
+) -> DataTable {
+    let headings = [
+        "point",
+        "deflection [mm]",
+        "± total [mm]",
+        "x [mm]",
+        "y [mm]",
+        "z [mm]",
+        "force [N]",
+    ];
+    let mut table = DataTable::new(caption, headings);
+    for i in rows {
+        let at = |below: &str| {
+            let number = context.number(&format!("/points/{i}{below}"));
+            Text::from(number.mm().bare().decimals(3))
+        };
+        let point = &prediction.points[i];
+        let force = crate::page::Number::new("", Some(norm(point.force_n)));
+        let cells = [
+            at("/deflection_m"),
+            at("/band/size_m/3"),
+            at("/shift_m/0"),
+            at("/shift_m/1"),
+            at("/shift_m/2"),
+            force.decimals(0).into(),
+        ];
+        table.row(visible(&point.point).into_owned(), cells);
+    }
+    table
+}
+
+fn cell_section(context: &Context<'_>, prediction: &Prediction, what: &What) -> Result<Section> {
+    let extremes = prediction.extremes.iter().flat_map(|e| [e.best, e.worst]);
+    let extremes: Vec<_> = extremes.collect();
+    let points = prediction.points.iter().enumerate().map(|(i, point)| {
+        let own = point.stiffness.as_ref().map(|s| s.principal);
+        let of_extreme = extremes.iter().find(|e| e.at == i).map(|e| e.principal);
+        WorkPoint {
+            name: point.point.to_string(),
+            q: point.q.clone(),
+            tip_m: point.tip_m,
+            wrench: wrench(point.force_n, point.moment_nm),
+            shift_m: point.shift_m,
+            principal: own.or(of_extreme),
+        }
+    });
+    let work = AtWork {
+        groups: vec![(what.name(), points.collect())],
+        stiffness: &prediction.stiffness_nm_per_rad,
+        model: prediction.model,
+        at_tip: !what.is_cell_load,
+        path: what.is_path.then_some("path"),
+        kept: extremes.iter().map(|e| e.at).collect(),
+    };
+    let explained = match what.is_path {
+        true => {
+            "Step through the postures along the path; its colour is the deflection, and the slider exaggerates it. \
+             Where the tip bends least and most, an ellipsoid shows how it gives way."
+        }
+        false => {
+            "Step through the postures and let the arm bend; where the tip bends least and most, an ellipsoid shows how \
+             it gives way."
+        }
+    };
+    work.section(context, explained)
+}
+
+fn path_section(prediction: &Prediction, what: &What) -> Section {
+    let points = &prediction.points;
+    // Postures and tasks are no path: nothing is along them.
+    let lengths = match what.is_path {
+        true => along(points.iter().map(|p| p.tip_m)),
+        false => vec![0.0; points.len()],
+    };
+    let curve = points
+        .iter()
+        .zip(&lengths)
+        .map(|(point, along)| PathCurvePoint {
+            along_m: *along,
             deflection_m: point.deflection_m,
             half_width_m: point.band.map(|band| band.size_m[3]),
             left_m: None,
-        }
+        });
+    let curve: Vec<PathCurvePoint> = curve.collect();
+    let shifts = points.iter().zip(&lengths).map(|(point, along)| PathShift {
+        along_m: *along,
+        shift_m: point.shift_m,
+        half_width_m: point.band.map(|band| band.total_m),
     });
-    points.collect()
+    let shifts: Vec<PathShift> = shifts.collect();
+    let caption = "The same deflection by its components in base axes: a part comes out wrong where its surface lies \
+                   across them.";
+    let title = match what.is_path {
+        true => "Along the path",
+        false => "Point by point",
+    };
+    let blocks = vec![
+        Block::Figure(path_figure(&curve, prediction.confidence)),
+        Block::Figure(path_components_figure(
+            &shifts,
+            "deflection",
+            prediction.confidence,
+            caption.to_string(),
+        )),
+    ];
+    Section::new("path", title, blocks)
+}
+
+fn band_section(context: &Context<'_>, prediction: &Prediction) -> Option<Section> {
+    let i = worst(prediction)?;
+    let band = prediction.points[i].band?;
+    let name = visible(&prediction.points[i].point);
+    let caption = format!("What the ± is made of at point {name}, where the tip bends most");
+    let table = band_table(context, caption, &format!("/points/{i}/band"));
+    let text = Text::new(format!("Most of the ± comes from {}. ", dominant(band.size_m)))
+        .words("Over all points the errors that the bands stand for are ")
+        .number(context.number("/error_rms_m").mm().decimals(3))
+        .words(
+            " (RMS, all axes together). The bands know what the identification knows: what the model leaves out, ",
+        )
+        .code("stiffarm validate")
+        .words(" shows on readings kept out.");
+    let blocks = vec![Block::Text(text), Block::Table(table)];
+    Some(Section::new("how-sure", "How sure that is", blocks))
+}
+
+fn stiffness_section(context: &Context<'_>, prediction: &Prediction) -> Option<Section> {
+    let extremes = prediction.extremes?;
+    let name = |at: usize| {
+        let point = prediction.points.get(at);
+        point.map_or(String::new(), |p| visible(&p.point).into_owned())
+    };
+    let mut rows = vec![(
+        format!("bends most, point {}", name(extremes.worst.at)),
+        "/extremes/worst/principal".to_string(),
+    )];
+    if extremes.best.at != extremes.worst.at {
+        rows.push((
+            format!("bends least, point {}", name(extremes.best.at)),
+            "/extremes/best/principal".to_string(),
+        ));
+    }
+    let words = "A force along the softest axis moves the tip most; turning the workpiece so that forces act along a \
+                 stiffer one helps as much as a stiffer place.";
+    let blocks = vec![
+        Block::Text(words.into()),
+        Block::Table(principal_table(context, &rows)),
+    ];
+    Some(Section::new(
+        "stiffness",
+        "Which way the tip gives way",
+        blocks,
+    ))
+}
+
+fn all_points(context: &Context<'_>, prediction: &Prediction) -> Section {
+    let count = prediction.points.len();
+    let (caption, rows): (String, Vec<usize>) = match count <= ROWS {
+        true => (
+            "All points in their order".to_string(),
+            (0..count).collect(),
+        ),
+        false => (
+            format!(
+                "{ROWS} of the {count} points, evenly along the path; the result's file has all"
+            ),
+            (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect(),
+        ),
+    };
+    let table = points_table(context, prediction, &caption, rows.into_iter());
+    let details = Block::Details("The points".to_string(), vec![Block::Table(table)]);
+    Section::new("points", "Points", vec![details])
 }

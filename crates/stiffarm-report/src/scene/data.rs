@@ -49,6 +49,9 @@ pub struct Scene {
     pub force_length: f64,
     /// How deflections were calculated: `linear` or `equilibrium`; `None` where no stiffness is known.
     pub model: Option<&'static str>,
+    /// What is called the loading point: `tip`; `None` for the loading point itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loaded: Option<&'static str>,
     /// The groups, in the order given.
     pub groups: Vec<Group>,
     /// A path with its deflection.
@@ -149,7 +152,7 @@ pub struct NamedPlace {
 pub struct LoadKind {
     /// Name of the load case; empty for a single load.
     pub name: String,
-    /// `rope`, `weight`, `wrench` or `measured`.
+    /// `rope`, `weight`, `wrench` or `measured`; `at work` for the wrenches of a path.
     pub kind: &'static str,
     /// Loading point, flange axes.
     pub at: Triple,

@@ -122,6 +122,7 @@ pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>)
         extent: [place(&corners[0]), place(&corners[7])],
         force_length: length(stage.force_length()),
         model: stiffness.map(|_| options.model.as_str()),
+        loaded: None,
         groups: shown,
         path: None,
         arrows: None,

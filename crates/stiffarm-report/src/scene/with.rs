@@ -2,7 +2,7 @@
 
 use super::data::Scene;
 use super::extras::{Arrow, ArrowSet, Ellipsoid, ScenePath};
-use super::numbers::{digits, length};
+use super::numbers::{Triple, digits, length};
 
 impl Scene {
     /// The same with a path.
@@ -15,6 +15,24 @@ impl Scene {
             range: path.range.map(digits),
             ..path
         });
+        self
+    }
+
+    /// The same at work: its loading point is the tool tip, which moves by these shifts \[m\] posture by posture, and
+    /// not by the joints alone; group by group. What the measuring points do is left out.
+    #[must_use]
+    pub fn at_work(mut self, shifts: &[Vec<Triple>]) -> Self {
+        self.loaded = Some("tip");
+        for load in &mut self.loads {
+            load.kind = "at work";
+        }
+        for (group, shifts) in self.groups.iter_mut().zip(shifts) {
+            for (posture, shift) in group.postures.iter_mut().zip(shifts) {
+                for load in &mut posture.loads {
+                    load.deflection = vec![shift.map(digits)];
+                }
+            }
+        }
         self
     }
 

@@ -76,6 +76,12 @@ impl IdentifiedCompliance {
         })
     }
 
+    /// Stiffness of the springs of `cell` \[N·m/rad\].
+    pub fn spring_stiffness(&self, cell: &Cell) -> Vec<f64> {
+        let springs = cell.setup.robot.spring_count();
+        self.values.iter().take(springs).map(|h| 1.0 / h).collect()
+    }
+
     /// The result of an identification with its covariance.
     ///
     /// # Errors

@@ -30,7 +30,7 @@ use crate::numerics::information::svd::svd;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use crate::work::at_work::forbidden;
-use crate::work::predict::{Bands, LoadedArm, TipBand, motion};
+use crate::work::predict::{Bands, LoadedArm, PathExtremes, TipBand, motion};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -70,6 +70,15 @@ pub struct PointCompensation {
         )
     )]
     pub nominal: Vec<f64>,
+    /// Position of the nominal tip, base frame \[m\].
+    #[serde(default)]
+    pub tip_m: [f64; 3],
+    /// Force on the robot at the tip, base axes \[N\].
+    #[serde(default)]
+    pub force_n: [f64; 3],
+    /// Moment about the tip, base axes \[N·m\].
+    #[serde(default)]
+    pub moment_nm: [f64; 3],
     /// Controller angles to command \[rad\].
     #[serde(rename = "command_deg", with = "crate::units::degrees")]
     #[cfg_attr(
@@ -86,7 +95,10 @@ pub struct PointCompensation {
     pub correction_rad: [f64; 3],
     /// Size of the shift \[m\].
     pub correction_size_m: f64,
-    /// Deflection at the nominal posture without compensation \[m\].
+    /// Shift of the tip at the nominal posture without compensation, base axes \[m\].
+    #[serde(default)]
+    pub uncompensated_shift_m: [f64; 3],
+    /// Its size \[m\].
     pub uncompensated_m: f64,
     /// Distance of the loaded tip from the nominal one with this command, by the
     /// model that was compensated \[m\].
@@ -119,6 +131,12 @@ pub struct Compensation {
     pub correction_max_m: f64,
     /// Points at which the correction is larger than its half width.
     pub beyond_uncertainty: Option<usize>,
+    /// Joint stiffness that the commands were found with \[N·m/rad\], one per spring.
+    #[serde(default)]
+    pub stiffness_nm_per_rad: Vec<f64>,
+    /// Where the tip bends least and most without compensation, and how it gives way there.
+    #[serde(default)]
+    pub extremes: Option<PathExtremes>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,
     /// Point by point.
@@ -267,6 +285,9 @@ pub fn compensate(
     })?;
     let confidence = bands.map(|b| b.confidence);
     let mut out = summarise(points, options, confidence);
+    out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);
+    let sizes = out.points.iter();
+    out.extremes = arm.extremes(sizes.map(|p| (p.nominal.as_slice(), p.uncompensated_m)))?;
     out.findings.extend(implausible::process(cell));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
@@ -313,10 +334,14 @@ fn point(
     Ok(PointCompensation {
         point: posture.name.clone(),
         nominal: posture.q.clone(),
+        tip_m: found.nominal.translation.vector.into(),
+        force_n: wrench.force.into(),
+        moment_nm: wrench.moment.into(),
         command: found.q.clone(),
         correction_m: shift_of(&correction).into(),
         correction_rad: [correction[3], correction[4], correction[5]],
         correction_size_m: shift_of(&correction).norm(),
+        uncompensated_shift_m: shift.into(),
         uncompensated_m: shift.norm(),
         residual_m: shift_of(&left).norm(),
         band,
@@ -350,6 +375,8 @@ fn summarise(
         expected_factor: error.filter(|e| *e > 0.0).map(|e| rms(&before) / e),
         correction_max_m: largest(&of(|p| p.correction_size_m)),
         beyond_uncertainty: beyond,
+        stiffness_nm_per_rad: Vec::new(),
+        extremes: None,
         findings: Vec::new(),
         points,
     };

@@ -17,7 +17,7 @@ mod status;
 
 pub use node::{MapNode, NodeValues};
 pub use options::MapOptions;
-pub use placed::{PlaceOptions, Placed, PlacementCandidate};
+pub use placed::{PlaceOptions, Placed, PlacedPoint, PlacementCandidate};
 pub use placement::{Placement, place};
 pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
 pub use status::Status;
@@ -90,6 +90,15 @@ pub fn stiffness_map(
     let nodes = nodes.collect();
     let confidence = bands.map(|b| b.confidence);
     let mut map = result::summarise(cell, options, axes, nodes, confidence);
+    map.stiffness_nm_per_rad = predictor.spring_stiffness(cell);
+    if let Some(extremes) = &mut map.extremes {
+        let of = |node: usize| {
+            let values = map.nodes[node].values.as_ref();
+            let q = values.map_or(&[][..], |v| &v.q);
+            Ok(arm.principal(&arm.terms(q, &options.wrench)?))
+        };
+        extremes.principal = Some([of(extremes.best)?, of(extremes.worst)?]);
+    }
     map.findings.extend(implausible::process(cell));
     let load = implausible::load(arm.robot(), [("force", &options.wrench)]);
     map.findings.extend(load);

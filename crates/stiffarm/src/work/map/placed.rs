@@ -123,4 +123,31 @@ pub struct Placed {
         )
     )]
     pub start: Option<Vec<f64>>,
+    /// The path there at the points that the search looks at, and where it bends most; empty where the arm
+    /// cannot go along.
+    #[serde(default)]
+    pub along: Vec<PlacedPoint>,
+}
+
+/// A point of a path at a place of the workpiece.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PlacedPoint {
+    /// Name of the point.
+    pub point: String,
+    /// Controller angles \[rad\].
+    #[serde(rename = "q_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
+    )]
+    pub q: Vec<f64>,
+    /// Position of the unloaded tip, base frame \[m\].
+    pub tip_m: [f64; 3],
+    /// Force on the robot at the tip, base axes \[N\].
+    pub force_n: [f64; 3],
+    /// Moment about the tip, base axes \[N·m\].
+    pub moment_nm: [f64; 3],
+    /// Shift of the tip, exact equilibrium, base axes \[m\].
+    pub shift_m: [f64; 3],
 }

@@ -39,6 +39,9 @@ pub struct Placement {
     /// RMS of the deflections at the given place over that at the best one; `None`
     /// where one of them does not exist or nothing bends.
     pub gain: Option<f64>,
+    /// Joint stiffness that the search was made with \[N·m/rad\], one per spring.
+    #[serde(default)]
+    pub stiffness_nm_per_rad: Vec<f64>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,
     /// Every place that was tried: by round, yaw, x, y, z.
@@ -126,6 +129,7 @@ pub fn place(
         given,
         best,
         gain,
+        stiffness_nm_per_rad: predictor.spring_stiffness(cell),
         findings: Vec::new(),
         candidates,
     };

@@ -7,6 +7,7 @@ use super::status::Status;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
 use crate::units::m_to_mm;
+use crate::work::predict::PrincipalAxis;
 use serde::{Deserialize, Serialize};
 
 /// k(J_N) above which a posture is near a singular one.
@@ -41,13 +42,16 @@ pub struct StatusCounts {
 }
 
 /// Nodes of the smallest and the largest deflection, counted from 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MapExtremes {
     /// Where the tip bends least.
     pub best: usize,
     /// Where it bends most.
     pub worst: usize,
+    /// Principal axes of a force without moment at the one and at the other, softest first.
+    #[serde(default)]
+    pub principal: Option<[[PrincipalAxis; 3]; 2]>,
 }
 
 /// Stiffness and deflection of the tip over a grid of positions, base frame.
@@ -87,6 +91,9 @@ pub struct StiffnessMap {
     pub k_jn: Option<MapRange>,
     /// Nodes that bend least and most.
     pub extremes: Option<MapExtremes>,
+    /// Joint stiffness that the map was made with \[N·m/rad\], one per spring.
+    #[serde(default)]
+    pub stiffness_nm_per_rad: Vec<f64>,
     /// What to know about the map, in sentences.
     pub findings: Vec<Finding>,
     /// The nodes: x slowest, then y, z fastest.
@@ -129,9 +136,11 @@ pub(super) fn summarise(
     // The first of mirrored places, which differ by rounding.
     let best = first_smallest(sizes());
     let worst = first_smallest(sizes().map(|(i, size)| (i, -size)));
-    let extremes = best
-        .zip(worst)
-        .map(|(best, worst)| MapExtremes { best, worst });
+    let extremes = best.zip(worst).map(|(best, worst)| MapExtremes {
+        best,
+        worst,
+        principal: None,
+    });
     let matrix = options.rotation.to_rotation_matrix();
     let [x_m, y_m, z_m] = axes;
     let mut map = StiffnessMap {
@@ -151,6 +160,7 @@ pub(super) fn summarise(
         softest_n_per_m: range(reached().filter_map(|v| v.softest.stiffness_n_per_m)),
         k_jn: range(reached().filter_map(|v| v.k_jn)),
         extremes,
+        stiffness_nm_per_rad: Vec::new(),
         findings: Vec::new(),
         nodes,
     };
@@ -189,7 +199,7 @@ fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
     if map.counts.reachable == 0 && map.counts.not_computed < map.nodes.len() {
         out.push(nothing_reachable(map));
     }
-    if let Some(MapExtremes { best, worst }) = map.extremes {
+    if let Some(MapExtremes { best, worst, .. }) = map.extremes {
         let (best, worst) = (&map.nodes[best], &map.nodes[worst]);
         let size = |node: &MapNode| node.values.as_ref().map_or(0.0, |v| v.deflection_m);
         out.push(Finding::new(

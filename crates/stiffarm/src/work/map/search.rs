@@ -2,7 +2,7 @@
 
 use super::follow::{Stopped, follow};
 use super::options::turns;
-use super::placed::{PlaceOptions, Placed, PlacementCandidate};
+use super::placed::{PlaceOptions, Placed, PlacedPoint, PlacementCandidate};
 use super::prepared::Prepared;
 use super::reach::{Reach, Refusal, is_better};
 use super::status::Status;
@@ -225,14 +225,25 @@ impl<'a> Search<'a> {
             deflection_max_m: None,
             deflection_max_point: None,
             start: None,
+            along: Vec::new(),
         };
         match along {
             Ok(along) => {
                 let mut sizes = Vec::with_capacity(along.path.len());
-                for (q, wrench) in along.path.iter().zip(&along.wrenches) {
+                let mut points = Vec::with_capacity(along.path.len());
+                for (i, (q, wrench)) in along.path.iter().zip(&along.wrenches).enumerate() {
                     control.check()?;
                     let bent = self.reach.arm.deflect(q, wrench)?;
-                    sizes.push(bent.displacement.fixed_rows::<3>(0).norm());
+                    let shift = bent.displacement.fixed_rows::<3>(0).into_owned();
+                    sizes.push(shift.norm());
+                    points.push(PlacedPoint {
+                        point: name(i),
+                        q: q.clone(),
+                        tip_m: bent.before.translation.vector.into(),
+                        force_n: wrench.force.into(),
+                        moment_nm: wrench.moment.into(),
+                        shift_m: shift.into(),
+                    });
                 }
                 let sizes_in_order = sizes.iter().enumerate();
                 let largest = sizes_in_order.reduce(|a, b| if b.1 > a.1 { b } else { a });
@@ -241,6 +252,13 @@ impl<'a> Search<'a> {
                 out.deflection_max_m = largest.map(|(_, size)| *size);
                 out.deflection_max_point = largest.map(|(i, _)| name(i));
                 out.start = along.path.first().cloned();
+                let worst = largest.map(|(i, _)| i);
+                let is_shown = |i: usize| match part {
+                    Part::Searched => true,
+                    Part::Whole => self.kept.binary_search(&i).is_ok() || worst == Some(i),
+                };
+                let shown = points.into_iter().enumerate().filter(|(i, _)| is_shown(*i));
+                out.along = shown.map(|(_, point)| point).collect();
             }
             Err(stopped) => {
                 out.status = stopped.refusal.status;

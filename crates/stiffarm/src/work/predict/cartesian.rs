@@ -38,7 +38,59 @@ pub struct CartesianStiffness {
     pub principal: [PrincipalAxis; 3],
 }
 
+/// Where along a path the tip gives way in which direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PointStiffness {
+    /// Number of the point, from 0.
+    pub at: usize,
+    /// Principal axes of a force without moment there, softest first.
+    pub principal: [PrincipalAxis; 3],
+}
+
+/// The points of a path at which the tip bends least and most; of equals the first.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PathExtremes {
+    /// Where the tip bends least.
+    pub best: PointStiffness,
+    /// Where it bends most.
+    pub worst: PointStiffness,
+}
+
 impl LoadedArm {
+    /// The extremes of a path with these postures and deflections \[m\]; `None` for a path without points.
+    pub(crate) fn extremes<'q>(
+        &self,
+        points: impl Iterator<Item = (&'q [f64], f64)>,
+    ) -> Result<Option<PathExtremes>> {
+        let points: Vec<(&[f64], f64)> = points.collect();
+        let first_of = |better: fn(f64, f64) -> bool| {
+            let all = points.iter().enumerate();
+            all.reduce(|a, b| if better(b.1.1, a.1.1) { b } else { a })
+        };
+        let stiffness = |(at, (q, _)): (usize, &(&[f64], f64))| {
+            let unloaded = Wrench::force(Vector3::zeros());
+            Ok(PointStiffness {
+                at,
+                principal: self.principal(&self.terms(q, &unloaded)?),
+            })
+        };
+        match (first_of(|a, b| a < b), first_of(|a, b| a > b)) {
+            (Some(best), Some(worst)) => Ok(Some(PathExtremes {
+                best: stiffness(best)?,
+                worst: stiffness(worst)?,
+            })),
+            _ => Ok(None),
+        }
+    }
+
+    /// Principal axes of a force without moment at the posture of `terms`, softest first.
+    pub(crate) fn principal(&self, terms: &PostureTerms) -> [PrincipalAxis; 3] {
+        let compliance = self.tip_compliance(terms);
+        principal_axes(&compliance.fixed_view::<3, 3>(0, 0).into_owned())
+    }
+
     /// Compliance of the tip at the posture of `terms`, 6 × 6: J K_θ⁻¹ Jᵀ of the
     /// joints, and what series compliance and tilts add. Lost motion is no
     /// compliance and left out.

@@ -6,7 +6,7 @@ mod loaded_arm;
 mod points;
 
 pub use band::TipBand;
-pub use cartesian::{CartesianStiffness, PrincipalAxis};
+pub use cartesian::{CartesianStiffness, PathExtremes, PointStiffness, PrincipalAxis};
 pub use loaded_arm::{Deflection, LoadedArm};
 pub use points::{LoadPoint, PointPrediction, PredictOptions, Prediction, predict};
 

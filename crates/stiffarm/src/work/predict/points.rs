@@ -1,7 +1,7 @@
 //! Deflection at postures or along a path.
 
 use super::band::Bands;
-use super::{CartesianStiffness, LoadedArm, TipBand};
+use super::{CartesianStiffness, LoadedArm, PathExtremes, TipBand};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::rms;
@@ -114,6 +114,12 @@ pub struct Prediction {
     pub linear_suffices: bool,
     /// RMS of the error that the bands stand for, all axes together \[m\].
     pub error_rms_m: Option<f64>,
+    /// Joint stiffness that the prediction was made with \[N·m/rad\], one per spring.
+    #[serde(default)]
+    pub stiffness_nm_per_rad: Vec<f64>,
+    /// Where the tip bends least and most, and how it gives way there.
+    #[serde(default)]
+    pub extremes: Option<PathExtremes>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,
     /// Point by point.
@@ -166,6 +172,9 @@ pub fn predict(
         point(&arm, bands.as_ref(), posture, options).map_err(|e| posture.at(e))
     })?;
     let mut out = summarise(points, options, bands.map(|b| b.confidence));
+    out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);
+    let sizes = out.points.iter().map(|p| (p.q.as_slice(), p.deflection_m));
+    out.extremes = arm.extremes(sizes)?;
     out.findings.extend(implausible::process(cell));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
@@ -246,6 +255,8 @@ fn summarise(
         linear_difference_max_m: differences.fold(0.0, f64::max),
         linear_suffices: points.iter().all(suffices),
         error_rms_m: errors.map(|e| rms(&e)),
+        stiffness_nm_per_rad: Vec::new(),
+        extremes: None,
         findings: Vec::new(),
         points,
     };

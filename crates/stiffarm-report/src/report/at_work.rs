@@ -1,0 +1,315 @@
+//! What the pages of a loaded tool share: the path in 3D, the bands, how the tip gives way.
+
+use super::context::Context;
+use crate::cell::{Full, cell_drawing};
+use crate::page::{Block, DataTable, Section, Text};
+use crate::path::thinned;
+use crate::scene::{Ellipsoid, Scene, SceneGroup, SceneOptions, ScenePath, scene};
+use std::collections::BTreeSet;
+use stiffarm::Result;
+use stiffarm::findings::visible;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::kinematics::Frames;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::posture::Posture;
+use stiffarm::model::stiffness::Model;
+use stiffarm::nalgebra::{Point3, Vector3};
+use stiffarm::work::predict::PrincipalAxis;
+
+/// Most postures of a path that one steps through.
+const POSTURES: usize = 60;
+/// Least share of an ellipsoid's longest axis that a half axis is drawn with.
+const THINNEST: f64 = 0.01;
+
+/// A point of a path under its load.
+#[derive(Debug, Clone)]
+pub(super) struct WorkPoint {
+    /// Its name.
+    pub name: String,
+    /// Controller angles \[rad\].
+    pub q: Vec<f64>,
+    /// Position of the unloaded tip, base frame \[m\].
+    pub tip_m: [f64; 3],
+    /// Load on the robot, base axes.
+    pub wrench: Wrench,
+    /// Shift of the tip under it, base axes \[m\].
+    pub shift_m: [f64; 3],
+    /// Principal axes of a force at the tip, where they are known.
+    pub principal: Option<[PrincipalAxis; 3]>,
+}
+
+/// Points under load, as groups; a path or places by themselves.
+pub(super) struct AtWork<'a> {
+    /// The groups by name, in the order of their points.
+    pub groups: Vec<(&'a str, Vec<WorkPoint>)>,
+    /// Joint stiffness \[N·m/rad\]; empty where a result does not have it.
+    pub stiffness: &'a [f64],
+    /// The model of the deflections.
+    pub model: Model,
+    /// Whether the wrenches act at the tip, or at the cell's loading point.
+    pub at_tip: bool,
+    /// Name of the path that the first group is, where it is one.
+    pub path: Option<&'a str>,
+    /// Points that must be among those shown, numbers within the first group.
+    pub kept: Vec<usize>,
+}
+
+/// The wrench of a force and a moment.
+pub(super) fn wrench(force_n: [f64; 3], moment_nm: [f64; 3]) -> Wrench {
+    Wrench {
+        force: force_n.into(),
+        moment: moment_nm.into(),
+    }
+}
+
+impl AtWork<'_> {
+    /// The section with the cell in 3D.
+    ///
+    /// # Errors
+    /// Angles that do not fit the cell's robot.
+    pub fn section(&self, context: &Context<'_>, explained: &str) -> Result<Section> {
+        let first = self.groups.iter().find_map(|(_, points)| points.first());
+        let (Some(cell), Some(first)) = (context.cell, first) else {
+            return context.scene_section(None, &[], explained);
+        };
+        let cell = self.cell(cell, first);
+        let (shown, left_out) = self.shown();
+        let scene = self.scene(&cell, &shown)?;
+        let drawn: Vec<Posture> = shown.iter().flatten().map(|p| posture(p)).collect();
+        let drawing = cell_drawing(&cell, &drawn, Full::Number(self.drawn_in_full(&shown)))?;
+        let explained = match left_out {
+            0 => explained.to_string(),
+            _ => format!(
+                "{explained} Of the {} points, {} have their posture here, evenly along the path with the smallest and \
+                 the largest deflection among them.",
+                shown.iter().map(Vec::len).sum::<usize>() + left_out,
+                shown.iter().map(Vec::len).sum::<usize>(),
+            ),
+        };
+        let blocks = vec![
+            Block::Text(explained.into()),
+            Block::Scene(Box::new(scene), Some(drawing)),
+        ];
+        Ok(Section::new("cell", "The cell in 3D", blocks))
+    }
+
+    /// The posture that bends most, among all shown.
+    fn drawn_in_full(&self, shown: &[Vec<&WorkPoint>]) -> usize {
+        let sizes = shown.iter().flatten().map(|p| norm(p.shift_m)).enumerate();
+        let most = sizes.reduce(|a, b| if b.1 > a.1 { b } else { a });
+        most.map_or(0, |(number, _)| number)
+    }
+
+    /// The cell under the load of the work: at the tip, without what belongs to the experiment.
+    fn cell(&self, cell: &Cell, first: &WorkPoint) -> Cell {
+        let mut cell = cell.clone();
+        if first.q.len() != cell.setup.robot.joint_count() {
+            // The scene says so.
+            return cell;
+        }
+        if self.at_tip {
+            let frames = Frames::new(&cell.setup.robot, &first.q);
+            let tip = frames
+                .flange()
+                .inverse_transform_point(&Point3::from(Vector3::from(first.tip_m)));
+            cell.setup.tool.loading_point = tip.coords;
+            cell.setup.load = Load::Measured;
+            cell.scene = cell.scene.at_work();
+            cell.limits.rope_length = None;
+        } else if cell.setup.load.has_cases() {
+            cell.setup.load = Load::Measured;
+        }
+        cell
+    }
+
+    /// The points of each group that have their posture shown, and how many have not.
+    fn shown(&self) -> (Vec<Vec<&WorkPoint>>, usize) {
+        let mut left_out = 0;
+        let groups = self.groups.iter().enumerate().map(|(g, (_, points))| {
+            let count = points.len();
+            if count <= POSTURES {
+                return points.iter().collect();
+            }
+            let mut numbers: BTreeSet<usize> = BTreeSet::new();
+            if g == 0 {
+                numbers.extend(self.kept.iter().copied().filter(|i| *i < count));
+            }
+            let evenly = POSTURES - numbers.len();
+            numbers.extend((0..evenly).map(|i| i * (count - 1) / (evenly - 1)));
+            left_out += count - numbers.len();
+            numbers.into_iter().map(|i| &points[i]).collect()
+        });
+        let groups = groups.collect();
+        (groups, left_out)
+    }
+
+    fn scene(&self, cell: &Cell, shown: &[Vec<&WorkPoint>]) -> Result<Scene> {
+        let postures: Vec<Vec<Posture>> = each(shown, posture);
+        let wrenches: Vec<Vec<Wrench>> = each(shown, |p| p.wrench);
+        let groups = self.groups.iter().zip(postures.iter().zip(&wrenches));
+        let groups: Vec<SceneGroup<'_>> = groups
+            .map(|((name, _), (postures, wrenches))| SceneGroup {
+                name,
+                postures,
+                wrenches,
+            })
+            .collect();
+        let options = SceneOptions {
+            stiffness: (!self.stiffness.is_empty()).then_some(self.stiffness),
+            model: self.model,
+        };
+        let mut scene = scene(cell, &groups, &options)?;
+        if self.at_tip {
+            scene = scene.at_work(&each(shown, |p| p.shift_m));
+        }
+        if let (Some(name), Some((_, points))) = (self.path, self.groups.first()) {
+            scene = scene.with_path(path(name, points));
+        }
+        let ellipsoids = shown.iter().enumerate().flat_map(|(group, points)| {
+            let points = points.iter().enumerate();
+            points.filter_map(move |(posture, point)| ellipsoid(group, posture, point))
+        });
+        Ok(scene.with_ellipsoids(ellipsoids.collect()))
+    }
+}
+
+fn each<T>(shown: &[Vec<&WorkPoint>], of: impl Fn(&WorkPoint) -> T) -> Vec<Vec<T>> {
+    let groups = shown
+        .iter()
+        .map(|points| points.iter().map(|point| of(point)).collect());
+    groups.collect()
+}
+
+fn posture(point: &WorkPoint) -> Posture {
+    Posture {
+        name: visible(&point.name).into_owned(),
+        q: point.q.clone(),
+    }
+}
+
+/// The path with its deflection in colour, a long one by fewer points.
+fn path(name: &str, points: &[WorkPoint]) -> ScenePath {
+    let sizes: Vec<f64> = points.iter().map(|p| 1e3 * norm(p.shift_m)).collect();
+    let some: Vec<Option<f64>> = sizes.iter().copied().map(Some).collect();
+    let kept = thinned(&some);
+    let ends = sizes
+        .iter()
+        .fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], size| {
+            [size.min(low), size.max(high)]
+        });
+    ScenePath {
+        name: name.to_string(),
+        points: kept.iter().map(|i| points[*i].tip_m).collect(),
+        deflection: kept.iter().map(|i| points[*i].shift_m).collect(),
+        size: kept.iter().map(|i| sizes[*i]).collect(),
+        label: "Deflection".into(),
+        unit: "mm".into(),
+        range: ends,
+        names: kept
+            .iter()
+            .map(|i| visible(&points[*i].name).into_owned())
+            .collect(),
+    }
+}
+
+/// How the tip gives way at a posture: the longest axis is the softest.
+fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoid> {
+    let principal = point.principal?;
+    let gives = principal.map(|axis| axis.stiffness_n_per_m.map_or(0.0, |k| 1.0 / k));
+    let most = gives.iter().copied().fold(0.0, f64::max);
+    if most == 0.0 {
+        return None;
+    }
+    let micro = principal.map(|axis| match axis.stiffness_n_per_m {
+        Some(k) => format!("{} N/µm", digits(1e-6 * k)),
+        None => "rigid".to_string(),
+    });
+    Some(Ellipsoid {
+        group,
+        posture,
+        centre: point.tip_m,
+        axes: principal.map(|axis| axis.direction),
+        half: gives.map(|give| give.max(THINNEST * most)),
+        text: format!(
+            "compliance of the tip, longest where it is softest: stiffness {} along its axes",
+            micro.join(", ")
+        ),
+    })
+}
+
+fn digits(value: f64) -> String {
+    let number = crate::page::Number::new("", Some(value)).significant(3);
+    number.text()
+}
+
+/// The size of a vector.
+pub(super) fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+/// Lengths of a path up to each of its points \[m\].
+pub(super) fn along(tips: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
+    let mut length = 0.0;
+    let mut last: Option<[f64; 3]> = None;
+    let lengths = tips.map(|tip| {
+        length += last.map_or(0.0, |last| norm([0, 1, 2].map(|i| tip[i] - last[i])));
+        last = Some(tip);
+        length
+    });
+    lengths.collect()
+}
+
+/// What gives way how much at some places: the pointer of three principal axes, and the name of each.
+pub(super) fn principal_table(context: &Context<'_>, rows: &[(String, String)]) -> DataTable {
+    let mut table = DataTable::new(
+        "Stiffness of the tip along its principal axes, under a force without moment, softest first",
+        ["place", "axis", "stiffness [N/µm]", "x", "y", "z"],
+    );
+    for (name, pointer) in rows {
+        for (i, axis) in ["softest", "middle", "stiffest"].into_iter().enumerate() {
+            let stiffness = context.number(&format!("{pointer}/{i}/stiffness_n_per_m"));
+            let stiffness = Text::from(stiffness.times(1e-6).significant(3));
+            let part = |k: usize| {
+                let direction = context.number(&format!("{pointer}/{i}/direction/{k}"));
+                Text::from(direction.decimals(2))
+            };
+            let name = if i == 0 { name.as_str() } else { "" };
+            table.row(name, [axis.into(), stiffness, part(0), part(1), part(2)]);
+        }
+    }
+    table
+}
+
+/// What the ± of a point is made of; `pointer` is that of its band.
+pub(super) fn band_table(context: &Context<'_>, caption: String, pointer: &str) -> DataTable {
+    let headings = ["from", "size [mm]", "x [mm]", "y [mm]", "z [mm]"];
+    let mut table = DataTable::new(caption, headings);
+    let rows = [
+        ("scatter of the readings", "statistical_m"),
+        ("errors common to the experiment", "common_m"),
+        ("load at work", "load_m"),
+        ("total", "total_m"),
+    ];
+    for (part, (name, key)) in rows.into_iter().enumerate() {
+        let mm = |below: &str| {
+            let number = context.number(&format!("{pointer}/{below}"));
+            Text::from(number.mm().bare().decimals(3))
+        };
+        let size = mm(&format!("size_m/{part}"));
+        let axes = [0, 1, 2].map(|axis| mm(&format!("{key}/{axis}")));
+        table.row(name, std::iter::once(size).chain(axes));
+    }
+    table
+}
+
+/// Most of the ± at a point, in words, from its parts: statistical, common, load.
+pub(super) fn dominant(size_m: [f64; 4]) -> &'static str {
+    let [statistical, common, load, _] = size_m;
+    if load >= statistical.max(common) {
+        "the uncertainty of the load at work"
+    } else if common >= statistical {
+        "errors common to the whole experiment"
+    } else {
+        "the scatter of the readings"
+    }
+}

@@ -1,0 +1,252 @@
+//! The page of `compensate`: the path to command, and what it leaves.
+
+use super::at_work::{AtWork, WorkPoint, along, band_table, dominant, principal_table, wrench};
+use super::context::Context;
+use crate::page::{Block, DataTable, Part, Section, Text};
+use crate::path::{PathCurvePoint, path_figure};
+use crate::path_components::{PathShift, path_components_figure};
+use stiffarm::Result;
+use stiffarm::findings::visible;
+use stiffarm::model::stiffness::Model;
+use stiffarm::work::compensate::Compensation;
+
+/// Rows of the key table, and most rows of the table of all points.
+const KEY_ROWS: usize = 5;
+const ROWS: usize = 200;
+
+/// The part of a page for a result of `compensate`.
+pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+    let result: Compensation = context.saved.result()?;
+    let count = result.points.len();
+    let done = Text::new(format!(
+        "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
+    ));
+    let verdict = [done, came(context, &result), next(&result)];
+    let size = |i: &usize| result.points[*i].correction_size_m;
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let key = corrections(
+        context,
+        &result,
+        "The largest corrections, each with the ± of the deflection that it makes up for",
+        order.into_iter().take(KEY_ROWS),
+    );
+    let mut sections = vec![cell_section(context, &result)?];
+    sections.push(path_section(&result));
+    sections.extend(band_section(context, &result));
+    sections.extend(stiffness_section(context, &result));
+    let (caption, rows): (String, Vec<usize>) = match count <= ROWS {
+        true => (
+            "All points in their order".to_string(),
+            (0..count).collect(),
+        ),
+        false => (
+            format!(
+                "{ROWS} of the {count} points, evenly along the path; the result's file has all"
+            ),
+            (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect(),
+        ),
+    };
+    let table = corrections(context, &result, &caption, rows.into_iter());
+    let details = Block::Details("The corrections".to_string(), vec![Block::Table(table)]);
+    sections.push(Section::new("points", "Points", vec![details]));
+    Ok(context.part("Compensated path".to_string(), verdict, Some(key), sections))
+}
+
+fn came(context: &Context<'_>, result: &Compensation) -> Text {
+    let mm = |below: &str| context.number(below).mm().decimals(3);
+    let text = Text::new("Without it the tool bends away by ")
+        .number(mm("/uncompensated_rms_m"))
+        .words(" (RMS), at most ")
+        .number(mm("/uncompensated_max_m"));
+    let Some(beyond) = result.beyond_uncertainty else {
+        return text
+            .words("; nothing says how much of that the correction takes away on the real arm.");
+    };
+    let text = text.words("; with it ").number(mm("/error_rms_m"));
+    let text = match result.expected_factor {
+        Some(_) => text
+            .words(" (RMS) are to be expected, ")
+            .number(context.number("/expected_factor").significant(2))
+            .words(" times less"),
+        None => text.words(" (RMS) are to be expected"),
+    };
+    let count = result.points.len();
+    match beyond == count {
+        true => text.words(format!(
+            ". The correction is larger than its own uncertainty at all {count} points."
+        )),
+        false => text
+            .words(". The correction is larger than its own uncertainty at ")
+            .number(context.number("/beyond_uncertainty").decimals(0))
+            .words(format!(" of {count} points.")),
+    }
+}
+
+fn next(result: &Compensation) -> Text {
+    if result.uncompensated_rms_m == 0.0 {
+        return Text::new("Give the path its forces, in its own columns or in ")
+            .code("[work]")
+            .words(" of the cell: without them there is nothing to correct.");
+    }
+    match result.beyond_uncertainty {
+        None => Text::new("Identify the joint stiffness first: ")
+            .code("stiffarm identify cell.toml readings.csv --output k.json")
+            .words(" says how sure it is, and so whether this correction helps."),
+        Some(beyond) if 2 * beyond < result.points.len() => Text::new(
+            "Do not command this path yet: the stiffness is not known well enough. Measure more postures; ",
+        )
+        .code("stiffarm select")
+        .words(" chooses those that help most."),
+        Some(_) => Text::new("Command the path that ")
+            .code("--output commanded.csv")
+            .words(" writes, on a test piece first, and measure it."),
+    }
+}
+
+fn corrections(
+    context: &Context<'_>,
+    result: &Compensation,
+    caption: &str,
+    rows: impl Iterator<Item = usize>,
+) -> DataTable {
+    let headings = [
+        "point",
+        "deflection without [mm]",
+        "correction [mm]",
+        "± total [mm]",
+        "x [mm]",
+        "y [mm]",
+        "z [mm]",
+    ];
+    let mut table = DataTable::new(caption, headings);
+    for i in rows {
+        let at = |below: &str| {
+            let number = context.number(&format!("/points/{i}{below}"));
+            Text::from(number.mm().bare().decimals(3))
+        };
+        let cells = [
+            at("/uncompensated_m"),
+            at("/correction_size_m"),
+            at("/band/size_m/3"),
+            at("/correction_m/0"),
+            at("/correction_m/1"),
+            at("/correction_m/2"),
+        ];
+        let name = visible(&result.points[i].point).into_owned();
+        table.row(name, cells);
+    }
+    table
+}
+
+fn cell_section(context: &Context<'_>, result: &Compensation) -> Result<Section> {
+    let extremes = result.extremes.iter().flat_map(|e| [e.best, e.worst]);
+    let extremes: Vec<_> = extremes.collect();
+    let points = result
+        .points
+        .iter()
+        .enumerate()
+        .map(|(i, point)| WorkPoint {
+            name: point.point.to_string(),
+            q: point.nominal.clone(),
+            tip_m: point.tip_m,
+            wrench: wrench(point.force_n, point.moment_nm),
+            shift_m: point.uncompensated_shift_m,
+            principal: extremes.iter().find(|e| e.at == i).map(|e| e.principal),
+        });
+    // Results of earlier versions have neither positions nor loads.
+    let has_places = result.extremes.is_some();
+    let work = AtWork {
+        groups: vec![("path", points.collect())],
+        stiffness: &result.stiffness_nm_per_rad,
+        model: Model::Equilibrium,
+        at_tip: has_places,
+        path: has_places.then_some("path"),
+        kept: extremes.iter().map(|e| e.at).collect(),
+    };
+    work.section(
+        context,
+        "The path that is wanted and how the tool would bend away from it without correction, in colour; the slider \
+         exaggerates it. Where the tip bends least and most, an ellipsoid shows how it gives way.",
+    )
+}
+
+fn path_section(result: &Compensation) -> Section {
+    let lengths = along(result.points.iter().map(|p| p.tip_m));
+    let points = || result.points.iter().zip(&lengths);
+    let curve = points().map(|(point, along)| {
+        let half = point.band.map(|band| band.size_m[3]);
+        PathCurvePoint {
+            along_m: *along,
+            deflection_m: point.uncompensated_m,
+            half_width_m: half,
+            left_m: Some(point.residual_m + half.unwrap_or_default()),
+        }
+    });
+    let curve: Vec<PathCurvePoint> = curve.collect();
+    let shifts = points().map(|(point, along)| PathShift {
+        along_m: *along,
+        shift_m: point.correction_m,
+        half_width_m: point.band.map(|band| band.total_m),
+    });
+    let shifts: Vec<PathShift> = shifts.collect();
+    let caption = "What the command adds to the path, base axes, with the ± of the deflection that it makes up for: \
+                   where the band reaches across zero the correction may as well harm.";
+    let blocks = vec![
+        Block::Figure(path_figure(&curve, result.confidence)),
+        Block::Figure(path_components_figure(
+            &shifts,
+            "correction",
+            result.confidence,
+            caption.to_string(),
+        )),
+    ];
+    Section::new("path", "Along the path", blocks)
+}
+
+fn band_section(context: &Context<'_>, result: &Compensation) -> Option<Section> {
+    let sizes = result.points.iter().map(|p| p.uncompensated_m).enumerate();
+    let (i, _) = sizes.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    let band = result.points[i].band?;
+    let name = visible(&result.points[i].point);
+    let caption = format!("What the ± is made of at point {name}, where the tip bends most");
+    let table = band_table(context, caption, &format!("/points/{i}/band"));
+    let model = match result.residual_max_m < 1e-9 {
+        true => Text::new("By the model itself nothing is left (below 10⁻⁶ mm): "),
+        false => Text::new("By the model itself ")
+            .number(context.number("/residual_max_m").mm().significant(2))
+            .words(" are left at most: "),
+    };
+    let text = model.words(format!(
+        "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model leaves out.",
+        dominant(band.size_m)
+    ));
+    let blocks = vec![Block::Text(text), Block::Table(table)];
+    Some(Section::new(
+        "how-sure",
+        "What is left, and how sure that is",
+        blocks,
+    ))
+}
+
+fn stiffness_section(context: &Context<'_>, result: &Compensation) -> Option<Section> {
+    let extremes = result.extremes?;
+    let row = |words: &str, at: usize, key: &str| {
+        let point = result.points.get(at)?;
+        let name = format!("{words}, point {}", visible(&point.point));
+        Some((name, format!("/extremes/{key}/principal")))
+    };
+    let best = (extremes.best.at != extremes.worst.at)
+        .then(|| row("bends least", extremes.best.at, "best"));
+    let rows = [
+        row("bends most", extremes.worst.at, "worst"),
+        best.flatten(),
+    ];
+    let rows: Vec<(String, String)> = rows.into_iter().flatten().collect();
+    let table = Block::Table(principal_table(context, &rows));
+    Some(Section::new(
+        "stiffness",
+        "Which way the tip gives way",
+        vec![table],
+    ))
+}
