@@ -112,6 +112,8 @@ fn half_width(context: &Context<'_>, map: &StiffnessMap, node: usize, text: Text
     let values = map.nodes[node].values.as_ref();
     match values.and_then(|v| Some((v.half_width_m?, v.deflection_m))) {
         None => text,
+        // Errors that do not shrink with the load, such as lost motion, say nothing about stiffness under a small one.
+        Some((half, size)) if half > size => text,
         Some((_, size)) => {
             let number = context.number(&format!("/nodes/{node}/values/half_width_m"));
             let number = match size < 1e-4 {
@@ -156,9 +158,16 @@ fn key(context: &Context<'_>, map: &StiffnessMap, extremes: MapExtremes) -> Data
         "along the direction [N/µm]",
         "softest [N/µm]",
     ];
+    let values = map.nodes[extremes.best].values.as_ref();
+    let is_small = values.is_some_and(|v| v.half_width_m.is_some_and(|half| half > v.deflection_m));
     let caption = format!(
-        "Where the tip gives way least and most under {:.0} N",
-        norm(map.force_n)
+        "Where the tip gives way least and most under {:.0} N{}",
+        norm(map.force_n),
+        match is_small {
+            true =>
+                "; under so small a load the ± is of errors that do not shrink with it, such as lost motion",
+            false => "",
+        }
     );
     let mut table = DataTable::new(caption, headings);
     for (name, node) in [("stiffest", extremes.best), ("softest", extremes.worst)] {
@@ -274,8 +283,8 @@ fn cell_section(context: &Context<'_>, map: &StiffnessMap) -> Result<Section> {
     let groups = extremes.map_or(Vec::new(), |e| {
         let both = [("stiffest place", e.best), ("softest place", e.worst)];
         let both = both.into_iter().enumerate();
-        both.map(|(i, (name, node))| (name, point(name, node, i).into_iter().collect()))
-            .collect()
+        let points = both.filter_map(|(i, (name, node))| point(name, node, i));
+        vec![("places", points.collect())]
     });
     let work = AtWork {
         groups,
