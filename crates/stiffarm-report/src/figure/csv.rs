@@ -75,7 +75,7 @@ fn place(axis: &Axis, value: Option<f64>) -> String {
 }
 
 /// Shortest form that reads back as the same number; empty for none.
-pub(crate) fn number(value: Option<f64>) -> String {
+pub fn number(value: Option<f64>) -> String {
     match value.filter(|v| v.is_finite()) {
         // Without an exponent, tiny and huge values would be hundreds of digits.
         Some(v) if v != 0.0 && !(1e-7..1e17).contains(&v.abs()) => format!("{v:e}"),
@@ -85,7 +85,7 @@ pub(crate) fn number(value: Option<f64>) -> String {
 }
 
 /// A cell that spreadsheet programs take as text, quoted where needed.
-pub(crate) fn text(cell: &str) -> String {
+pub fn text(cell: &str) -> String {
     let is_number = cell.trim().parse::<f64>().is_ok_and(f64::is_finite);
     let formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && !is_number;
     let cell = match formula {

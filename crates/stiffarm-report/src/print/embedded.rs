@@ -1,6 +1,5 @@
 //! A face in a PDF: the glyphs that are used, their widths, and the text that they stand for.
 
-use super::pdf::compressed;
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use resvg::usvg::fontdb::{Database, ID};
@@ -8,6 +7,9 @@ use std::collections::BTreeMap;
 use stiffarm::{Code, Error, Result};
 use subsetter::GlyphRemapper;
 use ttf_parser::{Face, GlyphId, RawFace, Tag, name_id};
+
+/// Compression as of zlib's usual level.
+const LEVEL: u8 = 6;
 
 const SYSTEM: SystemInfo = SystemInfo {
     registry: Str(b"Adobe"),
@@ -198,4 +200,8 @@ fn face(data: &[u8], index: u32) -> Result<Face<'_>> {
 
 fn unreadable() -> Error {
     Error::new(Code::Unsupported, "The font cannot be read.").hint("choose another font")
+}
+
+pub(super) fn compressed(bytes: &[u8]) -> Vec<u8> {
+    miniz_oxide::deflate::compress_to_vec_zlib(bytes, LEVEL)
 }

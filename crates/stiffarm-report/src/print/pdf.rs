@@ -6,7 +6,7 @@
 //! pictures would not be equal bytes.
 
 use super::Fonts;
-use super::embedded::Embedded;
+use super::embedded::{Embedded, compressed};
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use resvg::tiny_skia::PathSegment;
@@ -22,8 +22,6 @@ use stiffarm::{Code, Error, Result};
 const POINTS: f32 = 72.0 / 96.0;
 /// Width of the line that closes the gaps which viewers leave between cells of maps \[pt\].
 const SEAM: f32 = 0.2;
-/// Compression as of zlib's usual level.
-const LEVEL: u8 = 6;
 
 /// A picture of this crate as PDF: one page of the picture's size, its text as text in embedded subsets of `fonts`.
 ///
@@ -87,10 +85,6 @@ pub fn to_pdf(svg: &str, title: &str, fonts: &Fonts) -> Result<Vec<u8>> {
         .title(TextStr(title))
         .producer(TextStr("stiffarm"));
     Ok(pdf.finish())
-}
-
-pub(super) fn compressed(bytes: &[u8]) -> Vec<u8> {
-    miniz_oxide::deflate::compress_to_vec_zlib(bytes, LEVEL)
 }
 
 fn face_name(number: usize) -> String {
