@@ -164,3 +164,97 @@ fn results_side_by_side_mark_what_differs() {
     // Every number says which of the results it stands in.
     assert!(two.contains("data-result=\"0\"") && two.contains("data-result=\"1\""));
 }
+
+/// Values of an attribute, in order, as they are read.
+fn attributes(html: &str, name: &str) -> Vec<String> {
+    let begin = format!(" {name}=\"");
+    let values = html.match_indices(&begin).map(|(at, _)| {
+        let rest = &html[at + begin.len()..];
+        rest[..rest.find('"').unwrap()].to_string()
+    });
+    values.collect()
+}
+
+#[test]
+fn every_number_of_every_page_stands_in_its_result() {
+    let folder = measured();
+    folder.ok(
+        "select builtin:comau-shapes -n 2 --rounds 1 --no-certificate --quiet --output plan.csv",
+    );
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    for (line, least, scenes) in [
+        ("predict builtin:comau k.json", 10, 1),
+        (
+            "predict builtin:comau k.json builtin:contour --matrix",
+            20,
+            1,
+        ),
+        ("predict builtin:comau prior builtin:contour", 10, 1),
+        (
+            "predict builtin:comau k.json builtin:comau-group1 --cell-load",
+            10,
+            1,
+        ),
+        ("compensate builtin:comau k.json builtin:contour", 20, 1),
+        ("compensate builtin:comau prior builtin:contour", 10, 1),
+        ("map builtin:comau k.json --plane z=800 --steps 5", 10, 1),
+        ("map builtin:comau prior --steps 6", 10, 1),
+        (
+            "map builtin:comau prior --place builtin:contour --steps 2 --refine 0",
+            5,
+            1,
+        ),
+        (
+            "select builtin:comau-shapes -n 2 --rounds 1 --no-certificate",
+            20,
+            1,
+        ),
+        ("select builtin:comau --curve -n 3 --rounds 1", 3, 0),
+        (
+            "select builtin:comau --given builtin:comau-group1 --drop",
+            6,
+            1,
+        ),
+        ("evaluate builtin:comau-shapes plan.csv", 20, 1),
+        ("simulate builtin:comau builtin:comau-group1 --runs 2", 6, 1),
+        ("identify builtin:comau r.csv --brief", 12, 1),
+        ("identify builtin:comau m.csv", 12, 1),
+        ("validate builtin:comau k.json r.csv", 5, 1),
+        ("validate builtin:comau m.csv --folds all", 5, 1),
+        ("zones builtin:comau --steps 5", 3, 1),
+        (
+            "study builtin:comau --runs 2 --starts 0 --output-dir folder",
+            20,
+            1,
+        ),
+    ] {
+        let ran = folder.run(&format!("{line} --report page.html --force --json --quiet"));
+        assert!(
+            matches!(ran.code, Some(0 | 1)),
+            "{line}\n{}{}",
+            ran.out,
+            ran.err
+        );
+        let result: Value = serde_json::from_str(&ran.out).unwrap();
+        let page = folder.read("page.html");
+        let paths = attributes(&page, "data-path");
+        let values = attributes(&page, "data-value");
+        assert_eq!(paths.len(), values.len(), "{line}");
+        assert!(paths.len() >= least, "{line}: {} numbers", paths.len());
+        for (path, value) in paths.iter().zip(&values) {
+            let there = result.pointer(path).cloned().unwrap_or(Value::Null);
+            let shown: Value = serde_json::from_str(value).unwrap();
+            assert_eq!(there.as_f64(), shown.as_f64(), "{line}: {path}");
+        }
+        assert_eq!(
+            page.matches("<div class=\"scene\"").count() > 0,
+            scenes > 0,
+            "{line}"
+        );
+        // The story has its three sentences.
+        let verdict = page.split("class=\"verdict").nth(1).unwrap();
+        let verdict = &verdict[..verdict.find("</section>").unwrap()];
+        assert_eq!(verdict.matches("<p").count(), 4, "{line}\n{verdict}");
+    }
+}
