@@ -1,5 +1,6 @@
 """Pictures of the pages for people to look at."""
 
+import io
 import shutil
 import subprocess
 
@@ -16,7 +17,7 @@ def at(browser, pages, folder):
             for width, height in SIZES:
                 context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
                 tab = opened(context, page)
-                tab.screenshot(path=folder / f"{name}-{width}-{scheme}.png", full_page=True)
+                whole(tab, width, folder / f"{name}-{width}-{scheme}.png")
                 context.close()
         context = browser.new_context(viewport={"width": 1440, "height": 900})
         tab = opened(context, page)
@@ -26,6 +27,21 @@ def at(browser, pages, folder):
         if shutil.which("pdftoppm"):
             subprocess.run(["pdftoppm", "-r", "70", "-png", file, folder / f"{name}-a4"], check=True)
         print(f"pictures of {name} in {folder}", flush=True)
+
+
+# Chromium repeats what lies beyond some 8,000 px when it takes a page in one piece.
+PIECE = 4000
+
+
+def whole(tab, width, file):
+    """A picture of the whole page, taken in pieces."""
+    height = tab.evaluate("() => document.documentElement.scrollHeight")
+    out = Image.new("RGB", (width, height))
+    for top in range(0, height, PIECE):
+        clip = {"x": 0, "y": top, "width": width, "height": min(PIECE, height - top)}
+        piece = tab.screenshot(full_page=True, clip=clip)
+        out.paste(Image.open(io.BytesIO(piece)).convert("RGB"), (0, top))
+    out.save(file)
 
 
 def gallery(browser, pages, folder):

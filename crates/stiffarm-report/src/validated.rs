@@ -67,8 +67,8 @@ pub fn validation_figure(found: &Validation) -> Figure {
     Figure {
         id: "validation".into(),
         title: "Calculated against measured displacement".into(),
-        caption: "Left: deviation of calculated from measured displacement, Eq. (22), at each measuring point, with what noise \
-                  alone gives on average. Right: size of the displacement, calculated over measured; on the line the two agree."
+        caption: "Deviation of calculated from measured displacement, Eq. (22), at each measuring point, with what noise alone \
+                  gives on average; and size of the displacement, calculated over measured: on the line the two agree."
             .into(),
         columns: 2,
         panels: vec![

@@ -26,11 +26,24 @@ fn inside(folder: &Folder, name: &str) -> Vec<String> {
 fn pictures_and_data_without_a_page() {
     let folder = folder();
     let said = folder.ok("report path.json --figures pictures --width-mm 60");
-    assert!(said.ends_with("\nwrote 4 files in pictures\n"), "{said}");
+    assert!(said.ends_with("\nwrote 11 files in pictures\n"), "{said}");
     assert!(!folder.path("report.html").exists());
+    // Of a chart also what it shows; the cell is a drawing.
     assert_eq!(
         inside(&folder, "pictures"),
-        ["path.csv", "path.pdf", "path.png", "path.svg"]
+        [
+            "cell.pdf",
+            "cell.png",
+            "cell.svg",
+            "path-components.csv",
+            "path-components.pdf",
+            "path-components.png",
+            "path-components.svg",
+            "path.csv",
+            "path.pdf",
+            "path.png",
+            "path.svg"
+        ]
     );
     let svg = folder.read("pictures/path.svg");
     assert!(svg.contains(r#"width="60mm""#), "{svg}");
@@ -49,14 +62,20 @@ fn pictures_of_several_results_begin_with_their_names() {
     let said =
         folder.ok("report path.json other.json --figures p --format csv,svg --output page.html");
     assert!(
-        said.ends_with("\nwrote page.html and 4 files in p\n"),
+        said.ends_with("\nwrote page.html and 10 files in p\n"),
         "{said}"
     );
     assert_eq!(
         inside(&folder, "p"),
         [
+            "other-cell.svg",
+            "other-path-components.csv",
+            "other-path-components.svg",
             "other-path.csv",
             "other-path.svg",
+            "path-cell.svg",
+            "path-path-components.csv",
+            "path-path-components.svg",
             "path-path.csv",
             "path-path.svg"
         ]

@@ -161,8 +161,43 @@ fn results_side_by_side_mark_what_differs() {
     assert!(two.contains("numbers of the key tables differ"));
     assert!(two.contains("class=\"different\""));
     assert!(two.contains("input stiffness"));
+    // The story of the comparison comes first, and says what was different in making them.
+    let verdict = two.split("id=\"verdict\"").nth(1).unwrap();
+    let verdict = &verdict[..verdict.find("</section>").unwrap()];
+    assert!(
+        verdict.contains("one.json and two.json are compared: 2 results of predict."),
+        "{verdict}"
+    );
+    assert!(verdict.contains("input stiffness"), "{verdict}");
     // Every number says which of the results it stands in.
     assert!(two.contains("data-result=\"0\"") && two.contains("data-result=\"1\""));
+}
+
+#[test]
+fn a_stiffness_beyond_its_total_error_is_named() {
+    let folder = measured();
+    folder.write("one.json", folder.ok("identify builtin:comau r.csv --json"));
+    // Without one posture the same within ±.
+    folder.write(
+        "two.json",
+        folder.ok("identify builtin:comau r.csv --exclude 2 --json"),
+    );
+    // And joint 3 of an arm that is another one.
+    let mut other: serde_json::Value = serde_json::from_str(&folder.read("one.json")).unwrap();
+    let stiffness = other.pointer_mut("/result/joints/2/stiffness").unwrap();
+    *stiffness = (stiffness.as_f64().unwrap() * 1.5).into();
+    folder.write("three.json", other.to_string());
+    folder.ok("report one.json two.json --output near.html");
+    folder.ok("report one.json three.json --output far.html");
+    let (near, far) = (folder.read("near.html"), folder.read("far.html"));
+    assert!(near.contains("The joint stiffness differs by at most"));
+    assert!(!near.contains("contradict") && !near.contains("beyond ±"));
+    let verdict = far.split("id=\"verdict\"").nth(1).unwrap();
+    let verdict = &verdict[..verdict.find("</section>").unwrap()];
+    let words = "The stiffness of joint\u{a0}3 differs by <strong>50 %</strong>, beyond its";
+    assert!(verdict.contains(words), "{verdict}");
+    assert!(far.contains("they contradict each other"));
+    assert_eq!(far.matches("beyond ±").count(), 1);
 }
 
 /// Values of an attribute, in order, as they are read.

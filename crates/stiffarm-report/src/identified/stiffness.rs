@@ -78,8 +78,8 @@ pub fn stiffness_figure(
         id: "joint-stiffness".into(),
         title: "Joint stiffness and how well it is known".into(),
         caption: format!(
-            "Left: stiffness of each joint with its ± at {level} % (none where the interval is open){}. Right: that ± and its \
-             parts; a joint without a bar is known to no better than its own size.",
+            "Stiffness of each joint with its ± at {level} % (none where the interval is open){}; and that ± with its \
+             parts, where a joint without a bar is known to no better than its own size.",
             match (prior.is_empty(), published.is_empty()) {
                 (true, true) => "",
                 (false, true) => ", beside the cell's prior",
@@ -95,7 +95,7 @@ pub fn stiffness_figure(
                 series,
             ),
             panel(
-                "±",
+                "total ± and its parts",
                 Axis::linear("half width", "% of k").from_zero(),
                 parts.collect(),
             ),

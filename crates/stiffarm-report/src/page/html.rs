@@ -1,7 +1,7 @@
 //! A page as HTML.
 
 use super::number::Number;
-use super::{Block, DataTable, Outcome, Page, Part, Piece, Provenance, Section, Text};
+use super::{Block, Comparison, DataTable, Outcome, Page, Part, Piece, Provenance, Section, Text};
 use crate::figure::svg::{escape, render_drawing};
 use crate::figure::{Axis, Figure, Series};
 use crate::page::chart::chart;
@@ -15,6 +15,8 @@ const STYLE: &str = include_str!("../../assets/page.css");
 const SCRIPT: &str = include_str!("../../assets/page.js");
 /// Most points of a chart that the table behind it shows.
 const MOST_ROWS: usize = 400;
+/// Longest cell of a column of numbers \[characters\]: a number, its ± and a word.
+const LONGEST_NUMBER: usize = 40;
 /// Cautions that are seen without asking.
 const SEEN_AT_ONCE: usize = 4;
 
@@ -82,7 +84,10 @@ pub fn render_page(page: &Page) -> String {
     let template = PageTemplate {
         page,
         style: format!("{STYLE}\n{viewer_style}"),
-        before: sections(&page.before, "all", 2),
+        before: page
+            .comparison
+            .as_ref()
+            .map_or_else(String::new, comparison),
         parts,
         script: format!("{SCRIPT}\n{viewer}"),
     };
@@ -116,6 +121,18 @@ impl<'a> PartTemplate<'a> {
             provenance: &part.provenance,
         }
     }
+}
+
+/// What stands before several results.
+fn comparison(comparison: &Comparison) -> String {
+    let Status { class, sign, words } = comparison.outcome.status();
+    let [done, came, next] = comparison.verdict.each_ref().map(text);
+    format!(
+        "<section class=\"verdict {class}\" id=\"verdict\" aria-label=\"Verdict\">\n\
+         <p class=\"status\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span> {words}</p>\n\
+         <p>{done}</p>\n<p class=\"result\">{came}</p>\n<p>{next}</p>\n</section>\n{}",
+        sections(&comparison.sections, "all", 2)
+    )
 }
 
 /// Sections under headings of a level.
@@ -208,11 +225,14 @@ fn table(data: &DataTable) -> String {
     let headings: String = headings
         .map(|h| format!("<th scope=\"col\">{}</th>", escape(h)))
         .collect();
-    // A column of numbers is set right; one word in it makes it a column of words.
+    // A column of numbers is set right; one word or sentence in it makes it a column of words.
     let is_number = |cell: &Text| match cell.0.as_slice() {
         [] => true,
         [Piece::Words(words)] => words.is_empty() || words == "–",
-        pieces => pieces.iter().any(|p| matches!(p, Piece::Number(_))),
+        pieces => {
+            let has_number = pieces.iter().any(|p| matches!(p, Piece::Number(_)));
+            has_number && cell.plain().chars().count() <= LONGEST_NUMBER
+        }
     };
     let columns = 0..data.headings.len();
     let right: Vec<bool> = columns
@@ -249,8 +269,13 @@ fn short(name: &Text) -> &'static str {
 
 /// A chart, its caption, and its data in a table behind it.
 fn picture(figure: &Figure) -> String {
+    // On paper, a single panel does not need the whole width.
+    let class = match figure.columns {
+        0 | 1 => "chart one",
+        _ => "chart",
+    };
     format!(
-        "<figure class=\"chart\">{}<figcaption>{}</figcaption>\n{}</figure>",
+        "<figure class=\"{class}\">{}<figcaption>{}</figcaption>\n{}</figure>",
         chart(figure),
         escape(&figure.caption),
         data(figure)

@@ -25,10 +25,21 @@ pub struct Page {
     pub title: String,
     /// What stands under the title: cell, robot.
     pub subtitle: String,
-    /// What a page of several results says before them: the comparison.
-    pub before: Vec<Section>,
+    /// What a page of several results says before them.
+    pub comparison: Option<Comparison>,
     /// One part for each result, in the order of the files.
     pub parts: Vec<Part>,
+}
+
+/// Several results beside each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The gravest of how the results came out.
+    pub outcome: Outcome,
+    /// The story: what is compared, how far it differs, what to do next.
+    pub verdict: [Text; 3],
+    /// Tables and pictures side by side.
+    pub sections: Vec<Section>,
 }
 
 /// What one saved result has to say.
@@ -55,7 +66,7 @@ pub struct Part {
 }
 
 /// How a result came out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
     /// Nothing to worry about.
     Good,

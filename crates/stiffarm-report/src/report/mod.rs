@@ -64,7 +64,7 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
     Ok(Page {
         title,
         subtitle,
-        before: compare::compare(&parts),
+        comparison: compare::compare(&parts),
         parts,
     })
 }

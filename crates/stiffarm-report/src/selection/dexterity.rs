@@ -32,7 +32,7 @@ pub fn dexterity_figure(groups: &[(&GroupEvaluation, &[String])]) -> Option<Figu
     Some(Figure {
         id: "novel-index".into(),
         title: "The paper's novel index and its parts".into(),
-        caption: "Left: k(J_N) of each posture; the largest is the classical index. Right: that times cond(Ψ) is the novel \
+        caption: "k(J_N) of each posture, the largest of which is the classical index; and that times cond(Ψ), the novel \
                   index. The lower, the better; a posture with a large k(J_N) is close to a singularity."
             .into(),
         columns: 2,

@@ -91,7 +91,7 @@ fn page(parts: Vec<Part>) -> Page {
     Page {
         title: HOSTILE.into(),
         subtitle: HOSTILE.into(),
-        before: Vec::new(),
+        comparison: None,
         parts,
     }
 }

@@ -51,7 +51,16 @@ fn a_study_is_read_back_to_the_last_bit() {
     // Angles go through degrees; everything else is the same to the last bit.
     for (a, b) in written.groups.iter().zip(&read.groups) {
         assert_eq!(a.evaluation, b.evaluation);
-        assert_eq!(a.identification, b.identification);
+        assert_eq!(a.identification.is_some(), b.identification.is_some());
+        for (a, b) in a.identification.iter().zip(&b.identification) {
+            assert_eq!(a.estimates, b.estimates);
+            assert_eq!(a.points, b.points);
+            for (a, b) in a.postures.iter().zip(&b.postures) {
+                assert_eq!(a.residuals, b.residuals);
+                let same = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-15;
+                assert!(a.angles.iter().zip(&b.angles).all(same), "{a:?} {b:?}");
+            }
+        }
     }
     for finding in &written.findings {
         assert!(saved.findings().contains(finding), "{finding:?}");

@@ -18,11 +18,13 @@ mod marks;
 mod panel;
 mod plan;
 mod scale;
+mod shared;
 mod text;
 mod ticks;
 
 pub use drawing::{render_drawing, render_drawing_with};
 pub use look::series_colour;
+pub use shared::share_axes;
 
 pub use canvas::escape;
 use canvas::{Anchor, Canvas, Font, Rect, num};
