@@ -194,7 +194,7 @@ fn a_stiffness_beyond_its_total_error_is_named() {
     assert!(!near.contains("contradict") && !near.contains("beyond ±"));
     let verdict = far.split("id=\"verdict\"").nth(1).unwrap();
     let verdict = &verdict[..verdict.find("</section>").unwrap()];
-    let words = "The stiffness of joint\u{a0}3 differs by <strong>50 %</strong>, beyond its";
+    let words = "The stiffness of joint\u{a0}3 differs by <strong>50\u{a0}%</strong>, beyond its";
     assert!(verdict.contains(words), "{verdict}");
     assert!(far.contains("they contradict each other"));
     assert_eq!(far.matches("beyond ±").count(), 1);
@@ -218,6 +218,8 @@ fn every_number_of_every_page_stands_in_its_result() {
     );
     folder
         .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    folder.ok("select builtin:comau --space-filling -n 10 --output even.csv");
+    folder.ok("simulate builtin:comau even.csv --runs 1 --levels 1 --readings tracked.csv");
     for (line, least, scenes) in [
         ("predict builtin:comau k.json", 10, 1),
         (
@@ -263,6 +265,12 @@ fn every_number_of_every_page_stands_in_its_result() {
             20,
             1,
         ),
+        (
+            "study builtin:comau --measured tracked.csv --splits 3 --pool 7 --choose 4,5 --indices d,prediction \
+             --output-dir measured",
+            4,
+            0,
+        ),
     ] {
         let ran = folder.run(&format!("{line} --report page.html --force --json --quiet"));
         assert!(
@@ -291,5 +299,20 @@ fn every_number_of_every_page_stands_in_its_result() {
         let verdict = page.split("class=\"verdict").nth(1).unwrap();
         let verdict = &verdict[..verdict.find("</section>").unwrap()];
         assert_eq!(verdict.matches("<p").count(), 4, "{line}\n{verdict}");
+    }
+}
+
+#[test]
+fn a_registration_becomes_a_page() {
+    let folder = Folder::new();
+    folder.write("r.json", folder.ok("register builtin:example-pairs --json"));
+    folder.ok("report r.json --output page.html");
+    let (page, result) = (folder.read("page.html"), folder.read("r.json"));
+    let result: Value = serde_json::from_str(&result).unwrap();
+    let paths = attributes(&page, "data-path");
+    assert!(paths.len() >= 3, "{paths:?}");
+    for (path, value) in paths.iter().zip(attributes(&page, "data-value")) {
+        let there = result.pointer(path).and_then(Value::as_f64);
+        assert_eq!(there, serde_json::from_str(&value).unwrap(), "{path}");
     }
 }

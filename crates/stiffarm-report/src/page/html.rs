@@ -17,6 +17,8 @@ const SCRIPT: &str = include_str!("../../assets/page.js");
 const MOST_ROWS: usize = 400;
 /// Longest cell of a column of numbers \[characters\]: a number, its ± and a word.
 const LONGEST_NUMBER: usize = 40;
+/// Longest code that stays on one line \[characters\]; narrow screens have room for it.
+const UNBROKEN: usize = 26;
 /// Cautions that are seen without asking.
 const SEEN_AT_ONCE: usize = 4;
 
@@ -190,13 +192,28 @@ fn block(block: &Block, id: &str) -> String {
 
 fn text(text: &Text) -> String {
     let pieces = text.0.iter().map(|piece| match piece {
-        Piece::Words(words) => escape(words),
-        Piece::Strong(words) => format!("<strong>{}</strong>", escape(words)),
-        Piece::Code(words) => format!("<code>{}</code>", escape(words)),
+        Piece::Words(words) => together(words),
+        Piece::Strong(words) => format!("<strong>{}</strong>", together(words)),
+        Piece::Code(words) => code(words),
         Piece::Different(words) => format!("<span class=\"different\">{}</span>", escape(words)),
         Piece::Number(number) => number_html(number),
     });
     pieces.collect()
+}
+
+/// Words in which no line ends between a number and its % or ±.
+fn together(words: &str) -> String {
+    let words = words.replace("± ", "±\u{a0}").replace(" %", "\u{a0}%");
+    escape(&words)
+}
+
+/// What one types; short words of it are not broken at their hyphens.
+fn code(words: &str) -> String {
+    let class = match words.chars().count() <= UNBROKEN {
+        true => " class=\"short\"",
+        false => "",
+    };
+    format!("<code{class}>{}</code>", escape(words))
 }
 
 /// A number with its place in the file and its full value.
@@ -221,10 +238,6 @@ fn number_html(number: &Number) -> String {
 }
 
 fn table(data: &DataTable) -> String {
-    let headings = data.headings.iter();
-    let headings: String = headings
-        .map(|h| format!("<th scope=\"col\">{}</th>", escape(h)))
-        .collect();
     // A column of numbers is set right; one word or sentence in it makes it a column of words.
     let is_number = |cell: &Text| match cell.0.as_slice() {
         [] => true,
@@ -238,12 +251,17 @@ fn table(data: &DataTable) -> String {
     let right: Vec<bool> = columns
         .map(|c| c > 0 && data.rows.iter().all(|row| row.get(c).is_none_or(is_number)))
         .collect();
+    let class = |c: usize| match right.get(c) {
+        Some(true) => " class=\"r\"",
+        _ => "",
+    };
+    let headings = data.headings.iter().enumerate();
+    let headings =
+        headings.map(|(c, h)| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(h)));
+    let headings: String = headings.collect();
     let rows = data.rows.iter().map(|row| {
         let cells = row.iter().enumerate().map(|(c, cell)| {
-            let class = match right.get(c) {
-                Some(true) => " class=\"r\"",
-                _ => "",
-            };
+            let class = class(c);
             match c {
                 0 => format!("<th scope=\"row\"{}>{}</th>", short(cell), text(cell)),
                 _ => format!("<td{class}>{}</td>", text(cell)),
@@ -252,8 +270,8 @@ fn table(data: &DataTable) -> String {
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     });
     format!(
-        "<div class=\"table\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"><table><caption>{0}</caption>\n\
-         <thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
+        "<p class=\"caption\">{0}</p><div class=\"table\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\">\
+         <table aria-label=\"{0}\">\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
         escape(&data.caption),
         rows.collect::<String>()
     )
@@ -364,11 +382,11 @@ fn prose(sentence: &str) -> String {
     let pieces: Vec<&str> = sentence.split('`').collect();
     // A backtick without its partner is a character like any other.
     if pieces.len().is_multiple_of(2) {
-        return escape(sentence);
+        return together(sentence);
     }
     let pieces = pieces.iter().enumerate().map(|(i, piece)| match i % 2 {
-        0 => escape(piece),
-        _ => format!("<code>{}</code>", escape(piece)),
+        0 => together(piece),
+        _ => code(piece),
     });
     pieces.collect()
 }
