@@ -162,6 +162,8 @@ GALLERY = [
     "study", "kr210-obstacles", "select-shapes", "select-curve", "simulate", "identify", "validate", "predict", "compensate",
     "map", "evaluate", "comparison", "seven-axes",
 ]
+# The posture that the picture of a cell shows, where it is not the first.
+GALLERY_POSTURES = {"kr210-obstacles": 4}
 
 
 class NotMade(Exception):

@@ -44,8 +44,8 @@ def whole(tab, width, file):
     out.save(file)
 
 
-def gallery(browser, pages, folder):
-    """Two pictures of each page for the documentation: its beginning, and the cell in 3D."""
+def gallery(browser, pages, folder, postures):
+    """Two pictures of each page for the documentation: its beginning, and the cell in 3D at a posture."""
     folder.mkdir(parents=True, exist_ok=True)
     context = browser.new_context(viewport={"width": 1120, "height": 1000}, color_scheme="light")
     for name, page in pages:
@@ -56,13 +56,14 @@ def gallery(browser, pages, folder):
         scene = tab.locator("div.scene").first
         if scene.count():
             scene.scroll_into_view_if_needed()
+            scene.locator("select").first.select_option(index=postures.get(name, 1) - 1)
             tab.wait_for_timeout(1500)
             scene.screenshot(path=folder / f"{name}-cell.png")
         tab.close()
         for picture in folder.glob(f"{name}*.png"):
             # 128 colours are enough for a page, and a third of the size.
             Image.open(picture).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(picture, optimize=True)
-        print(f"gallery: {name}", flush=True)
+        print(f"ok {name}: pictures of the gallery", flush=True)
     context.close()
 
 

@@ -140,7 +140,7 @@ def main():
             if options.gallery:
                 chosen = [kind for kind in kinds.KINDS if kind.name in (wanted or kinds.GALLERY)]
                 made = [(kind.name, maker.make(kind)[0][0]) for kind in chosen]
-                look.gallery(browser, made, pathlib.Path(options.gallery))
+                look.gallery(browser, made, pathlib.Path(options.gallery), kinds.GALLERY_POSTURES)
                 browser.close()
                 print(f"pages: {len(made)} passed, 0 failed, 0 skipped")
                 return 0

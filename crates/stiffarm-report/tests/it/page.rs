@@ -150,7 +150,7 @@ fn what_is_serious_stands_before_the_key_table_and_cautions_behind() {
     let html = render_page(&page(vec![part("a")]));
     let at = |words: &str| html.find(words).unwrap();
     assert!(at("It is wrong.") < at("Key of a"));
-    assert!(at("Key of a") < at("<code>a</code> is odd."));
+    assert!(at("Key of a") < at("<code class=\"short\">a</code> is odd."));
     assert!(html.contains("Look at the cautions"));
 }
 
