@@ -1,6 +1,6 @@
 //! `stiffarm evaluate`: all indices and expected errors of given postures.
 
-use super::{index_value, posture_findings, posture_remarks, with_length};
+use super::{index_value, with_length};
 use crate::args::EvaluateArgs;
 use crate::numbers::{optional, optional_percent};
 use crate::output::Exit;
@@ -9,27 +9,15 @@ use crate::table::{Align, Table, serious, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation, Index};
+use stiffarm::plan::index::{Evaluated, GroupEvaluation, Index};
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
 pub struct Options {
     /// L of Eq. (20) \[m\]; `null` where k(J_N) does not exist.
     pub characteristic_length_m: Option<f64>,
-}
-
-/// All groups.
-#[derive(Serialize, JsonSchema)]
-pub struct Evaluated {
-    /// Names of the joints.
-    pub joints: Vec<String>,
-    /// The groups, in the order given.
-    pub groups: Vec<EvaluatedGroup>,
-    /// Joints that a group cannot determine, postures outside bounds or limits, and what the cell lacks.
-    pub findings: Vec<Finding>,
 }
 
 /// Evaluates the groups.
@@ -39,11 +27,11 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
     let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
     let cell = &named.cell;
-    let evaluated = groups
+    let evaluated = Evaluated::new(cell, &groups)?;
+    let own = evaluated
+        .groups
         .iter()
-        .map(|g| EvaluatedGroup::new(cell, &g.name, &g.postures))
-        .collect::<Result<Vec<_>>>()?;
-    let own = evaluated.iter().map(|group| group.evaluation.clone());
+        .map(|group| group.evaluation.clone());
     let evaluations: Vec<GroupEvaluation> = own.collect();
     let exit = Exit::finding(
         evaluations
@@ -54,7 +42,7 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
         let mut out = named.line() + &length_line;
         out += &undetermined(&evaluations);
         for group in &groups {
-            for remark in posture_remarks(cell, &group.postures) {
+            for remark in cell.posture_remarks(&group.postures) {
                 out += &format!("{}: {}: {remark}\n", yellow("note"), group.name);
             }
         }
@@ -76,50 +64,11 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
     let options = Options {
         characteristic_length_m: cell.characteristic_length,
     };
-    let result = Evaluated {
-        joints: cell.setup.robot.spring_names(),
-        findings: findings(cell, &groups, &evaluations),
-        groups: evaluated,
-    };
-    session.show(&session.envelope("evaluate", None, options, result), table)?;
+    session.show(
+        &session.envelope("evaluate", None, options, evaluated),
+        table,
+    )?;
     Ok(exit)
-}
-
-/// What to know before relying on the numbers.
-fn findings(cell: &Cell, groups: &[PostureGroup], evaluations: &[GroupEvaluation]) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for (group, evaluation) in groups.iter().zip(evaluations) {
-        if !evaluation.undetermined_joints.is_empty() {
-            let sentence = format!(
-                "{} cannot determine {}; `stiffarm check` looks for the reason.",
-                group.name,
-                list(&evaluation.undetermined_joints)
-            );
-            let code = "undetermined-joints";
-            findings.push(Finding::new(code, Severity::Serious, &group.name, sentence));
-        }
-        for mut finding in posture_findings(cell, &group.postures) {
-            finding.subject.clone_from(&group.name);
-            finding.sentence = format!("{}: {}", group.name, finding.sentence);
-            findings.push(finding);
-        }
-    }
-    let mut lacks = |code: &str, sentence: &str| {
-        findings.push(Finding::new(code, Severity::Note, "cell", sentence));
-    };
-    if cell.prior.is_none() {
-        lacks(
-            "no-prior",
-            "The cell has no prior stiffness, so there are no expected errors.",
-        );
-    }
-    if cell.tasks.is_empty() {
-        lacks(
-            "no-tasks",
-            "The cell has no [[task]], so there is no task index.",
-        );
-    }
-    findings
 }
 
 /// Names joints that a group cannot determine, before any number.

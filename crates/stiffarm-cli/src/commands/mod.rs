@@ -30,9 +30,8 @@ pub mod zones;
 use crate::numbers;
 use crate::screen::{columns, wrapped};
 use crate::table::{Table, weight};
-use stiffarm::findings::{Finding, Severity};
-use stiffarm::model::cell::{Cell, LimitMargin};
-use stiffarm::model::load::Load;
+use stiffarm::findings::Finding;
+use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::Index;
@@ -106,39 +105,4 @@ fn posture_table(cell: &Cell, postures: &[Posture]) -> Table {
         table.row(std::iter::once(posture.name.clone()).chain(angles));
     }
     table
-}
-
-/// The remarks about postures outside bounds or limits as findings.
-fn posture_findings(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
-    let remarks = posture_remarks(cell, postures).into_iter();
-    let findings = remarks.map(|remark| {
-        let mut sentence = remark.replacen("posture", "Posture", 1);
-        sentence.push('.');
-        Finding::new("posture-outside", Severity::Caution, "postures", sentence)
-    });
-    findings.collect()
-}
-
-/// Where postures leave the cell's bounds or limits, one sentence each.
-fn posture_remarks(cell: &Cell, postures: &[Posture]) -> Vec<String> {
-    let mut remarks = Vec::new();
-    let known = cell.setup.load != Load::Measured;
-    let mut margins = cell.posture_margins().ok().filter(|_| known);
-    for posture in postures {
-        for (j, angle) in cell.outside_bounds(&posture.q) {
-            let [low, high] = cell.bounds[j].map(rad_to_shortest_deg);
-            remarks.push(format!(
-                "posture {}: {} at {}° lies outside the cell's bounds, {low}° to {high}°",
-                posture.name,
-                cell.setup.robot.joints()[j].name,
-                rad_to_shortest_deg(angle)
-            ));
-        }
-        let smallest = margins.as_mut().map(|margins| margins.smallest(&posture.q));
-        let smallest = smallest.and_then(|found| found.unwrap_or(None));
-        if let Some(margin) = smallest.filter(LimitMargin::is_violated) {
-            remarks.push(format!("posture {} {}", posture.name, margin.violation()));
-        }
-    }
-    remarks
 }

@@ -24,7 +24,9 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
     let schema: Schema = match args.what {
         SchemaChoice::Cell => cell_schema(),
         SchemaChoice::ResultCheck => of::<check::Options, CellCheck>("check"),
-        SchemaChoice::ResultEvaluate => of::<evaluate::Options, evaluate::Evaluated>("evaluate"),
+        SchemaChoice::ResultEvaluate => {
+            of::<evaluate::Options, stiffarm::plan::index::Evaluated>("evaluate")
+        }
         SchemaChoice::ResultSelect => {
             of::<select::planned::Options, select::planned::Plan>("select")
         }
@@ -46,7 +48,9 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
             of::<simulate::elastic::Options, ElasticSimulation>("simulate --elastic")
         }
         SchemaChoice::ResultRegister => of::<register::Options, RegistrationRecord>("register"),
-        SchemaChoice::ResultIdentify => of::<identify::Options, identify::Identified>("identify"),
+        SchemaChoice::ResultIdentify => {
+            of::<identify::Options, stiffarm::estimate::identified::Identified>("identify")
+        }
         SchemaChoice::ResultIdentifyClamped => {
             of::<identify::clamped::Options, ClampedIdentification>("identify --clamped")
         }

@@ -5,18 +5,10 @@ use super::worth::{
     UNSURE, Worth, is_beyond_first_order, joint_names, worst_joint, worth_sections,
 };
 use crate::page::{Block, DataTable, Part, Section, Text};
-use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::EvaluatedGroup;
-
-/// What `evaluate` writes.
-#[derive(Deserialize)]
-struct Evaluated {
-    joints: Vec<String>,
-    groups: Vec<EvaluatedGroup>,
-}
+use stiffarm::plan::index::{Evaluated, EvaluatedGroup};
 
 /// The part of a page for a result of `evaluate`.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {

@@ -8,6 +8,7 @@ pub mod coverage;
 pub mod diagnose;
 pub mod elastic;
 pub mod freedom;
+pub mod identified;
 pub mod identify;
 pub mod mixed;
 pub mod next_posture;

@@ -21,6 +21,7 @@ mod front_page;
 mod global;
 mod golden;
 mod gradients;
+mod identified;
 mod identify;
 mod inverse;
 mod load_cases;

@@ -1,10 +1,10 @@
 //! An identification in sentences.
 
-use super::Identified;
 use super::readings::marked;
 use crate::numbers::{mm, percent, significant, stiffness};
 use crate::table::{red, serious, yellow};
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
+use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{
     CollinearSet, Estimates, Estimator, Identification, JointEstimate, NoiseSource, Verdict,
 };
@@ -89,11 +89,11 @@ pub fn collinear(sets: &[CollinearSet]) -> String {
 }
 
 /// Names what the user did not wait for.
-pub fn stopped(not_computed: &[&str]) -> String {
+pub fn stopped(not_computed: &[String]) -> String {
     if not_computed.is_empty() {
         return String::new();
     }
-    let words = |name: &&str| match *name {
+    let words = |name: &String| match name.as_str() {
         "bootstrap" => "the bootstrap intervals",
         "elastic" => "what gives way beyond the joint axes",
         "profile" => "the profile of the likelihood",

@@ -17,28 +17,16 @@ use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::title;
-use readings::Reduced;
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
-use stiffarm::estimate::diagnose::{Diagnosis, diagnose};
-use stiffarm::estimate::elastic::{Elastic, ElasticChoice, elastic};
-use stiffarm::estimate::identify::{
-    Bootstrap, Estimator, Fit, Identification, NoiseSource, Profile, Weights, bootstrap,
-    implausible_scale, profile,
-};
-use stiffarm::estimate::next_posture::{NextPosture, next_posture};
-use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource, Weights, implausible_scale};
 use stiffarm::findings::Severity;
-use stiffarm::measure::screening::Screening;
-use stiffarm::measure::{Measured, prepare};
+use stiffarm::measure::prepare;
 use stiffarm::model::measurement::MeasuredPosture;
 use stiffarm::model::observation::ExtraTerm;
-use stiffarm::plan::select::GlobalOptions;
-use stiffarm::{Code, Control, Error, Result};
-
-/// Rounds of the search for the next posture: one posture is soon found.
-const ADVICE_ROUNDS: u64 = 2;
+use stiffarm::{Code, Error, Result};
 
 /// Options of the result.
 #[derive(Serialize, JsonSchema)]
@@ -66,42 +54,6 @@ pub struct Options {
     pub brief: bool,
 }
 
-/// The stiffness and all that says how far to trust it.
-#[derive(Serialize, JsonSchema)]
-pub struct Identified {
-    /// The estimates.
-    #[serde(flatten)]
-    pub identification: Identification,
-    /// From raw readings to displacements; `null` for a table of displacements.
-    pub readings: Option<Reduced>,
-    /// What is suspicious about the scales of a table of displacements; for raw readings
-    /// it stands in `readings`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sanity: Option<Screening>,
-    /// Interval from the profile of the likelihood; `null` where there is none.
-    pub profile: Option<Profile>,
-    /// Interval from resampled postures; `null` unless asked for.
-    pub bootstrap: Option<Bootstrap>,
-    /// Errors common to the whole experiment; `null` with --brief.
-    pub budget: Option<SystematicErrors>,
-    /// The elastic model that predicts, where --elastic asks for one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub elastic: Option<Elastic>,
-    /// What the residuals say; `null` with --brief.
-    pub diagnosis: Option<Diagnosis>,
-    /// The next posture; `null` with --brief, or where none can be given.
-    pub next_posture: Option<NextPosture>,
-    /// Why there is no next posture; `null` where there is one.
-    pub next_posture_missing: Option<String>,
-    /// Names of the parts above that were left out because the user stopped the
-    /// command: `bootstrap`, `elastic`, `profile`, `budget`, `diagnosis`, `next_posture`.
-    pub not_computed: Vec<&'static str>,
-    /// How often this estimator's intervals held the truth in simulation, where
-    /// they are not exact; `null` for exact ones, and below the tabulated
-    /// degrees of freedom, where no coverage is claimed.
-    pub measured_coverage: Option<MeasuredCoverage>,
-}
-
 /// Identifies the joint stiffness.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     if args.clamped {
@@ -122,7 +74,21 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let serious = measured.worst() == Some(Severity::Serious);
     let progress = Progress::new(session, "examining the identification");
     let fit = Fit::watched(&named.cell, measured, &options, progress.shared())?;
-    let result = progress.watch(|control| identified(&fit, args, control))?;
+    let wanted = {
+        let mut wanted = Wanted::default();
+        wanted.bootstrap = args.bootstrap;
+        wanted.elastic = args.fit.elastic();
+        wanted.seed = args.seed;
+        wanted.brief = args.brief;
+        wanted
+    };
+    let result = progress
+        .watch(|control| Identified::new(&fit, &wanted, control))
+        .map_err(|e| match e.place().key.as_deref() {
+            Some("bootstrap") => e.key("--bootstrap"),
+            Some("elastic") => e.key("--elastic"),
+            _ => e,
+        })?;
     drop(progress);
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
@@ -154,85 +120,6 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     };
     session.deliver(target, &envelope, table)?;
     Ok(exit)
-}
-
-/// The estimates, and what else was asked for, as far as the user lets it come.
-fn identified(fit: &Fit, args: &IdentifyArgs, control: Control<'_>) -> Result<Identified> {
-    let identification = fit.identification()?.clone();
-    let mut out = Identified {
-        readings: Reduced::of(fit.measured()),
-        sanity: sanity(fit.measured()),
-        profile: None,
-        bootstrap: None,
-        budget: None,
-        elastic: None,
-        diagnosis: None,
-        next_posture: None,
-        next_posture_missing: None,
-        not_computed: Vec::new(),
-        measured_coverage: identification
-            .estimates
-            .interval_degrees_of_freedom
-            .zip(Intervals::of(identification.estimates.estimator))
-            .and_then(|(dof, kind)| measured_coverage(kind, dof)),
-        identification,
-    };
-    let mut left_out = Vec::new();
-    if let Some(resamples) = args.bootstrap {
-        let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
-        let found = bootstrap(fit, resamples, args.seed, fit.options().confidence);
-        let found = found.map_err(|e| e.key("--bootstrap"));
-        out.bootstrap = unless_stopped("bootstrap", &mut left_out, found)?;
-    }
-    let asked = args.fit.elastic();
-    if asked != ElasticChoice::Axes {
-        let found = elastic(fit, asked).map_err(|e| e.key("--elastic"));
-        let found = unless_stopped("elastic", &mut left_out, found)?;
-        out.elastic = found.map(|(elastic, _)| elastic);
-    }
-    if args.brief {
-        out.not_computed = left_out;
-        return Ok(out);
-    }
-    out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
-    out.budget = unless_stopped("budget", &mut left_out, systematic_errors(fit))?;
-    out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
-    let mut search = GlobalOptions::default();
-    search.seed = args.seed;
-    search.rounds = Some(ADVICE_ROUNDS);
-    let advice = match control.check() {
-        Ok(()) => next_posture(fit, &search, control),
-        Err(stopped) => Err(stopped),
-    };
-    match advice {
-        Err(error) if error.code() != Code::Interrupted => {
-            out.next_posture_missing = Some(error.message().to_string());
-        }
-        found => out.next_posture = unless_stopped("next_posture", &mut left_out, found)?,
-    }
-    out.not_computed = left_out;
-    Ok(out)
-}
-
-/// Findings about a table of displacements, where there are any.
-fn sanity(measured: &Measured) -> Option<Screening> {
-    let screening = measured.screening.clone();
-    screening.filter(|s| measured.reduction.is_none() && !s.findings.is_empty())
-}
-
-/// What was found; `None`, with its name in `left_out`, where the user stopped it.
-fn unless_stopped<T>(
-    name: &'static str,
-    left_out: &mut Vec<&'static str>,
-    found: Result<T>,
-) -> Result<Option<T>> {
-    match found {
-        Err(error) if error.code() == Code::Interrupted => {
-            left_out.push(name);
-            Ok(None)
-        }
-        found => found.map(Some),
-    }
 }
 
 /// Refuses names that no measured posture has.

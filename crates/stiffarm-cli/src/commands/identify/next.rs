@@ -1,9 +1,9 @@
 //! The posture that would help most, in words.
 
-use super::Identified;
 use super::messages::counted;
 use crate::numbers::{optional_percent, significant};
 use crate::table::{Table, title};
+use stiffarm::estimate::identified::Identified;
 use stiffarm::model::cell::Cell;
 use stiffarm::units::rad_to_shortest_deg;
 

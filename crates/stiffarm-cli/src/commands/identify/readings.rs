@@ -2,31 +2,9 @@
 
 use crate::numbers::{mm, significant};
 use crate::table::{serious, yellow};
-use schemars::JsonSchema;
-use serde::Serialize;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::Measured;
-use stiffarm::measure::reduction::{Reduction, UnloadedRegistration};
-use stiffarm::measure::screening::Screening;
-
-/// What became of raw readings on their way to displacements.
-#[derive(Serialize, JsonSchema)]
-pub struct Reduced {
-    /// Registration, drift, motion of the base, repeats, wrenches.
-    pub reduction: Reduction,
-    /// What is suspicious about the readings themselves.
-    pub sanity: Screening,
-}
-
-impl Reduced {
-    /// `None` where the measurements were displacements.
-    pub fn of(measured: &Measured) -> Option<Self> {
-        Some(Reduced {
-            reduction: measured.reduction.clone()?,
-            sanity: measured.screening.clone()?,
-        })
-    }
-}
+use stiffarm::measure::reduction::UnloadedRegistration;
 
 /// What was done with raw readings, and what was found.
 pub fn summary(measured: &Measured) -> String {

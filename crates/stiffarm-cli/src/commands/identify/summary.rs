@@ -2,11 +2,12 @@
 //! what that rests on.
 
 use super::readings::marked;
-use super::{Identified, messages, tables};
+use super::{messages, tables};
 use crate::input::NamedCell;
 use crate::numbers::{NONE, significant, stiffness};
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, yellow};
+use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{Fit, JointEstimate, Verdict, implausible_scale};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors, SystematicSource};
 use stiffarm::findings::{Finding, Severity, list};

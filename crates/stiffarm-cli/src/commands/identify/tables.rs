@@ -1,9 +1,10 @@
 //! The tables of an identification.
 
-use super::{Identified, messages};
+use super::messages;
 use crate::numbers::{NONE, mm, optional, optional_percent, percent, significant, stiffness};
 use crate::table::{Align, Table, title};
 use stiffarm::estimate::diagnose::{JointSignal, TermTrials};
+use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{Bootstrap, Estimates, Identification, JointEstimate, Verdict};
 use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource};
 use stiffarm::units::{m_to_mm, rad_to_deg};

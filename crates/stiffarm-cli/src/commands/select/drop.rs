@@ -1,7 +1,7 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
 use super::job::{Job, Mode, number, shown, to_usize, with_unit};
-use crate::commands::{degrees, posture_findings, posture_remarks};
+use crate::commands::degrees;
 use crate::numbers::{counted, percent};
 use crate::progress::{Progress, announce};
 use crate::table::{Align, Table, title, yellow};
@@ -72,7 +72,7 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
         dropped,
         findings: {
             let mut findings = job.findings();
-            findings.extend(posture_findings(cell, &postures));
+            findings.extend(cell.posture_findings(&postures));
             findings
         },
     };
@@ -90,7 +90,7 @@ fn table(job: &Job<'_>, postures: &[Posture], dropped: &Dropped) -> String {
         names.join(", ")
     };
     let mut out = job.heading();
-    for remark in posture_remarks(job.cell(), postures) {
+    for remark in job.cell().posture_remarks(postures) {
         out += &format!("{}: {remark}\n", yellow("note"));
     }
     let count = dropped.dropped.len();

@@ -4,7 +4,6 @@ use super::certificate::{self, Bounds};
 use super::job::{Job, Mode, POSTURES, to_usize};
 use super::planned::{Options, Plan, Planned};
 use super::{load, table};
-use crate::commands::posture_findings;
 use crate::commands::route::{blocked_moves, is_blocked};
 use crate::progress::Progress;
 use std::collections::HashSet;
@@ -138,7 +137,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
         selection,
         findings: {
             let mut findings = job.findings();
-            findings.extend(posture_findings(&cell, known));
+            findings.extend(cell.posture_findings(known));
             findings.extend(blocked_moves(&selected, &route));
             findings
         },

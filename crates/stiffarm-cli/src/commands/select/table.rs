@@ -5,7 +5,7 @@ use super::job::{Job, shown};
 use super::planned::Planned;
 use super::{limits, load, sensitivity};
 use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
-use crate::commands::{posture_remarks, posture_table, route, wrapped_line};
+use crate::commands::{posture_table, route, wrapped_line};
 use crate::numbers::{coarse_mm, counted, percent, significant};
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title, yellow};
@@ -146,7 +146,7 @@ fn remarks(planned: &Planned<'_>) -> String {
     }
     let several = cell.setup.load.has_cases();
     out += &repeated(&planned.plan.repeats, several);
-    for remark in posture_remarks(cell, planned.given) {
+    for remark in cell.posture_remarks(planned.given) {
         out += &format!("{}: given {remark}\n", yellow("note"));
     }
     let selected_k = planned.after.k_jn.iter().skip(planned.given.len());

@@ -1,11 +1,11 @@
 //! Residuals as arrows at the measuring points, on the cell in 3D.
 
-use super::Identified;
 use crate::identified::in_order;
 use crate::page::Section;
 use crate::report::context::Context;
 use crate::scene::{Arrow, SceneGroup, SceneOptions};
 use stiffarm::Result;
+use stiffarm::estimate::identified::Identified;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::posture::Posture;

@@ -12,54 +12,11 @@ pub(super) use arrows::{Residuals, residual_section};
 use super::context::Context;
 use crate::page::{Outcome, Part, Section};
 use joints::Joints;
-use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
-use stiffarm::estimate::diagnose::Diagnosis;
-use stiffarm::estimate::elastic::{Elastic, ElasticChoice};
-use stiffarm::estimate::identify::{Identification, implausible_scale};
-use stiffarm::estimate::next_posture::NextPosture;
-use stiffarm::estimate::systematic::SystematicErrors;
+use stiffarm::estimate::identified::Identified;
+use stiffarm::estimate::identify::implausible_scale;
 use stiffarm::findings::Severity;
-use stiffarm::measure::reduction::Reduction;
-use stiffarm::measure::screening::Screening;
-
-/// What `identify` writes, as far as the page shows it.
-#[derive(Debug, Deserialize)]
-struct Identified {
-    #[serde(flatten)]
-    identification: Identification,
-    readings: Option<Readings>,
-    sanity: Option<Screening>,
-    budget: Option<SystematicErrors>,
-    elastic: Option<Elastic>,
-    diagnosis: Option<Diagnosis>,
-    next_posture: Option<NextPosture>,
-    next_posture_missing: Option<String>,
-    #[serde(default)]
-    not_computed: Vec<String>,
-}
-
-/// What became of raw readings.
-#[derive(Debug, Deserialize)]
-struct Readings {
-    reduction: Reduction,
-    sanity: Screening,
-}
-
-impl Identified {
-    /// The elastic model, where it is the mixed one that predicts.
-    fn mixed(&self) -> Option<&Elastic> {
-        let elastic = self.elastic.as_ref();
-        elastic.filter(|e| e.model == ElasticChoice::Mixed && e.mixed.is_some())
-    }
-
-    /// What was found wrong with the table.
-    fn screening(&self) -> Option<&Screening> {
-        let readings = self.readings.as_ref().map(|readings| &readings.sanity);
-        readings.or(self.sanity.as_ref())
-    }
-}
 
 /// The part of a page for a result of `identify`.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {

@@ -1,11 +1,11 @@
 //! The verdict on the measured readings, in the order in which one acts.
 
-use super::{Identified, Readings};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::identified::places;
 use crate::page::{Block, DataTable, Section, Text};
 use crate::report::context::Context;
 use serde_json::Value;
+use stiffarm::estimate::identified::{Identified, Reduced};
 use stiffarm::findings::{Severity, list, visible};
 use stiffarm::measure::reduction::UnloadedRegistration;
 use stiffarm::measure::screening::{Screening, Suspicion};
@@ -113,7 +113,7 @@ fn shortened(names: &[String]) -> String {
 }
 
 /// What else the readings say of the day: one row per check.
-fn checks(context: &Context<'_>, readings: &Readings) -> DataTable {
+fn checks(context: &Context<'_>, readings: &Reduced) -> DataTable {
     let mut table = DataTable::new(
         "What the readings say of the measurement itself",
         [

@@ -1,6 +1,5 @@
 //! Pictures and details of an identification.
 
-use super::Identified;
 use super::joints::{Joints, level};
 use super::story::angles;
 use crate::identified::{
@@ -10,6 +9,7 @@ use crate::identified::{
 use crate::page::{Block, DataTable, Number, Section, Text};
 use crate::report::context::Context;
 use crate::study::published_for;
+use stiffarm::estimate::identified::Identified;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::robot::catalogue;
 

@@ -1,11 +1,11 @@
 //! What was done, what came out, what to do next.
 
-use super::Identified;
 use super::joints::{Grade, Joints, WELL, level};
 use crate::identified::in_order;
 use crate::page::{Number, Text};
 use crate::report::context::Context;
 use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
+use stiffarm::estimate::identified::Identified;
 use stiffarm::findings::visible;
 
 /// Residuals this many times the expected noise hold more than noise, where no test says it.

@@ -5,6 +5,7 @@
 mod columns;
 mod limits;
 mod margins;
+mod outside;
 mod posture_margins;
 mod task;
 

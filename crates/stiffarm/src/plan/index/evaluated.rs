@@ -1,7 +1,8 @@
-//! What a group of postures is worth, with the postures.
+//! What groups of postures are worth, with the postures.
 
 use super::evaluate::{GroupEvaluation, evaluate};
 use crate::error::Result;
+use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
 use crate::model::posture::{Posture, PostureGroup};
 use serde::{Deserialize, Serialize};
@@ -49,4 +50,72 @@ impl EvaluatedGroup {
             self.postures.iter().cloned(),
         )
     }
+}
+
+/// Groups of postures beside each other, as `evaluate` gives them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Evaluated {
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// The groups, in the order given.
+    pub groups: Vec<EvaluatedGroup>,
+    /// Joints that a group cannot determine, postures outside bounds or limits, and what the cell lacks.
+    pub findings: Vec<Finding>,
+}
+
+impl Evaluated {
+    /// Evaluates groups of postures.
+    ///
+    /// # Errors
+    /// As [`evaluate`].
+    pub fn new(cell: &Cell, groups: &[PostureGroup]) -> Result<Self> {
+        let evaluated = groups
+            .iter()
+            .map(|g| EvaluatedGroup::new(cell, &g.name, &g.postures))
+            .collect::<Result<Vec<_>>>()?;
+        Ok(Evaluated {
+            joints: cell.setup.robot.spring_names(),
+            findings: findings(cell, groups, &evaluated),
+            groups: evaluated,
+        })
+    }
+}
+
+/// What to know before relying on the numbers.
+fn findings(cell: &Cell, groups: &[PostureGroup], evaluated: &[EvaluatedGroup]) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (group, evaluated) in groups.iter().zip(evaluated) {
+        let evaluation = &evaluated.evaluation;
+        if !evaluation.undetermined_joints.is_empty() {
+            let sentence = format!(
+                "{} cannot determine {}; `stiffarm check` looks for the reason.",
+                group.name,
+                list(&evaluation.undetermined_joints)
+            );
+            let code = "undetermined-joints";
+            findings.push(Finding::new(code, Severity::Serious, &group.name, sentence));
+        }
+        for mut finding in cell.posture_findings(&group.postures) {
+            finding.subject.clone_from(&group.name);
+            finding.sentence = format!("{}: {}", group.name, finding.sentence);
+            findings.push(finding);
+        }
+    }
+    let mut lacks = |code: &str, sentence: &str| {
+        findings.push(Finding::new(code, Severity::Note, "cell", sentence));
+    };
+    if cell.prior.is_none() {
+        lacks(
+            "no-prior",
+            "The cell has no prior stiffness, so there are no expected errors.",
+        );
+    }
+    if cell.tasks.is_empty() {
+        lacks(
+            "no-tasks",
+            "The cell has no [[task]], so there is no task index.",
+        );
+    }
+    findings
 }

@@ -1,0 +1,199 @@
+//! All that `identify` says of a measurement: estimates, and how far to trust them.
+
+use crate::error::{Code, Result};
+use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
+use crate::estimate::diagnose::{Diagnosis, diagnose};
+use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
+use crate::estimate::identify::{Bootstrap, Fit, Identification, Profile, bootstrap, profile};
+use crate::estimate::next_posture::{NextPosture, next_posture};
+use crate::estimate::systematic::{SystematicErrors, systematic_errors};
+use crate::measure::Measured;
+use crate::measure::reduction::Reduction;
+use crate::measure::screening::Screening;
+use crate::numerics::control::Control;
+use crate::plan::select::GlobalOptions;
+use serde::{Deserialize, Serialize};
+
+/// Rounds of the search for the next posture: one posture is soon found.
+const ADVICE_ROUNDS: u64 = 2;
+
+/// What is wanted beside the estimates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Wanted {
+    /// Resamples of the bootstrap; none without.
+    pub bootstrap: Option<u64>,
+    /// Which elastic model is looked for; the joint axes alone by default.
+    pub elastic: ElasticChoice,
+    /// Seed of the bootstrap and of the search for the next posture.
+    pub seed: u64,
+    /// Only estimates and residuals.
+    pub brief: bool,
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Wanted {
+            bootstrap: None,
+            elastic: ElasticChoice::Axes,
+            seed: 1,
+            brief: false,
+        }
+    }
+}
+
+/// What became of raw readings on their way to displacements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Reduced {
+    /// Registration, drift, motion of the base, repeats, wrenches.
+    pub reduction: Reduction,
+    /// What is suspicious about the readings themselves.
+    pub sanity: Screening,
+}
+
+impl Reduced {
+    /// `None` where the measurements were displacements.
+    pub fn of(measured: &Measured) -> Option<Self> {
+        Some(Reduced {
+            reduction: measured.reduction.clone()?,
+            sanity: measured.screening.clone()?,
+        })
+    }
+}
+
+/// The stiffness and all that says how far to trust it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Identified {
+    /// The estimates.
+    #[serde(flatten)]
+    pub identification: Identification,
+    /// From raw readings to displacements; `null` for a table of displacements.
+    pub readings: Option<Reduced>,
+    /// What is suspicious about the scales of a table of displacements; for raw readings
+    /// it stands in `readings`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sanity: Option<Screening>,
+    /// Interval from the profile of the likelihood; `null` where there is none.
+    pub profile: Option<Profile>,
+    /// Interval from resampled postures; `null` unless asked for.
+    pub bootstrap: Option<Bootstrap>,
+    /// Errors common to the whole experiment; `null` with --brief.
+    pub budget: Option<SystematicErrors>,
+    /// The elastic model that predicts, where --elastic asks for one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<Elastic>,
+    /// What the residuals say; `null` with --brief.
+    pub diagnosis: Option<Diagnosis>,
+    /// The next posture; `null` with --brief, or where none can be given.
+    pub next_posture: Option<NextPosture>,
+    /// Why there is no next posture; `null` where there is one.
+    pub next_posture_missing: Option<String>,
+    /// Names of the parts above that were left out because the user stopped the
+    /// command: `bootstrap`, `elastic`, `profile`, `budget`, `diagnosis`, `next_posture`.
+    #[serde(default)]
+    pub not_computed: Vec<String>,
+    /// How often this estimator's intervals held the truth in simulation, where
+    /// they are not exact; `null` for exact ones, and below the tabulated
+    /// degrees of freedom, where no coverage is claimed.
+    pub measured_coverage: Option<MeasuredCoverage>,
+}
+
+impl Identified {
+    /// The elastic model, where it is the mixed one that predicts.
+    pub fn mixed(&self) -> Option<&Elastic> {
+        let elastic = self.elastic.as_ref();
+        elastic.filter(|e| e.model == ElasticChoice::Mixed && e.mixed.is_some())
+    }
+
+    /// What was found wrong with the table.
+    pub fn screening(&self) -> Option<&Screening> {
+        let readings = self.readings.as_ref().map(|readings| &readings.sanity);
+        readings.or(self.sanity.as_ref())
+    }
+
+    /// The estimates, and what else was asked for, as far as the user lets it come.
+    ///
+    /// # Errors
+    /// As [`Fit::identification`], [`bootstrap`] (key `bootstrap`) and [`elastic`] (key `elastic`).
+    pub fn new(fit: &Fit, wanted: &Wanted, control: Control<'_>) -> Result<Self> {
+        let identification = fit.identification()?.clone();
+        let mut out = Identified {
+            readings: Reduced::of(fit.measured()),
+            sanity: sanity(fit.measured()),
+            profile: None,
+            bootstrap: None,
+            budget: None,
+            elastic: None,
+            diagnosis: None,
+            next_posture: None,
+            next_posture_missing: None,
+            not_computed: Vec::new(),
+            measured_coverage: identification
+                .estimates
+                .interval_degrees_of_freedom
+                .zip(Intervals::of(identification.estimates.estimator))
+                .and_then(|(dof, kind)| measured_coverage(kind, dof)),
+            identification,
+        };
+        let mut left_out = Vec::new();
+        if let Some(resamples) = wanted.bootstrap {
+            let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
+            let found = bootstrap(fit, resamples, wanted.seed, fit.options().confidence);
+            let found = found.map_err(|e| e.key("bootstrap"));
+            out.bootstrap = unless_stopped("bootstrap", &mut left_out, found)?;
+        }
+        let asked = wanted.elastic;
+        if asked != ElasticChoice::Axes {
+            let found = elastic(fit, asked).map_err(|e| e.key("elastic"));
+            let found = unless_stopped("elastic", &mut left_out, found)?;
+            out.elastic = found.map(|(elastic, _)| elastic);
+        }
+        if wanted.brief {
+            out.not_computed = left_out;
+            return Ok(out);
+        }
+        out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
+        out.budget = unless_stopped("budget", &mut left_out, systematic_errors(fit))?;
+        out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
+        let search = GlobalOptions {
+            seed: wanted.seed,
+            rounds: Some(ADVICE_ROUNDS),
+            ..GlobalOptions::default()
+        };
+        let advice = match control.check() {
+            Ok(()) => next_posture(fit, &search, control),
+            Err(stopped) => Err(stopped),
+        };
+        match advice {
+            Err(error) if error.code() != Code::Interrupted => {
+                out.next_posture_missing = Some(error.message().to_string());
+            }
+            found => out.next_posture = unless_stopped("next_posture", &mut left_out, found)?,
+        }
+        out.not_computed = left_out;
+        Ok(out)
+    }
+}
+
+/// Findings about a table of displacements, where there are any.
+fn sanity(measured: &Measured) -> Option<Screening> {
+    let screening = measured.screening.clone();
+    screening.filter(|s| measured.reduction.is_none() && !s.findings.is_empty())
+}
+
+/// What was found; `None`, with its name in `left_out`, where the user stopped it.
+fn unless_stopped<T>(
+    name: &str,
+    left_out: &mut Vec<String>,
+    found: Result<T>,
+) -> Result<Option<T>> {
+    match found {
+        Err(error) if error.code() == Code::Interrupted => {
+            left_out.push(name.to_string());
+            Ok(None)
+        }
+        found => found.map(Some),
+    }
+}

@@ -1,0 +1,44 @@
+//! Postures that leave the bounds and limits of a cell, in words.
+
+use super::{Cell, LimitMargin};
+use crate::findings::{Finding, Severity};
+use crate::model::load::Load;
+use crate::model::posture::Posture;
+use crate::units::rad_to_shortest_deg;
+
+impl Cell {
+    /// The remarks about postures outside bounds or limits as findings.
+    pub fn posture_findings(&self, postures: &[Posture]) -> Vec<Finding> {
+        let remarks = self.posture_remarks(postures).into_iter();
+        let findings = remarks.map(|remark| {
+            let mut sentence = remark.replacen("posture", "Posture", 1);
+            sentence.push('.');
+            Finding::new("posture-outside", Severity::Caution, "postures", sentence)
+        });
+        findings.collect()
+    }
+
+    /// Where postures leave the cell's bounds or limits, one sentence each.
+    pub fn posture_remarks(&self, postures: &[Posture]) -> Vec<String> {
+        let mut remarks = Vec::new();
+        let known = self.setup.load != Load::Measured;
+        let mut margins = self.posture_margins().ok().filter(|_| known);
+        for posture in postures {
+            for (j, angle) in self.outside_bounds(&posture.q) {
+                let [low, high] = self.bounds[j].map(rad_to_shortest_deg);
+                remarks.push(format!(
+                    "posture {}: {} at {}° lies outside the cell's bounds, {low}° to {high}°",
+                    posture.name,
+                    self.setup.robot.joints()[j].name,
+                    rad_to_shortest_deg(angle)
+                ));
+            }
+            let smallest = margins.as_mut().map(|margins| margins.smallest(&posture.q));
+            let smallest = smallest.and_then(|found| found.unwrap_or(None));
+            if let Some(margin) = smallest.filter(LimitMargin::is_violated) {
+                remarks.push(format!("posture {} {}", posture.name, margin.violation()));
+            }
+        }
+        remarks
+    }
+}
