@@ -9,6 +9,28 @@ use crate::session::WantedPage;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
+#[cfg(feature = "report")]
+use stiffarm::{Code, Error};
+
+/// Refuses a page whose name says that it is something else: no browser would open it by a double click.
+///
+/// # Errors
+/// A name with another ending than .html or .htm.
+#[cfg(feature = "report")]
+pub fn check_page_name(path: &str, option: &str) -> Result<()> {
+    let ending = std::path::Path::new(path).extension();
+    let is_page = |ending: &std::ffi::OsStr| {
+        ending.eq_ignore_ascii_case("html") || ending.eq_ignore_ascii_case("htm")
+    };
+    match path == "-" || ending.is_some_and(is_page) {
+        true => Ok(()),
+        false => Err(
+            Error::new(Code::Usage, "A page is a file whose name ends in .html.")
+                .key(option)
+                .hint("for example report.html; `--json > result.json` keeps the result itself"),
+        ),
+    }
+}
 
 impl Session {
     /// Remembers where the page of the result goes, if anywhere.
@@ -19,6 +41,7 @@ impl Session {
         #[cfg(feature = "report")]
         if let Some(path) = path {
             only_target(self, Some(path), force)?;
+            check_page_name(path, "--report")?;
             let path = path.to_string();
             self.page.replace(Some(WantedPage {
                 path,

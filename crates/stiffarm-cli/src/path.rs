@@ -8,6 +8,7 @@ use crate::session::Session;
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::path::Path;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::table::{PathTable, read_path};
 use stiffarm::model::cell::Cell;
@@ -218,6 +219,17 @@ impl Outputs {
         force: bool,
     ) -> Result<Self> {
         let target = |path: Option<&str>| path.map(|path| Target::new(path, force)).transpose();
+        let is_json = |path: &str| {
+            Path::new(path)
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("json"))
+        };
+        if table.is_some_and(is_json) {
+            let message = "--output writes a table of the path (CSV), not JSON.";
+            return Err(Error::new(Code::Usage, message)
+                .key("--output")
+                .hint("name it .csv; `--json > result.json` keeps the whole result"));
+        }
         let (table, figure) = (target(table)?, target(figure)?);
         check_targets(session, &[table.as_ref(), figure.as_ref()])?;
         Ok(Outputs { table, figure })

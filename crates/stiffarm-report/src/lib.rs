@@ -22,6 +22,7 @@ mod path;
 mod path_components;
 mod placement;
 mod plan_page;
+mod point_deflection;
 #[cfg(feature = "print")]
 pub mod print;
 #[cfg(feature = "page")]
@@ -47,6 +48,7 @@ pub use path::{PathCurvePoint, path_figure};
 pub use path_components::{PathShift, path_components_figure};
 pub use placement::{placement_figure, placement_table};
 pub use plan_page::plan_page;
+pub use point_deflection::{PointDeflection, point_deflection_figure};
 pub use selection::{
     CountPoint, Deviations, IndexUnit, convergence_figure, correlation_figure, count_figure,
     deviation_by_noise_figure, dexterity_figure, expected_deviation_figure, index_name,

@@ -33,7 +33,7 @@ impl PageArgs {
 #[cfg(feature = "report")]
 #[derive(Debug, Args)]
 pub struct ReportArgs {
-    /// Saved results: what commands wrote with --output, or printed with --json
+    /// Saved results: what commands printed with --json (`--json > result.json`), or identify wrote with --output
     #[arg(required = true, value_name = "RESULT.json")]
     pub results: Vec<String>,
     /// Cell file that a result was made with; it is known by its hash, so several may be given. Built-in

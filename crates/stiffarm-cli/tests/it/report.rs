@@ -36,11 +36,9 @@ fn a_page_is_never_written_over_unasked() {
     folder.write("report.html", "mine");
     let refused = folder.refused("predict builtin:comau k.json --report report.html");
     assert!(refused.contains("exists already"), "{refused}");
-    assert!(
-        folder
-            .refused("predict builtin:comau k.json --report k.json --force")
-            .contains("input")
-    );
+    folder.write("k.html", folder.read("k.json"));
+    let refused = folder.refused("predict builtin:comau k.html --report k.html --force");
+    assert!(refused.contains("input"), "{refused}");
     assert_eq!(folder.read("report.html"), "mine");
 }
 
@@ -60,7 +58,7 @@ fn what_is_no_result_is_refused_with_a_reason() {
     );
     folder.write("robots.json", folder.ok("robots --json"));
     for (line, said) in [
-        ("report broken.json", "This is not JSON."),
+        ("report broken.json", "This JSON ends too early"),
         ("report other.json", "This is not a result of stiffarm."),
         ("report future.json", "format 2"),
         ("report poor.json", "missing field"),
@@ -182,11 +180,16 @@ fn a_stiffness_beyond_its_total_error_is_named() {
         "two.json",
         folder.ok("identify builtin:comau r.csv --exclude 2 --json"),
     );
-    // And joint 3 of an arm that is another one.
-    let mut other: serde_json::Value = serde_json::from_str(&folder.read("one.json")).unwrap();
-    let stiffness = other.pointer_mut("/result/joints/2/stiffness").unwrap();
-    *stiffness = (stiffness.as_f64().unwrap() * 1.5).into();
-    folder.write("three.json", other.to_string());
+    // And an arm whose joint 3 is another one.
+    let cell = include_str!("../../../../cells/comau.toml");
+    let other = cell.replace("3000000, 900000,", "3000000, 1350000,");
+    assert_ne!(cell, other);
+    folder.write("other.toml", other);
+    folder.ok("simulate other.toml builtin:comau-group1 --runs 1 --levels 1 --readings r3.csv");
+    folder.write(
+        "three.json",
+        folder.ok("identify builtin:comau r3.csv --json"),
+    );
     folder.ok("report one.json two.json --output near.html");
     folder.ok("report one.json three.json --output far.html");
     let (near, far) = (folder.read("near.html"), folder.read("far.html"));
@@ -315,4 +318,109 @@ fn a_registration_becomes_a_page() {
         let there = result.pointer(path).and_then(Value::as_f64);
         assert_eq!(there, serde_json::from_str(&value).unwrap(), "{path}");
     }
+}
+
+#[test]
+fn a_stiffness_from_faulty_readings_is_doubted_wherever_it_is_used() {
+    let folder = measured();
+    // Forces a tenth of what they were.
+    let mut rows = folder
+        .read("r.csv")
+        .lines()
+        .map(String::from)
+        .collect::<Vec<_>>();
+    let column = rows
+        .iter()
+        .find_map(|row| row.split(',').position(|heading| heading == "load_n"))
+        .unwrap();
+    for row in &mut rows {
+        let mut cells: Vec<String> = row.split(',').map(String::from).collect();
+        if let Some(load) = cells.get(column).and_then(|cell| cell.parse::<f64>().ok()) {
+            cells[column] = (load / 10.0).to_string();
+            *row = cells.join(",");
+        }
+    }
+    folder.write("bad.csv", rows.join("\n") + "\n");
+    let ran = folder.run("identify builtin:comau bad.csv --output bad.json");
+    assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
+    for line in [
+        "predict builtin:comau bad.json",
+        "compensate builtin:comau bad.json builtin:contour",
+        "map builtin:comau bad.json --plane z=800 --steps 3",
+    ] {
+        let ran = folder.run(&format!("{line} --json --report page.html --force"));
+        assert_eq!(ran.code, Some(1), "{line}\n{}", ran.err);
+        let result: Value = serde_json::from_str(&ran.out).unwrap();
+        let first = &result["result"]["findings"][0];
+        assert_eq!(first["code"], "stiffness-doubtful", "{line}");
+        assert_eq!(first["severity"], "serious", "{line}");
+        assert!(
+            folder.read("page.html").contains("Not usable as it is"),
+            "{line}"
+        );
+    }
+    // Readings may tell whether the stiffness is right after all.
+    let ran = folder.run("validate builtin:comau bad.json r.csv --json");
+    let result: Value = serde_json::from_str(&ran.out).unwrap();
+    let remarks = result["result"]["remarks"].as_array().unwrap();
+    assert!(remarks.iter().any(|r| r["code"] == "stiffness-doubtful"));
+}
+
+#[test]
+fn an_edited_result_is_not_shown_as_sound() {
+    let folder = measured();
+    let line = "select builtin:comau -n 2 --rounds 1 --no-certificate --json";
+    let mut plan: Value = serde_json::from_str(&folder.ok(line)).unwrap();
+    folder.write("plan.json", plan.to_string());
+    folder.ok("report plan.json --output plan.html");
+    assert!(
+        !folder
+            .read("plan.html")
+            .contains("does not agree with itself")
+    );
+    let angle = plan.pointer_mut("/result/postures_deg/0/1").unwrap();
+    *angle = (angle.as_f64().unwrap() + 1.0).into();
+    folder.write("plan.json", plan.to_string());
+    folder.ok("report plan.json --output plan.html --force");
+    let page = folder.read("plan.html");
+    assert!(page.contains("does not agree with itself"));
+    assert!(page.contains("Not usable as it is"));
+    // A stiffness against its compliance.
+    let mut result: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
+    let stiffness = result.pointer_mut("/result/joints/0/stiffness").unwrap();
+    *stiffness = (2.0 * stiffness.as_f64().unwrap()).into();
+    folder.write("other.json", result.to_string());
+    let refused = folder.refused("report other.json --output other.html");
+    assert!(refused.contains("result.joints[0].compliance"), "{refused}");
+}
+
+#[test]
+fn names_of_files_say_what_they_are() {
+    let folder = measured();
+    for line in [
+        "report k.json --output x.txt",
+        "identify builtin:comau r.csv --report x.json",
+    ] {
+        let refused = folder.refused(line);
+        assert!(refused.contains("name ends in .html"), "{refused}");
+    }
+    let refused = folder.refused("predict builtin:comau k.json builtin:contour --output x.json");
+    assert!(refused.contains("writes a table"), "{refused}");
+    folder.write("empty.json", "");
+    folder.write("cut.json", &folder.read("k.json")[..500]);
+    folder.write("text.json", "posture,q1_deg\n");
+    for (file, answer) in [
+        ("empty.json", "The file is empty."),
+        ("cut.json", "ends too early"),
+        ("text.json", "This is not JSON."),
+    ] {
+        let refused = folder.refused(&format!("report {file}"));
+        assert!(refused.contains(answer), "{refused}");
+        assert!(refused.contains("--json"), "{refused}");
+    }
+    let refused = folder.refused("check k.json");
+    assert!(
+        refused.contains("This is JSON, and no cell file"),
+        "{refused}"
+    );
 }

@@ -171,8 +171,12 @@ pub(super) fn route_section(
     if route.travel_s.is_some() {
         said = said
             .words(" and take ")
-            .number(context.number("/route/travel_s").unit("s").decimals(1))
-            .words(" without speeding up and slowing down");
+            .number(context.number("/route/travel_s").unit("s").decimals(1));
+        if let Some(cell) = context.cell {
+            let share = 100.0 * cell.route.speed_share;
+            said = said.words(format!(" at {share} % of the joint speeds"));
+        }
+        said = said.words(", without speeding up and slowing down");
     }
     said = said.words(".");
     let has_time = route.moves.iter().any(|m| m.time_s.is_some());

@@ -7,6 +7,7 @@ use super::context::Context;
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
+use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::work::predict::Prediction;
@@ -240,12 +241,31 @@ fn cell_section(context: &Context<'_>, prediction: &Prediction, what: &What) -> 
 }
 
 fn path_section(prediction: &Prediction, what: &What) -> Section {
+    match what.is_path {
+        true => along_path(prediction),
+        false => point_by_point(prediction),
+    }
+}
+
+/// Postures and tasks are no path: nothing is along them.
+fn point_by_point(prediction: &Prediction) -> Section {
+    let points = prediction.points.iter().map(|point| PointDeflection {
+        name: visible(&point.point).into_owned(),
+        shift_m: point.shift_m,
+        size_m: point.deflection_m,
+        half_width_m: point.band.map(|band| {
+            let [x, y, z] = band.total_m;
+            [x, y, z, band.size_m[3]]
+        }),
+    });
+    let points: Vec<PointDeflection> = points.collect();
+    let figure = point_deflection_figure(&points, prediction.confidence);
+    Section::new("path", "Point by point", vec![Block::Figure(figure)])
+}
+
+fn along_path(prediction: &Prediction) -> Section {
     let points = &prediction.points;
-    // Postures and tasks are no path: nothing is along them.
-    let lengths = match what.is_path {
-        true => along(points.iter().map(|p| p.tip_m)),
-        false => vec![0.0; points.len()],
-    };
+    let lengths = along(points.iter().map(|p| p.tip_m));
     let curve = points
         .iter()
         .zip(&lengths)
@@ -264,10 +284,6 @@ fn path_section(prediction: &Prediction, what: &What) -> Section {
     let shifts: Vec<PathShift> = shifts.collect();
     let caption = "The same deflection by its components in base axes: a part comes out wrong where its surface lies \
                    across them.";
-    let title = match what.is_path {
-        true => "Along the path",
-        false => "Point by point",
-    };
     let blocks = vec![
         Block::Figure(path_figure(&curve, prediction.confidence)),
         Block::Figure(path_components_figure(
@@ -277,7 +293,7 @@ fn path_section(prediction: &Prediction, what: &What) -> Section {
             caption.to_string(),
         )),
     ];
-    Section::new("path", title, blocks)
+    Section::new("path", "Along the path", blocks)
 }
 
 fn band_section(context: &Context<'_>, prediction: &Prediction) -> Option<Section> {

@@ -30,11 +30,13 @@ pub fn expected_deviation_figure(
         .collect();
     let mut caption = match noise_std_m {
         Some(std) => format!(
-            "Expected |k̂ − k|/k per joint at variance factor 1 (σ = {:.1} µm per axis), closed form.",
+            "Expected |k̂ − k|/k per joint at variance factor 1 (σ = {:.1} µm per axis), closed form: 0.80 of \
+             the relative standard error.",
             1e6 * std
         ),
         None => {
-            "Expected |k̂ − k|/k per joint at the cell's noise, closed form. The lower, the better."
+            "Expected |k̂ − k|/k per joint at the cell's noise, closed form: 0.80 of the relative standard error. The \
+             lower, the better."
                 .to_string()
         }
     };
@@ -46,7 +48,7 @@ pub fn expected_deviation_figure(
             places(bounds.len()),
             y,
         ));
-        caption += " Hollow: what a plan for this joint alone could reach.";
+        caption += " Stars: what a plan for this joint alone could reach.";
     }
     Figure {
         id: "expected-deviation".into(),

@@ -7,6 +7,7 @@ use crate::estimate::freedom::{SizeDoubt, SpreadQuantiles};
 use crate::estimate::identify::{
     Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution,
 };
+use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use nalgebra::{DMatrix, DVector};
@@ -50,6 +51,25 @@ pub struct IdentifiedCompliance {
     pub spread: Option<Spread>,
     /// What errors common to the whole experiment do to the values, and at work.
     pub common: CommonErrors,
+    /// What was seriously wrong with what they were identified from: whatever is
+    /// calculated with them says so.
+    pub doubts: Vec<Finding>,
+}
+
+/// What a serious finding about readings means for whatever is calculated with their stiffness.
+fn doubt(finding: &Finding) -> Finding {
+    let said = finding.sentence.trim_end_matches('.');
+    // What to do about it stands with the identification.
+    let first = said.split_once(". ").map_or(said, |(first, _)| first);
+    let sentence = format!(
+        "The stiffness cannot be used as it is, its readings have a serious fault ({first}): correct them and identify again."
+    );
+    Finding::new(
+        "stiffness-doubtful",
+        Severity::Serious,
+        "stiffness",
+        sentence,
+    )
 }
 
 /// The noise that a fit saw in its displacements.
@@ -73,7 +93,18 @@ impl IdentifiedCompliance {
             extra: Vec::new(),
             spread: None,
             common: CommonErrors::default(),
+            doubts: Vec::new(),
         })
+    }
+
+    /// The same with what was seriously wrong among `findings` of the readings they
+    /// come from.
+    #[must_use]
+    pub fn with_doubts<'a>(mut self, findings: impl IntoIterator<Item = &'a Finding>) -> Self {
+        let serious = findings.into_iter();
+        let serious = serious.filter(|finding| finding.severity == Severity::Serious);
+        self.doubts = serious.map(doubt).collect();
+        self
     }
 
     /// Stiffness of the springs of `cell` \[N·m/rad\].
@@ -161,6 +192,7 @@ impl IdentifiedCompliance {
                     confidence: estimates.confidence,
                 }),
             common: CommonErrors::default(),
+            doubts: Vec::new(),
         })
     }
 
@@ -188,6 +220,7 @@ impl IdentifiedCompliance {
             extra: system.extra.clone(),
             spread,
             common: CommonErrors::default(),
+            doubts: Vec::new(),
         }
     }
 

@@ -16,7 +16,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Value> {
         let said = said.split(" at line ").next().unwrap_or_default();
         let message = match e.is_data() || said.contains("out of range") {
             true => format!("This is not a saved result: {said}."),
-            false => "This is not JSON.".to_string(),
+            false => what_it_is(bytes, e.is_eof()).to_string(),
         };
         let error = Error::new(Code::ResultFile, message);
         match e.line() {
@@ -25,6 +25,18 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Value> {
         }
     })?;
     Ok(strict.0)
+}
+
+/// What a text that cannot be read as JSON looks like.
+fn what_it_is(bytes: &[u8], ends_early: bool) -> &'static str {
+    match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
+        None => "The file is empty.",
+        Some(b'{' | b'[') if ends_early => {
+            "This JSON ends too early: a part of the file is missing."
+        }
+        Some(b'{' | b'[') => "This is not JSON: it begins like it and has a fault here.",
+        Some(_) => "This is not JSON.",
+    }
 }
 
 struct Strict(Value);

@@ -126,7 +126,8 @@ impl SavedResult {
     }
 }
 
-fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
+/// Every finding in `value`, each once, in the order in which they stand.
+pub(super) fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
     match value {
         Value::Array(items) => items.iter().for_each(|item| collect_findings(item, found)),
         Value::Object(map) if map.contains_key("severity") && map.contains_key("sentence") => {
@@ -146,6 +147,12 @@ fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
 /// # Errors
 /// Text that is not JSON, with line and column; a file that holds no result.
 pub fn read_result(bytes: &[u8], file_name: &str) -> Result<SavedResult> {
-    let json = json::parse(bytes).map_err(|error| error.file(file_name))?;
+    let json = json::parse(bytes).map_err(|error| {
+        let error = error.file(file_name);
+        match error.hint_text() {
+            Some(_) => error,
+            None => error.hint("give what a command printed with --json, or what `stiffarm identify --output` wrote"),
+        }
+    })?;
     SavedResult::from_json(json, file_name)
 }

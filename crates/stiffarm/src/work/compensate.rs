@@ -288,6 +288,7 @@ pub fn compensate(
     out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);
     let sizes = out.points.iter();
     out.extremes = arm.extremes(sizes.map(|p| (p.nominal.as_slice(), p.uncompensated_m)))?;
+    out.findings.splice(0..0, predictor.doubts.iter().cloned());
     out.findings.extend(implausible::process(cell));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));

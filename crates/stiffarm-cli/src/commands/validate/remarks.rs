@@ -24,6 +24,9 @@ pub(super) fn notes(saved: &Saved, same_cell: bool, result: &Validation) -> Vec<
     let mut add = |code: &str, sentence: String| {
         out.push(Finding::new(code, Severity::Caution, "stiffness", sentence));
     };
+    for doubt in &saved.predictor.doubts {
+        add(&doubt.code, doubt.sentence.clone());
+    }
     if !same_cell {
         let sentence = "The stiffness was identified with another version of this cell.";
         add("other-cell", sentence.to_string());

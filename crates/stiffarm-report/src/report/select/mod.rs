@@ -1,5 +1,6 @@
 //! The pages of `select`, a file for each way to work.
 
+mod agreement;
 mod candidates;
 mod curve;
 mod details;

@@ -3,6 +3,7 @@
 use super::super::context::Context;
 use super::super::postures::{FEW, limit_table, posture_table, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_names, worth_sections};
+use super::agreement::disagreement;
 use super::planned::Plan;
 use super::{details, story};
 use crate::page::{Block, DataTable, Part, Section, Text};
@@ -30,7 +31,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let count = plan.selection.group.len();
     let postures = posture_table(
         context,
-        "The postures in measuring order, controller angles, and what leaves each the least room",
+        "The postures in measuring order, controller angles, and the least room beyond what the cell asks for (0: on the limit)",
         &plan.posture_names,
         ("/postures_deg", &plan.selection.group),
         &plan.selection.limits,
@@ -77,7 +78,14 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         (true, 1) => "Plan of one posture".to_string(),
         (true, count) => format!("Plan of {count} postures"),
     };
-    let part = context.part(heading, story::verdict(context, &plan), Some(key), sections);
+    let mut part = context.part(heading, story::verdict(context, &plan), Some(key), sections);
+    if let Some(cell) = context.cell {
+        if let Some(finding) = disagreement(cell, &plan) {
+            part.verdict[2] = "Do not drive to these postures: choose them anew.".into();
+            part.add_warnings([finding]);
+        }
+        part.add_warnings(cell.posture_findings(&plan.postures()));
+    }
     let unsure = plan.evaluation.as_ref().is_some_and(is_beyond_first_order);
     Ok(Context::caution(part, unsure.then_some(UNSURE)))
 }

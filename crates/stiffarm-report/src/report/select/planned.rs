@@ -1,6 +1,7 @@
 //! A plan as its file has it.
 
 use serde::Deserialize;
+use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::plan::certificate::{Certificate, JointEfficiency};
 use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation};
 use stiffarm::plan::route::Route;
@@ -27,4 +28,12 @@ pub(super) struct Plan {
     pub sensitivity: Option<Sensitivity>,
     pub prices: Option<Vec<LimitPrice>>,
     pub route: Option<Route>,
+}
+
+impl Plan {
+    /// The selected postures with their names.
+    pub fn postures(&self) -> Vec<Posture> {
+        let angles = self.selection.group.iter().cloned();
+        PostureGroup::named("", &self.posture_names, angles).postures
+    }
 }

@@ -347,6 +347,7 @@ fn compliance(
             confidence: fit.options().confidence,
         }),
         common: Default::default(),
+        doubts: Vec::new(),
     })
 }
 

@@ -157,6 +157,7 @@ impl MixedResult {
                 confidence,
             }),
             common: Default::default(),
+            doubts: Vec::new(),
         })
     }
 }

@@ -80,6 +80,11 @@ fn syntax_error(source: &Source<'_>, error: &toml::de::Error) -> Error {
         let key = body.get(span.clone()).unwrap_or_default();
         return source.error(Code::Duplicate, key, span, "This key appears twice.");
     }
+    if body.trim_start().starts_with('{') {
+        let message = "This is JSON, and no cell file: cells are TOML.";
+        let hint = "give the cell file that the result was made with, or builtin:comau";
+        return source.error(Code::TomlSyntax, "", span, message).hint(hint);
+    }
     let message = format!("This is not valid TOML: {}.", error.message());
     let place = source.error(Code::TomlSyntax, "", span.clone(), message);
     let digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_digit);

@@ -12,6 +12,7 @@ mod keys;
 mod posterior;
 
 use super::json;
+use super::result::collect_findings;
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::estimate::compliance::{FittedNoise, IdentifiedCompliance};
 use crate::estimate::identify::Estimates;
@@ -144,8 +145,10 @@ fn result(result: &Value, key: &str, hash: Option<String>, cell: &Cell) -> Resul
         _ => identified(result, key, cell)?,
     };
     let (postures, largest_displacement) = checks::postures(result, key)?;
+    let mut findings = Vec::new();
+    collect_findings(result, &mut findings);
     Ok(SavedStiffness {
-        compliance,
+        compliance: compliance.with_doubts(&findings),
         postures,
         cell: hash,
         largest_displacement,

@@ -99,6 +99,7 @@ pub fn stiffness_map(
         };
         extremes.principal = Some([of(extremes.best)?, of(extremes.worst)?]);
     }
+    map.findings.splice(0..0, predictor.doubts.iter().cloned());
     map.findings.extend(implausible::process(cell));
     let load = implausible::load(arm.robot(), [("force", &options.wrench)]);
     map.findings.extend(load);

@@ -134,6 +134,7 @@ pub fn place(
         candidates,
     };
     out.findings = findings(cell, predictor, &out);
+    out.findings.splice(0..0, predictor.doubts.iter().cloned());
     out.findings.extend(implausible::process(cell));
     let own = points.iter().filter_map(|point| {
         let load = point.load?;

@@ -175,6 +175,7 @@ pub fn predict(
     out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);
     let sizes = out.points.iter().map(|p| (p.q.as_slice(), p.deflection_m));
     out.extremes = arm.extremes(sizes)?;
+    out.findings.splice(0..0, predictor.doubts.iter().cloned());
     out.findings.extend(implausible::process(cell));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));

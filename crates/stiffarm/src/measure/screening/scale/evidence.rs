@@ -155,7 +155,15 @@ impl Sizes {
     pub fn reasons(&self, load: f64, displacement: f64) -> Vec<String> {
         let mut out = Vec::new();
         if load != 1.0 && self.is_named(load) {
-            out.push("the numbers in the names of states".to_string());
+            let ratios: Vec<f64> = self
+                .named
+                .iter()
+                .map(|(size, number)| number / size)
+                .collect();
+            let times = short(median(&ratios));
+            out.push(format!(
+                "the numbers in the names of states ({times} times the loads)"
+            ));
         }
         if self.stated(load) - self.stated(1.0) > WORTH {
             out.push("the load that cell or table states".to_string());
