@@ -220,18 +220,18 @@ impl Outputs {
     ) -> Result<Self> {
         let target = |path: Option<&str>| path.map(|path| Target::new(path, force)).transpose();
         let is_json = |path: &str| {
-            Path::new(path)
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case("json"))
+            let ending = Path::new(path).extension();
+            ending.is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
         };
-        if table.is_some_and(is_json) {
-            let message = "--output writes a table of the path (CSV), not JSON.";
+        let not_a_table = table.is_some_and(is_json);
+        let (table, figure) = (target(table)?, target(figure)?);
+        check_targets(session, &[table.as_ref(), figure.as_ref()])?;
+        if not_a_table {
+            let message = "This writes a table of the path (CSV), not JSON.";
             return Err(Error::new(Code::Usage, message)
                 .key("--output")
                 .hint("name it .csv; `--json > result.json` keeps the whole result"));
         }
-        let (table, figure) = (target(table)?, target(figure)?);
-        check_targets(session, &[table.as_ref(), figure.as_ref()])?;
         Ok(Outputs { table, figure })
     }
 

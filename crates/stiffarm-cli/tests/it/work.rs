@@ -204,10 +204,11 @@ fn slips() {
     assert_snapshot!(all);
     assert!(!folder.names().contains(&"out.csv".to_string()));
     let before = folder.read("k.json");
-    let ran = folder.run("predict builtin:comau k.json builtin:contour --output k.json --force");
+    folder.write("k.csv", &before);
+    let ran = folder.run("predict builtin:comau k.csv builtin:contour --output k.csv --force");
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("input of the same command"), "{}", ran.err);
-    assert_eq!(folder.read("k.json"), before);
+    assert_eq!(folder.read("k.csv"), before);
 }
 
 #[test]

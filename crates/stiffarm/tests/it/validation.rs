@@ -327,6 +327,7 @@ fn further_terms_and_servo_give_are_predicted() {
         values: DVector::from_vec(values),
         extra: extra.clone(),
         spread: None,
+        doubts: Vec::new(),
     };
     let result = validate_with(&cell, &predictor, &measured, Model::Linear, None).unwrap();
     assert!(
