@@ -264,6 +264,8 @@ CHECKS = {
     "groups": scenes.groups,
     "slider": scenes.slider,
     "views": scenes.views,
+    "inside": scenes.inside,
+    "arrows": scenes.arrows_follow,
     "keyboard": scenes.keyboard,
     "frame time": scenes.frame_time,
     "width": width,

@@ -141,6 +141,9 @@ def steps(opened):
     for scene in all_of(opened):
         count = postures(scene)
         scene.element.scroll_into_view_if_needed()
+        # A scene opens at the first posture that violates a limit.
+        scene.control(SELECT).first.select_option(index=0)
+        scene.settled()
         picture, way = scene.picture(), [place(scene)]
         # The list may hold the postures of all groups: a step from the last of one leads to the first of the next.
         far = min(count, STEPS)
@@ -206,6 +209,62 @@ def slider(opened):
         if not float(high) > float(low):
             raise Finding(f"scene {scene.name}: the slider goes from {low} to {high}")
         scene.changed(picture, "the slider")
+
+
+# Points of the tool, load and arrows of the posture shown, in shares of the picture: 0 to 1 is inside.
+DRAWN = """id => {
+    const { picture, orbit } = window.stiffarm.scenes[id];
+    const seen = [...picture.points, picture.loadingPoint];
+    if (picture.anchor.visible) seen.push(picture.anchor);
+    for (const arrow of [picture.force, ...picture.residuals]) if (arrow.group.visible) seen.push(arrow.head);
+    return seen.map(one => { one.updateWorldMatrix(true, false);
+        const p = one.position.clone().setFromMatrixPosition(one.matrixWorld).project(orbit.camera);
+        return [(p.x + 1) / 2, (1 - p.y) / 2]; });
+}"""
+# Windows whose pictures are wide, nearly square, and high.
+WINDOWS = ((1440, 900), (820, 1180), (390, 844))
+# So many postures of a scene are looked at in each window.
+LOOKED_AT = 40
+
+
+def inside(opened):
+    """Whatever the posture, the view and the window, points, load and arrows are in the picture."""
+    page = opened.page
+    try:
+        for width, height in WINDOWS:
+            page.set_viewport_size({"width": width, "height": height})
+            page.wait_for_timeout(200)
+            for scene in all_of(opened):
+                if scene.control(SLIDER).count():
+                    scene.control(SLIDER).first.evaluate("e => { e.value = '0'; e.dispatchEvent(new Event('input')); }")
+                for view in range(scene.control(VIEW).count()):
+                    scene.control(VIEW).nth(view).evaluate("e => e.click()")
+                    for index in range(min(postures(scene), LOOKED_AT)):
+                        scene.control(SELECT).first.select_option(index=index)
+                        for x, y in page.evaluate(DRAWN, scene.name):
+                            if not (0.01 < x < 0.99 and 0.01 < y < 0.99):
+                                raise Finding(f"scene {scene.name}: in a window of {width}, view {view}, something of "
+                                              f"posture {index} is at {x:.2f}, {y:.2f} of the picture")
+                scene.control(VIEW).first.evaluate("e => e.click()")
+                scene.control(SELECT).first.select_option(index=0)
+    finally:
+        page.set_viewport_size({"width": 1440, "height": 900})
+
+
+def arrows_follow(opened):
+    """Arrows at the measuring points go with them as the slider moves the arm."""
+    apart = """id => { const { picture } = window.stiffarm.scenes[id];
+        const shown = picture.residuals.filter(one => one.group.visible);
+        return shown.map(one => Math.min(...picture.points.map(p => p.position.distanceTo(one.group.position))) / picture.size); }"""
+    for scene in all_of(opened):
+        if not scene.control(SLIDER).count() or not scene.control('input[data-toggle="arrows"]').count():
+            continue
+        for times in ("min", "max"):
+            scene.control(SLIDER).first.evaluate("(e, end) => { e.value = e[end]; e.dispatchEvent(new Event('input')); }", times)
+            far = max(opened.page.evaluate(apart, scene.name), default=0)
+            if far > 1e-3:
+                raise Finding(f"scene {scene.name}: with the slider at its {times} an arrow begins off its point")
+        scene.control(SLIDER).first.evaluate("e => { e.value = '0'; e.dispatchEvent(new Event('input')); }")
 
 
 def views(opened):

@@ -41,25 +41,39 @@
   });
   // The value under the pointer, or under the finger.
   let tip = null;
+  let told = null;
   const hide = () => {
     tip?.remove();
-    tip = null;
+    tip = told = null;
+  };
+  // Below and right of the place, on the other side where the window ends: never over the place itself. A finger
+  // covers what is below it.
+  const put = (event) => {
+    const box = told.getBoundingClientRect();
+    const isMark = box.width < 40 && box.height < 40;
+    const [x, y] = [event.clientX, event.clientY];
+    const place = isMark ? box : { left: x - 8, right: x + 8, top: y - 8, bottom: y + 8 };
+    const [width, height] = [tip.offsetWidth, tip.offsetHeight];
+    const isRight = place.right + width + 8 < document.documentElement.clientWidth;
+    const isBelow = event.pointerType !== "touch" && place.bottom + height + 8 < innerHeight;
+    const left = isRight ? place.right + 4 : place.left - width - 4;
+    const top = isBelow || place.top < height + 8 ? place.bottom + 4 : place.top - height - 4;
+    tip.style.left = `${Math.max(left, 4)}px`;
+    tip.style.top = `${top}px`;
   };
   document.addEventListener("pointerover", (event) => {
-    const place = event.target.closest?.("[data-tip]");
     hide();
-    if (!place) return;
+    told = event.target.closest?.("[data-tip]") ?? null;
+    if (!told) return;
     tip = document.createElement("div");
     tip.className = "tip";
-    tip.textContent = place.dataset.tip;
+    tip.textContent = told.dataset.tip;
     document.body.append(tip);
-    const box = place.getBoundingClientRect();
-    const width = tip.offsetWidth;
-    const left = Math.min(Math.max(box.left + box.width / 2 - width / 2, 4), innerWidth - width - 4);
-    const above = Math.max(box.top, 0) - tip.offsetHeight - 6;
-    tip.style.left = `${left}px`;
-    tip.style.top = `${above > 4 ? above : box.bottom + 6}px`;
+    put(event);
   });
+  document.addEventListener("pointermove", (event) => {
+    if (tip) put(event);
+  }, { passive: true });
   document.addEventListener("scroll", hide, { passive: true, capture: true });
   // Paper has nothing to click on.
   window.addEventListener("beforeprint", () => {

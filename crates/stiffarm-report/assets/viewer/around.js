@@ -36,38 +36,52 @@ function limitLabels(picture) {
   if (floor !== null) picture.label(corner(floor), 'lowest tool point', 'limit');
 }
 
-/** Points that must be seen: the arm in every posture, the bodies at the first, loads, stations that are near. */
+/** Most postures whose arm is seen with its thickness; of more, lines along the arms are enough. */
+const THICK = 200;
+
+/**
+ * Points that must be seen: arm, tool, measuring points, loads and arrows in every posture, what stands around, stations
+ * that are near.
+ */
 function seenPoints(picture) {
   const { data } = picture;
   const points = [];
-  const at = vec(data.loads[0].at);
-  for (const group of data.groups) {
-    for (const posture of group.postures) {
-      const frames = framesOf(data, posture, null, 0);
-      const loading = at.clone().applyMatrix4(frames[frames.length - 1]);
-      points.push(...armLine(frames, loading));
-      for (const { force } of posture.loads) points.push(loading.clone().addScaledVector(vec(force).normalize(), data.force_length));
-    }
-  }
   const [low, high] = data.extent.map(vec);
-  const add = (p, stands) => points.push(stands ? p.clamp(low, high) : p);
-  const first = data.groups[0]?.postures[0];
-  const frames = first && framesOf(data, first, null, 0);
-  picture.groups.forEach((group) => {
-    const { body } = group.userData;
-    if (body.kind !== 'standing' && !frames) return;
-    const frame = frames ? frames[Math.min(body.carrier, frames.length - 1)] : new Matrix4();
+  const corners = cornersOf(picture);
+  const count = data.groups.reduce((sum, group) => sum + group.postures.length, 0);
+  for (const { body, at } of corners) if (body.kind === 'standing') points.push(...at.map((p) => p.clone().clamp(low, high)));
+  data.groups.forEach((group) => group.postures.forEach((posture, p) => {
+    const frames = framesOf(data, posture, null, 0);
+    const flange = frames[frames.length - 1];
+    points.push(...armLine(frames, vec(data.loads[0].at).applyMatrix4(flange)));
+    points.push(...data.measuring_points.map((point) => vec(point.at).applyMatrix4(flange)));
+    posture.loads.forEach(({ force }, load) => {
+      const loading = vec(data.loads[Math.min(load, data.loads.length - 1)].at).applyMatrix4(flange);
+      points.push(loading.clone().addScaledVector(vec(force).normalize(), data.force_length), loading);
+    });
+    for (const { body, at } of corners) {
+      const isSeen = body.kind === 'tool' || (body.kind === 'arm' && (count <= THICK || p === 0));
+      const frame = frames[Math.min(body.carrier, frames.length - 1)];
+      if (isSeen) points.push(...at.map((corner) => corner.clone().applyMatrix4(frame)));
+    }
+  }));
+  for (const { at, vector } of data.arrows?.arrows || []) points.push(vec(at).addScaledVector(vec(vector), picture.residualTimes));
+  points.push(...(data.path?.points || []).map(vec));
+  for (const load of data.loads) if (load.anchor) points.push(vec(load.anchor));
+  for (const { at: place } of data.stations) if (place.every((v, i) => v >= data.extent[0][i] && v <= data.extent[1][i])) points.push(vec(place));
+  return points.length ? points : [low, high];
+}
+
+/** The corners of a box around each solid of each body, in the frame of its carrier. */
+function cornersOf(picture) {
+  return picture.groups.map((group) => {
+    const at = [];
     for (const { geometry } of group.children) {
       if (geometry.type === 'PlaneGeometry') continue;
       geometry.computeBoundingBox();
       const { min, max } = geometry.boundingBox;
-      for (let i = 0; i < 8; i += 1) {
-        const corner = new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z);
-        add(corner.applyMatrix4(frame), body.kind === 'standing');
-      }
+      for (let i = 0; i < 8; i += 1) at.push(new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z));
     }
+    return { body: group.userData.body, at };
   });
-  for (const load of data.loads) if (load.anchor) points.push(vec(load.anchor));
-  for (const { at: place } of data.stations) if (place.every((v, i) => v >= data.extent[0][i] && v <= data.extent[1][i])) points.push(vec(place));
-  return points.length ? points : [low, high];
 }

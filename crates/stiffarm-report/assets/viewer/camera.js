@@ -7,6 +7,9 @@ const VIEWS = {
   front: { turn: Math.PI / 2, tilt: 0, field: 3, words: 'Front' },
 };
 
+/** Room for names at the edges of the picture, to the sides and above and below [px]. */
+const ROOM = [34, 30];
+
 /** A camera that turns around a place. `turn` and `tilt` [rad] as in the printed pictures: from the side at 0, 0. */
 class Orbit {
   /** `points` are what must be seen. */
@@ -16,6 +19,7 @@ class Orbit {
     this.centre = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length || 1);
     this.radius = points.reduce((most, p) => Math.max(most, p.distanceTo(this.centre)), 1e-3);
     this.aspect = 1;
+    this.room = [1, 1];
     this.look('perspective');
   }
 
@@ -35,18 +39,19 @@ class Orbit {
     };
   }
 
-  /** As near as everything is still seen, and in the middle. */
+  /** As near as everything is still seen with room for its names, and in the middle. */
   fit() {
     const { right, up, toward } = this.axes();
     const tangent = Math.tan((this.field * Math.PI) / 360);
-    const [wide, high] = [tangent * this.aspect, tangent];
+    const [wide, high] = [tangent * this.aspect * this.room[0], tangent * this.room[1]];
     this.target = this.centre.clone();
+    const from = new Vector3();
     for (let round = 0; round < 4; round += 1) {
       // Lines of sight along each edge of the picture, moved until they touch: what is seen of each point
       // grows with its distance, so the outermost is known without knowing how far one stands.
       const ends = { left: -Infinity, right: -Infinity, low: -Infinity, top: -Infinity };
       for (const point of this.points) {
-        const off = point.clone().sub(this.target);
+        const off = from.subVectors(point, this.target);
         const [x, y, z] = [off.dot(right), off.dot(up), off.dot(toward)];
         ends.left = Math.max(ends.left, z - x / wide);
         ends.right = Math.max(ends.right, z + x / wide);
@@ -55,13 +60,15 @@ class Orbit {
       }
       this.target.addScaledVector(right, ((ends.right - ends.left) * wide) / 2);
       this.target.addScaledVector(up, ((ends.top - ends.low) * high) / 2);
-      this.distance = 1.1 * Math.max((ends.left + ends.right) / 2, (ends.low + ends.top) / 2, 1e-3);
+      this.distance = 1.02 * Math.max((ends.left + ends.right) / 2, (ends.low + ends.top) / 2, 1e-3);
     }
     this.place();
   }
 
-  resize(aspect) {
-    this.aspect = aspect;
+  /** `width` and `height` of the picture [px]. */
+  resize(width, height) {
+    this.aspect = width / height;
+    this.room = [width, height].map((size, k) => Math.max(1 - (2 * ROOM[k]) / size, 0.5));
     if (this.isFitted) this.fit();
     else this.place();
   }

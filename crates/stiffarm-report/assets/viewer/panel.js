@@ -83,10 +83,10 @@ class Panel {
       const box = make('input', { type: 'checkbox', 'data-group-toggle': String(g), checked: this.state.shown.includes(g) });
       box.addEventListener('change', () => this.act.toggleGroup(g, box.checked));
       const swatch = make('span', { className: 'scene-swatch', 'aria-hidden': 'true' });
-      swatch.style.background = group.colour;
       return make('label', { className: 'scene-check' }, box, swatch, make('span', { textContent: group.name }));
     });
     this.boxes = boxes.map((label) => label.querySelector('input'));
+    this.swatches = boxes.map((label) => label.querySelector('.scene-swatch'));
     this.controls.append(make('fieldset', { className: 'scene-set' }, make('legend', { textContent: 'Other postures as lines' }), ...boxes));
   }
 
@@ -123,6 +123,7 @@ class Panel {
     }
     for (const button of this.views) button.setAttribute('aria-pressed', String(button.dataset.view === state.view));
     this.boxes?.forEach((box, g) => { box.checked = state.shown.includes(g); });
+    this.swatches?.forEach((swatch, g) => { swatch.style.background = this.act.colour(g); });
     const group = data.groups[state.group];
     const posture = group?.postures[state.posture];
     this.info.replaceChildren(...(posture ? this.told(group, posture) : []));
@@ -169,7 +170,7 @@ class Panel {
     const cautions = (posture.violated || []).map((sentence) => make('li', { textContent: `\u26a0 ${sentence}` }));
     const count = `${state.posture + 1} of ${group.postures.length}`;
     const swatch = make('span', { className: 'scene-swatch', 'aria-hidden': 'true' });
-    swatch.style.background = group.colour;
+    swatch.style.background = this.act.colour(state.group);
     return [
       make('p', { className: 'scene-name' }, make('strong', { textContent: `Posture ${posture.name}` }),
         make('span', { className: 'scene-of' }, swatch, `${group.name}, ${count}`)),

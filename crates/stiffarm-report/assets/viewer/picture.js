@@ -3,7 +3,7 @@
 /** Style properties that the picture takes its colours from. */
 const COLOURS = [
   'background', 'arm', 'arm-2', 'tool', 'standing', 'caution', 'ghost', 'grid', 'limit', 'load', 'sight', 'hidden',
-  'near', 'point', 'residual',
+  'near', 'point', 'residual', 'ink',
 ];
 
 /** True where the browser draws without a graphics card. */
@@ -204,12 +204,15 @@ class Picture {
     this.materials.station.color.set(colour.sight);
     if (this.materials.ellipsoid) this.materials.ellipsoid.color.set(colour.residual);
     if (this.pathAtRest) this.pathAtRest.material.color.set(colour.limit);
-    // Dark colours of groups would hardly be seen on a dark page.
-    const isDark = new Color(colour.background).getHSL({}).l < 0.4;
-    this.others.forEach((lines, i) => {
-      lines.material.color.set(this.data.groups[i].colour);
-      if (isDark) lines.material.color.lerp(new Color('#ffffff'), 0.2);
-    });
+    this.others.forEach((lines, i) => lines.material.color.set(this.groupColour(i)));
+  }
+
+  /** The colour of a group on the page: dark ones would hardly be seen on a dark one. */
+  groupColour(i) {
+    const own = new Color(this.data.groups[i].colour);
+    if (new Color(this.colour.background).getHSL({}).l > 0.4) return own.getStyle();
+    if (own.getHSL({}).l < 0.1) return this.colour.ink;
+    return own.lerp(new Color('#ffffff'), 0.2).getStyle();
   }
 
   /** Moves everything to where it is in `state`. */
@@ -244,7 +247,9 @@ class Picture {
       const middle = ends[0].clone().add(ends[1]).multiplyScalar(0.5);
       this.label(middle, `${(posture.closest.distance * 1e3).toFixed(0)} mm`, 'near');
     }
-    this.updateExtras(state);
+    // What is fixed to the tool goes where the deflection takes it.
+    const moved = flange.clone().multiply(rest[rest.length - 1].clone().invert());
+    this.updateExtras(state, moved);
     this.triad.forEach((tip, k) => this.label(tip, 'xyz'[k], 'axis'));
     if (state.show.limits) limitLabels(this);
     this.limit.object.visible = state.show.limits && this.limit.object.geometry.instanceCount > 0;
@@ -338,7 +343,8 @@ class Picture {
     });
   }
 
-  updateExtras(state) {
+  /** `moved`: from where the flange is without load to where it is drawn. */
+  updateExtras(state, moved) {
     const { path, arrows, ellipsoids } = this.data;
     const isHere = (one) => one.group === state.group && one.posture === state.posture;
     if (path) {
@@ -365,7 +371,7 @@ class Picture {
       this.residuals.forEach((arrow, i) => {
         arrow.group.visible = i < here.length;
         if (i >= here.length) return;
-        const from = vec(here[i].at);
+        const from = vec(here[i].at).applyMatrix4(moved);
         arrow.set(from, from.clone().addScaledVector(vec(here[i].vector), this.residualTimes), 0.003 * this.size);
       });
     }
@@ -374,7 +380,7 @@ class Picture {
       this.ellipsoid.visible = Boolean(here);
       if (here) {
         const axes = here.axes.map((axis, k) => vec(axis).multiplyScalar(here.half[k] * this.ellipsoidTimes));
-        this.ellipsoid.matrix.makeBasis(...axes).setPosition(...here.centre);
+        this.ellipsoid.matrix.makeBasis(...axes).setPosition(vec(here.centre).applyMatrix4(moved));
       }
     }
   }

@@ -1,13 +1,14 @@
 // One scene of a page: its state, and what controls, keys and the page's style do to it.
 
 const HINT = 'Drag to turn, Shift and drag to move, wheel to zoom; on a phone tap the picture first, or use two fingers.'
-  + ' Keys: arrows turn, + and \u2212 zoom, Home resets, N and P step.';
+  + ' Keys, after a click into the picture or beside it, or with Tab on a control: arrows turn, + and \u2212 zoom, Home resets,'
+  + ' N and P step. In a list or on a slider, arrows and Home are its own.';
 
 class View {
   constructor(container, data) {
     Object.assign(this, { container, data, frameMs: 0, pending: false });
     this.state = {
-      group: 0, posture: 0, load: 0, exaggeration: 0, shown: data.groups.length ? [0] : [], view: 'perspective',
+      group: 0, posture: firstCaution(data), load: 0, exaggeration: 0, shown: data.groups.length ? [0] : [], view: 'perspective',
       most: this.mostExaggeration(),
       show: { labels: true, standing: true, limits: true, sight: true, near: true, path: true, arrows: true, ellipsoid: true },
     };
@@ -27,12 +28,14 @@ class View {
       set: (change) => this.set(change),
       show: (name, on) => this.set({ show: { ...this.state.show, [name]: on } }),
       toggleGroup: (group, on) => this.toggleGroup(group, on),
+      colour: (group) => this.picture.groupColour(group),
     });
     const notes = [make('p', { className: 'scene-hint', textContent: HINT })];
     if (data.shapes === 'tubes') {
       notes.unshift(make('p', { className: 'scene-hint', textContent: 'No shapes of this arm are known: the tubes show its joints and proportions, not its castings.' }));
     }
-    this.body = make('div', { className: 'scene-body' },
+    // A click anywhere in the block gives it the focus, and the keys with it.
+    this.body = make('div', { className: 'scene-body', tabIndex: -1 },
       make('div', { className: 'scene-picture' }, this.stage, this.legend()), this.panel.info, this.panel.controls, ...notes);
     container.append(this.body);
     container.classList.add('scene-live');
@@ -81,9 +84,11 @@ class View {
 
   key(event) {
     if (event.altKey || event.ctrlKey || event.metaKey || event.target.tagName === 'SELECT') return;
-    const steps = { n: 1, N: 1, PageDown: 1, p: -1, P: -1, PageUp: -1 };
-    if (steps[event.key] && event.target.type !== 'range') this.step(steps[event.key]);
-    else if (event.target === this.stage && moveByKey(this.orbit, event.key)) this.looked();
+    const steps = { n: 1, N: 1, p: -1, P: -1 };
+    // A slider has arrows, Home and Page keys of its own.
+    if (event.target.type !== 'range') Object.assign(steps, { PageDown: 1, PageUp: -1 });
+    if (steps[event.key]) this.step(steps[event.key]);
+    else if (event.target.type !== 'range' && moveByKey(this.orbit, event.key)) this.looked();
     else return;
     event.preventDefault();
   }
@@ -145,7 +150,7 @@ class View {
     if (!width || !height || (this.width === width && this.height === height)) return;
     Object.assign(this, { width, height });
     this.picture.resize(width, height);
-    this.orbit.resize(width / height);
+    this.orbit.resize(width, height);
     this.drawSoon();
   }
 
@@ -178,6 +183,12 @@ class View {
     clearTimeout(this.later);
     this.later = setTimeout(() => this.picture.drawFine(this.orbit.camera), 400);
   }
+}
+
+/** The first posture of the first group at which a limit is violated, else the first. */
+function firstCaution(data) {
+  const postures = data.groups[0]?.postures || [];
+  return Math.max(postures.findIndex((posture) => posture.violated?.length), 0);
 }
 
 /** Labels, those that matter most first. */

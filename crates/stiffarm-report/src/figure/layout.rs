@@ -15,7 +15,7 @@ pub struct Layout {
     pub size: Size,
     /// Font family, or empty for the usual list of sans-serif families.
     pub font_family: String,
-    /// Whether the title is drawn; in papers it is usually in the caption.
+    /// Whether the title is drawn, and the notes of a drawing; in papers they are usually in the caption.
     pub title: bool,
 }
 
@@ -43,6 +43,8 @@ pub(super) const USUAL_FAMILIES: &str = "Helvetica, Arial, 'DejaVu Sans', sans-s
 /// Least and largest width at the renderer's own scale, where the smallest text
 /// is [`SMALLEST`] high. Below, labels leave no room for the data.
 const WIDTHS: [f64; 2] = [220.0, 4000.0];
+/// Greatest height of a drawing on paper \[mm\]: on an A4 page it leaves room for its caption.
+const TALLEST_MM: f64 = 220.0;
 /// Smallest text at the renderer's own scale.
 const SMALLEST: f64 = 11.0;
 
@@ -72,7 +74,7 @@ impl Layout {
         self
     }
 
-    /// The same with or without the title.
+    /// The same with or without the title and the notes.
     #[must_use]
     pub fn with_title(mut self, yes: bool) -> Self {
         self.title = yes;
@@ -91,6 +93,14 @@ impl Layout {
             true => drawn.clamp(WIDTHS[0], WIDTHS[1]),
             false => WIDTHS[0],
         }
+    }
+
+    /// Greatest height of a drawing at the renderer's own scale; none on a screen, which is scrolled.
+    pub(super) fn tallest(&self) -> Option<f64> {
+        let Size::Paper { width_mm, .. } = self.size else {
+            return None;
+        };
+        Some(self.drawn_width() * TALLEST_MM / sound(width_mm))
     }
 
     /// Width and height attributes of a picture that is `drawn` wide and high

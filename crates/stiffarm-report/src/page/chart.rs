@@ -15,5 +15,7 @@ pub(super) fn chart(figure: &Figure) -> String {
     let width = WIDTHS[figure.columns.clamp(1, WIDTHS.len()) - 1];
     let wide = render_svg_with(figure, &Layout::screen(width, TEXT));
     let narrow = render_svg_with(figure, &Layout::screen(NARROW, TEXT));
-    format!("<div class=\"paper narrow\">{narrow}</div><div class=\"paper wide\">{wide}</div>")
+    format!(
+        "<div class=\"forms\"><div class=\"paper narrow\">{narrow}</div><div class=\"paper wide\">{wide}</div></div>"
+    )
 }

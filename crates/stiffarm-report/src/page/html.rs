@@ -19,6 +19,8 @@ const MOST_ROWS: usize = 400;
 const LONGEST_NUMBER: usize = 40;
 /// Longest code that stays on one line \[characters\]; narrow screens have room for it.
 const UNBROKEN: usize = 26;
+/// Most rows of a table that stays on one printed page.
+const FEW_ROWS: usize = 14;
 /// Cautions that are seen without asking.
 const SEEN_AT_ONCE: usize = 4;
 
@@ -269,8 +271,12 @@ fn table(data: &DataTable) -> String {
         });
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     });
+    let few = match data.rows.len() <= FEW_ROWS {
+        true => " few",
+        false => "",
+    };
     format!(
-        "<p class=\"caption\">{0}</p><div class=\"table\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\">\
+        "<p class=\"caption\">{0}</p><div class=\"table{few}\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\">\
          <table aria-label=\"{0}\">\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
         escape(&data.caption),
         rows.collect::<String>()

@@ -176,6 +176,19 @@ impl Canvas {
         }
     }
 
+    /// An invisible area that answers a click for the group that it is in.
+    pub(super) fn target(&mut self, r: Rect) {
+        if self.answers {
+            self.raw(&format!(
+                r#"<rect class="hit" x="{}" y="{}" width="{}" height="{}" fill-opacity="0"/>"#,
+                num(r.x),
+                num(r.y),
+                num(r.w),
+                num(r.h)
+            ));
+        }
+    }
+
     /// An invisible area with words that a screen shows at the pointer.
     pub(super) fn hit(&mut self, r: Rect, words: &str) {
         self.raw(&format!(

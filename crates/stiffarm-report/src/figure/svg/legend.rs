@@ -32,7 +32,7 @@ impl Legend {
     pub(super) fn of(figure: &Figure, width: f64, most: usize) -> Self {
         let mut entries: Vec<(String, Vec<Style>)> = Vec::new();
         for series in figure.panels.iter().flat_map(|p| &p.series) {
-            if series.label.is_empty() {
+            if series.label.is_empty() || map::is_full(series) {
                 continue;
             }
             match entries.iter_mut().find(|(l, _)| *l == series.label) {
@@ -85,6 +85,14 @@ impl Legend {
                 let at = (x + KEY + KEY_GAP, middle + 0.36 * SMALL + down);
                 canvas.text(at, line, None, Font::new(SMALL, Anchor::Start));
             }
+            // What is clicked: the entry as a whole, the gap between its sample and its text too.
+            let long = lines.iter().map(|line| text::width(line, SMALL));
+            canvas.target(Rect {
+                x: x - 3.0,
+                y: top + y,
+                w: KEY + KEY_GAP + long.fold(0.0, f64::max) + 6.0,
+                h: ROW + lines.len().saturating_sub(1) as f64 * SMALL * LEADING,
+            });
             canvas.end();
         }
     }

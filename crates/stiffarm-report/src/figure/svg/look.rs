@@ -1,38 +1,18 @@
-//! Colours, markers, dashes and hatches of series.
+//! Markers, dashes and hatches of series.
 //!
-//! The colour follows from the label alone, so that a label looks the same in
-//! every figure. Grey printing and colour blindness need a second sign; it
-//! too starts from the label, and moves on within a figure when another label
-//! of the same colour already uses it.
+//! Grey printing and colour blindness need a second sign beside the
+//! [colour](super::palette); it too starts from the label, and moves on within
+//! a figure when another label of the same colour already uses it.
 
 use super::canvas::{Canvas, INK, Point, Rect, Stroke};
+use super::palette::{PALETTE, Places};
 use crate::figure::{Figure, Style};
-
-/// The Okabe–Ito colours without yellow, which is too faint on white.
-const PALETTE: [&str; 7] = [
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000",
-];
 
 /// Grey of outlines.
 const GREY: &str = "#8a8a8a";
 
 /// Dark grey of landmarks.
 const DARK_GREY: &str = "#4a4a4a";
-
-/// Labels with a fixed place in the palette, without trailing parentheses.
-const KNOWN: [(&str, usize); 11] = [
-    ("Group 1", 0),
-    ("Group 2", 1),
-    ("Group 3", 2),
-    ("scaled", 3),
-    ("expected error", 6),
-    ("measured", 6),
-    ("true", 6),
-    ("predicted", 4),
-    ("nominal", 5),
-    ("without compensation", 1),
-    ("left after compensation", 0),
-];
 
 const MARKERS: [Marker; 7] = [
     Marker::Circle,
@@ -106,41 +86,6 @@ fn family(style: Style) -> Family {
     }
 }
 
-/// The colour of a series as `#rrggbb`.
-///
-/// The same label has the same colour in every figure. What follows the first
-/// comma is a variant and shares the colour: `Group 1, theory` looks like
-/// `Group 1`. The posture groups, `scaled`, `expected error` and a few other
-/// labels are fixed; numbered labels such as `Joint 1`, `Joint 2` take the
-/// palette in turn; the colour of any other label is a hash of its text.
-pub fn series_colour(label: &str) -> &'static str {
-    PALETTE[place(label)]
-}
-
-/// Place of a label in the palette.
-fn place(label: &str) -> usize {
-    let name = label.split(',').next().unwrap_or(label).trim();
-    let plain = match name.split_once(" (") {
-        Some((before, _)) => before.trim_end(),
-        None => name,
-    };
-    if let Some((_, i)) = KNOWN
-        .iter()
-        .find(|(known, _)| known.eq_ignore_ascii_case(plain))
-    {
-        return *i;
-    }
-    let stem = plain.trim_end_matches(|c: char| c.is_ascii_digit());
-    if let (false, Ok(number)) = (stem.is_empty(), plain[stem.len()..].parse::<usize>()) {
-        return number.saturating_sub(1) % PALETTE.len();
-    }
-    // FNV-1a: the hasher of the standard library may change between releases.
-    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| {
-        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
-    });
-    (hash % PALETTE.len() as u64) as usize
-}
-
 /// How the marks of one series look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Look {
@@ -152,10 +97,12 @@ pub(super) struct Look {
 /// The looks of all series of a figure.
 pub(super) struct Looks {
     entries: Vec<(String, Family, usize)>,
+    places: Places,
 }
 
 impl Looks {
     pub(super) fn of(figure: &Figure) -> Self {
+        let places = Places::of(figure);
         let mut entries: Vec<(String, Family, usize)> = Vec::new();
         for series in figure.panels.iter().flat_map(|p| &p.series) {
             let kind = family(series.style);
@@ -168,12 +115,14 @@ impl Looks {
                 let counts = |l: &str| kind == Family::Outlines || !l.is_empty();
                 let same = entries.iter().filter(|(l, k, _)| *k == kind && counts(l));
                 same.count()
+            } else if kind == Family::Areas && places.is_plain(label) {
+                0
             } else {
-                let base = place(label);
+                let base = places.get(label);
                 let taken = |v: usize| {
                     entries
                         .iter()
-                        .any(|(l, k, w)| *k == kind && *w == v && place(l) == base)
+                        .any(|(l, k, w)| *k == kind && *w == v && places.get(l) == base)
                 };
                 (base..base + PALETTE.len())
                     .map(|v| v % PALETTE.len())
@@ -182,7 +131,7 @@ impl Looks {
             };
             entries.push((label.clone(), kind, variant));
         }
-        Self { entries }
+        Self { entries, places }
     }
 
     pub(super) fn look(&self, label: &str, style: Style) -> Look {
@@ -210,12 +159,12 @@ impl Looks {
                 variant,
             },
             Family::Dashes => Look {
-                colour: series_colour(label),
+                colour: PALETTE[self.places.get(label)],
                 dash: DASHES[variant % DASHES.len()],
                 variant,
             },
             _ => Look {
-                colour: series_colour(label),
+                colour: PALETTE[self.places.get(label)],
                 dash: "",
                 variant,
             },
@@ -335,6 +284,7 @@ pub(super) fn hatch(rect: Rect, (dx, dy): (f64, f64), runs: &mut Vec<Vec<Point>>
 
 #[cfg(test)]
 mod tests {
+    use super::super::palette::series_colour;
     use super::*;
     use crate::figure::{Axis, Panel, Series};
 
@@ -405,13 +355,62 @@ mod tests {
         assert_ne!(look("Joint 1, again"), look("Joint 1"));
     }
 
+    fn bars(labels: &[&str]) -> Looks {
+        let mut figure = figure(labels);
+        let series = figure.panels.iter_mut().flat_map(|p| &mut p.series);
+        series.for_each(|s| s.style = Style::Bars);
+        Looks::of(&figure)
+    }
+
     #[test]
-    fn colour_does_not_depend_on_the_company() {
+    fn series_of_a_figure_have_colours_of_their_own() {
+        let sources = [
+            "anchor",
+            "base tilt",
+            "lost motion",
+            "rope angle",
+            "Group 2",
+            "tilt, again",
+        ];
+        let looks = bars(&sources);
+        let colour = |l: &str| looks.look(l, Style::Bars).colour;
+        for (i, a) in sources.iter().enumerate() {
+            for b in &sources[..i] {
+                assert_ne!(colour(a), colour(b), "{a} and {b}");
+            }
+        }
+        assert_eq!(colour("Group 2"), series_colour("Group 2"));
+        // Beyond the palette colours return, and a second sign tells them apart.
+        let names: Vec<String> = (0..12).map(|i| format!("source {i} of error")).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let looks = bars(&names);
+        for (i, a) in names.iter().enumerate() {
+            for b in &names[..i] {
+                let look = |l: &str| looks.look(l, Style::Bars);
+                assert_ne!(look(a), look(b), "{a} and {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn lone_bars_are_plain() {
+        let look = bars(&["residual RMS"]).look("residual RMS", Style::Bars);
+        assert_eq!((look.colour, look.variant), (PALETTE[0], 0));
+        let known = bars(&["measured"]).look("measured", Style::Bars);
+        assert_eq!(known.colour, series_colour("measured"));
+    }
+
+    #[test]
+    fn colour_does_not_depend_on_company_of_other_colours() {
         let alone = Looks::of(&figure(&["a series"]));
-        let among = Looks::of(&figure(&["x", "y", "z", "a series"]));
-        assert_eq!(
-            alone.look("a series", Style::Line).colour,
-            among.look("a series", Style::Line).colour
-        );
+        let others = ["Group 1", "Group 2", "Group 3"];
+        let others = others
+            .iter()
+            .filter(|l| series_colour(l) != series_colour("a series"));
+        let among: Vec<&str> = others.copied().chain(["a series"]).collect();
+        let among = Looks::of(&figure(&among));
+        let colour = |looks: &Looks| looks.look("a series", Style::Line).colour;
+        assert_eq!(colour(&alone), colour(&among));
+        assert_eq!(colour(&alone), series_colour("a series"));
     }
 }

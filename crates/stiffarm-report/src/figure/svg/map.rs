@@ -9,7 +9,7 @@ use super::data;
 use super::look::{Look, hatch};
 use super::marks::{Frame, Trace};
 use super::plan::{BAR, BAR_GAP, ColourPlan, NORMAL, SMALL, TICK_GAP};
-use super::scale::Extent;
+use super::scale::{Extent, Kind};
 use crate::figure::{Panel, Series, Style};
 use std::collections::BTreeMap;
 
@@ -84,6 +84,19 @@ fn places(frame: &Frame, series: &Series) -> Vec<Option<Point>> {
     let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
     let place = |d: &Option<data::Datum>| d.as_ref().map(|d| frame.place(d));
     points.iter().map(place).collect()
+}
+
+/// Whether every point of a map has a value. The key of a map is its cells without one.
+pub(super) fn is_full(series: &Series) -> bool {
+    let Some(colour) = &series.colour else {
+        return false;
+    };
+    let kind = Kind::of(&colour.axis);
+    let count = series.x.len().min(series.y.len());
+    let accepted = |value: &f64| kind.accepts(*value);
+    series.style == Style::Map
+        && count <= colour.values.len()
+        && colour.values[..count].iter().all(accepted)
 }
 
 /// Draws the cells of a map. `extent` is that of the colour bar.

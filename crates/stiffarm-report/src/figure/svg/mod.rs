@@ -15,6 +15,7 @@ mod legend;
 mod look;
 mod map;
 mod marks;
+mod palette;
 mod panel;
 mod plan;
 mod scale;
@@ -23,7 +24,7 @@ mod text;
 mod ticks;
 
 pub use drawing::{render_drawing, render_drawing_with};
-pub use look::series_colour;
+pub use palette::series_colour;
 pub use shared::share_axes;
 
 pub use canvas::escape;

@@ -47,12 +47,12 @@ pub(super) fn shorten(text: &str, size: f64, limit: f64) -> String {
     out
 }
 
-/// The text in lines of at most `limit` pixels, broken at spaces. A word that
+/// The text in lines of at most `limit` pixels, broken at spaces, but for those of a unit in brackets that fits. A word that
 /// is wider by itself is shortened, and so is the end of the last line when
 /// `most` lines do not suffice.
 pub(super) fn wrap(text: &str, size: f64, limit: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
+    for word in words(text, size, limit) {
         if let Some(line) = lines.last_mut() {
             let joined = format!("{line} {word}");
             if width(&joined, size) <= limit {
@@ -60,7 +60,7 @@ pub(super) fn wrap(text: &str, size: f64, limit: f64, most: usize) -> Vec<String
                 continue;
             }
         }
-        lines.push(word.to_owned());
+        lines.push(word);
     }
     let most = most.max(1);
     if lines.len() > most {
@@ -70,9 +70,46 @@ pub(super) fn wrap(text: &str, size: f64, limit: f64, most: usize) -> Vec<String
     lines.iter().map(|l| shorten(l, size, limit)).collect()
 }
 
+/// The words of a text. Those from `[` to `]` are one, where that fits into a line.
+fn words(text: &str, size: f64, limit: f64) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut rest = text.split_whitespace();
+    while let Some(word) = rest.next() {
+        words.push(word.to_owned());
+        if !word.starts_with('[') || word.ends_with(']') {
+            continue;
+        }
+        let mut unit = word.to_owned();
+        let mut after = rest.clone();
+        for next in after.by_ref() {
+            unit = format!("{unit} {next}");
+            if next.ends_with(']') {
+                break;
+            }
+        }
+        if unit.ends_with(']') && width(&unit, size) <= limit {
+            words.pop();
+            words.push(unit);
+            rest = after;
+        }
+    }
+    words
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_unit_stays_on_one_line() {
+        assert_eq!(
+            wrap("uncertainty [% of k]", 10.0, 80.0, 3),
+            ["uncertainty", "[% of k]"]
+        );
+        // Brackets that do not close, or that do not fit, are words like others.
+        assert_eq!(wrap("a [b c", 10.0, 20.0, 3), ["a [b", "c"]);
+        assert_eq!(wrap("[bb cc dd]", 10.0, 36.0, 3), ["[bb cc", "dd]"]);
+    }
 
     #[test]
     fn wrapping_keeps_every_word_that_fits() {

@@ -2,6 +2,7 @@
 
 mod any_drawing;
 mod any_figure;
+mod layouts;
 mod panel_maps;
 
 use proptest::collection::vec;

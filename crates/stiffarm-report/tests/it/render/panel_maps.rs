@@ -180,7 +180,9 @@ fn small_values_are_bright_where_asked_for() {
         .filter(|n| n.attribute("shape-rendering").is_some())
         .collect();
     let (bar, legend) = cells[2..].split_at(64);
-    assert_eq!(legend.len(), 1);
+    // A map that has a value everywhere needs no entry for cells without one.
+    assert!(legend.is_empty());
+    assert!(!texts(&svg).contains(&"map".to_owned()));
     let left = |n: &&Node| rectangles(n)[0][0];
     let mut places: Vec<&Node> = cells[..2].iter().collect();
     places.sort_by(|a, b| left(a).total_cmp(&left(b)));
