@@ -2,10 +2,52 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::identified::{in_order, place, places};
-use stiffarm::estimate::validate::Validation;
+use stiffarm::estimate::validate::{PointDeviation, Validation};
+use stiffarm::findings::visible;
 
 /// More points than this are shown posture by posture.
 const MOST_BARS: usize = 40;
+
+/// What rows are told apart by.
+type Kind = (&'static str, fn(&PointDeviation) -> &str);
+const KINDS: [Kind; 3] = [
+    ("posture", |p| &p.posture),
+    ("load state", |p| &p.state),
+    ("measuring point", |p| &p.point),
+];
+
+/// What tells one row from another: posture, load state and point, as far as there are several of each.
+fn row_names(points: &[PointDeviation]) -> (Vec<String>, String) {
+    let several = |of: &fn(&PointDeviation) -> &str| in_order(points.iter().map(of)).len() > 1;
+    let mut shown: Vec<_> = KINDS.iter().filter(|(_, of)| several(of)).collect();
+    if shown.is_empty() {
+        shown.push(&KINDS[2]);
+    }
+    let name = |p: &PointDeviation| {
+        let parts: Vec<String> = shown
+            .iter()
+            .map(|(_, of)| visible(of(p)).into_owned())
+            .collect();
+        parts.join(" · ")
+    };
+    let axis: Vec<&str> = shown.iter().map(|(word, _)| *word).collect();
+    (points.iter().map(name).collect(), axis.join(" · "))
+}
+
+/// The posture and load state of all rows, where there is only one.
+fn only(points: &[PointDeviation]) -> String {
+    let one = |word: &str, names: Vec<&str>| match names.as_slice() {
+        [name] => format!(", {word} {}", visible(name)),
+        _ => String::new(),
+    };
+    one(
+        "posture",
+        in_order(points.iter().map(|p| p.posture.as_str())),
+    ) + &one(
+        "load state",
+        in_order(points.iter().map(|p| p.state.as_str())),
+    )
+}
 
 /// Deviations of Eq. (22) with noise and tolerance, and calculated against measured displacement.
 pub fn validation_figure(found: &Validation) -> Figure {
@@ -14,17 +56,21 @@ pub fn validation_figure(found: &Validation) -> Figure {
         true => {
             let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
             let bars = Series::new("deviation δb", Style::Bars, places(points.len()), y);
-            let labels: Vec<String> = points.iter().map(|p| p.label.clone()).collect();
-            (labels, "posture – measuring point", bars)
+            let (labels, axis) = row_names(points);
+            (labels, axis, bars)
         }
         false => {
-            let names = in_order(points.iter().map(|p| p.posture.as_str()));
-            let at = |posture: &str| place(&names, posture) as f64;
-            let x = points.iter().map(|p| at(&p.posture)).collect();
+            // The first that tells many rows apart.
+            let several = KINDS
+                .iter()
+                .find(|(_, of)| in_order(points.iter().map(of)).len() > 1);
+            let (axis, of) = *several.unwrap_or(&KINDS[0]);
+            let names = in_order(points.iter().map(of));
+            let x = points.iter().map(|p| place(&names, of(p)) as f64).collect();
             let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
             let dots = Series::new("deviation δb", Style::Points, x, y);
             let labels = names.into_iter().map(String::from).collect();
-            (labels, "posture", dots)
+            (labels, axis.to_string(), dots)
         }
     };
     let ends = vec![-0.5, labels.len() as f64 - 0.5];
@@ -67,9 +113,11 @@ pub fn validation_figure(found: &Validation) -> Figure {
     Figure {
         id: "validation".into(),
         title: "Calculated against measured displacement".into(),
-        caption: "Deviation of calculated from measured displacement, Eq. (22), at each measuring point, with what noise alone \
-                  gives on average; and size of the displacement, calculated over measured: on the line the two agree."
-            .into(),
+        caption: format!(
+            "Deviation of calculated from measured displacement, Eq. (22), at each measuring point{}, with what noise alone \
+             gives on average; and size of the displacement, calculated over measured: on the line the two agree.",
+            only(points)
+        ),
         columns: 2,
         panels: vec![
             Panel {

@@ -1,6 +1,5 @@
 //! Systematic errors by source, and which unknowns the data tell apart.
 
-use super::places;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use stiffarm::estimate::identify::Estimates;
 use stiffarm::estimate::systematic::SystematicErrors;
@@ -14,23 +13,28 @@ pub fn errors_figure(budget: &SystematicErrors) -> Figure {
             true => &source.change,
             false => &source.bounded,
         };
-        let y = (0..count).map(|j| {
-            own.get(j)
-                .copied()
-                .flatten()
-                .map_or(f64::NAN, |c| 100.0 * c.abs())
-        });
+        let known = own.iter().enumerate().take(count);
+        let known = known.filter_map(|(j, c)| Some((j as f64, 100.0 * (*c)?.abs())));
+        let (x, y) = known.unzip();
         let star = if source.declared { "" } else { " *" };
         let label = format!("{}{star}", source.name.replace('-', " "));
-        Series::new(label, Style::Bars, places(count), y.collect())
+        Series::new(label, Style::Bars, x, y)
     });
+    // Results of earlier versions say none.
+    let level = budget.confidence.unwrap_or(0.95);
     let assumed = budget.sources.iter().any(|source| !source.declared);
     Figure {
         id: "systematic-errors".into(),
         title: "Systematic errors by source".into(),
         caption: format!(
             "Relative standard uncertainty of each joint's stiffness by each source, as far as the readings leave it \
-             possible. The tallest bar of a joint is what to make better first.{}",
+             possible: one standard deviation, while the ± of the tables is at {} %{}. The tallest bar of a joint is what to make better \
+             first.{}",
+            (1000.0 * level).round() / 10.0,
+            match level {
+                0.95 => ", about 1.96 times as wide",
+                _ => "",
+            },
             match assumed {
                 true => " * Size assumed; [uncertainty] of the cell declares it.",
                 false => "",

@@ -1,6 +1,5 @@
 //! Load states of the postures, and what single postures do to the result.
 
-use super::places;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use stiffarm::estimate::diagnose::LoadStates;
 use stiffarm::estimate::identify::LeaveOneOut;
@@ -63,10 +62,15 @@ pub fn influence_figure(influence: &LeaveOneOut) -> Figure {
         .map(|p| p.posture.as_str())
         .collect();
     let count = names.len();
-    let largest = influence.postures.iter().map(|posture| {
-        let shifts = posture.shifts.iter().flatten().map(|shift| shift.abs());
-        shifts.fold(f64::NAN, f64::max)
-    });
+    let largest = influence
+        .postures
+        .iter()
+        .enumerate()
+        .filter_map(|(i, posture)| {
+            let shifts = posture.shifts.iter().flatten().map(|shift| shift.abs());
+            Some((i as f64, shifts.reduce(f64::max)?))
+        });
+    let (x, largest) = largest.unzip();
     let ends = vec![-0.5, count as f64 - 0.5];
     Figure {
         id: "influence".into(),
@@ -80,7 +84,7 @@ pub fn influence_figure(influence: &LeaveOneOut) -> Figure {
             x: Axis::categorical("posture left out", names),
             y: Axis::linear("largest change", "standard errors").from_zero(),
             series: vec![
-                Series::new("change", Style::Bars, places(count), largest.collect()),
+                Series::new("change", Style::Bars, x, largest),
                 Series::new("worth a look", Style::Dashed, ends, vec![CLEAR; 2]),
             ],
             equal_aspect: false,

@@ -60,13 +60,14 @@ pub fn stiffness_figure(
     let parts = [
         part("readings", &|row| row.statistical),
         part("systematic", &|row| row.systematic),
-        part("both", &|row| row.total),
+        part("total", &|row| row.total),
     ];
     let parts = parts
         .into_iter()
         .filter(|series| !series.y.is_empty())
-        // Without systematic errors both are one.
-        .filter(|series| has_both || series.label != "both");
+        // Without systematic errors the total is the readings'.
+        .filter(|series| has_both || series.label != "total");
+    let parts: Vec<Series> = parts.collect();
     let panel = |title: &str, y: Axis, series: Vec<Series>| Panel {
         title: title.into(),
         x: Axis::categorical("", joints.clone()),
@@ -74,12 +75,33 @@ pub fn stiffness_figure(
         series,
         equal_aspect: false,
     };
+    let mut panels = vec![panel(
+        "stiffness",
+        Axis::log("joint stiffness", "10⁶ N·m/rad"),
+        series,
+    )];
+    let widths = match (parts.is_empty(), has_both) {
+        (true, _) => "; no joint is known to better than its own size",
+        (false, true) => {
+            "; and that ± with its parts, where a joint without a bar of the total is known to no better than its own size"
+        }
+        (false, false) => {
+            "; and that ±, by the readings alone, where a joint without a bar is known to no better than its own size"
+        }
+    };
+    if !parts.is_empty() {
+        let title = match has_both {
+            true => "total ± and its parts",
+            false => "± by the readings",
+        };
+        let half = Axis::linear("half width", "% of k").from_zero();
+        panels.push(panel(title, half, parts));
+    }
     Figure {
         id: "joint-stiffness".into(),
         title: "Joint stiffness and how well it is known".into(),
         caption: format!(
-            "Stiffness of each joint with its ± at {level} % (none where the interval is open){}; and that ± with its \
-             parts, where a joint without a bar is known to no better than its own size.",
+            "Stiffness of each joint with its ± at {level} % (none where the interval is open){}{widths}.",
             match (prior.is_empty(), published.is_empty()) {
                 (true, true) => "",
                 (false, true) => ", beside the cell's prior",
@@ -87,18 +109,7 @@ pub fn stiffness_figure(
                 (false, false) => ", beside the cell's prior and published values",
             }
         ),
-        columns: 2,
-        panels: vec![
-            panel(
-                "stiffness",
-                Axis::log("joint stiffness", "10⁶ N·m/rad"),
-                series,
-            ),
-            panel(
-                "total ± and its parts",
-                Axis::linear("half width", "% of k").from_zero(),
-                parts.collect(),
-            ),
-        ],
+        columns: panels.len(),
+        panels,
     }
 }

@@ -53,14 +53,14 @@ struct PartTemplate<'a> {
 
 /// Words, sign and class of an outcome: no colour says it alone.
 #[derive(Clone, Copy)]
-struct Status {
+pub(crate) struct Status {
     class: &'static str,
-    sign: &'static str,
-    words: &'static str,
+    pub(crate) sign: &'static str,
+    pub(crate) words: &'static str,
 }
 
 impl Outcome {
-    fn status(self) -> Status {
+    pub(crate) fn status(self) -> Status {
         let (class, sign, words) = match self {
             Outcome::Good => ("good", "✓", "Nothing speaks against it"),
             Outcome::Caution => ("caution", "!", "Look at the cautions"),
@@ -197,6 +197,9 @@ fn text(text: &Text) -> String {
         Piece::Words(words) => together(words),
         Piece::Strong(words) => format!("<strong>{}</strong>", together(words)),
         Piece::Code(words) => code(words),
+        Piece::Link(words, anchor) => {
+            format!("<a href=\"#{}\">{}</a>", escape(anchor), escape(words))
+        }
         Piece::Different(words) => format!("<span class=\"different\">{}</span>", escape(words)),
         Piece::Number(number) => number_html(number),
     });

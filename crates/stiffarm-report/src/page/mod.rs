@@ -137,6 +137,8 @@ pub enum Piece {
     Strong(String),
     /// What one types, or a name from a file.
     Code(String),
+    /// Words that lead to an anchor of the page.
+    Link(String, String),
     /// Words that say how something differs from what stands beside it.
     Different(String),
     /// A number with its unit.
@@ -196,6 +198,13 @@ impl Text {
         self
     }
 
+    /// With words that lead to an anchor of the page.
+    #[must_use]
+    pub fn link(mut self, words: impl Into<String>, anchor: impl Into<String>) -> Self {
+        self.0.push(Piece::Link(words.into(), anchor.into()));
+        self
+    }
+
     /// With a number.
     #[must_use]
     pub fn number(mut self, number: Number) -> Self {
@@ -209,6 +218,7 @@ impl Text {
             Piece::Words(words)
             | Piece::Strong(words)
             | Piece::Code(words)
+            | Piece::Link(words, _)
             | Piece::Different(words) => words.clone(),
             Piece::Number(number) => number.text(),
         });

@@ -88,6 +88,12 @@ fn came(context: &Context<'_>, found: &Validation) -> Text {
             band.inside, band.components
         ));
     }
+    if found.compensation_factor.is_some() {
+        text = text
+            .words(" Compensated as calculated, the errors would have been ")
+            .number(context.number("/compensation_factor").significant(3))
+            .words(" times smaller.");
+    }
     match found.passed {
         Some(true) => text
             .words(" The tolerance of ")

@@ -22,17 +22,17 @@ use stiffarm_report::report::{Given, report};
 
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)>";
 
-fn group(cell: &Cell) -> Vec<Posture> {
+pub(crate) fn group(cell: &Cell) -> Vec<Posture> {
     builtin::postures("comau-group1", &cell.setup.robot).unwrap()
 }
 
 /// A cell with simulated displacements of these postures.
-fn measured(cell: &Cell, postures: &[Posture]) -> Measured {
+pub(crate) fn measured(cell: &Cell, postures: &[Posture]) -> Measured {
     let readings = simulated_readings(cell, postures, 1).unwrap();
     prepare(cell, readings, &Default::default()).unwrap()
 }
 
-fn saved(command: &str, result: Value) -> SavedResult {
+pub(crate) fn saved(command: &str, result: Value) -> SavedResult {
     let envelope = json!({
         "format": 1, "stiffarm": "0.1.0", "command": command, "inputs": {}, "seed": 1,
         "options": {"exclude": []}, "result": result
@@ -41,7 +41,7 @@ fn saved(command: &str, result: Value) -> SavedResult {
 }
 
 /// What the command writes, without the search for a next posture.
-fn identified(cell: &Cell, measured: &Measured) -> Value {
+pub(crate) fn identified(cell: &Cell, measured: &Measured) -> Value {
     let fit = Fit::new(cell, measured, &IdentifyOptions::default()).unwrap();
     let mut result: Map<String, Value> = to(&fit.identification().unwrap());
     result.insert("budget".into(), json!(systematic_errors(&fit).unwrap()));

@@ -6,6 +6,8 @@ mod gallery;
 mod generic;
 #[cfg(feature = "page")]
 mod identified;
+#[cfg(feature = "page")]
+mod identified_wrong;
 mod maps;
 #[cfg(feature = "page")]
 mod page;

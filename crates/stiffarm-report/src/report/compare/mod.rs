@@ -75,13 +75,21 @@ impl<'a> Kind<'a> {
 
 /// One row for each result: its verdict.
 fn results(parts: &[Part]) -> DataTable {
-    let mut table = DataTable::new("What came out", ["result", "what it is", "what came out"]);
+    // Said once where all are the same.
+    let alike = parts.iter().all(|part| part.heading == parts[0].heading);
+    let headings = ["result", "status", "what it is", "what came out"];
+    let headings = headings
+        .into_iter()
+        .filter(|own| !alike || *own != "what it is");
+    let mut table = DataTable::new("What came out", headings);
     for (number, part) in parts.iter().enumerate() {
-        let cells = [
-            Text::from(part.heading.as_str()),
-            of_result(&part.verdict[1], number),
-        ];
-        table.row(part.name.as_str(), cells);
+        let status = part.outcome.status();
+        let mut cells =
+            vec![Text::default().strong(format!("{}\u{a0}{}", status.sign, status.words))];
+        cells.extend((!alike).then(|| Text::from(part.heading.as_str())));
+        cells.push(of_result(&part.verdict[1], number));
+        let name = Text::default().link(part.name.as_str(), format!("r{number}"));
+        table.row(name, cells);
     }
     table
 }
@@ -132,8 +140,22 @@ fn charts(parts: &[(usize, &Part)]) -> Vec<Block> {
             figure
         });
         let mut named: Vec<Figure> = named.collect();
+        named.iter_mut().for_each(name_empty_panels);
         share_axes(&mut named);
         Some(Block::Figures(named))
     });
     shared.collect()
+}
+
+/// Says of a panel without a value that there is none: beside others it would look like a fault.
+fn name_empty_panels(figure: &mut Figure) {
+    for panel in &mut figure.panels {
+        let mut values = panel.series.iter().flat_map(|s| s.x.iter().zip(&s.y));
+        if !values.any(|(x, y)| x.is_finite() && y.is_finite()) {
+            panel.title = match panel.title.is_empty() {
+                true => "no value".to_string(),
+                false => format!("{}: no value", panel.title),
+            };
+        }
+    }
 }

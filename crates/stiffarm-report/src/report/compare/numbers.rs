@@ -7,7 +7,7 @@ const TOTAL: &str = "± total [%]";
 
 /// The numbers of the key tables beside each other.
 pub(super) struct Numbers {
-    /// One row each, with the difference in the last column.
+    /// One row each, with the difference of each further result from the first in the last columns.
     pub table: DataTable,
     /// How many differ.
     pub differ: usize,
@@ -20,6 +20,10 @@ pub(super) struct Numbers {
 pub(super) struct StiffnessChange {
     /// Name of the joint.
     pub joint: String,
+    /// Name of the result that differs.
+    pub result: String,
+    /// Name of the first result.
+    pub first: String,
     /// Difference from the first result \[%\], without its sign.
     pub change: f64,
     /// The larger total ± of the two \[%\].
@@ -40,11 +44,18 @@ impl Numbers {
             .iter()
             .map(|(number, part)| Some((*number, part.key.as_ref()?)))
             .collect::<Option<_>>()?;
-        let names = parts.iter().map(|(_, part)| part.name.clone());
+        let names: Vec<&String> = parts.iter().map(|(_, part)| &part.name).collect();
+        let differences = names.iter().skip(1).map(|name| match names.len() {
+            2 => "difference".to_string(),
+            _ => format!("difference of {name}"),
+        });
         let headings = std::iter::once("number".to_string())
-            .chain(names)
-            .chain(["difference".to_string()]);
-        let mut out = DataTable::new("The key tables, number by number", headings);
+            .chain(names.iter().map(ToString::to_string))
+            .chain(differences);
+        let mut out = DataTable::new(
+            "The key tables, number by number; what is in percent differs by percentage points",
+            headings,
+        );
         let mut rows: Vec<String> = Vec::new();
         for row in tables.iter().flat_map(|(_, table)| &table.rows) {
             let name = row.first().map(Text::plain).unwrap_or_default();
@@ -63,8 +74,9 @@ impl Numbers {
         }
         let mut differ = 0;
         let mut stiffness: Option<StiffnessChange> = None;
-        for row in &rows {
-            for column in &columns {
+        // All of one quantity together: what is sought first, then how sure it is.
+        for column in &columns {
+            for row in &rows {
                 let cells: Vec<Option<(usize, &Text)>> = tables
                     .iter()
                     .map(|(number, table)| Some((*number, cell(table, row, column)?)))
@@ -78,14 +90,22 @@ impl Numbers {
                     None => Text::from("–"),
                 });
                 let shown: Vec<Text> = shown.collect();
-                let mut difference = difference(&shown);
-                differ += usize::from(matches!(difference.0[0], Piece::Different(_)));
+                let others = shown.iter().skip(1);
+                let mut differences: Vec<Text> = others
+                    .map(|other| difference(&shown[0], other, column))
+                    .collect();
+                let differs = |text: &Text| matches!(text.0[0], Piece::Different(_));
+                differ += usize::from(differences.iter().any(differs));
                 if column.starts_with("k [") {
                     let totals = tables.iter().map(|(_, table)| cell(table, row, TOTAL));
                     let totals: Vec<Option<f64>> = totals.map(|cell| value(cell?)).collect();
-                    for change in changes(row, &shown, &totals) {
+                    let changes = changes(row, &names, &shown, &totals);
+                    for (text, change) in differences.iter_mut().zip(changes) {
+                        let Some(change) = change else {
+                            continue;
+                        };
                         if change.is_beyond() {
-                            difference.0.push(Piece::Words(" beyond ±".to_string()));
+                            text.0.push(Piece::Words(" beyond ±".to_string()));
                         }
                         // One beyond its ± says more than a larger one within.
                         let weight = |c: &StiffnessChange| (c.is_beyond(), c.change);
@@ -99,7 +119,7 @@ impl Numbers {
                 }
                 out.row(
                     format!("{row} · {column}"),
-                    shown.into_iter().chain([difference]),
+                    shown.into_iter().chain(differences),
                 );
             }
         }
@@ -121,15 +141,20 @@ impl Numbers {
     }
 }
 
-/// The stiffness of a joint in the other results against the first, where both say their total ±.
-fn changes(joint: &str, shown: &[Text], totals: &[Option<f64>]) -> Vec<StiffnessChange> {
-    let Some((first, own)) = value(&shown[0]).zip(totals[0]) else {
-        return Vec::new();
-    };
-    let others = shown.iter().zip(totals).skip(1);
-    let others = others.filter_map(|(text, total)| {
+/// The stiffness of a joint in each further result against the first, where both say their total ±.
+fn changes(
+    joint: &str,
+    names: &[&String],
+    shown: &[Text],
+    totals: &[Option<f64>],
+) -> Vec<Option<StiffnessChange>> {
+    let others = names.iter().zip(shown).zip(totals).skip(1);
+    let others = others.map(|((name, text), total)| {
+        let (first, own) = value(&shown[0]).zip(totals[0])?;
         Some(StiffnessChange {
             joint: joint.to_string(),
+            result: name.to_string(),
+            first: names[0].clone(),
             change: 100.0 * (value(text)? - first).abs() / first.abs(),
             total: total.as_ref()?.max(own),
         })
@@ -156,26 +181,34 @@ fn cell<'a>(table: &'a DataTable, row: &str, column: &str) -> Option<&'a Text> {
     row.get(place)
 }
 
-/// How far the others are from the first, where that shows.
-fn difference(cells: &[Text]) -> Text {
-    let first = &cells[0];
-    if cells.iter().all(|cell| cell.plain() == first.plain()) {
+/// How far another cell of a column is from the first, where that shows. Percent differ by percentage points: a
+/// percentage of a percentage says little.
+fn difference(first: &Text, other: &Text, column: &str) -> Text {
+    if first.plain() == other.plain() {
         return Text::from("same");
     }
-    let others = cells[1..]
-        .iter()
-        .map(|cell| match (value(first), value(cell)) {
-            (Some(a), Some(b)) if a != 0.0 => {
-                let change = Number::new("", Some(100.0 * (b - a) / a.abs())).significant(3);
-                let sign = if b > a { "+" } else { "" };
-                format!("{sign}{} %", change.digits())
-            }
-            (Some(_), Some(_)) => "differs".to_string(),
-            (Some(_), None) => "missing".to_string(),
-            (None, _) => "new".to_string(),
-        });
-    let others: Vec<String> = others.collect();
-    Text(vec![Piece::Different(others.join(", "))])
+    let in_percent = column.contains('%') || [first, other].iter().any(|cell| is_percent(cell));
+    let said = match (value(first), value(other)) {
+        (Some(a), Some(b)) if in_percent => signed(b - a, 2) + "\u{a0}points",
+        (Some(a), Some(b)) if a != 0.0 => signed(100.0 * (b - a) / a.abs(), 3) + " %",
+        (Some(_), Some(_)) => "differs".to_string(),
+        (Some(_), None) => "missing".to_string(),
+        (None, _) => "new".to_string(),
+    };
+    Text(vec![Piece::Different(said)])
+}
+
+/// A number with its sign.
+fn signed(value: f64, digits: usize) -> String {
+    let sign = if value > 0.0 { "+" } else { "" };
+    let number = Number::new("", Some(value)).significant(digits);
+    format!("{sign}{}", number.digits())
+}
+
+/// Whether the number of a cell is shown in percent.
+fn is_percent(cell: &Text) -> bool {
+    let mut numbers = cell.0.iter();
+    numbers.any(|piece| matches!(piece, Piece::Number(number) if number.unit == "%"))
 }
 
 /// A text whose numbers say which result they stand in.

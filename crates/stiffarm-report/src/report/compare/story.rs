@@ -75,18 +75,21 @@ fn stiffness(out: Text, most: &StiffnessChange) -> Text {
     };
     let (change, total) = (percent(most.change), percent(most.total));
     let joint = &most.joint;
+    let pair = format!("{} against {}", most.result, most.first);
     match (most.change == 0.0, most.is_beyond()) {
         (true, _) => out.words("The joint stiffness is the same. "),
         (false, true) => out
             .words(format!("The stiffness of {joint} differs by "))
             .strong(change)
             .words(format!(
-                ", beyond its total ± of {total}: they contradict each other. "
+                ", beyond its total ± of {total} ({pair}): they contradict each other. "
             )),
         (false, false) => out
             .words("The joint stiffness differs by at most ")
             .strong(change)
-            .words(format!(" ({joint}), within its total ± of {total}. ")),
+            .words(format!(
+                " ({joint}, {pair}), within its total ± of {total}. "
+            )),
     }
 }
 
@@ -94,9 +97,19 @@ fn stiffness(out: Text, most: &StiffnessChange) -> Text {
 fn next(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
     let serious = parts.iter().filter(|part| part.outcome == Outcome::Serious);
     let serious: Vec<&str> = serious.map(|part| part.name.as_str()).collect();
-    if !serious.is_empty() {
-        let words = format!("Do not use {} as it is: ", listed(&serious));
-        return Text::new(words).words("the verdict of that part says why and what to do.");
+    match serious.as_slice() {
+        [] => {}
+        [one] => {
+            return Text::default()
+                .strong(format!("Do not use {one} as it is"))
+                .words(": the verdict of its part says why and what to do.");
+        }
+        several => {
+            let words = format!("Do not use {} as they are", listed(several));
+            return Text::default()
+                .strong(words)
+                .words(": the verdicts of their parts say why and what to do.");
+        }
     }
     let numbers = kinds.iter().filter_map(|kind| kind.numbers.as_ref());
     let mut changes = numbers.filter_map(|numbers| numbers.stiffness.as_ref());

@@ -14,10 +14,12 @@ use stiffarm::units::rad_to_deg;
 
 /// The part of a page.
 pub(super) fn part(context: &Context<'_>, found: &ClampedIdentification) -> Result<Part> {
+    let findings = context.saved.findings();
     let joints = Joints {
         context,
         estimates: &found.estimates,
         budget: None,
+        serious: findings.iter().any(|f| f.severity == Severity::Serious),
     };
     let names = in_order(found.postures.iter().map(|p| p.posture.as_str()));
     let done = Text::new(format!(
@@ -38,10 +40,8 @@ pub(super) fn part(context: &Context<'_>, found: &ClampedIdentification) -> Resu
         .words(" of angles of ")
         .number(mdeg("/motor_rms_rad"))
         .words(" (RMS).");
-    let findings = context.saved.findings();
-    let serious = findings.iter().any(|f| f.severity == Severity::Serious);
     let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
-    let next = match (serious, missing.is_empty()) {
+    let next = match (joints.serious, missing.is_empty()) {
         (true, _) => Text::default()
             .strong("Settle what is marked serious first")
             .words(", then identify again."),

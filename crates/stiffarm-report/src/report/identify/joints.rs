@@ -12,6 +12,9 @@ pub(super) const WELL: f64 = 0.1;
 /// From this fraction of k on there is no ±: 1/H is far from linear there.
 const NO_LONGER: f64 = 0.5;
 
+/// Heading of the ± by the scatter of the readings.
+const READINGS: &str = "± readings [%]";
+
 /// Names of so many letters are not broken.
 const SHORT: usize = 16;
 
@@ -32,6 +35,8 @@ pub(super) enum Grade {
     Fault,
     /// Nothing says how sure it is.
     Unsure,
+    /// With all errors not even a bound.
+    NoValue,
     /// Not at all.
     Undetermined,
 }
@@ -41,6 +46,8 @@ pub(super) struct Joints<'a> {
     pub context: &'a Context<'a>,
     pub estimates: &'a Estimates,
     pub budget: Option<&'a SystematicErrors>,
+    /// Something is so wrong that no value counts.
+    pub serious: bool,
 }
 
 impl<'a> Joints<'a> {
@@ -101,12 +108,32 @@ impl<'a> Joints<'a> {
         match (joint.verdict, self.half_width(j)) {
             (Verdict::Undetermined, _) => Grade::Undetermined,
             (Verdict::SignOrModelFault, _) => Grade::Fault,
-            (Verdict::LowerBoundOnly, _) => Grade::Bound,
+            (Verdict::LowerBoundOnly, _) if self.has_end(j) => Grade::Bound,
+            (Verdict::LowerBoundOnly, _) => Grade::NoValue,
             (Verdict::NoInterval, _) | (_, None) => Grade::Unsure,
             (_, Some(half)) if half <= WELL => Grade::Known,
             (_, Some(half)) if half < NO_LONGER => Grade::Weak,
             _ => Grade::Hardly,
         }
+    }
+
+    /// Whether the interval has a lower end: with all errors where they are known.
+    fn has_end(&self, j: usize) -> bool {
+        let ends = match self.errors(j) {
+            Some(own) => own.interval_nm_per_rad,
+            None => self.all()[j].interval,
+        };
+        ends[0].is_some()
+    }
+
+    /// An end of the interval.
+    pub fn end(&self, j: usize, i: usize) -> Number {
+        let below = match self.errors(j) {
+            Some(_) => format!("/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
+            None => format!("/joints/{j}/interval/{i}"),
+        };
+        let number = self.context.number(&below).mega();
+        number.unit("· 10⁶ N·m/rad").significant(3)
     }
 
     /// The outcome with what the joints say: findings do not name a joint without a value.
@@ -144,19 +171,24 @@ impl<'a> Joints<'a> {
             "k [10⁶ N·m/rad]".to_string(),
             match with {
                 true => "± total [%]".to_string(),
-                false => "± readings alone [%]".to_string(),
+                false => READINGS.to_string(),
             },
         ];
         if with {
-            let more = ["± statistical [%]", "± systematic [%]", "largest source"];
+            let more = [READINGS, "± systematic [%]", "largest source"];
             headings.extend(more.map(String::from));
         }
         headings.push("verdict".to_string());
-        let mut table = DataTable::new(
-            format!(
-                "Joint stiffness with its ± at {level} % confidence; known means a ± of at most {:.0} %",
+        let meant = match (self.serious, with) {
+            (true, _) => "from the data as they are, not to be used".to_string(),
+            (false, true) => format!("known means a total ± of at most {:.0} %", 100.0 * WELL),
+            (false, false) => format!(
+                "known means a ± of at most {:.0} %, here by the scatter of the readings alone",
                 100.0 * WELL
             ),
+        };
+        let mut table = DataTable::new(
+            format!("Joint stiffness with its ± at {level} % confidence; {meant}"),
             headings,
         );
         for (j, joint) in self.all().iter().enumerate() {
@@ -199,22 +231,17 @@ impl<'a> Joints<'a> {
 
     /// The verdict on a joint, with the ends of its interval where there is no ±.
     fn verdict(&self, j: usize) -> Text {
-        let end = |i: usize| {
-            let own = self.errors(j);
-            // Without a stiffness there is the interval by the scatter alone.
-            let below = match own.filter(|own| own.interval_nm_per_rad[0].is_some()) {
-                Some(_) => format!("/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
-                None => format!("/joints/{j}/interval/{i}"),
-            };
-            self.context.number(&below).mega().bare().significant(3)
-        };
+        let end = |i: usize| self.end(j, i);
         match self.grade(j) {
+            Grade::Known | Grade::Weak | Grade::Hardly | Grade::Bound if self.serious => {
+                Text::new("settle what is wrong first")
+            }
             Grade::Known => Text::new("known"),
             Grade::Weak => Text::default().strong("weak"),
             Grade::Hardly if end(1).value.is_some() => Text::default()
                 .strong("hardly known")
                 .words(": ")
-                .number(end(0))
+                .number(end(0).bare())
                 .words(" to ")
                 .number(end(1)),
             Grade::Hardly | Grade::Bound => Text::default()
@@ -230,6 +257,7 @@ impl<'a> Joints<'a> {
             Grade::Unsure => Text::default()
                 .strong("no interval")
                 .words(": nothing says how sure it is"),
+            Grade::NoValue => Text::default().strong("no usable value"),
             Grade::Undetermined => Text::default().strong("not determined"),
         }
     }

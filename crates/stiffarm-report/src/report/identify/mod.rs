@@ -6,6 +6,7 @@ mod joints;
 mod readings;
 mod sections;
 mod story;
+mod warnings;
 
 pub(super) use arrows::{Residuals, residual_section};
 
@@ -25,11 +26,6 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         return clamped::part(context, &found);
     }
     let found: Identified = context.saved.result()?;
-    let joints = Joints {
-        context,
-        estimates: &found.identification.estimates,
-        budget: found.budget.as_ref(),
-    };
     // A scale that no screening could name, where the cell is at hand.
     let named = found
         .screening()
@@ -41,13 +37,24 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         .findings()
         .into_iter()
         .chain(implausible.clone());
-    let serious: Vec<_> = serious
+    let mut serious: Vec<_> = serious
         .filter(|f| f.severity == Severity::Serious)
         .collect();
+    warnings::sort(&mut serious, &found);
+    let joints = Joints {
+        context,
+        estimates: &found.identification.estimates,
+        budget: found.budget.as_ref(),
+        serious: !serious.is_empty(),
+    };
+    let came = match serious.as_slice() {
+        [] => story::came(&joints, &found),
+        [first, rest @ ..] => story::unusable(first, rest.len()),
+    };
     let verdict = [
         story::done(context, &found),
-        story::came(&joints, &found),
-        story::next(&joints, &found, !serious.is_empty()),
+        came,
+        story::next(&joints, &found),
     ];
     let cell = arrows::cell_section(context, &found)?;
     let mut all: Vec<Option<Section>> = Vec::new();
@@ -71,7 +78,11 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let sections = all.into_iter().flatten().collect();
     let heading = "Joint stiffness from measurements".to_string();
     let mut part = context.part(heading, verdict, Some(joints.key()), sections);
-    part.warnings.splice(0..0, implausible);
+    part.warnings.extend(implausible);
+    part.warnings.extend(warnings::no_budget(context, &found));
+    warnings::sort(&mut part.warnings, &found);
     part.outcome = joints.outcome(Outcome::of(&part.warnings));
+    let held_back = warnings::held_back(&mut part.warnings, &found);
+    part.sections.extend(held_back);
     Ok(part)
 }

@@ -1,7 +1,6 @@
 //! The verdict on the measured readings, in the order in which one acts.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::identified::places;
 use crate::page::{Block, DataTable, Section, Text};
 use crate::report::context::Context;
 use serde_json::Value;
@@ -37,15 +36,19 @@ pub(super) fn section(context: &Context<'_>, found: &Identified) -> Option<Secti
 fn suspicions(context: &Context<'_>, screening: &Screening, below: &str) -> DataTable {
     let mut table = DataTable::new(
         "What is likely wrong with the table, in the order to correct it",
-        [
-            "likely cause",
-            "weight",
-            "where",
-            "lines",
-            "misfit as read [mm]",
-            "misfit corrected [mm]",
-        ],
+        ["likely cause", "weight", "where"],
     );
+    // Columns that some row fills.
+    let all = &screening.suspicions;
+    let has_lines = all.iter().any(|s| !s.lines.is_empty());
+    let has_misfits = all.iter().any(|s| s.before_m.is_some());
+    if has_lines {
+        table.headings.push("lines".to_string());
+    }
+    if has_misfits {
+        let more = ["misfit as read [mm]", "misfit corrected [mm]"];
+        table.headings.extend(more.map(String::from));
+    }
     let mut order: Vec<usize> = (0..screening.suspicions.len()).collect();
     let weight = |i: &usize| screening.findings.get(*i).map(|f| f.severity);
     order.sort_by_key(|i| std::cmp::Reverse(weight(i)));
@@ -56,17 +59,18 @@ fn suspicions(context: &Context<'_>, screening: &Screening, below: &str) -> Data
             number.mm().bare().significant(3)
         };
         let lines: Vec<String> = own.lines.iter().map(usize::to_string).collect();
-        let cells = [
+        let mut cells = vec![
             match weight(&i) {
                 Some(Severity::Serious) => Text::default().strong("serious"),
                 Some(Severity::Caution) => "caution".into(),
                 _ => "note".into(),
             },
             Text::new(place(own)),
-            Text::new(shortened(&lines)),
-            misfit("before_m").into(),
-            misfit("after_m").into(),
         ];
+        cells.extend(has_lines.then(|| Text::new(shortened(&lines))));
+        if has_misfits {
+            cells.extend(["before_m", "after_m"].map(|key| Text::from(misfit(key))));
+        }
         table.row(cause(own), cells);
     }
     table
@@ -86,13 +90,20 @@ fn place(own: &Suspicion) -> String {
             .iter()
             .map(|name| visible(name).into_owned())
             .collect();
-        (!names.is_empty()).then(|| format!("{word} {}", shortened(&names)))
+        (!names.is_empty()).then(|| {
+            let word = match names.len() {
+                2.. if !word.is_empty() => format!("{word}s"),
+                _ => word.to_string(),
+            };
+            format!("{word} {}", shortened(&names)).trim().to_string()
+        })
     };
     let parts = [
         part("posture", &own.postures),
         part("state", &own.states),
         part("point", &own.points),
-        part("joint", &own.joints),
+        // Their names say what they are.
+        part("", &own.joints),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     match parts.is_empty() {
@@ -102,7 +113,7 @@ fn place(own: &Suspicion) -> String {
 }
 
 /// A list of which a long middle is left out.
-fn shortened(names: &[String]) -> String {
+pub(super) fn shortened(names: &[String]) -> String {
     match names {
         [] => "–".to_string(),
         [first, second, .., last] if names.len() > 6 => {
@@ -200,11 +211,9 @@ fn checks(context: &Context<'_>, readings: &Reduced) -> DataTable {
 fn registration_figure(registration: &UnloadedRegistration) -> Figure {
     let postures = &registration.postures;
     let bars = |label: &str, used: bool| {
-        let y = postures.iter().map(|p| match p.used == used {
-            true => 1e3 * p.rms_m,
-            false => f64::NAN,
-        });
-        Series::new(label, Style::Bars, places(postures.len()), y.collect())
+        let own = postures.iter().enumerate().filter(|(_, p)| p.used == used);
+        let (x, y) = own.map(|(i, p)| (i as f64, 1e3 * p.rms_m)).unzip();
+        Series::new(label, Style::Bars, x, y)
     };
     let mut series = vec![bars("used", true)];
     if postures.iter().any(|p| !p.used) {

@@ -10,8 +10,10 @@ use crate::page::{Block, DataTable, Number, Section, Text};
 use crate::report::context::Context;
 use crate::study::published_for;
 use stiffarm::estimate::identified::Identified;
+use stiffarm::estimate::systematic::SystematicSource;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::robot::catalogue;
+use stiffarm::units::rad_to_deg;
 
 /// Postures and unknowns of a picture of correlations at most.
 const MOST_UNKNOWNS: usize = 14;
@@ -143,7 +145,19 @@ pub(super) fn elastic(context: &Context<'_>, found: &Identified) -> Option<Secti
 /// Residuals against noise.
 pub(super) fn residuals(context: &Context<'_>, found: &Identified) -> Section {
     let own = &found.identification;
-    let mut blocks = vec![Block::Figure(residual_figure(own))];
+    let mm = |below: &str| context.number(below).mm().decimals(4);
+    let mut words = Text::new("Residual RMS ")
+        .number(mm("/residual_rms_m"))
+        .words(", beside a displacement RMS of ")
+        .number(mm("/displacement_rms_m"))
+        .words(".");
+    if own.total_std_m.is_some() && own.expected_std_m > 0.0 {
+        words = words.words(
+            " The verdict holds the standard deviation of the residuals against noise, not this RMS: it weighs each \
+             displacement by its noise and counts the degrees of freedom that the fit has used up.",
+        );
+    }
+    let mut blocks = vec![Block::Text(words), Block::Figure(residual_figure(own))];
     let mut order: Vec<usize> = (0..own.postures.len()).collect();
     let size = |i: &usize| own.postures[*i].residual_rms_m;
     order.sort_by(|a, b| size(b).total_cmp(&size(a)));
@@ -188,7 +202,8 @@ pub(super) fn errors(context: &Context<'_>, found: &Identified) -> Option<Sectio
     let budget = found.budget.as_ref()?;
     let mut blocks = vec![Block::Figure(errors_figure(budget))];
     let mut table = DataTable::new(
-        "Sources of systematic error: size, and how much of it the readings leave",
+        "Sources of systematic error: size as a standard uncertainty, and how much of it the readings leave; 100 %: they say \
+         nothing of it, above: they look like more of it",
         [
             "source",
             "size",
@@ -199,14 +214,14 @@ pub(super) fn errors(context: &Context<'_>, found: &Identified) -> Option<Sectio
     );
     for (i, source) in budget.sources.iter().enumerate() {
         let at = |key: &str| context.number(&format!("/budget/sources/{i}/{key}"));
-        let (factor, unit) = shown_unit(&source.unit);
+        let (size, unit) = shown_size(source, at("size"));
         let declared = match source.declared {
             true => "the cell",
             false => "assumed *",
         };
         let cells = [
-            at("size").times(factor).significant(3).into(),
-            unit.to_string().into(),
+            size,
+            unit.into(),
             declared.into(),
             at("remaining").percent().bare().significant(3).into(),
         ];
@@ -220,13 +235,20 @@ pub(super) fn errors(context: &Context<'_>, found: &Identified) -> Option<Sectio
     ))
 }
 
-/// A size in SI as screens show it.
-fn shown_unit(unit: &str) -> (f64, &str) {
-    match unit {
-        "1" => (100.0, "%"),
-        "m" => (1e3, "mm"),
-        "rad" => (1e3, "mrad"),
-        other => (1.0, other),
+/// A size and its unit as cell file and terminal have them.
+fn shown_size(source: &SystematicSource, size: Number) -> (Text, &'static str) {
+    let shown = |factor: f64| Text::from(size.clone().times(factor).significant(2));
+    match source.unit.as_str() {
+        "1" => (shown(100.0), "%"),
+        "m" => (shown(1e3), "mm"),
+        "rad" if source.name == "lost-motion" => (shown(60.0 * rad_to_deg(1.0)), "arcmin"),
+        "rad" => (shown(1e3), "mrad"),
+        // A compliance in the file, a stiffness to the reader.
+        _ if source.size > 0.0 => {
+            let stiffness = Number::new("", Some(1.0 / source.size)).significant(2);
+            (stiffness.into(), "N·m/rad")
+        }
+        _ => ("rigid".into(), ""),
     }
 }
 

@@ -1,12 +1,13 @@
 //! What was done, what came out, what to do next.
 
 use super::joints::{Grade, Joints, WELL, level};
+use super::readings::shortened;
 use crate::identified::in_order;
 use crate::page::{Number, Text};
 use crate::report::context::Context;
 use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
 use stiffarm::estimate::identified::Identified;
-use stiffarm::findings::visible;
+use stiffarm::findings::{Finding, Severity, visible};
 
 /// Residuals this many times the expected noise hold more than noise, where no test says it.
 const MORE_THAN_NOISE: f64 = 1.5;
@@ -42,10 +43,38 @@ pub(super) fn done(context: &Context<'_>, found: &Identified) -> Text {
     ))
 }
 
+/// What came out where something is so wrong that no number counts; `more` is just as serious.
+pub(super) fn unusable(first: &Finding, more: usize) -> Text {
+    // The first clause says what it is, the rest how it was found.
+    let sentence = visible(&first.sentence).replace('`', "");
+    let end = [". ", "; "].iter().filter_map(|end| sentence.find(end));
+    let clause = end.min().map_or(sentence.as_str(), |end| &sentence[..end]);
+    let others = match more {
+        0 => String::new(),
+        1 => " One more finding is as serious.".to_string(),
+        count => format!(" {count} more findings are as serious."),
+    };
+    let clause = clause.trim_end_matches('.');
+    Text::default()
+        .strong("The stiffness cannot be used")
+        .words(format!(". {clause}.{others}"))
+}
+
+/// Whether only estimates and residuals were asked for.
+pub(super) fn brief(context: &Context<'_>) -> bool {
+    context.saved.json["options"]["brief"] == true
+}
+
 /// What came out.
 pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
     let context = joints.context;
-    let text = residual(known(joints), context, found);
+    let known = match found.budget {
+        Some(_) => known(joints),
+        None => known(joints)
+            .words(" ")
+            .strong("Systematic errors were not examined."),
+    };
+    let text = residual(known, context, found);
     if found.mixed().is_none() {
         return text;
     }
@@ -100,8 +129,20 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
             joints.names(&weak)
         ));
     }
-    let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
-    if !missing.is_empty() && !within.is_empty() {
+    for j in joints.of(|grade| matches!(grade, Grade::Hardly | Grade::Bound)) {
+        let (low, high) = (joints.end(j, 0), joints.end(j, 1));
+        text = text.words(format!(" {}: ", joints.name(j)));
+        text = match (joints.grade(j), high.value) {
+            (Grade::Hardly, Some(_)) => text.number(low.bare()).words(" to ").number(high),
+            _ => text.words("only a lower bound, ").number(low),
+        };
+        text = text.words(".");
+    }
+    let missing = joints.of(|grade| {
+        let valued = [Grade::Known, Grade::Weak, Grade::Hardly, Grade::Bound];
+        !valued.contains(grade)
+    });
+    if !missing.is_empty() {
         text = text
             .words(" No usable value: ")
             .strong(joints.names(&missing))
@@ -127,7 +168,7 @@ fn residual(text: Text, context: &Context<'_>, found: &Identified) -> Text {
     }
     if own.expected_std_m <= 0.0 {
         return text
-            .words(" The residual is ")
+            .words(" What the fit leaves has a standard deviation of ")
             .number(mm(std))
             .words("; the cell states no noise to compare it with.");
     }
@@ -137,7 +178,8 @@ fn residual(text: Text, context: &Context<'_>, found: &Identified) -> Text {
         _ => Agreement::Agrees,
     };
     let numbers = |text: Text| {
-        text.number(mm(std))
+        text.words("a standard deviation of ")
+            .number(mm(std))
             .words(" against ")
             .number(mm(expected))
             .words(" expected")
@@ -168,23 +210,35 @@ fn residual(text: Text, context: &Context<'_>, found: &Identified) -> Text {
 }
 
 /// What to do next.
-pub(super) fn next(joints: &Joints<'_>, found: &Identified, serious: bool) -> Text {
-    let suspicions = found.screening().map_or(&[][..], |s| &s.suspicions);
-    if serious && !suspicions.is_empty() {
-        let lines = suspicions.first().map_or(&[][..], |s| &s.lines);
-        let lines = match lines {
+pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
+    let fault = found.screening().and_then(|screening| {
+        let mut both = screening.suspicions.iter().zip(&screening.findings);
+        both.find(|(_, finding)| finding.severity == Severity::Serious)
+    });
+    if let Some((fault, _)) = fault.filter(|_| joints.serious) {
+        let lines: Vec<String> = fault.lines.iter().map(usize::to_string).collect();
+        let lines = match lines.as_slice() {
             [] => String::new(),
             [one] => format!(" (line {one})"),
-            [first, .., last] => format!(" (lines {first} to {last})"),
+            several => format!(" (lines {})", shortened(several)),
         };
         return Text::default()
             .strong(format!("Correct the table first{lines}"))
             .words(", then identify again; until then the numbers here are not to be used.");
     }
-    if serious {
+    if joints.serious {
         return Text::default()
             .strong("Settle what is marked serious first")
             .words(", then identify again; until then the numbers here are not to be used.");
+    }
+    if found.budget.is_none() {
+        let text = match brief(joints.context) {
+            true => Text::new("Identify again without ").code("--brief"),
+            false => Text::new("Identify again"),
+        };
+        return text.words(
+            ": that adds the systematic errors, the search for readings that do not fit, and the next posture to measure.",
+        );
     }
     let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
     if found.mixed().is_some() {

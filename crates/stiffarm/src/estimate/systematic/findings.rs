@@ -2,11 +2,38 @@
 
 use super::{SystematicErrors, SystematicSource};
 use crate::findings::{Finding, Severity, length, list, percent};
+use crate::measure::Measured;
 
 /// Readings that leave less than this of a size have bounded it.
 const BOUNDED: f64 = 0.9;
 /// Readings that show this many times the size contradict it.
 const CONTRADICTED: f64 = 1.5;
+
+/// What reflectors on the base have shown of its motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum BaseSeen {
+    /// Nothing.
+    No,
+    /// Its shift.
+    Shift,
+    /// Shift and turn, in every posture.
+    Turn,
+}
+
+impl BaseSeen {
+    /// What they have shown of these readings.
+    pub fn of(measured: &Measured) -> Self {
+        let motion = measured
+            .reduction
+            .as_ref()
+            .map(|r| r.base_motion.as_slice());
+        match motion.unwrap_or_default() {
+            [] => BaseSeen::No,
+            all if all.iter().all(|m| m.turn_removed) => BaseSeen::Turn,
+            _ => BaseSeen::Shift,
+        }
+    }
+}
 
 impl SystematicSource {
     /// The source in words.
@@ -43,8 +70,20 @@ impl SystematicSource {
     }
 
     /// What would make it smaller.
-    fn remedy(&self) -> &'static str {
-        match self.name.as_str() {
+    fn remedy(&self, base: BaseSeen) -> &'static str {
+        match (self.name.as_str(), base) {
+            ("base-tilt", BaseSeen::Shift) => {
+                "the reflectors on the base show its shift, not its tilt; three apart show that too"
+            }
+            ("base-tilt", BaseSeen::Turn) => {
+                "the reflectors on the base have taken its tilt off; declare a stiffer base"
+            }
+            (name, _) => Self::usual_remedy(name),
+        }
+    }
+
+    fn usual_remedy(name: &str) -> &'static str {
+        match name {
             "force-scale" => "check the force with a known weight and declare what it shows",
             "anchor" => "measure the anchor with the tracker and declare how well",
             "loading-point" => "measure the loading point with the tracker and declare how well",
@@ -57,7 +96,7 @@ impl SystematicSource {
 }
 
 /// What matters.
-pub(super) fn findings(budget: &SystematicErrors) -> Vec<Finding> {
+pub(super) fn findings(budget: &SystematicErrors, base: BaseSeen) -> Vec<Finding> {
     let mut out = Vec::new();
     if let Some(force) = budget.sources.first() {
         let assumed = if force.declared { "" } else { " (assumed)" };
@@ -68,7 +107,12 @@ pub(super) fn findings(budget: &SystematicErrors) -> Vec<Finding> {
         let code = "force-scale";
         out.push(Finding::new(code, Severity::Note, "uncertainty", message));
     }
-    out.extend(budget.sources.iter().filter_map(seen));
+    out.extend(
+        budget
+            .sources
+            .iter()
+            .filter_map(|source| seen(source, base)),
+    );
     for source in &budget.sources {
         let own = largest_for(budget, source);
         if !own.is_empty() {
@@ -76,7 +120,7 @@ pub(super) fn findings(budget: &SystematicErrors) -> Vec<Finding> {
                 "Of the systematic errors that the readings leave, {} is the largest for {}: {}.",
                 source.words(),
                 list(&own),
-                source.remedy()
+                source.remedy(base)
             );
             let code = "largest-common-error";
             out.push(Finding::new(code, Severity::Note, &source.name, message));
@@ -88,13 +132,13 @@ pub(super) fn findings(budget: &SystematicErrors) -> Vec<Finding> {
             let message = format!(
                 "The {} can explain all of the give of {name}: {}.",
                 source.words(),
-                source.remedy()
+                source.remedy(base)
             );
             let code = "common-error-explains-all";
             out.push(Finding::new(code, Severity::Caution, name, message));
         }
     }
-    out.extend(dominating(budget));
+    out.extend(dominating(budget, base));
     let assumed = budget.sources.iter().filter(|s| !s.declared);
     let assumed: Vec<String> = assumed.map(SystematicSource::words).collect();
     if !assumed.is_empty() {
@@ -109,7 +153,7 @@ pub(super) fn findings(budget: &SystematicErrors) -> Vec<Finding> {
 }
 
 /// What the readings say of a size.
-fn seen(source: &SystematicSource) -> Option<Finding> {
+fn seen(source: &SystematicSource, base: BaseSeen) -> Option<Finding> {
     let remaining = source.remaining?;
     let (code, severity, message) = match remaining {
         left if left < BOUNDED => (
@@ -133,7 +177,7 @@ fn seen(source: &SystematicSource) -> Option<Finding> {
                 } else {
                     "assumed"
                 },
-                source.remedy()
+                source.remedy(base)
             ),
         ),
         _ => return None,
@@ -151,7 +195,7 @@ fn largest_for(budget: &SystematicErrors, source: &SystematicSource) -> Vec<Stri
 }
 
 /// Joints whose systematic errors are larger than the scatter of the readings.
-fn dominating(budget: &SystematicErrors) -> Option<Finding> {
+fn dominating(budget: &SystematicErrors, base: BaseSeen) -> Option<Finding> {
     let (mut names, mut sources) = (Vec::new(), Vec::new());
     for (j, name) in budget.joints.iter().enumerate() {
         let (Some(common), Some(statistical)) = (budget.combined[j], budget.statistical[j]) else {
@@ -178,7 +222,7 @@ fn dominating(budget: &SystematicErrors) -> Option<Finding> {
             list(&names)
         },
         first.words(),
-        first.remedy()
+        first.remedy(base)
     );
     let code = "common-error-dominates";
     Some(Finding::new(

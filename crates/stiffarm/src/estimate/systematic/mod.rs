@@ -192,7 +192,7 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
         statistical,
         findings: Vec::new(),
     };
-    budget.findings = findings::findings(&budget);
+    budget.findings = findings::findings(&budget, findings::BaseSeen::of(fit.measured()));
     Ok(budget)
 }
 

@@ -352,6 +352,7 @@ pub(super) fn screen_series(
     let given = base_from_tracker.or(cell.tracker.base_from_tracker.as_ref());
     let mut found = Vec::new();
     let sheet = Sheet::new(cell, table.wrench_columns, series, &mut found)?;
+    let as_read = sheet.clone();
     let mut work = Work::new(cell, sheet, found);
     shape::units(&mut work);
     if work.found.iter().any(|s| s.cause == Cause::RobotUnits) {
@@ -380,9 +381,13 @@ pub(super) fn screen_series(
         scale::check(&mut work, &frame.base_from_tracker);
     }
     motion::check(&mut work, frame.as_ref());
-    let found = work.found;
+    let mut found = work.found;
+    let findings = found.iter().map(|s| messages::finding(cell, s)).collect();
+    for suspicion in &mut found {
+        as_read.add_lines(cell, suspicion);
+    }
     Ok(Screening {
-        findings: found.iter().map(|s| messages::finding(cell, s)).collect(),
+        findings,
         suspicions: found,
         unloaded_rms_m: frame.map(|f| f.level),
         states_checked,

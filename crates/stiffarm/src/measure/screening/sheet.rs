@@ -158,6 +158,32 @@ impl Sheet {
         })
     }
 
+    /// Lines of the readings that a suspicion names by posture and point. Angles stand in all lines of a posture,
+    /// or in another table.
+    pub fn add_lines(&self, cell: &Cell, suspicion: &mut Suspicion) {
+        let Suspicion {
+            postures,
+            states,
+            points,
+            ..
+        } = &*suspicion;
+        if !suspicion.lines.is_empty() || postures.is_empty() || points.is_empty() {
+            return;
+        }
+        let names = &cell.setup.tool.measuring_points;
+        let mut lines: Vec<usize> = Vec::new();
+        for posture in self.postures.iter().filter(|p| postures.contains(&p.name)) {
+            let own = posture.states.iter();
+            for state in own.filter(|s| states.is_empty() || states.contains(&s.name)) {
+                let of_points = names.iter().zip(&state.lines);
+                let of_points = of_points.filter(|(point, _)| points.contains(&point.name));
+                lines.extend(of_points.flat_map(|(_, lines)| lines));
+            }
+        }
+        lines.sort_unstable();
+        suspicion.lines = lines;
+    }
+
     /// Displacements as positions from the origin, which is where every point is unloaded.
     pub fn of_displacements(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Self> {
         let count = cell.setup.tool.point_count();
