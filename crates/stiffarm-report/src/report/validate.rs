@@ -126,6 +126,21 @@ fn next(context: &Context<'_>, found: &Validation) -> Text {
             .words(": without them the others do not determine every joint that moves there.");
     }
     let outside = findings.iter().any(|f| f.code == "outside-bands");
+    if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
+        // The scatter of readings may be all that is beyond the tolerance.
+        let noise = context.number("/noise_expectation_m").mm().decimals(4);
+        return match tolerance < found.noise_expectation_m {
+            true => Text::new("No stiffness can keep this tolerance in such readings: by noise alone they deviate by ")
+                .number(noise)
+                .words(" on average. Ask for a larger one, or read each point more often."),
+            false => Text::new("By noise alone these readings deviate by ")
+                .number(noise)
+                .words(
+                    " on average. Read each point more often and validate again: that tells whether the stiffness or the \
+                     readings are not good enough.",
+                ),
+        };
+    }
     if outside || found.passed == Some(false) {
         return Text::new("More is wrong there than estimate and noise explain: look at the postures at the top of the table, \
                           then identify again with ")
