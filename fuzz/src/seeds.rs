@@ -240,7 +240,7 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
             Kind::Saved,
         ),
         (
-            "study builtin:comau --runs 1 --starts 0 --output-dir study --json",
+            "study builtin:comau --runs 1 --starts 0 --output-dir folder --json",
             PRINTED,
             Kind::Saved,
         ),
@@ -302,7 +302,7 @@ impl Scratch {
 
     /// A word; the name of a file becomes its path.
     fn placed(&self, word: &str) -> OsString {
-        let ends = [".csv", ".json", ".toml", ".svg", ".xlsx"];
+        let ends = [".csv", ".html", ".json", ".toml", ".svg", ".xlsx"];
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '-';
         let is_file = ends.iter().any(|end| word.ends_with(end)) && word.chars().all(plain);
         match is_file || word == "." || word == "folder" {
