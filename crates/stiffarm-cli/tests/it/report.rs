@@ -392,6 +392,15 @@ fn an_edited_result_is_not_shown_as_sound() {
     folder.write("other.json", result.to_string());
     let refused = folder.refused("report other.json --output other.html");
     assert!(refused.contains("result.joints[0].compliance"), "{refused}");
+    // And against its interval.
+    let mut result: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
+    *result.pointer_mut("/result/joints/0/interval").unwrap() = serde_json::json!([1.0, 2.0]);
+    folder.write("other.json", result.to_string());
+    let refused = folder.refused("report other.json --output other.html");
+    assert!(
+        refused.contains("lies outside its own interval"),
+        "{refused}"
+    );
 }
 
 #[test]

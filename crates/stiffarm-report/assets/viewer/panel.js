@@ -183,7 +183,7 @@ class Panel {
     const sizes = load.deflection.map((d) => Math.hypot(...d));
     const most = sizes.slice(1).reduce((best, size, i) => (size > best[0] ? [size, i] : best), [-1, -1]);
     let said = `${this.data.loaded || 'loading point'} ${millimetres(sizes[0])}`;
-    if (most[1] >= 0) said += `; at most ${millimetres(most[0])} at measuring point ${this.data.measuring_points[most[1]].name}`;
+    if (most[1] >= 0) said += `; of the measuring points ${this.data.measuring_points[most[1]].name} moves most, ${millimetres(most[0])}`;
     return said;
   }
 }

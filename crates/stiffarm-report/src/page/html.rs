@@ -129,7 +129,12 @@ impl<'a> PartTemplate<'a> {
 
 /// What stands before several results.
 fn comparison(comparison: &Comparison) -> String {
-    let Status { class, sign, words } = comparison.outcome.status();
+    let Status { class, sign, .. } = comparison.outcome.status();
+    let words = match comparison.outcome {
+        Outcome::Good => "Nothing speaks against them",
+        Outcome::Caution => "Look at the cautions",
+        Outcome::Serious => "Not all of them are usable",
+    };
     let [done, came, next] = comparison.verdict.each_ref().map(text);
     format!(
         "<section class=\"verdict {class}\" id=\"verdict\" aria-label=\"Verdict\">\n\

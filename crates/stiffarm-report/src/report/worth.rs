@@ -235,8 +235,8 @@ fn correlations(context: &Context<'_>, joints: &[String], group: &Worth<'_>) -> 
 /// Every index that some group has.
 pub(super) fn indices(context: &Context<'_>, groups: &[Worth<'_>]) -> DataTable {
     let mut table = DataTable::new(
-        "All indices; – where one does not exist",
-        headed("index", groups),
+        "All indices; the lower, the better, unless said otherwise; – where one does not exist",
+        [headed("index", groups), vec!["what it is".to_string()]].concat(),
     );
     for index in Index::ALL {
         if groups
@@ -249,6 +249,7 @@ pub(super) fn indices(context: &Context<'_>, groups: &[Worth<'_>]) -> DataTable 
             let below = format!("{}/indices/{}", group.at, index.as_str());
             index_number(context, index, &below).bare().into()
         });
+        let cells = cells.chain([Text::from(index.meaning())]);
         let unit = match IndexUnit::of(index).unit {
             "" => String::new(),
             unit => format!(" [{unit}]"),

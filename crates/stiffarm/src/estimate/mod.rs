@@ -8,6 +8,8 @@ pub mod coverage;
 pub mod diagnose;
 pub mod elastic;
 pub mod freedom;
+// What coverage was counted stands in a table.
+#[cfg(feature = "files")]
 pub mod identified;
 pub mod identify;
 pub mod mixed;

@@ -1,7 +1,7 @@
 //! Estimates that agree with each other and lie where a robot's can.
 
-use super::fault;
 use super::keys::below;
+use super::{fault, interval};
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{
@@ -277,13 +277,7 @@ pub(super) fn spring(spring: &JointEstimate, key: &str) -> Result<()> {
     if let (Some(of_k), Some(of_h), Some(h)) = (spring.standard_error, error, spring.compliance) {
         same(of_k * h * h, of_h, &at("standard_error"))?;
     }
-    match spring.interval {
-        [Some(low), Some(high)] if low > high => {
-            let message = format!("The interval ends at {high:e}, below its begin {low:e}.");
-            Err(fault(message).key(at("interval")))
-        }
-        _ => Ok(()),
-    }
+    interval::check(spring, &at("interval"))
 }
 
 /// The further terms: as many estimates as terms, of joints that there are.

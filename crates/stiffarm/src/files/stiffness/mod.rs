@@ -8,6 +8,7 @@
 mod checks;
 mod elastic;
 mod errors;
+mod interval;
 mod keys;
 mod posterior;
 

@@ -65,6 +65,30 @@ impl Index {
         Index::O5,
     ];
 
+    /// What it is, in few words for tables; lower is better unless they say otherwise.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Index::Classical => "largest k(J_N), the Jacobian's condition number, of a posture",
+            Index::Condition => "condition number of the observation matrix",
+            Index::Novel => "classical times condition, the paper's index",
+            Index::ScaledCondition => "condition number for relative accuracy",
+            Index::Scaled => "classical times scaled condition",
+            Index::ExpectedError => "relative standard error of the stiffness, RMS over the joints",
+            Index::WorstJoint => "relative standard error of the worst joint",
+            Index::DropOne => "expected error once the most needed posture is lost",
+            Index::D => "size of the relative error ellipsoid",
+            Index::Task => "error of the deflection predicted at the tasks",
+            Index::Prediction => {
+                "error of the deflection predicted at work, under the mixed elastic model"
+            }
+            Index::O1 => "geometric mean of the singular values; larger is better",
+            Index::O2 => "smallest over largest singular value; larger is better",
+            Index::O3 => "smallest singular value; larger is better",
+            Index::O4 => "its square over the largest one; larger is better",
+            Index::O5 => "one over the sum of their inverses; larger is better",
+        }
+    }
+
     /// Name in JSON.
     pub fn as_str(self) -> &'static str {
         match self {
