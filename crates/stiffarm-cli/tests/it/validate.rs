@@ -59,6 +59,7 @@ fn saved_further_terms_are_used_and_not_lost() {
     tilt["compliance"] = 1e-6.into();
     tilt["stiffness"] = 1e6.into();
     tilt["standard_error"] = serde_json::Value::Null;
+    tilt["interval"] = serde_json::json!([null, null]);
     folder.write("soft.json", saved.to_string());
     let soft = folder.json("validate builtin:comau soft.json simulated.csv");
     let rms = |v: &serde_json::Value| v["result"]["component_rms_m"].as_f64().unwrap();
