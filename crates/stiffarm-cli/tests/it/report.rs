@@ -358,6 +358,12 @@ fn a_stiffness_from_faulty_readings_is_doubted_wherever_it_is_used() {
             folder.read("page.html").contains("Not usable as it is"),
             "{line}"
         );
+        assert!(
+            folder
+                .read("page.html")
+                .contains("Do not use these numbers"),
+            "{line}"
+        );
     }
     // Readings may tell whether the stiffness is right after all.
     let ran = folder.run("validate builtin:comau bad.json r.csv --json");

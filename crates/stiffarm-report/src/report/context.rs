@@ -61,6 +61,18 @@ impl<'a> Context<'a> {
         sections: Vec<Section>,
     ) -> Part {
         let findings = self.saved.findings();
+        let doubtful = findings
+            .iter()
+            .any(|f| f.code == "stiffness-doubtful" && f.severity == Severity::Serious);
+        let [done, came, next] = verdict;
+        // Whatever else could be done next would rest on it.
+        let next = match doubtful {
+            true => Text::default().strong("Do not use these numbers").words(
+                ": correct the readings behind the stiffness, identify again, and then this again.",
+            ),
+            false => next,
+        };
+        let verdict = [done, came, next];
         let (mut warnings, notes): (Vec<Finding>, Vec<Finding>) = findings
             .into_iter()
             .partition(|finding| finding.severity > Severity::Note);
