@@ -64,6 +64,8 @@ BROKEN = [
     ("a slider that does nothing", "slider", "scene.dataset.exaggeration = e.target.value", ""),
     ("a slider that changes no picture", "slider", "30 + Number(scene.dataset.exaggeration)", "30"),
     ("no slider", "slider", 'data-control="deflection"', ""),
+    ("a point beside the picture", "inside", "0.1 * (1 +", "0.4 * (1 +"),
+    ("arrows off their points", "arrows", "apart: () => [0]", "apart: () => [0.1]"),
     ("views that are one", "views", "view = i", "view = 0"),
     ("a button that Tab passes by", "keyboard", 'data-step="next">', 'data-step="next" tabindex="-1">'),
     ("a button that takes no keys", "keyboard", "data-step=\"next\"]').onclick", "data-step=\"next\"]').onpointerdown"),

@@ -212,8 +212,10 @@ def slider(opened):
 
 
 # Points of the tool, load and arrows of the posture shown, in shares of the picture: 0 to 1 is inside.
+# The page that was written by hand says it itself.
 DRAWN = """id => {
-    const { picture, orbit } = window.stiffarm.scenes[id];
+    const { picture, orbit, drawn } = window.stiffarm.scenes[id];
+    if (drawn) return drawn();
     const seen = [...picture.points, picture.loadingPoint];
     if (picture.anchor.visible) seen.push(picture.anchor);
     for (const arrow of [picture.force, ...picture.residuals]) if (arrow.group.visible) seen.push(arrow.head);
@@ -253,7 +255,8 @@ def inside(opened):
 
 def arrows_follow(opened):
     """Arrows at the measuring points go with them as the slider moves the arm."""
-    apart = """id => { const { picture } = window.stiffarm.scenes[id];
+    off = """id => { const { picture, apart } = window.stiffarm.scenes[id];
+        if (apart) return apart();
         const shown = picture.residuals.filter(one => one.group.visible);
         return shown.map(one => Math.min(...picture.points.map(p => p.position.distanceTo(one.group.position))) / picture.size); }"""
     for scene in all_of(opened):
@@ -261,7 +264,7 @@ def arrows_follow(opened):
             continue
         for times in ("min", "max"):
             scene.control(SLIDER).first.evaluate("(e, end) => { e.value = e[end]; e.dispatchEvent(new Event('input')); }", times)
-            far = max(opened.page.evaluate(apart, scene.name), default=0)
+            far = max(opened.page.evaluate(off, scene.name), default=0)
             if far > 1e-3:
                 raise Finding(f"scene {scene.name}: with the slider at its {times} an arrow begins off its point")
         scene.control(SLIDER).first.evaluate("e => { e.value = '0'; e.dispatchEvent(new Event('input')); }")
