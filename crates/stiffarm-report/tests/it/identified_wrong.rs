@@ -139,12 +139,12 @@ fn a_bound_has_its_unit_and_goes_by_all_errors() {
     assert_eq!(verdicts[3], "no usable value");
     assert_eq!(
         verdicts[4],
-        "only a lower bound: above 0.00447\u{a0}· 10⁶ N·m/rad"
+        "only a lower bound: above 0.00447\u{a0}MN·m/rad"
     );
     let came = part.verdict[1].plain();
     assert!(came.contains("No usable value: joint 4."), "{came}");
     assert!(
-        came.contains("joint 5: only a lower bound, 0.00447\u{a0}· 10⁶ N·m/rad."),
+        came.contains("joint 5: only a lower bound, 0.00447\u{a0}MN·m/rad."),
         "{came}"
     );
 }

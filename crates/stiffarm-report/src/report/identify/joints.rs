@@ -133,7 +133,7 @@ impl<'a> Joints<'a> {
             None => format!("/joints/{j}/interval/{i}"),
         };
         let number = self.context.number(&below).mega();
-        number.unit("· 10⁶ N·m/rad").significant(3)
+        number.unit("MN·m/rad").significant(3)
     }
 
     /// The outcome with what the joints say: findings do not name a joint without a value.
