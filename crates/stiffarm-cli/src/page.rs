@@ -1,8 +1,8 @@
 //! `--report FILE`: the page of a result that was just made.
 
-#[cfg(feature = "report")]
-use crate::files::only_target;
 use crate::files::{Target, write_all};
+#[cfg(feature = "report")]
+use crate::files::{ends_in, only_target};
 use crate::session::Session;
 #[cfg(feature = "report")]
 use crate::session::WantedPage;
@@ -18,11 +18,7 @@ use stiffarm::{Code, Error};
 /// A name with another ending than .html or .htm.
 #[cfg(feature = "report")]
 pub fn check_page_name(path: &str, option: &str) -> Result<()> {
-    let ending = std::path::Path::new(path).extension();
-    let is_page = |ending: &std::ffi::OsStr| {
-        ending.eq_ignore_ascii_case("html") || ending.eq_ignore_ascii_case("htm")
-    };
-    match path == "-" || ending.is_some_and(is_page) {
+    match path == "-" || ends_in(path, "html") || ends_in(path, "htm") {
         true => Ok(()),
         false => Err(
             Error::new(Code::Usage, "A page is a file whose name ends in .html.")

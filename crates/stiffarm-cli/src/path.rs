@@ -1,14 +1,13 @@
 //! What predict and compensate share: a path, its loads and its postures.
 
 use crate::args::PathArgs;
-use crate::files::{Contents, Target, check_targets, write_all};
+use crate::files::{Contents, Target, check_targets, ends_in, write_all};
 use crate::numbers::significant;
 use crate::progress::Progress;
 use crate::session::Session;
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::table::{PathTable, read_path};
 use stiffarm::model::cell::Cell;
@@ -219,11 +218,7 @@ impl Outputs {
         force: bool,
     ) -> Result<Self> {
         let target = |path: Option<&str>| path.map(|path| Target::new(path, force)).transpose();
-        let is_json = |path: &str| {
-            let ending = Path::new(path).extension();
-            ending.is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
-        };
-        let not_a_table = table.is_some_and(is_json);
+        let not_a_table = table.is_some_and(|path| ends_in(path, "json"));
         let (table, figure) = (target(table)?, target(figure)?);
         check_targets(session, &[table.as_ref(), figure.as_ref()])?;
         if not_a_table {

@@ -41,8 +41,7 @@ struct PartTemplate<'a> {
     number: usize,
     level: usize,
     alone: bool,
-    status: Status,
-    verdict: Vec<String>,
+    verdict: String,
     serious: String,
     cautions: String,
     key: String,
@@ -113,8 +112,14 @@ impl<'a> PartTemplate<'a> {
             number,
             level,
             alone,
-            status: part.outcome.status(),
-            verdict: part.verdict.iter().map(text).collect(),
+            verdict: match alone {
+                true => verdict("verdict", part.outcome.status(), &part.verdict),
+                false => verdict(
+                    &format!("r{number}-verdict"),
+                    part.outcome.status(),
+                    &part.verdict,
+                ),
+            },
             serious: findings(&of(Severity::Serious)),
             cautions: folded(&of(Severity::Caution)),
             key: part.key.as_ref().map_or_else(String::new, table),
@@ -129,18 +134,28 @@ impl<'a> PartTemplate<'a> {
 
 /// What stands before several results.
 fn comparison(comparison: &Comparison) -> String {
-    let Status { class, sign, .. } = comparison.outcome.status();
     let words = match comparison.outcome {
         Outcome::Good => "Nothing speaks against them",
         Outcome::Caution => "Look at the cautions",
         Outcome::Serious => "Not all of them are usable",
     };
-    let [done, came, next] = comparison.verdict.each_ref().map(text);
+    let status = Status {
+        words,
+        ..comparison.outcome.status()
+    };
+    verdict("verdict", status, &comparison.verdict)
+        + "\n"
+        + &sections(&comparison.sections, "all", 2)
+}
+
+/// The story: how it came out, and its three sentences.
+fn verdict(id: &str, status: Status, sentences: &[Text; 3]) -> String {
+    let Status { class, sign, words } = status;
+    let [done, came, next] = sentences.each_ref().map(text);
     format!(
-        "<section class=\"verdict {class}\" id=\"verdict\" aria-label=\"Verdict\">\n\
+        "<section class=\"verdict {class}\" id=\"{id}\" aria-label=\"Verdict\">\n\
          <p class=\"status\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span> {words}</p>\n\
-         <p>{done}</p>\n<p class=\"result\">{came}</p>\n<p>{next}</p>\n</section>\n{}",
-        sections(&comparison.sections, "all", 2)
+         <p>{done}</p>\n<p class=\"result\">{came}</p>\n<p>{next}</p>\n</section>"
     )
 }
 

@@ -2,6 +2,7 @@
 
 use super::at_work::{AtWork, WorkPoint, along, band_table, dominant, principal_table, wrench};
 use super::context::Context;
+use super::points::{all_points, extreme_rows, largest_first};
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
@@ -10,9 +11,8 @@ use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::compensate::Compensation;
 
-/// Rows of the key table, and most rows of the table of all points.
+/// Rows of the key table.
 const KEY_ROWS: usize = 5;
-const ROWS: usize = 200;
 
 /// The part of a page for a result of `compensate`.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {
@@ -22,34 +22,20 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
     ));
     let verdict = [done, came(context, &result), next(&result)];
-    let size = |i: &usize| result.points[*i].correction_size_m;
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
     let key = corrections(
         context,
         &result,
         "The largest corrections, each with the ± of the deflection that it makes up for",
-        order.into_iter().take(KEY_ROWS),
+        &order[..count.min(KEY_ROWS)],
     );
     let mut sections = vec![cell_section(context, &result)?];
     sections.push(path_section(&result));
     sections.extend(band_section(context, &result));
     sections.extend(stiffness_section(context, &result));
-    let (caption, rows): (String, Vec<usize>) = match count <= ROWS {
-        true => (
-            "All points in their order".to_string(),
-            (0..count).collect(),
-        ),
-        false => (
-            format!(
-                "{ROWS} of the {count} points, evenly along the path; the result's file has all"
-            ),
-            (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect(),
-        ),
-    };
-    let table = corrections(context, &result, &caption, rows.into_iter());
-    let details = Block::Details("The corrections".to_string(), vec![Block::Table(table)]);
-    sections.push(Section::new("points", "Points", vec![details]));
+    sections.push(all_points("The corrections", count, |caption, rows| {
+        corrections(context, &result, caption, rows)
+    }));
     Ok(context.part("Compensated path".to_string(), verdict, Some(key), sections))
 }
 
@@ -108,7 +94,7 @@ fn corrections(
     context: &Context<'_>,
     result: &Compensation,
     caption: &str,
-    rows: impl Iterator<Item = usize>,
+    rows: &[usize],
 ) -> DataTable {
     let headings = [
         "point",
@@ -120,7 +106,7 @@ fn corrections(
         "z [mm]",
     ];
     let mut table = DataTable::new(caption, headings);
-    for i in rows {
+    for &i in rows {
         let at = |below: &str| {
             let number = context.number(&format!("/points/{i}{below}"));
             Text::from(number.mm().bare().decimals(3))
@@ -205,8 +191,7 @@ fn path_section(result: &Compensation) -> Section {
 }
 
 fn band_section(context: &Context<'_>, result: &Compensation) -> Option<Section> {
-    let sizes = result.points.iter().map(|p| p.uncompensated_m).enumerate();
-    let (i, _) = sizes.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    let i = *largest_first(result.points.iter().map(|p| p.uncompensated_m)).first()?;
     let band = result.points[i].band?;
     let name = visible(&result.points[i].point);
     let caption = format!("What the ± is made of at point {name}, where the tip bends most");
@@ -231,18 +216,9 @@ fn band_section(context: &Context<'_>, result: &Compensation) -> Option<Section>
 
 fn stiffness_section(context: &Context<'_>, result: &Compensation) -> Option<Section> {
     let extremes = result.extremes?;
-    let row = |words: &str, at: usize, key: &str| {
-        let point = result.points.get(at)?;
-        let name = format!("{words}, point {}", visible(&point.point));
-        Some((name, format!("/extremes/{key}/principal")))
-    };
-    let best = (extremes.best.at != extremes.worst.at)
-        .then(|| row("bends least", extremes.best.at, "best"));
-    let rows = [
-        row("bends most", extremes.worst.at, "worst"),
-        best.flatten(),
-    ];
-    let rows: Vec<(String, String)> = rows.into_iter().flatten().collect();
+    let rows = extreme_rows(&extremes, |at| {
+        Some(result.points.get(at)?.point.to_string())
+    });
     let table = Block::Table(principal_table(context, &rows));
     Some(Section::new(
         "stiffness",

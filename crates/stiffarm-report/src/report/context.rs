@@ -98,12 +98,10 @@ impl<'a> Context<'a> {
 
     /// The same with one more thing to look at, where there is one.
     pub fn caution(mut part: Part, sentence: Option<&str>) -> Part {
-        if let Some(sentence) = sentence {
-            let command = part.command.clone();
-            part.warnings
-                .push(Finding::new("page", Severity::Caution, command, sentence));
-            part.outcome = Outcome::of(&part.warnings);
-        }
+        let subject = part.command.clone();
+        part.add_warnings(
+            sentence.map(|sentence| Finding::new("page", Severity::Caution, subject, sentence)),
+        );
         part
     }
 

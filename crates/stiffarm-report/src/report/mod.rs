@@ -11,6 +11,7 @@ mod evaluate;
 mod identify;
 mod map;
 mod place;
+mod points;
 mod postures;
 mod predict;
 mod register;

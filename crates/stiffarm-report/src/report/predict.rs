@@ -4,6 +4,7 @@ use super::at_work::{
     AtWork, WorkPoint, along, band_table, dominant, norm, principal_table, wrench,
 };
 use super::context::Context;
+use super::points::{all_points, extreme_rows, largest_first};
 use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
@@ -12,9 +13,8 @@ use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::work::predict::Prediction;
 
-/// Rows of the key table, and most rows of the table of all points.
+/// Rows of the key table.
 const KEY_ROWS: usize = 5;
-const ROWS: usize = 200;
 
 /// The part of a page for a result of `predict`.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {
@@ -25,13 +25,13 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         came(context, &prediction),
         next(&prediction, &work),
     ];
-    let order = largest_first(&prediction);
+    let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
     let caption = "Deflection of the tool tip where it is largest, with its total ±";
     let key = points_table(
         context,
         &prediction,
         caption,
-        order.iter().take(KEY_ROWS).copied(),
+        &order[..order.len().min(KEY_ROWS)],
     );
     let mut sections = vec![
         cell_section(context, &prediction, &work)?,
@@ -39,7 +39,11 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     ];
     sections.extend(band_section(context, &prediction));
     sections.extend(stiffness_section(context, &prediction));
-    sections.push(all_points(context, &prediction));
+    sections.push(all_points(
+        "The points",
+        prediction.points.len(),
+        |caption, rows| points_table(context, &prediction, caption, rows),
+    ));
     Ok(context.part(
         "Predicted deflection".to_string(),
         verdict,
@@ -94,9 +98,8 @@ fn done(prediction: &Prediction, what: &What) -> Text {
 
 /// The point of the largest deflection.
 fn worst(prediction: &Prediction) -> Option<usize> {
-    let sizes = prediction.points.iter().map(|p| p.deflection_m).enumerate();
-    let most = sizes.reduce(|a, b| if b.1 > a.1 { b } else { a });
-    most.map(|(i, _)| i)
+    let sizes = prediction.points.iter().map(|p| p.deflection_m);
+    largest_first(sizes).first().copied()
 }
 
 fn came(context: &Context<'_>, prediction: &Prediction) -> Text {
@@ -161,18 +164,11 @@ fn next(prediction: &Prediction, what: &What) -> Text {
         .words(" looks for a stiffer place for the workpiece.")
 }
 
-fn largest_first(prediction: &Prediction) -> Vec<usize> {
-    let size = |i: &usize| prediction.points[*i].deflection_m;
-    let mut order: Vec<usize> = (0..prediction.points.len()).collect();
-    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    order
-}
-
 fn points_table(
     context: &Context<'_>,
     prediction: &Prediction,
     caption: &str,
-    rows: impl Iterator<Item = usize>,
+    rows: &[usize],
 ) -> DataTable {
     let headings = [
         "point",
@@ -184,7 +180,7 @@ fn points_table(
         "force [N]",
     ];
     let mut table = DataTable::new(caption, headings);
-    for i in rows {
+    for &i in rows {
         let at = |below: &str| {
             let number = context.number(&format!("/points/{i}{below}"));
             Text::from(number.mm().bare().decimals(3))
@@ -316,20 +312,9 @@ fn band_section(context: &Context<'_>, prediction: &Prediction) -> Option<Sectio
 
 fn stiffness_section(context: &Context<'_>, prediction: &Prediction) -> Option<Section> {
     let extremes = prediction.extremes?;
-    let name = |at: usize| {
-        let point = prediction.points.get(at);
-        point.map_or(String::new(), |p| visible(&p.point).into_owned())
-    };
-    let mut rows = vec![(
-        format!("bends most, point {}", name(extremes.worst.at)),
-        "/extremes/worst/principal".to_string(),
-    )];
-    if extremes.best.at != extremes.worst.at {
-        rows.push((
-            format!("bends least, point {}", name(extremes.best.at)),
-            "/extremes/best/principal".to_string(),
-        ));
-    }
+    let rows = extreme_rows(&extremes, |at| {
+        Some(prediction.points.get(at)?.point.to_string())
+    });
     let words = "A force along the softest axis moves the tip most; turning the workpiece so that forces act along a \
                  stiffer one helps as much as a stiffer place.";
     let blocks = vec![
@@ -341,23 +326,4 @@ fn stiffness_section(context: &Context<'_>, prediction: &Prediction) -> Option<S
         "Which way the tip gives way",
         blocks,
     ))
-}
-
-fn all_points(context: &Context<'_>, prediction: &Prediction) -> Section {
-    let count = prediction.points.len();
-    let (caption, rows): (String, Vec<usize>) = match count <= ROWS {
-        true => (
-            "All points in their order".to_string(),
-            (0..count).collect(),
-        ),
-        false => (
-            format!(
-                "{ROWS} of the {count} points, evenly along the path; the result's file has all"
-            ),
-            (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect(),
-        ),
-    };
-    let table = points_table(context, prediction, &caption, rows.into_iter());
-    let details = Block::Details("The points".to_string(), vec![Block::Table(table)]);
-    Section::new("points", "Points", vec![details])
 }

@@ -191,28 +191,23 @@ fn errors(context: &Context<'_>, joints: &[String], groups: &[Worth<'_>]) -> Dat
          identifications lie within ± this",
         headed("joint", groups),
     );
+    let cells = |key: &str| {
+        let of = |group: &Worth<'_>| {
+            let number = context.number(&format!("{}/{key}", group.at));
+            Text::from(number.percent().bare().significant(3))
+        };
+        groups.iter().map(of).collect::<Vec<Text>>()
+    };
     for (j, joint) in joints.iter().enumerate() {
-        let cells = groups.iter().map(|group| {
-            let below = format!("{}/relative_standard_error/{j}", group.at);
-            context
-                .number(&below)
-                .percent()
-                .bare()
-                .significant(3)
-                .into()
-        });
-        table.row(joint.clone(), cells);
+        table.row(
+            joint.clone(),
+            cells(&format!("relative_standard_error/{j}")),
+        );
     }
-    let cells = groups.iter().map(|group| {
-        let below = format!("{}/indices/expected_error", group.at);
-        context
-            .number(&below)
-            .percent()
-            .bare()
-            .significant(3)
-            .into()
-    });
-    table.row(Text::default().strong("RMS"), cells);
+    table.row(
+        Text::default().strong("RMS"),
+        cells("indices/expected_error"),
+    );
     table
 }
 

@@ -1,5 +1,6 @@
 //! xacro files, by the program that is there for them.
 
+use crate::files::ends_in;
 use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -10,9 +11,7 @@ const LINES: usize = 6;
 
 /// True for a file that xacro must expand.
 pub fn is_one(path: &str) -> bool {
-    Path::new(path)
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("xacro"))
+    ends_in(path, "xacro")
 }
 
 /// The URDF that a xacro file stands for; `name` is the file's for messages.

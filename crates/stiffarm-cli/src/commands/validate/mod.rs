@@ -8,6 +8,7 @@ pub use remarks::Validated;
 use super::identify::readings::{done, marked};
 use super::identify::{check_names, confidence};
 use crate::args::{Folds, ValidateArgs};
+use crate::files::ends_in;
 use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -17,7 +18,6 @@ use crate::table::{Align, Table, green, red, serious, title, weight};
 use remarks::{notes, said};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
 use stiffarm::estimate::elastic::{ElasticChoice, elastic};
 use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource};
 use stiffarm::estimate::mixed::MixedFit;
@@ -82,7 +82,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         )
         .hint("give the file that `stiffarm identify --output` wrote before the measurements, or --folds")),
         // A table of measurements before others is no stiffness.
-        (Some(first), Some(folds)) if !is_stiffness(first) => {
+        (Some(first), Some(folds)) if !ends_in(first, "json") => {
             let first = std::slice::from_ref(first);
             cross(session, args, &[first, &args.measurements].concat(), folds)
         }
@@ -93,11 +93,6 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         .key("--folds")
         .hint("give the cell and the measurements alone")),
     }
-}
-
-fn is_stiffness(path: &str) -> bool {
-    let ending = Path::new(path).extension();
-    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
 }
 
 /// Validates a saved stiffness.

@@ -3,6 +3,7 @@
 use super::Kind;
 use super::numbers::StiffnessChange;
 use crate::page::{Number, Outcome, Part, Text};
+use stiffarm::findings::list;
 
 /// Most names and differences in a sentence.
 const MOST_NAMES: usize = 4;
@@ -16,7 +17,7 @@ pub(super) fn verdict(parts: &[Part], kinds: &[Kind<'_>]) -> [Text; 3] {
 fn done(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
     let mut out = match names.len() <= MOST_NAMES {
-        true => format!("{} are compared: ", listed(&names)),
+        true => format!("{} are compared: ", list(&names)),
         false => format!("{} results are compared: ", names.len()),
     };
     let counts = kinds.iter().map(|kind| match kind.parts.len() {
@@ -24,7 +25,7 @@ fn done(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
         many => format!("{many} results of {}", kind.command),
     });
     let counts: Vec<String> = counts.collect();
-    out += &listed(&counts);
+    out += &list(&counts);
     out.push('.');
     for kind in kinds.iter().filter(|kind| kind.parts.len() > 1) {
         let these = match kinds.len() {
@@ -36,7 +37,7 @@ fn done(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
         out += &match made.len() {
             0 => format!(" {these} were made in the same way."),
             few if few <= MOST_NAMES => {
-                format!(" {these} differ in {}.", listed(&made))
+                format!(" {these} differ in {}.", list(&made))
             }
             many => format!(" {these} differ in {many} inputs and options."),
         };
@@ -105,7 +106,7 @@ fn next(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
                 .words(": the verdict of its part says why and what to do.");
         }
         several => {
-            let words = format!("Do not use {} as they are", listed(several));
+            let words = format!("Do not use {} as they are", list(several));
             return Text::default()
                 .strong(words)
                 .words(": the verdicts of their parts say why and what to do.");
@@ -119,13 +120,4 @@ fn next(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
             .words(" says which one describes the arm.");
     }
     Text::new("Each has its own part below, with its verdict and the command that makes it again.")
-}
-
-/// Words with commas and a last "and".
-fn listed(words: &[impl AsRef<str>]) -> String {
-    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    match words.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => words.concat(),
-    }
 }
