@@ -133,3 +133,21 @@ fn a_drawing_comes_back_from_its_json() {
     let text = serde_json::to_string(&drawing).unwrap();
     assert_eq!(serde_json::from_str::<Drawing>(&text).unwrap(), drawing);
 }
+
+#[test]
+fn labels_of_a_very_narrow_view_are_not_cut_off() {
+    for size in [1e-4, 1e-3, 1.0, 1e5, 1e8] {
+        for part in [2e-9, 1e-8, 1e-7] {
+            let from = -1.234_567_8 * size;
+            let narrow = [from, from + part * size];
+            let view = View {
+                title: "a view".into(),
+                axes: Some([Axis::linear("x", "mm"), Axis::linear("z", "mm")]),
+                extent: [narrow, narrow],
+                marks: Vec::new(),
+                labels: Vec::new(),
+            };
+            check(&render_drawing(&drawing(vec![view], &[])));
+        }
+    }
+}

@@ -14,8 +14,10 @@ const GRID: &str = "#ececec";
 const FRAME: &str = "#555555";
 /// Length of a tick mark.
 const TICK: f64 = 4.0;
-/// Extents beyond this, or narrower than its part, are none.
+/// Extents beyond this are none.
 const LARGEST: f64 = 1e9;
+/// Nor are those narrower than this part of their distance from zero: their tick labels have more digits than room.
+const NARROWEST: f64 = 1e-6;
 /// Pixels between ticks to the right and up.
 const TICK_STEP: [f64; 2] = [50.0, 40.0];
 
@@ -32,7 +34,7 @@ impl<'a> Placed<'a> {
     pub(super) fn new(view: &'a View, area: Rect) -> Self {
         let extent = |[from, to]: [f64; 2]| {
             let size = from.abs().max(to.abs());
-            let sound = size < LARGEST && to - from > size / LARGEST;
+            let sound = size < LARGEST && to - from > NARROWEST * size;
             let (lo, hi) = if sound { (from, to) } else { (0.0, 1.0) };
             Extent {
                 kind: Kind::Linear,
