@@ -24,6 +24,7 @@ mod scene;
 mod schema;
 mod sheets;
 mod source;
+mod table_of_robot;
 mod task;
 mod template;
 mod work;
@@ -31,6 +32,7 @@ mod work;
 #[cfg(feature = "schema")]
 pub use schema::cell_schema;
 pub use sheets::{measurements_template, postures_template};
+pub use table_of_robot::{RobotTable, robot_table};
 pub use template::{template, template_of, template_with_shapes};
 
 use crate::error::Result;

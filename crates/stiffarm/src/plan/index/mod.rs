@@ -6,6 +6,7 @@ mod error_bound;
 mod evaluate;
 mod evaluated;
 mod function;
+mod groups;
 pub(crate) mod inputs;
 pub(crate) mod kernel;
 mod kinds;
@@ -17,5 +18,6 @@ pub use evaluate::{FIRST_ORDER_LIMIT, GroupEvaluation, Indices, evaluate, expect
 pub(crate) use evaluate::{evaluate_for, evaluate_terms, posture_terms};
 pub use evaluated::{Evaluated, EvaluatedGroup};
 pub use function::IndexFunction;
+pub use groups::evaluate_groups;
 pub use kinds::Index;
 pub use minimax::Smoothed;

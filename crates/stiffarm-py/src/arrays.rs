@@ -1,0 +1,97 @@
+//! Functions from arrays to arrays: nothing between NumPy and the library's kernels.
+
+use crate::cell::PyCell;
+use crate::error::{Raised, to_python};
+use nalgebra::DMatrix;
+use numpy::{
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+    npyffi::NPY_ORDER,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stiffarm::model::observation::{Rows, observation_matrix as matrix};
+use stiffarm::plan::index::{Index, evaluate_groups};
+use stiffarm::{Code, Error};
+
+/// Rows of angles \[rad\], one posture each.
+pub fn postures<'a>(angles: &'a PyReadonlyArray2<'_, f64>) -> PyResult<Vec<&'a [f64]>> {
+    let joints = angles.shape()[1];
+    let values = angles.as_slice()?;
+    Ok(match joints {
+        0 => vec![values; angles.shape()[0]],
+        joints => values.chunks_exact(joints).collect(),
+    })
+}
+
+/// A matrix of the library as an array, without a copy.
+pub fn array(py: Python<'_>, matrix: DMatrix<f64>) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let shape = [matrix.nrows(), matrix.ncols()];
+    let values: Vec<f64> = matrix.data.into();
+    // Columns one after the other, as the library keeps them.
+    PyArray1::from_vec(py, values).reshape_with_order(shape, NPY_ORDER::NPY_FORTRANORDER)
+}
+
+/// Ψ of Eqs. (9)–(11).
+#[pyfunction]
+#[pyo3(signature = (cell, angles, length=None))]
+pub fn observation_matrix<'py>(
+    py: Python<'py>,
+    cell: &PyCell,
+    angles: PyReadonlyArray2<'py, f64>,
+    length: Option<f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rows = match length {
+        None => Rows::Translations,
+        Some(length) => Rows::FullPose { length },
+    };
+    let postures = postures(&angles)?;
+    let found = py.detach(|| matrix(&cell.cell.setup, &postures, rows));
+    array(py, found.raised(py)?)
+}
+
+/// Indices of many groups, each an array with an entry per group; NaN where one does not exist.
+#[pyfunction]
+pub fn indices<'py>(
+    py: Python<'py>,
+    cell: &PyCell,
+    angles: PyReadonlyArray3<'py, f64>,
+    names: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let wanted: stiffarm::Result<Vec<Index>> =
+        names.iter().map(|name| Index::from_name(name)).collect();
+    let wanted = wanted.raised(py)?;
+    let &[count, postures, joints] = angles.shape() else {
+        let error = Error::new(Code::Dimension, "Groups are an array of three dimensions.");
+        return Err(to_python(py, &error));
+    };
+    let values = angles.as_slice()?;
+    let size = postures * joints;
+    if size == 0 {
+        let error = Error::new(Code::TooFewData, "The groups have no postures.");
+        return Err(to_python(py, &error));
+    }
+    let found = py.detach(|| {
+        let groups: Vec<Vec<&[f64]>> = values
+            .chunks_exact(size)
+            .map(|group| group.chunks_exact(joints).collect())
+            .collect();
+        evaluate_groups(cell.complete(), &groups, &wanted)
+    });
+    let found = found.raised(py)?;
+    debug_assert_eq!(found.len(), count);
+    let out = PyDict::new(py);
+    for index in wanted {
+        let column = found
+            .iter()
+            .map(|indices| indices.get(index).unwrap_or(f64::NAN));
+        out.set_item(index.as_str(), PyArray1::from_iter(py, column))?;
+    }
+    Ok(out)
+}
+
+/// Name, meaning, whether larger is better, of every index.
+#[pyfunction]
+pub fn index_names() -> Vec<(&'static str, &'static str, bool)> {
+    let described = |index: Index| (index.as_str(), index.meaning(), index.larger_is_better());
+    Index::ALL.into_iter().map(described).collect()
+}

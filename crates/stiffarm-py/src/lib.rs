@@ -1,0 +1,31 @@
+//! `stiffarm._stiffarm`: what the Python package calls. Values in, values out: arrays, texts and bytes; results are the
+//! JSON that the command prints. Everything that people call, with its documentation, is in `python/stiffarm`.
+
+mod arrays;
+mod cell;
+mod error;
+mod kinematics;
+mod long;
+mod objective;
+
+use pyo3::prelude::*;
+
+/// The extension module.
+#[pymodule]
+mod _stiffarm {
+    #[pymodule_export]
+    use crate::arrays::{index_names, indices, observation_matrix};
+    #[pymodule_export]
+    use crate::cell::PyCell;
+    #[pymodule_export]
+    use crate::kinematics::{axes_table, flange_pose, inverse, jacobian, nearest, urdf_table};
+    #[pymodule_export]
+    use crate::objective::Objective;
+
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

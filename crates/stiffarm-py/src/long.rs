@@ -1,0 +1,118 @@
+//! Long work: without the interpreter's lock, with its signals, telling how far it is.
+
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use stiffarm::{Code, Control, Error, Result, Watch};
+
+use crate::error::Raised;
+
+/// How long Python's signals and the progress wait.
+const TICK: Duration = Duration::from_millis(50);
+
+/// What was told last: what is done, how much, of how much.
+type Told = (String, usize, usize);
+
+/// Between the work and the thread of the interpreter.
+#[derive(Default)]
+struct Shared {
+    stop: AtomicBool,
+    told: Mutex<Option<Told>>,
+}
+
+impl Shared {
+    fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    fn tell(&self, what: &str, done: usize, of: usize) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        *told = Some((what.to_string(), done, of));
+    }
+
+    fn take(&self) -> Option<Told> {
+        self.told
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take()
+    }
+}
+
+/// What the work is given to be watched and stopped.
+pub struct Watched(Arc<Shared>);
+
+impl Watched {
+    /// For a value whose later questions can take long.
+    pub fn shared(&self) -> Watch {
+        let (stop, report) = (Arc::clone(&self.0), Arc::clone(&self.0));
+        Watch::new(
+            move || stop.stopped(),
+            move |what, done, of| report.tell(what, done, of),
+        )
+    }
+
+    /// Runs `work` with what it borrows.
+    pub fn with<T>(&self, work: impl FnOnce(Control<'_>) -> T) -> T {
+        let stop = || self.0.stopped();
+        let report = |what: &str, done: usize, of: usize| self.0.tell(what, done, of);
+        work(Control {
+            stop: Some(&stop),
+            progress: Some(&report),
+        })
+    }
+}
+
+/// The result of `work`, done in a thread of its own, and whether Ctrl-C stopped it. `progress`
+/// is called as `progress(what, done, of)` in the caller's thread, some twenty times a second at most.
+///
+/// # Errors
+/// What the work fails with; `KeyboardInterrupt` where it was stopped without a result; what
+/// `progress` raises.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Watched) -> Result<T> + Send,
+) -> PyResult<(T, bool)> {
+    let shared = Arc::new(Shared::default());
+    let mut failure: Option<PyErr> = None;
+    let mut interrupted = false;
+    let result = std::thread::scope(|scope| {
+        let (done, finished) = sync_channel::<()>(1);
+        let worker = {
+            let watched = Watched(Arc::clone(&shared));
+            scope.spawn(move || {
+                let result = work(&watched);
+                drop(done);
+                result
+            })
+        };
+        // The channel is only waited on: it closes when the work ends, also by a panic.
+        let finished = Mutex::new(finished);
+        let wait = || {
+            let finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+            finished.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout)
+        };
+        while py.detach(wait) {
+            if py.check_signals().is_err() {
+                interrupted = true;
+                shared.stop.store(true, Ordering::Relaxed);
+            }
+            if let (Some(progress), Some(told)) = (progress, shared.take())
+                && failure.is_none()
+                && let Err(error) = progress.call1(told)
+            {
+                failure = Some(error);
+                shared.stop.store(true, Ordering::Relaxed);
+            }
+        }
+        worker.join()
+    });
+    if let Some(error) = failure {
+        return Err(error);
+    }
+    let fault = |_| Error::new(Code::Internal, "A fault of the library itself stopped this call.");
+    let result = result.map_err(fault).raised(py)?.raised(py)?;
+    Ok((result, interrupted))
+}
