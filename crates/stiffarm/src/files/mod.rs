@@ -14,6 +14,7 @@
 
 pub mod builtin;
 pub mod cell;
+pub mod envelope;
 mod json;
 #[cfg(feature = "geometry")]
 pub mod mesh;

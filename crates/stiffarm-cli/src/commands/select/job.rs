@@ -5,13 +5,13 @@ use crate::commands::wrapped_line;
 use crate::files::{Contents, Target, check_targets, write_all};
 use crate::input::NamedCell;
 use crate::numbers::optional;
-use crate::output::Envelope;
 use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::check_name;
+use stiffarm::files::envelope::Envelope;
 use stiffarm::files::table::{
     SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
 };
