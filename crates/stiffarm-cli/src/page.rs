@@ -1,9 +1,11 @@
 //! `--report FILE`: the page of a result that was just made.
 
-use crate::files::{Target, ends_in, only_target, write_all};
+use crate::files::{Target, write_all};
 #[cfg(feature = "report")]
-use crate::session::{Session, WantedPage};
+use crate::files::{ends_in, only_target};
+use crate::session::Session;
 #[cfg(feature = "report")]
+use crate::session::WantedPage;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
