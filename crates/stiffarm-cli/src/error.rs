@@ -2,7 +2,6 @@
 
 use crate::Captured;
 use crate::excerpt::excerpt;
-use crate::output::to_json;
 use crate::screen::rendered;
 use crate::session::Session;
 use crate::table::paint;
@@ -12,6 +11,7 @@ use std::cell::RefCell;
 use std::io::Write;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use stiffarm::files::envelope::to_json;
 use stiffarm::{Code, Error, Result};
 
 /// A byte order mark, which editors don't show either.

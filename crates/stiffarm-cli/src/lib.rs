@@ -18,7 +18,6 @@ mod output;
 mod page;
 mod path;
 mod progress;
-mod saved;
 mod screen;
 mod session;
 mod table;

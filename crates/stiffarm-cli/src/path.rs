@@ -9,7 +9,8 @@ use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::files::table::{PathTable, read_path};
+use stiffarm::files::source::{NamedPath, Source};
+use stiffarm::files::table::PathTable;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
@@ -181,8 +182,8 @@ impl Session {
         progress: &Progress,
     ) -> Result<Followed> {
         let options = args.posture_options(cell)?;
-        let (name, bytes) = self.read("path", from)?;
-        let table = read_path(&bytes, &name, cell, args.axes.map(ForceAxes::from))?;
+        let NamedPath { table, name } =
+            self.read_path(from, cell, args.axes.map(ForceAxes::from))?;
         let arm = LoadedArm::new(cell, predictor)?;
         let inverse = InverseKinematics::new(&cell.setup.robot);
         let (postures, summary) = progress

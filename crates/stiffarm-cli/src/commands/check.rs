@@ -3,12 +3,13 @@
 use super::finding_line;
 use crate::args::CheckArgs;
 use crate::files::{only_target, write_all};
-use crate::input::NamedCell;
+use crate::input::Line;
 use crate::numbers::{NONE, coarse_mm, mm, optional, significant, stiffness};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Table, green, title};
 use std::fmt::Write;
+use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::findings::Finding;
 use stiffarm::model::cell::{Cell, Noise};
 use stiffarm::model::load::{Axes, Load, Wrench};

@@ -4,6 +4,7 @@
 use super::finding_line;
 use super::identify::confidence;
 use crate::args::{CompensateArgs, WriteChoice};
+use crate::input::Line;
 use crate::numbers::{mm, significant};
 use crate::output::Exit;
 use crate::path::{Followed, Outputs, PathOptions, curve, largest_first};
@@ -14,6 +15,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
+use stiffarm::files::source::Source;
 use stiffarm::files::table::{PathFormat, PathKind, write_path};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
@@ -102,7 +104,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         postures: followed.summary.clone(),
     };
     let envelope = session.envelope("compensate", None, described, &result);
-    let other = saved.is_of_another_cell(envelope.inputs.get("cell"));
+    let other = saved.is_of_another_cell(envelope.inputs.get("cell").map(String::as_str));
     if on_stdout {
         session.write_page(&envelope)?;
         let of_path = &result.postures.findings;

@@ -2,6 +2,7 @@
 
 use super::{index_value, with_length};
 use crate::args::EvaluateArgs;
+use crate::input::Line;
 use crate::numbers::{optional, optional_percent};
 use crate::output::Exit;
 use crate::session::Session;
@@ -9,6 +10,7 @@ use crate::table::{Align, Table, serious, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
+use stiffarm::files::source::Source;
 use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::index::{Evaluated, GroupEvaluation, Index};

@@ -9,6 +9,7 @@ use crate::session::Session;
 use crate::table::{Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::source::Source;
 use stiffarm::files::table::read_pairs;
 use stiffarm::measure::registration::{
     PointPair, RegisterOptions, Registration, RegistrationRecord, register_with,

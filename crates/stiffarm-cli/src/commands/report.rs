@@ -2,7 +2,6 @@
 
 use crate::args::ReportArgs;
 use crate::files::{check_folder, only_target, shown, write_all, write_folder};
-use crate::input::NamedCell;
 use crate::output::Exit;
 use crate::page::check_page_name;
 use crate::session::Session;
@@ -11,6 +10,7 @@ use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::result::{SavedResult, read_result};
+use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::sha256_hex;
 use stiffarm::{Code, Error, Result};

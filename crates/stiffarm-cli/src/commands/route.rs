@@ -3,6 +3,7 @@
 use super::{posture_table, wrapped_line};
 use crate::args::RouteArgs;
 use crate::files::{only_target, write_all};
+use crate::input::Line;
 use crate::numbers::{NONE, coarse_mm, deg};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -11,6 +12,7 @@ use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
+use stiffarm::files::source::Source;
 use stiffarm::files::table::write_postures;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::{Cell, LimitKind};

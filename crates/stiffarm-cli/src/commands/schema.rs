@@ -5,7 +5,7 @@ use super::{
     route, select, simulate, study, validate, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
-use crate::output::{Envelope, Exit, to_json};
+use crate::output::Exit;
 use crate::session::Session;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
@@ -14,6 +14,7 @@ use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
 use stiffarm::files::cell::cell_schema;
+use stiffarm::files::envelope::{Envelope, to_json};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::zones::Zones;

@@ -3,6 +3,7 @@
 use super::with_length;
 use crate::args::ZonesArgs;
 use crate::files::{check_folder, write_folder};
+use crate::input::Line;
 use crate::numbers::{optional_percent, percent, significant};
 use crate::output::Exit;
 use crate::progress::{Progress, announce};

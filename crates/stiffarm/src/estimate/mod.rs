@@ -14,6 +14,7 @@ pub mod identified;
 pub mod identify;
 pub mod mixed;
 pub mod next_posture;
+pub mod saved;
 pub mod simulate;
 pub mod standing;
 pub mod systematic;

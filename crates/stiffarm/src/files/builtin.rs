@@ -106,6 +106,23 @@ pub fn mesh_text(name: &str) -> Option<&'static str> {
     text(&MESHES, name)
 }
 
+/// Content of a built-in file of whatever kind; `name` without [`PREFIX`].
+///
+/// # Errors
+/// There is no built-in file of this name.
+pub fn bytes(name: &str) -> Result<&'static [u8]> {
+    let kinds: [&[(&str, &str)]; 5] = [&CELLS, &POSTURES, &PAIRS, &PATHS, &MESHES];
+    let found = kinds.into_iter().find_map(|files| text(files, name));
+    found.map(str::as_bytes).ok_or_else(|| {
+        let known: Vec<String> = names().iter().map(|n| format!("{PREFIX}{n}")).collect();
+        Error::new(
+            Code::UnknownName,
+            format!("There is no built-in file \"{PREFIX}{name}\"."),
+        )
+        .hint(format!("built in: {}", known.join(", ")))
+    })
+}
+
 /// A built-in cell; `name` without [`PREFIX`].
 ///
 /// # Errors

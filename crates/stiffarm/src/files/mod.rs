@@ -14,6 +14,7 @@
 
 pub mod builtin;
 pub mod cell;
+pub mod envelope;
 mod json;
 #[cfg(feature = "geometry")]
 pub mod mesh;
@@ -21,6 +22,7 @@ mod names;
 pub mod program;
 pub mod registration;
 pub mod result;
+pub mod source;
 pub mod stiffness;
 pub mod table;
 #[cfg(feature = "urdf")]

@@ -2,6 +2,7 @@
 
 use super::Task;
 use crate::args::ExportArgs;
+use crate::input::Line;
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
@@ -12,6 +13,7 @@ use stiffarm::Result;
 use stiffarm::files::program::{
     Difference, Move, MoveKind, Program, ProgramFile, compare_moves, missing_stops, read_program,
 };
+use stiffarm::files::source::Source;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::feasibility::{Violation, violations};
 use stiffarm::units::deg_to_rad;

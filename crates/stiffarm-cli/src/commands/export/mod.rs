@@ -5,7 +5,7 @@ mod moves;
 
 use crate::args::{ControllerArgs, ExportArgs};
 use crate::files::{check_folder, write_folder};
-use crate::input::{NamedCell, group_name};
+use crate::input::Line;
 use crate::numbers::counted;
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};
@@ -20,6 +20,7 @@ use stiffarm::files::program::{
     Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
     write_program,
 };
+use stiffarm::files::source::{NamedCell, Source, group_name};
 use stiffarm::files::table::{SheetOptions, sha256_hex};
 use stiffarm::model::cell::LimitKind;
 use stiffarm::model::posture::Posture;

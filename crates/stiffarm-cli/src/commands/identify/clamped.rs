@@ -3,7 +3,7 @@
 use super::{check_among, messages, tables};
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
-use crate::input::NamedCell;
+use crate::input::Line;
 use crate::numbers::{optional, percent, significant};
 use crate::output::Exit;
 use crate::session::Session;
@@ -13,6 +13,7 @@ use serde::Serialize;
 use stiffarm::estimate::clamped::{ClampedIdentification, ClampedPosture, identify_clamped};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::{Estimator, NoiseSource, Verdict};
+use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::files::table::read_clamped;
 use stiffarm::findings::{Severity, list};
 use stiffarm::model::observation::ExtraTerm;

@@ -22,6 +22,7 @@ use serde::Serialize;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource, Weights, implausible_scale};
+use stiffarm::files::source::Source;
 use stiffarm::findings::Severity;
 use stiffarm::measure::prepare;
 use stiffarm::model::measurement::MeasuredPosture;

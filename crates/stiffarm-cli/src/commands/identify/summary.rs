@@ -3,13 +3,14 @@
 
 use super::readings::marked;
 use super::{messages, tables};
-use crate::input::NamedCell;
+use crate::input::Line;
 use crate::numbers::{NONE, significant, stiffness};
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, yellow};
 use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{Fit, JointEstimate, Verdict, implausible_scale};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors, SystematicSource};
+use stiffarm::files::source::NamedCell;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::NOT_MEASURED_YET;
 

@@ -3,12 +3,12 @@
 use super::shapes::link_capsules;
 use super::xacro;
 use crate::args::{DhChoice, InitArgs};
-use crate::input::group_name;
 use crate::session::Session;
 use serde::Serialize;
 use std::path::PathBuf;
 use stiffarm::files::cell::{template, template_of, template_with_shapes};
 use stiffarm::files::check_name;
+use stiffarm::files::source::{Source, group_name};
 use stiffarm::files::table::read_dh_rows;
 use stiffarm::files::urdf::{UrdfOptions, read_urdf};
 use stiffarm::findings::{Finding, Severity, list};

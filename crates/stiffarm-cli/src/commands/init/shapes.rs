@@ -36,7 +36,7 @@ pub fn link_capsules(
             )
         })?;
         // Inputs are told apart by what the URDF calls them.
-        let (mesh, bytes) = session.read_path(&format!("mesh {path}"), &file)?;
+        let (mesh, bytes) = session.read_file(&format!("mesh {path}"), &file)?;
         parse_mesh(&bytes, &mesh, unit).map_err(|error| {
             match error.message().contains("unit is mm") {
                 true => error.hint(format!(

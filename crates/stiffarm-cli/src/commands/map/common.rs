@@ -2,12 +2,13 @@
 
 use crate::args::MapArgs;
 use crate::files;
-use crate::input::NamedCell;
+use crate::input::Line;
 use crate::numbers::coarse_mm;
-use crate::saved::Saved;
 use crate::session::Session;
 use crate::table::yellow;
 use stiffarm::Result;
+use stiffarm::estimate::saved::Saved;
+use stiffarm::files::source::NamedCell;
 
 /// From so many postures to find on, their number is said before.
 pub const MANY: usize = 100_000;
@@ -15,7 +16,7 @@ pub const MANY: usize = 100_000;
 /// Cell, stiffness, and whether they belong together.
 pub fn head(named: &NamedCell, saved: &Saved, hash: Option<&String>) -> String {
     let mut out = named.line() + &saved.line();
-    if saved.is_of_another_cell(hash) {
+    if saved.is_of_another_cell(hash.map(String::as_str)) {
         out += &format!(
             "{}: the stiffness was identified with another version of this cell\n",
             yellow("note")

@@ -18,6 +18,7 @@ use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use region::Region;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::source::Source;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;

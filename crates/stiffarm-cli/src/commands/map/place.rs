@@ -12,7 +12,7 @@ use crate::session::Session;
 use crate::table::{Align, Table, title};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stiffarm::files::table::read_path;
+use stiffarm::files::source::{NamedPath, Source};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::map::{MapOptions, PlaceOptions, Placed, Placement, Status, place};
@@ -58,8 +58,8 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         check_folder(session, folder, FILES, args.force)?;
     }
     let saved = session.read_stiffness(&args.stiffness, cell)?;
-    let (name, bytes) = session.read("path", path)?;
-    let table = read_path(&bytes, &name, cell, args.place.axes.map(Into::into))?;
+    let axes = args.place.axes.map(Into::into);
+    let NamedPath { table, name } = session.read_path(path, cell, axes)?;
     let region = Region::of_places(cell, &args.region)?;
     let options = {
         let mut options = PlaceOptions::default();

@@ -12,6 +12,7 @@ use stiffarm::estimate::identify::{Fit, IdentifyOptions};
 use stiffarm::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use stiffarm::estimate::standing::{Standing, is_better, standing};
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
+use stiffarm::files::source::Source;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::prepare;
 use stiffarm::model::cell::Cell;

@@ -6,6 +6,7 @@ mod words;
 
 use super::predict::tasks;
 use crate::args::{Goal, MeasureArgs};
+use crate::input::Line;
 use crate::interrupt;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -14,6 +15,7 @@ pub use judgement::Judgement;
 use judgement::judge;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::source::Source;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};

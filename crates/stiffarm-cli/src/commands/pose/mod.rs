@@ -4,12 +4,12 @@ mod table;
 
 use crate::args::{PoseArgs, PoseFrame, PosePoint};
 use crate::files::{Target, only_target, write_all};
-use crate::input::NamedCell;
 use crate::output::Exit;
 use crate::session::Session;
 use nalgebra::Isometry3;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::files::table::{NamedPose, read_poses, write_poses, write_postures};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;

@@ -3,6 +3,7 @@
 use super::{Described, Found, FoundPosture, Job, Pose, Poses};
 use crate::args::PoseFrame;
 use crate::commands::wrapped_line;
+use crate::input::Line;
 use crate::numbers::coarse_mm;
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title};

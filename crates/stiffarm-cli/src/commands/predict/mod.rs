@@ -5,6 +5,7 @@ mod tables;
 use super::finding_line;
 use crate::args::PredictArgs;
 use crate::files::Rows;
+use crate::input::Line;
 use crate::output::Exit;
 use crate::path::{Outputs, PathOptions, curve};
 use crate::progress::Progress;
@@ -12,7 +13,7 @@ use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
-use stiffarm::files::table::read_path;
+use stiffarm::files::source::{NamedPath, Source};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Axes, Wrench};
@@ -124,7 +125,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         postures: summary,
     };
     let envelope = session.envelope("predict", None, described, &result);
-    let other = saved.is_of_another_cell(envelope.inputs.get("cell"));
+    let other = saved.is_of_another_cell(envelope.inputs.get("cell").map(String::as_str));
     let of_path = || result.postures.iter().flat_map(|p| &p.findings);
     let mut findings = of_path().chain(&result.prediction.findings);
     let exit = Exit::finding(findings.any(|f| f.severity == Severity::Serious));
@@ -218,8 +219,7 @@ fn under_cell_load(
     path: &str,
     cell: &Cell,
 ) -> Result<(String, Vec<LoadedPosture>)> {
-    let (name, bytes) = session.read("path", path)?;
-    let table = read_path(&bytes, &name, cell, None)?;
+    let NamedPath { table, name } = session.read_path(path, cell, None)?;
     let mut postures = Vec::with_capacity(table.points.len());
     for point in table.points {
         let stiffarm::model::path::PathTarget::Angles(q) = point.target else {

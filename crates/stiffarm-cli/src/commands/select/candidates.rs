@@ -9,6 +9,7 @@ use crate::screen::{columns, wrapped};
 use crate::table::{title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::source::Source;
 use stiffarm::findings::Finding;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::Posture;

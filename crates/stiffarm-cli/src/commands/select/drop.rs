@@ -7,6 +7,7 @@ use crate::progress::{Progress, announce};
 use crate::table::{Align, Table, title, yellow};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::files::source::Source;
 use stiffarm::findings::Finding;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::select::{Dropped, drop_evaluations, drop_postures};

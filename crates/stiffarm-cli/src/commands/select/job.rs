@@ -3,15 +3,16 @@
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::commands::wrapped_line;
 use crate::files::{Contents, Target, check_targets, write_all};
-use crate::input::NamedCell;
+use crate::input::Line;
 use crate::numbers::optional;
-use crate::output::Envelope;
 use crate::progress::Progress;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::check_name;
+use stiffarm::files::envelope::Envelope;
+use stiffarm::files::source::NamedCell;
 use stiffarm::files::table::{
     SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
 };

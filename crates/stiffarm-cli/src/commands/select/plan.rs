@@ -9,6 +9,7 @@ use crate::progress::Progress;
 use std::collections::HashSet;
 use stiffarm::Control;
 use stiffarm::Result;
+use stiffarm::files::source::Source;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation};

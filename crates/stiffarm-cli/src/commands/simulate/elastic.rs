@@ -3,6 +3,7 @@
 
 use crate::args::SimulateArgs;
 use crate::files::{Target, check_targets, write_all};
+use crate::input::Line;
 use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -16,6 +17,7 @@ use stiffarm::estimate::simulate::{
     ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions,
     simulate_elastic, simulate_elastic_measurements,
 };
+use stiffarm::files::source::Source;
 use stiffarm::files::table::write_displacements;
 use stiffarm::model::elastic::ElasticClass;
 use stiffarm::{Code, Error, Result};

@@ -5,6 +5,7 @@ mod slowly;
 
 use crate::args::{ErrorArgs, SimulateArgs};
 use crate::files::{Target, check_targets, write_all};
+use crate::input::Line;
 use crate::interrupt;
 use crate::numbers::{percent, percent_with_error};
 use crate::output::Exit;
@@ -19,6 +20,7 @@ use stiffarm::estimate::simulate::{
     GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
 };
 use stiffarm::estimate::validate::{Model, simulate_measurements};
+use stiffarm::files::source::Source;
 use stiffarm::files::table::{write_displacements, write_readings};
 use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm::model::cell::Cell;

@@ -9,6 +9,7 @@ use super::identify::readings::{done, marked};
 use super::identify::{check_names, confidence};
 use crate::args::{Folds, ValidateArgs};
 use crate::files::ends_in;
+use crate::input::Line;
 use crate::numbers::{NONE, mm, percent, significant};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -24,6 +25,7 @@ use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::validate::{
     Model, PointBand, Validation, cross_validate, cross_validate_mixed, validate_with,
 };
+use stiffarm::files::source::Source;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
@@ -114,7 +116,7 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
     let unsettled = unsettled(&measured);
     let mut remarks: Vec<Finding> = measured.findings().cloned().collect();
     let result = validate_with(cell, &saved.predictor, measured, model, tolerance)?;
-    let same_cell = !saved.is_of_another_cell(session.hashes().get("cell"));
+    let same_cell = !saved.is_of_another_cell(session.hashes().get("cell").map(String::as_str));
     remarks.extend(notes(&saved, same_cell, &result));
     let result = Validated {
         validation: result,

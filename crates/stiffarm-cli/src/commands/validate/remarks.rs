@@ -1,9 +1,9 @@
 //! What else to know about a validation: its readings, its stiffness.
 
-use crate::saved::Saved;
 use crate::table::yellow;
 use schemars::JsonSchema;
 use serde::Serialize;
+use stiffarm::estimate::saved::Saved;
 use stiffarm::estimate::validate::Validation;
 use stiffarm::findings::{Finding, Severity, list};
 

@@ -1,0 +1,174 @@
+//! A result with what made it, and its text: what commands print with `--json` and
+//! result files hold.
+
+use crate::error::{Code, Error, Result};
+use crate::findings::is_hidden;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What `--json` prints and result files hold: the result with what made it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Envelope<O, R> {
+    /// Version of this format.
+    pub format: u32,
+    /// Version of the program.
+    pub stiffarm: String,
+    /// The command.
+    pub command: String,
+    /// Words of the command line that makes the result again, inputs as `{role}`; where results go
+    /// and how they are shown is left out.
+    pub arguments: Vec<String>,
+    /// SHA-256 of each input by its role.
+    pub inputs: BTreeMap<String, String>,
+    /// Seed of the random numbers, where there are any.
+    pub seed: Option<u64>,
+    /// Options that the result depends on.
+    pub options: O,
+    /// The result.
+    pub result: R,
+}
+
+impl<O, R> Envelope<O, R> {
+    /// `result` with what made it, in this version's format; without a command line
+    /// `arguments` is empty.
+    pub fn new(
+        command: &str,
+        arguments: Vec<String>,
+        inputs: BTreeMap<String, String>,
+        seed: Option<u64>,
+        options: O,
+        result: R,
+    ) -> Self {
+        Envelope {
+            format: 1,
+            stiffarm: env!("CARGO_PKG_VERSION").to_string(),
+            command: command.to_string(),
+            arguments,
+            inputs,
+            seed,
+            options,
+            result,
+        }
+    }
+}
+
+/// `value` as indented JSON, lists of plain values on one line, with a line
+/// end. Numbers that are not finite become `null`.
+///
+/// # Errors
+/// A value that JSON cannot hold.
+pub fn to_json(value: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| {
+        Error::new(
+            Code::Internal,
+            format!("The result cannot be written as JSON: {e}."),
+        )
+    })?;
+    Ok(without_hidden(join_plain_lists(&text)) + "\n")
+}
+
+/// Hidden characters as JSON writes them in letters: they stand in strings only,
+/// and are read back as themselves.
+fn without_hidden(json: String) -> String {
+    let is_plain = |c: char| c == '\n' || !is_hidden(c);
+    if json.chars().all(is_plain) {
+        return json;
+    }
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        match is_plain(c) {
+            true => out.push(c),
+            false => {
+                for unit in c.encode_utf16(&mut [0; 2]) {
+                    out += &format!("\\u{unit:04x}");
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Puts each list without lists or objects inside on one line.
+fn join_plain_lists(pretty: &str) -> String {
+    let mut out = String::with_capacity(pretty.len());
+    let mut rest = pretty;
+    while let Some(at) = next_outside_strings(rest, &['[']) {
+        let (before, list) = rest.split_at(at);
+        out += before;
+        let inside = &list[1..];
+        let end = next_outside_strings(inside, &['[', ']', '{']).unwrap_or(inside.len());
+        if inside[end..].starts_with(']') {
+            let items: Vec<&str> = inside[..end]
+                .lines()
+                .map(str::trim)
+                .filter(|line| !line.is_empty())
+                .collect();
+            out += &format!("[{}]", items.join(" "));
+            rest = &inside[end + 1..];
+        } else {
+            out.push('[');
+            rest = inside;
+        }
+    }
+    out + rest
+}
+
+/// Byte position of the first of `wanted` that is not inside a JSON string.
+fn next_outside_strings(text: &str, wanted: &[char]) -> Option<usize> {
+    let (mut in_string, mut escaped) = (false, false);
+    text.char_indices()
+        .find(|(_, c)| {
+            if in_string {
+                (in_string, escaped) = (escaped || *c != '"', !escaped && *c == '\\');
+                return false;
+            }
+            in_string = *c == '"';
+            wanted.contains(c)
+        })
+        .map(|(at, _)| at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    #[test]
+    fn plain_lists_are_joined_and_nothing_else_changes() {
+        let value = json!({
+            "a": [1.5, null, "x, ] [ \" \\", true],
+            "b": [[1, 2], [3, 4]],
+            "c": [{"d": []}],
+            "e": "[not,\na list]",
+            "f\"[": {}
+        });
+        let text = to_json(&value).unwrap();
+        assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
+        assert!(
+            text.contains(r#""a": [1.5, null, "x, ] [ \" \\", true]"#),
+            "{text}"
+        );
+        assert!(text.contains("    [1, 2],\n    [3, 4]\n"), "{text}");
+    }
+
+    #[test]
+    fn hidden_characters_are_in_letters_and_read_back() {
+        let value = json!({"a\u{202e}": "b\u{1b}\u{85}\u{feff}\u{e0041}\nc"});
+        let text = to_json(&value).unwrap();
+        assert!(
+            text.contains(r"a\u202e") && text.contains(r"\udb40\udc41"),
+            "{text}"
+        );
+        assert!(text.chars().all(|c| c == '\n' || !is_hidden(c)));
+        assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_null() {
+        assert_eq!(
+            to_json(&[f64::NAN, f64::INFINITY, 1.0]).unwrap(),
+            "[null, null, 1.0]\n"
+        );
+    }
+}

@@ -1,0 +1,333 @@
+//! Where inputs come from: whoever can give bytes by name reads everything else.
+//!
+//! The roles under which inputs are read are the keys of `inputs` in a result
+//! ([`Envelope`](super::envelope::Envelope)).
+
+use super::builtin;
+use super::cell::parse_cell_bytes_with;
+use super::registration::read_registration;
+use super::stiffness::read_stiffness;
+use super::table::{
+    PathTable, holds_measurements, read_growing_measurements, read_measurements,
+    read_measurements_of, read_path, read_postures,
+};
+use crate::error::{Code, Error, Result};
+use crate::estimate::saved::{PRIOR, Saved};
+use crate::measure::prepare;
+use crate::measure::reduction::ReduceOptions;
+use crate::model::cell::Cell;
+use crate::model::measurement::{Candidate, Measurements};
+use crate::model::posture::{Posture, PostureGroup};
+use crate::model::process::ForceAxes;
+use crate::model::robot::Robot;
+use std::path::Path;
+
+/// Stands for standard input where a file name could stand.
+pub const STANDARD_INPUT: &str = "-";
+
+/// Name of standard input in messages.
+pub const STANDARD_INPUT_NAME: &str = "standard input";
+
+/// A cell with the name it was asked for by.
+#[derive(Debug, Clone)]
+pub struct NamedCell {
+    /// The cell.
+    pub cell: Cell,
+    /// File name or `builtin:…`.
+    pub name: String,
+}
+
+/// A path with its name.
+#[derive(Debug, Clone)]
+pub struct NamedPath {
+    /// The points, and how the file writes them.
+    pub table: PathTable,
+    /// File name or `builtin:…`.
+    pub name: String,
+}
+
+/// Gives inputs by name, and remembers their hashes by role.
+pub trait Source {
+    /// Reads a file, `builtin:NAME` ([`builtin::bytes`]) or whatever else can be named;
+    /// returns the name for messages and the bytes, and remembers their SHA-256 under `role`.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)>;
+
+    /// Reads a cell with the meshes that it names. Those of a file count from its folder, of a
+    /// built-in cell they are built in, of standard input they count from the working folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or anything wrong with the cell.
+    fn read_cell(&self, from: &str) -> Result<NamedCell> {
+        let (name, bytes) = self.read("cell", from)?;
+        let read = |file: &str| {
+            let mesh = self.read(&format!("cell mesh {file}"), &beside(from, file));
+            mesh.map(|(_, bytes)| bytes)
+                .map_err(|error| match error.code() {
+                    // What it says of files to start from is no help here.
+                    Code::FileRead => Error::new(Code::FileRead, error.message()),
+                    _ => error,
+                })
+        };
+        let cell = parse_cell_bytes_with(&bytes, &name, &read)?;
+        Ok(NamedCell { cell, name })
+    }
+
+    /// Reads postures of `robot`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or anything wrong with its table.
+    fn read_postures(&self, role: &str, from: &str, robot: &Robot) -> Result<Vec<Posture>> {
+        let (name, bytes) = self.read(role, from)?;
+        let postures = read_postures(&bytes, &name, robot)?;
+        if postures.is_empty() {
+            return Err(Error::new(
+                Code::TooFewData,
+                "The table has no postures, only a heading.",
+            )
+            .file(name)
+            .hint("add one row per posture"));
+        }
+        Ok(postures)
+    }
+
+    /// Reads groups of postures, named by their files.
+    ///
+    /// # Errors
+    /// As [`Source::read_postures`].
+    fn read_groups(&self, from: &[String], robot: &Robot) -> Result<Vec<PostureGroup>> {
+        let stems: Vec<String> = from.iter().map(|from| group_name(from)).collect();
+        let mut groups = Vec::with_capacity(from.len());
+        for (i, (from, stem)) in from.iter().zip(&stems).enumerate() {
+            let postures = self.read_postures(&format!("postures_{}", i + 1), from, robot)?;
+            // Two files of one name in different folders stay apart.
+            let same = stems[..i].iter().filter(|other| *other == stem).count();
+            let name = if same == 0 {
+                stem.clone()
+            } else {
+                format!("{stem} ({})", same + 1)
+            };
+            groups.push(PostureGroup { name, postures });
+        }
+        Ok(groups)
+    }
+
+    /// Reads displacements or raw readings from one file or several, with controller angles from
+    /// `postures` where that is given.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or anything wrong with its table.
+    fn read_measurements(
+        &self,
+        from: &[String],
+        postures: Option<&str>,
+        cell: &Cell,
+    ) -> Result<Measurements> {
+        let (files, postures) = measurement_files(self, from, postures, cell)?;
+        read_measurements_of(&borrowed(&files), cell, postures.as_deref())
+    }
+
+    /// The same of files that are still being filled.
+    ///
+    /// # Errors
+    /// As [`Source::read_measurements`].
+    fn read_growing_measurements(
+        &self,
+        from: &[String],
+        postures: Option<&str>,
+        cell: &Cell,
+    ) -> Result<Measurements> {
+        let (files, postures) = measurement_files(self, from, postures, cell)?;
+        read_growing_measurements(&borrowed(&files), cell, postures.as_deref())
+    }
+
+    /// Reads candidates to choose from: a table of postures, or one of measurements, whose
+    /// postures count under their measured wrenches, of several states of a posture under
+    /// the largest force. True where they were measured.
+    ///
+    /// # Errors
+    /// A file that cannot be read, anything wrong with its table, readings that cannot be
+    /// reduced.
+    fn read_candidates(&self, from: &str, cell: &Cell) -> Result<(Vec<Candidate>, bool)> {
+        let (name, bytes) = self.read("candidates", from)?;
+        if !holds_measurements(&bytes, &name, cell)? {
+            let postures = read_postures(&bytes, &name, &cell.setup.robot)?;
+            let plain = postures
+                .into_iter()
+                .map(|posture| Candidate::new(posture.name, posture.q));
+            return Ok((plain.collect(), false));
+        }
+        let measurements = read_measurements(&bytes, &name, cell, None)?;
+        let measured = prepare(cell, measurements, &ReduceOptions::default())?;
+        Ok((
+            Candidate::of_measured(&cell.setup, &measured.postures),
+            true,
+        ))
+    }
+
+    /// Options of a reduction of raw readings: with the registration that
+    /// `register` saved in `from`, if given.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or holds no registration.
+    fn read_registration(&self, from: Option<&str>) -> Result<ReduceOptions> {
+        let Some(from) = from else {
+            return Ok(ReduceOptions::default());
+        };
+        let (name, bytes) = self.read("registration", from)?;
+        let registration = read_registration(&bytes, &name)?;
+        Ok(ReduceOptions {
+            base_from_tracker: Some(registration.base_from_tracker),
+            ..ReduceOptions::default()
+        })
+    }
+
+    /// Reads a joint stiffness of `cell`: a result of `identify`, a bare list,
+    /// or `prior` for the cell's own (a file of that name is `./prior`).
+    ///
+    /// # Errors
+    /// A file that cannot be read, anything wrong with it, or a cell without prior.
+    fn read_stiffness(&self, from: &str, cell: &Cell) -> Result<Saved> {
+        if from == PRIOR {
+            return Saved::prior(cell);
+        }
+        let (name, bytes) = self.read("stiffness", from)?;
+        let saved = read_stiffness(&bytes, &name, cell)?;
+        Ok(Saved {
+            predictor: saved.compliance,
+            postures: saved.postures,
+            cell: saved.cell,
+            largest_displacement: saved.largest_displacement,
+            name,
+        })
+    }
+
+    /// Reads a path of the tool's tip; `axes` are those of its forces where no column says so.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or anything wrong with its table.
+    fn read_path(&self, from: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<NamedPath> {
+        let (name, bytes) = self.read("path", from)?;
+        let table = read_path(&bytes, &name, cell, axes)?;
+        Ok(NamedPath { table, name })
+    }
+}
+
+/// Files of measurements, and controller angles from `postures`.
+type MeasurementFiles = (Vec<(String, Vec<u8>)>, Option<Vec<Posture>>);
+
+fn measurement_files<S: Source + ?Sized>(
+    source: &S,
+    from: &[String],
+    postures: Option<&str>,
+    cell: &Cell,
+) -> Result<MeasurementFiles> {
+    let robot = &cell.setup.robot;
+    let postures = postures
+        .map(|from| source.read_postures("postures", from, robot))
+        .transpose()?;
+    let mut files = Vec::with_capacity(from.len());
+    for (number, from) in (1..).zip(from) {
+        let role = match number {
+            1 => "measurements".to_string(),
+            _ => format!("measurements_{number}"),
+        };
+        files.push(source.read(&role, from)?);
+    }
+    Ok((files, postures))
+}
+
+fn borrowed(files: &[(String, Vec<u8>)]) -> Vec<(&[u8], &str)> {
+    files
+        .iter()
+        .map(|(name, bytes)| (bytes.as_slice(), name.as_str()))
+        .collect()
+}
+
+/// Where a file lies that the cell `cell` names.
+fn beside(cell: &str, file: &str) -> String {
+    if cell.starts_with(builtin::PREFIX) || file.starts_with(builtin::PREFIX) {
+        let name = file.strip_prefix(builtin::PREFIX).unwrap_or(file);
+        return format!("{}{name}", builtin::PREFIX);
+    }
+    let folder = match Path::new(cell).parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    folder.join(file).to_string_lossy().into_owned()
+}
+
+/// Name of a group: the file's without folder and extension.
+pub fn group_name(from: &str) -> String {
+    if from == STANDARD_INPUT {
+        return STANDARD_INPUT_NAME.to_string();
+    }
+    if let Some(name) = from.strip_prefix(builtin::PREFIX) {
+        return name.to_string();
+    }
+    Path::new(from).file_stem().map_or_else(
+        || from.to_string(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::sha256_hex;
+    use super::*;
+    use std::cell::RefCell;
+    use std::collections::BTreeMap;
+
+    /// Built-in files, and tables in memory.
+    #[derive(Default)]
+    struct Memory {
+        files: BTreeMap<String, Vec<u8>>,
+        hashes: RefCell<BTreeMap<String, String>>,
+    }
+
+    impl Source for Memory {
+        fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)> {
+            let bytes = match from.strip_prefix(builtin::PREFIX) {
+                Some(name) => builtin::bytes(name)?.to_vec(),
+                None => self.files.get(from).cloned().ok_or_else(|| {
+                    Error::new(Code::FileRead, "There is no such file.").file(from)
+                })?,
+            };
+            let mut hashes = self.hashes.borrow_mut();
+            hashes.insert(role.to_string(), sha256_hex(&bytes));
+            Ok((from.to_string(), bytes))
+        }
+    }
+
+    #[test]
+    fn all_that_a_plan_needs_comes_through_one_method() {
+        let group = builtin::postures_text("comau-group1").unwrap();
+        let mut memory = Memory::default();
+        memory.files.insert("a/plan.csv".into(), group.into());
+        memory.files.insert("b/plan.csv".into(), group.into());
+        let cell = memory.read_cell("builtin:comau").unwrap();
+        assert_eq!(cell.name, "builtin:comau");
+        let from = ["a/plan.csv", "b/plan.csv"].map(String::from);
+        let groups = memory.read_groups(&from, &cell.cell.setup.robot).unwrap();
+        assert_eq!(groups[0].postures, groups[1].postures);
+        assert_eq!((&*groups[0].name, &*groups[1].name), ("plan", "plan (2)"));
+        let prior = memory.read_stiffness("prior", &cell.cell).unwrap();
+        assert_eq!(prior.name, "prior");
+        let hashes = memory.hashes.borrow();
+        let roles: Vec<&str> = hashes.keys().map(String::as_str).collect();
+        assert_eq!(roles, ["cell", "postures_1", "postures_2"]);
+    }
+
+    #[test]
+    fn meshes_lie_beside_the_cell_that_names_them() {
+        assert_eq!(beside("builtin:comau-shapes", "a.obj"), "builtin:a.obj");
+        assert_eq!(beside("cells/c.toml", "builtin:a.obj"), "builtin:a.obj");
+        let slashes = |path: String| path.replace('\\', "/");
+        assert_eq!(slashes(beside("cells/c.toml", "m/a.obj")), "cells/m/a.obj");
+        assert_eq!(slashes(beside("c.toml", "a.obj")), "./a.obj");
+        // Standard input, and a file of its name.
+        assert_eq!(slashes(beside("-", "-")), "./-");
+    }
+}
