@@ -1,0 +1,284 @@
+"""Results: what the command prints as JSON, with attributes, tables and files."""
+
+from __future__ import annotations
+
+import copy
+import html
+import json
+import os
+import tempfile
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+
+from ._errors import StiffarmError, StiffarmWarning
+from ._table import Table
+
+_R = TypeVar("_R", bound="Result")
+
+
+class Record(Mapping[str, Any]):
+    """A part of a result: keys as attributes, lists of numbers as NumPy arrays, objects as records.
+
+    Names are those of the command's JSON; each has its unit in it where it has one.
+    """
+
+    __slots__ = ("_data",)
+
+    def __init__(self, data: dict[str, Any]) -> None:
+        self._data = data
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return wrapped(self._data[name])
+        except KeyError:
+            known = ", ".join(sorted(self._data))
+            raise AttributeError(f"There is no {name!r} here; there are: {known}") from None
+
+    def __getitem__(self, name: str) -> Any:
+        return wrapped(self._data[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._data]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{k}={_short(v)}' for k, v in self._data.items())})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Record, (self._data,)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain dictionaries, lists and numbers: a copy of one's own."""
+        return copy.deepcopy(self._data)
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def wrapped(value: Any) -> Any:
+    """Records of objects, arrays of lists of numbers."""
+    if isinstance(value, dict):
+        return Record(value)
+    if isinstance(value, list):
+        array = _array(value)
+        return [wrapped(one) for one in value] if array is None else array
+    return value
+
+
+def _array(values: list[Any]) -> np.ndarray | None:
+    """An array of a list of numbers, or of lists of as many numbers each; null is NaN."""
+    if not values:
+        return None
+    number = (int, float)
+    if all(v is None or (isinstance(v, number) and not isinstance(v, bool)) for v in values):
+        if all(isinstance(v, int) for v in values):
+            return np.array(values)
+        return np.array([np.nan if v is None else v for v in values], dtype=float)
+    if all(isinstance(v, list) for v in values):
+        rows = [_array(v) for v in values]
+        if all(row is not None for row in rows) and len({row.shape for row in rows if row is not None}) == 1:
+            return np.array(rows)
+    return None
+
+
+class Result(Record):
+    """What a function found: the same values as the command prints with ``--json``, to the last bit.
+
+    Keys of the result are attributes: ``plan.value``, ``identified.estimates.joints[0].stiffness_nm_per_rad``. Lists
+    of numbers are NumPy arrays (``null`` is NaN), objects are records of the same kind.
+    """
+
+    __slots__ = ("_document", "_text", "interrupted")
+
+    #: Keys that lead to the rows of :meth:`to_frame`.
+    _rows: ClassVar[tuple[str, ...]] = ()
+    _command: ClassVar[str] = ""
+
+    #: True where Ctrl-C stopped the work and this is the best so far.
+    interrupted: bool
+
+    def __init__(self, text: str, interrupted: bool = False) -> None:
+        self._text = text
+        self._document: dict[str, Any] = json.loads(text)
+        self.interrupted = interrupted
+        super().__init__(self._document["result"])
+
+    @classmethod
+    def _of(cls: type[_R], found: tuple[str, bool]) -> _R:
+        text, interrupted = found
+        if interrupted:
+            warnings.warn("Stopped by Ctrl-C: this is the best so far.", StiffarmWarning, stacklevel=3)
+        return cls(text, interrupted)
+
+    @property
+    def command(self) -> str:
+        """The command that gives the same."""
+        return str(self._document["command"])
+
+    @property
+    def seed(self) -> int | None:
+        """Seed of the random numbers, where there are any."""
+        seed = self._document["seed"]
+        return None if seed is None else int(seed)
+
+    @property
+    def options(self) -> Record:
+        """Options that the result depends on, defaults included."""
+        return Record(self._document["options"])
+
+    @property
+    def inputs(self) -> dict[str, str]:
+        """SHA-256 of each input by its role. Arrays count as the table that would be written of them."""
+        return dict(self._document["inputs"])
+
+    @property
+    def version(self) -> str:
+        """Version of stiffarm that made it."""
+        return str(self._document["stiffarm"])
+
+    @property
+    def findings(self) -> list[Record]:
+        """What the result says about itself: each with ``code``, ``severity``, ``subject``, ``sentence``."""
+        return [Record(f) for f in self._data.get("findings", [])]
+
+    def to_json(self) -> str:
+        """The text that the command prints with ``--json``: the result with what made it."""
+        return self._text
+
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Writes :meth:`to_json` to a file, which ``validate``, ``predict`` or the command's ``report`` read.
+
+        The file is written whole or not at all.
+
+        Raises:
+            StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
+        """
+        return write_text(Path(path), self._text, overwrite=overwrite)
+
+    @classmethod
+    def load(cls: type[_R], path: str | os.PathLike[str]) -> _R:
+        """Reads a result that :meth:`save` or the command wrote.
+
+        Raises:
+            StiffarmError: It cannot be read, or is the result of another function.
+        """
+        try:
+            found = cls(Path(path).read_text(encoding="utf-8"))
+        except OSError as error:
+            raise StiffarmError(
+                f"The file cannot be read: {error.strerror}.", "file-read", {"file": os.fspath(path)}
+            ) from None
+        except (ValueError, KeyError, TypeError):
+            raise StiffarmError(
+                "This is not a saved result.", "result-file", {"file": os.fspath(path)}
+            ) from None
+        if cls._command and found.command != cls._command:
+            raise StiffarmError(
+                f"This is the result of {found.command}, not of {cls._command}.",
+                "result-file",
+                {"file": os.fspath(path)},
+            )
+        return found
+
+    def table(self) -> Table:
+        """The main table of the result, a row each; see :meth:`to_frame`."""
+        rows: Any = self._data
+        for key in self._rows:
+            rows = rows[key]
+        if not self._rows or not isinstance(rows, list):
+            raise StiffarmError(f"A {type(self).__name__} has no table.", "unsupported")
+        return _table_of(rows)
+
+    def to_frame(self, library: str | None = None) -> Any:
+        """The main table as a frame of ``"pandas"`` or ``"polars"``; vectors become a column per component."""
+        return self.table().to_frame(library)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self._headline()}>"
+
+    def _headline(self) -> str:
+        return ", ".join(list(self._data)[:6])
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        out = f"<p><b>{html.escape(type(self).__name__)}</b>: {html.escape(self._headline())}</p>"
+        for finding in self.findings:
+            severity, sentence = html.escape(finding.severity), html.escape(finding.sentence)
+            out += f"<p><b>{severity}</b>: {sentence}</p>"
+        try:
+            return out + table(self.table())
+        except StiffarmError:
+            return out
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._text, self.interrupted)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Result) and self._text == other._text
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def write_text(path: Path, text: str, *, overwrite: bool) -> Path:
+    """Writes a file by a temporary name in its folder, so that there is never half of it."""
+    place = {"file": os.fspath(path)}
+    if path.exists() and not overwrite:
+        raise StiffarmError("The file exists.", "file-exists", place, hint="overwrite=True")
+    name = ""
+    try:
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", newline="\n", dir=path.parent, delete=False) as out:
+            name = out.name
+            out.write(text)
+        # A temporary file is its owner's alone; a result is like any other file.
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, path)
+    except OSError as error:
+        if name and os.path.exists(name):
+            os.unlink(name)
+        raise StiffarmError(f"The file cannot be written: {error.strerror}.", "file-write", place) from None
+    return path
+
+
+def _table_of(rows: list[dict[str, Any]]) -> Table:
+    """Plain columns of records: numbers and text as they are, vectors by component, records by key."""
+    names: dict[str, None] = {}
+    flat = [dict(_cells("", row)) for row in rows]
+    for row in flat:
+        names.update(dict.fromkeys(row))
+    return Table({name: [row.get(name) for row in flat] for name in names})
+
+
+def _cells(prefix: str, row: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    for key, value in row.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, dict):
+            yield from _cells(f"{name}_", value)
+        elif isinstance(value, list):
+            axes = "xyz" if len(value) == 3 else None
+            for i, one in enumerate(value):
+                if not isinstance(one, (list, dict)):
+                    yield _component(name, axes[i] if axes else str(i + 1)), one
+        else:
+            yield name, value
+
+
+def _component(name: str, which: str) -> str:
+    """``deflection_m`` and ``x`` give ``deflection_x_m``: the unit stays last."""
+    stem, mark, unit = name.rpartition("_")
+    return f"{stem}_{which}_{unit}" if mark and unit in ("m", "mm", "deg", "n", "nm", "rad") else f"{name}_{which}"

@@ -1,0 +1,146 @@
+"""Postures: controller angles under names."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _stiffarm
+from ._errors import StiffarmError
+from ._result import Result, write_text
+from ._table import Table
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from .cell import Cell
+
+
+class Postures:
+    """Postures of an arm, in the order they are measured.
+
+    Attributes:
+        angles: Controller angles, one row per posture, one column per joint [rad]; not to be written to.
+        names: A name for each posture.
+        name: Name of the group in results.
+    """
+
+    def __init__(
+        self,
+        angles: ArrayLike,
+        names: Sequence[str] | None = None,
+        *,
+        degrees: bool = False,
+        name: str = "",
+    ) -> None:
+        """Postures of an array of angles [rad], or [deg] with ``degrees=True``; without names they are "1", "2", ...
+
+        Raises:
+            StiffarmError: Angles that are no numbers, not finite, or not in rows; names of another number.
+        """
+        from ._inputs import floats
+
+        array = floats(angles, 2, "Postures")
+        if not np.isfinite(array).all():
+            row, joint = np.argwhere(~np.isfinite(array))[0]
+            raise StiffarmError(
+                f"The angle of joint {joint + 1} of posture {row + 1} is not a finite number.", "not-finite"
+            )
+        array = _stiffarm.radians(array) if degrees else np.array(array, copy=True)
+        array.flags.writeable = False
+        own = [str(i) for i in range(1, len(array) + 1)] if names is None else [str(one) for one in names]
+        if len(own) != len(array):
+            raise StiffarmError(f"There are {len(array)} postures and {len(own)} names.", "dimension")
+        self.angles: NDArray[np.float64] = array
+        self.names = own
+        self.name = name
+
+    @classmethod
+    def of(cls, value: Any, *, degrees: bool = False) -> Postures:
+        """Postures of an array, of a result that has postures, or of postures.
+
+        Raises:
+            StiffarmError: It has none.
+        """
+        if isinstance(value, Postures):
+            return value
+        if isinstance(value, Result):
+            data = value.to_dict()
+            if "postures_deg" not in data or "posture_names" not in data:
+                raise StiffarmError(f"A {type(value).__name__} has no postures.", "wrong-type")
+            return cls(data["postures_deg"], data["posture_names"], degrees=True)
+        return cls(value, degrees=degrees)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], cell: Cell) -> Postures:
+        """Reads a posture table (``.csv``, ``.xlsx``, ``builtin:NAME``) for the robot of a cell.
+
+        Raises:
+            StiffarmError: It cannot be read, or anything in it is wrong, with file, line and column.
+        """
+        names, angles = _stiffarm.read_postures(cell._native, os.fspath(path))
+        return cls(angles, names, name=Path(os.fspath(path)).stem)
+
+    @property
+    def degrees(self) -> NDArray[np.float64]:
+        """The angles [deg], in the fewest digits that are read back as the same."""
+        return _stiffarm.degrees(self.angles)
+
+    def table(self) -> Table:
+        """Columns ``name``, ``q1_deg``, ... as in a posture file."""
+        degrees = self.degrees
+        return Table({"name": self.names, **{f"q{j + 1}_deg": degrees[:, j] for j in range(degrees.shape[1])}})
+
+    def to_frame(self, library: str | None = None) -> Any:
+        """:meth:`table` as a frame of ``"pandas"`` or ``"polars"``."""
+        return self.table().to_frame(library)
+
+    def to_csv(self) -> str:
+        """The text of a posture file."""
+        return _stiffarm.posture_text(self.names, self.angles)
+
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Writes :meth:`to_csv` to a file.
+
+        Raises:
+            StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
+        """
+        return write_text(Path(path), self.to_csv(), overwrite=overwrite)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.angles, dtype=dtype) if copy or dtype else self.angles
+
+    def __len__(self) -> int:
+        return len(self.angles)
+
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        return iter(self.angles)
+
+    def __getitem__(self, which: int | slice | Sequence[int]) -> Postures:
+        chosen = [which] if isinstance(which, int) else which
+        names = np.array(self.names, dtype=object)[chosen]
+        return Postures(self.angles[chosen], list(names), name=self.name)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Postures):
+            return NotImplemented
+        return self.names == other.names and np.array_equal(self.angles, other.angles)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (np.array(self.angles), self.names, self.name)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} postures of {self.angles.shape[1]} joints: {', '.join(self.names[:8])}>"
+
+    def _repr_html_(self) -> str:
+        return self.table()._repr_html_()
+
+
+def _again(angles: Any, names: list[str], name: str) -> Postures:
+    return Postures(angles, names, name=name)
