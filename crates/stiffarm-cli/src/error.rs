@@ -62,6 +62,32 @@ pub fn report_beside(session: &Session, error: &Error) -> u8 {
     exit_code(error.code())
 }
 
+/// The error with the option of the command line for the field of the library that it is
+/// about, where that is one of `fields`: `tolerance_mm` is `--tolerance-mm`.
+pub fn of_option(error: Error, fields: &[&str]) -> Error {
+    match error.place().key.as_deref() {
+        Some(key) if error.place().file.is_none() && fields.contains(&key) => {
+            let option = format!("--{}", key.replace('_', "-"));
+            error.key(option)
+        }
+        _ => error,
+    }
+}
+
+/// As [`of_option`], a value that is not allowed being a wrong use of the command line.
+pub fn of_usage(error: Error, fields: &[&str]) -> Error {
+    let given = of_option(error.clone(), fields);
+    if given.place().key == error.place().key || error.code() != Code::InvalidValue {
+        return given;
+    }
+    let key = given.place().key.clone().unwrap_or_default();
+    let usage = Error::new(Code::Usage, given.message()).key(key);
+    match given.hint_text() {
+        Some(hint) => usage.hint(hint),
+        None => usage,
+    }
+}
+
 /// Prints what clap says: help and version on standard output, usage errors on
 /// standard error, or as JSON where the line asks for it.
 pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Captured>>) -> u8 {
@@ -224,6 +250,27 @@ mod tests {
         assert_eq!(at(2, Some(3)).as_deref(), Some("12x"));
         assert_eq!(at(2, None).as_deref(), Some("ä,12x"));
         assert_eq!(at(9, Some(1)), None);
+    }
+
+    #[test]
+    fn a_field_of_the_library_is_an_option_of_the_command() {
+        let wrong = Error::new(Code::InvalidValue, "Wrong.").hint("right");
+        let key = |e: &Error| e.place().key.clone();
+        let usage = of_usage(wrong.clone().key("start_deg"), &["start_deg"]);
+        assert_eq!(key(&usage).as_deref(), Some("--start-deg"));
+        assert_eq!(
+            (usage.code(), usage.hint_text()),
+            (Code::Usage, Some("right"))
+        );
+        let option = of_option(wrong.clone().key("bootstrap"), &["bootstrap"]);
+        assert_eq!(option.code(), Code::InvalidValue);
+        assert_eq!(key(&option).as_deref(), Some("--bootstrap"));
+        // A key of a file is no option.
+        let of_file = of_usage(wrong.key("bootstrap").file("cell.toml"), &["bootstrap"]);
+        assert_eq!(
+            (of_file.code(), key(&of_file).as_deref()),
+            (Code::InvalidValue, Some("bootstrap"))
+        );
     }
 
     #[test]

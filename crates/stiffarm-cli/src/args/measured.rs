@@ -5,6 +5,7 @@ use super::fit::FitArgs;
 use super::values::{above_zero, count, number};
 use clap::{Args, ValueEnum};
 use stiffarm::estimate::validate::Model;
+use stiffarm::estimate::validated::Folds;
 
 #[derive(Debug, Args)]
 pub struct RegisterArgs {
@@ -115,15 +116,6 @@ pub struct ValidateArgs {
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
-}
-
-/// Folds of a cross-validation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Folds {
-    /// As many as postures.
-    All,
-    /// This many.
-    Count(usize),
 }
 
 fn folds(text: &str) -> Result<Folds, String> {

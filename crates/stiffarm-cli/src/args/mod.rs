@@ -19,7 +19,7 @@ pub use capsules::{CapsulesArgs, MeshUnit};
 pub use export::{ControllerArgs, ExportArgs};
 pub use init::{DhChoice, InitArgs};
 pub use measure::{Goal, MeasureArgs};
-pub use measured::{Folds, IdentifyArgs, RegisterArgs, ValidateArgs};
+pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::{PoseArgs, PoseFrame, PosePoint};
 pub use report::PageArgs;

@@ -1,8 +1,8 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    capsules, check, compensate, evaluate, export, identify, map, measure, pose, predict, register,
-    route, select, simulate, study, validate, zones,
+    capsules, check, compensate, evaluate, export, map, measure, pose, predict, register, route,
+    select, simulate, study, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::Exit;
@@ -11,8 +11,9 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
-use stiffarm::estimate::clamped::ClampedIdentification;
+use stiffarm::estimate::clamped::{self, ClampedIdentification};
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
+use stiffarm::estimate::{identified, validated};
 use stiffarm::files::cell::cell_schema;
 use stiffarm::files::envelope::{Envelope, to_json};
 use stiffarm::measure::registration::RegistrationRecord;
@@ -50,12 +51,12 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         }
         SchemaChoice::ResultRegister => of::<register::Options, RegistrationRecord>("register"),
         SchemaChoice::ResultIdentify => {
-            of::<identify::Options, stiffarm::estimate::identified::Identified>("identify")
+            of::<identified::Options, identified::Identified>("identify")
         }
         SchemaChoice::ResultIdentifyClamped => {
-            of::<identify::clamped::Options, ClampedIdentification>("identify --clamped")
+            of::<clamped::Options, ClampedIdentification>("identify --clamped")
         }
-        SchemaChoice::ResultValidate => of::<validate::Options, validate::Validated>("validate"),
+        SchemaChoice::ResultValidate => of::<validated::Options, validated::Validated>("validate"),
         SchemaChoice::ResultPredict => of::<predict::Options, predict::Predicted>("predict"),
         SchemaChoice::ResultCompensate => {
             of::<compensate::Options, compensate::Compensated>("compensate")

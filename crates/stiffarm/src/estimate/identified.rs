@@ -4,12 +4,16 @@ use crate::error::{Code, Result};
 use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use crate::estimate::diagnose::{Diagnosis, diagnose};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
-use crate::estimate::identify::{Bootstrap, Fit, Identification, Profile, bootstrap, profile};
+use crate::estimate::identify::{
+    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
+    bootstrap, profile,
+};
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::systematic::{SystematicErrors, systematic_errors};
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
 use crate::measure::screening::Screening;
+use crate::model::observation::ExtraTerm;
 use crate::numerics::control::Control;
 use crate::plan::select::GlobalOptions;
 use serde::{Deserialize, Serialize};
@@ -38,6 +42,57 @@ impl Default for Wanted {
             elastic: ElasticChoice::Axes,
             seed: 1,
             brief: false,
+        }
+    }
+}
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Options {
+    /// How the stiffness is estimated.
+    pub estimator: Estimator,
+    /// Where the relative weight of single displacements comes from.
+    pub weights: Weights,
+    /// Where the size of the noise comes from.
+    pub noise: NoiseSource,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+    /// Further terms asked for.
+    pub extra: Vec<ExtraTerm>,
+    /// What gives way, where that is not the joint axes alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<ElasticChoice>,
+    /// Relative standard deviation of the prior stiffness (fraction).
+    pub prior_std: f64,
+    /// Postures left out.
+    pub exclude: Vec<String>,
+    /// Resamples of the bootstrap.
+    pub bootstrap: Option<u64>,
+    /// Whether only estimates and residuals were wanted.
+    pub brief: bool,
+}
+
+impl Options {
+    /// The options as the result holds them; `elastic` where it was asked for, though it be the
+    /// joint axes alone.
+    pub fn new(
+        fit: &IdentifyOptions,
+        wanted: &Wanted,
+        elastic: Option<ElasticChoice>,
+        exclude: &[String],
+    ) -> Self {
+        Options {
+            estimator: fit.estimator,
+            weights: fit.weights,
+            noise: fit.noise,
+            confidence: fit.confidence,
+            extra: fit.extra.clone(),
+            elastic,
+            prior_std: fit.prior_std,
+            exclude: exclude.to_vec(),
+            bootstrap: wanted.bootstrap,
+            brief: wanted.brief,
         }
     }
 }

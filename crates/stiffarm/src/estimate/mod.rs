@@ -19,3 +19,4 @@ pub mod simulate;
 pub mod standing;
 pub mod systematic;
 pub mod validate;
+pub mod validated;

@@ -1,6 +1,6 @@
 //! What an experiment measured, ready to be identified from.
 
-use crate::error::{Error, Result};
+use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::measure::pending::{not_measured_yet, nothing_measured};
 use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
@@ -50,6 +50,34 @@ impl Measured {
         self.postures.retain(|m| keep(&m.posture.name));
     }
 
+    /// Keeps the postures with these names.
+    ///
+    /// # Errors
+    /// A name that no posture has.
+    pub fn keep_only(&mut self, names: &[String]) -> Result<()> {
+        self.check_names(names)?;
+        self.retain(|name| names.iter().any(|kept| kept == name));
+        Ok(())
+    }
+
+    /// Leaves out the postures with these names.
+    ///
+    /// # Errors
+    /// A name that no posture has; nothing is left.
+    pub fn exclude(&mut self, names: &[String]) -> Result<()> {
+        self.check_names(names)?;
+        self.retain(|name| !names.iter().any(|excluded| excluded == name));
+        match self.postures.is_empty() {
+            true => Err(all_excluded()),
+            false => Ok(()),
+        }
+    }
+
+    fn check_names(&self, names: &[String]) -> Result<()> {
+        let known = self.postures.iter().map(|m| m.posture.name.as_str());
+        check_names(names, known)
+    }
+
     /// All that was noticed about raw readings, those about the readings
     /// themselves first.
     pub fn findings(&self) -> impl Iterator<Item = &Finding> {
@@ -61,6 +89,28 @@ impl Measured {
     pub fn worst(&self) -> Option<Severity> {
         self.findings().map(|f| f.severity).max()
     }
+}
+
+/// Refuses names that are not among those of measured postures, `known`.
+pub(crate) fn check_names<'a>(
+    names: &[String],
+    known: impl Iterator<Item = &'a str>,
+) -> Result<()> {
+    let mut known: Vec<&str> = known.collect();
+    let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) else {
+        return Ok(());
+    };
+    known.dedup();
+    Err(Error::new(
+        Code::UnknownName,
+        format!("The measurements have no posture \"{name}\"."),
+    )
+    .hint(format!("measured postures: {}", known.join(", "))))
+}
+
+/// No posture is left.
+pub(crate) fn all_excluded() -> Error {
+    Error::new(Code::TooFewData, "All postures are excluded.")
 }
 
 impl From<Vec<MeasuredPosture>> for Measured {

@@ -10,4 +10,5 @@ pub mod screening;
 mod series;
 
 pub use measured::{Measured, prepare};
+pub(crate) use measured::{all_excluded, check_names};
 pub use pending::{NOT_MEASURED_YET, not_measured_yet};

@@ -1,44 +1,27 @@
 //! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
 
-use super::{check_among, messages, tables};
+use super::{messages, tables};
 use crate::args::IdentifyArgs;
+use crate::error::of_option;
 use crate::files::only_target;
 use crate::input::Line;
 use crate::numbers::{optional, percent, significant};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Table, title, weight};
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::estimate::clamped::{ClampedIdentification, ClampedPosture, identify_clamped};
+use stiffarm::estimate::clamped::{
+    ClampedIdentification, ClampedPosture, Options, identify_clamped, without,
+};
 use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::estimate::identify::{Estimator, NoiseSource, Verdict};
+use stiffarm::estimate::identify::{NoiseSource, Verdict};
 use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::files::table::read_clamped;
 use stiffarm::findings::{Severity, list};
-use stiffarm::model::observation::ExtraTerm;
 use stiffarm::units::{deg_to_rad, rad_to_deg};
 use stiffarm::{Code, Error, Result};
 
 /// Postures whose residuals the table shows.
 const SHOWN_RESIDUALS: usize = 5;
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// How the stiffness is estimated.
-    pub estimator: Estimator,
-    /// Further terms asked for.
-    pub extra: Vec<ExtraTerm>,
-    /// Where the size of the noise comes from.
-    pub noise: NoiseSource,
-    /// Standard deviation of a difference of two angles \[deg\].
-    pub angle_noise_deg: Option<f64>,
-    /// Confidence of the intervals.
-    pub confidence: f64,
-    /// Postures left out.
-    pub exclude: Vec<String>,
-}
 
 /// Identifies the joint stiffness from clamped postures.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
@@ -66,14 +49,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let complete = joints.iter().all(|j| j.verdict == Verdict::Determined);
     let serious = |f: &stiffarm::findings::Finding| f.severity == Severity::Serious;
     let exit = Exit::finding(!complete || result.findings.iter().any(serious));
-    let options = Options {
-        estimator: options.estimator,
-        extra: options.extra.clone(),
-        noise: options.noise,
-        angle_noise_deg: args.angle_noise_deg,
-        confidence: options.confidence,
-        exclude: args.exclude.clone(),
-    };
+    let options = Options::new(&options, args.angle_noise_deg, &args.exclude);
     let envelope = session.envelope("identify", None, options, &result);
     let table = || table(&named, &clamped, &result, &args.exclude);
     session.deliver(target, &envelope, table)?;
@@ -92,20 +68,14 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
         return Err(error.hint("give all postures in one file"));
     };
     let (file, bytes) = session.read("measurements", measurements)?;
-    let mut clamped = read_clamped(&bytes, &file, &named.cell, postures.as_deref())?;
+    let clamped = read_clamped(&bytes, &file, &named.cell, postures.as_deref())?;
     if clamped.is_empty() {
         let message = "The table has no measurements, only a heading.";
         return Err(Error::new(Code::TooFewData, message)
             .file(file)
             .hint("add one row per posture and load state"));
     }
-    let known = clamped.iter().map(|c| c.posture.name.as_str()).collect();
-    check_among("--exclude", &args.exclude, known)?;
-    clamped.retain(|c| !args.exclude.contains(&c.posture.name));
-    if clamped.is_empty() {
-        return Err(Error::new(Code::TooFewData, "All postures are excluded.").key("--exclude"));
-    }
-    Ok(clamped)
+    without(clamped, &args.exclude).map_err(|e| of_option(e, &["exclude"]))
 }
 
 fn table(

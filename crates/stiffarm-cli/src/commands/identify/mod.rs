@@ -11,49 +11,19 @@ mod tables;
 pub use messages::confidence;
 
 use crate::args::IdentifyArgs;
+use crate::error::of_option;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::title;
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::estimate::identified::{Identified, Wanted};
-use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource, Weights, implausible_scale};
+use stiffarm::Result;
+use stiffarm::estimate::identified::{Identified, Options, Wanted};
+use stiffarm::estimate::identify::{Fit, implausible_scale};
 use stiffarm::files::source::Source;
 use stiffarm::findings::Severity;
 use stiffarm::measure::prepare;
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::ExtraTerm;
-use stiffarm::{Code, Error, Result};
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// How the stiffness is estimated.
-    pub estimator: Estimator,
-    /// Where the relative weight of single displacements comes from.
-    pub weights: Weights,
-    /// Where the size of the noise comes from.
-    pub noise: NoiseSource,
-    /// Confidence of the intervals.
-    pub confidence: f64,
-    /// Further terms asked for.
-    pub extra: Vec<ExtraTerm>,
-    /// What gives way, where that is not the joint axes alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub elastic: Option<ElasticChoice>,
-    /// Relative standard deviation of the prior stiffness (fraction).
-    pub prior_std: f64,
-    /// Postures left out.
-    pub exclude: Vec<String>,
-    /// Resamples of the bootstrap.
-    pub bootstrap: Option<u64>,
-    /// Whether only estimates and residuals were wanted.
-    pub brief: bool,
-}
 
 /// Identifies the joint stiffness.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
@@ -67,11 +37,9 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         session.read_measurements(&args.measurements, args.postures.as_deref(), &named.cell)?;
     let reduce = session.read_registration(args.registration.as_deref())?;
     let mut measured = prepare(&named.cell, measurements, &reduce)?;
-    check_names("--exclude", &args.exclude, &measured.postures)?;
-    measured.retain(|name| !args.exclude.iter().any(|excluded| excluded == name));
-    if measured.postures.is_empty() {
-        return Err(Error::new(Code::TooFewData, "All postures are excluded.").key("--exclude"));
-    }
+    measured
+        .exclude(&args.exclude)
+        .map_err(|e| e.key("--exclude"))?;
     let serious = measured.worst() == Some(Severity::Serious);
     let progress = Progress::new(session, "examining the identification");
     let fit = Fit::watched(&named.cell, measured, &options, progress.shared())?;
@@ -85,11 +53,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     };
     let result = progress
         .watch(|control| Identified::new(&fit, &wanted, control))
-        .map_err(|e| match e.place().key.as_deref() {
-            Some("bootstrap") => e.key("--bootstrap"),
-            Some("elastic") => e.key("--elastic"),
-            _ => e,
-        })?;
+        .map_err(|e| of_option(e, &["bootstrap", "elastic"]))?;
     drop(progress);
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
@@ -99,18 +63,8 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         }
         false => Exit::Interrupted,
     };
-    let described = Options {
-        estimator: options.estimator,
-        weights: options.weights,
-        noise: options.noise,
-        confidence: options.confidence,
-        extra: options.extra.clone(),
-        elastic: args.fit.elastic.map(Into::into),
-        prior_std: options.prior_std,
-        exclude: args.exclude.clone(),
-        bootstrap: args.bootstrap,
-        brief: args.brief,
-    };
+    let elastic = args.fit.elastic.map(Into::into);
+    let described = Options::new(&options, &wanted, elastic, &args.exclude);
     let envelope = session.envelope("identify", Some(args.seed), described, &result);
     let table = || {
         let out = summary::summary(&named, &fit, &result, &args.exclude, args.details);
@@ -121,29 +75,6 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     };
     session.deliver(target, &envelope, table)?;
     Ok(exit)
-}
-
-/// Refuses names that no measured posture has.
-///
-/// # Errors
-/// An unknown name.
-pub fn check_names(option: &str, names: &[String], measured: &[MeasuredPosture]) -> Result<()> {
-    let known = measured.iter().map(|m| m.posture.name.as_str());
-    check_among(option, names, known.collect())
-}
-
-/// The same among the names `known`, in their order.
-fn check_among(option: &str, names: &[String], mut known: Vec<&str>) -> Result<()> {
-    let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) else {
-        return Ok(());
-    };
-    known.dedup();
-    Err(Error::new(
-        Code::UnknownName,
-        format!("The measurements have no posture \"{name}\"."),
-    )
-    .key(option)
-    .hint(format!("measured postures: {}", known.join(", "))))
 }
 
 /// Everything beside the summary.

@@ -3,11 +3,10 @@
 
 mod remarks;
 
-pub use remarks::Validated;
-
+use super::identify::confidence;
 use super::identify::readings::{done, marked};
-use super::identify::{check_names, confidence};
-use crate::args::{Folds, ValidateArgs};
+use crate::args::ValidateArgs;
+use crate::error::{of_option, of_usage};
 use crate::files::ends_in;
 use crate::input::Line;
 use crate::numbers::{NONE, mm, percent, significant};
@@ -16,68 +15,30 @@ use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{Align, Table, green, red, serious, title, weight};
-use remarks::{notes, said};
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::estimate::elastic::{ElasticChoice, elastic};
-use stiffarm::estimate::identify::{Estimator, Fit, NoiseSource};
-use stiffarm::estimate::mixed::MixedFit;
-use stiffarm::estimate::validate::{
-    Model, PointBand, Validation, cross_validate, cross_validate_mixed, validate_with,
-};
+use remarks::said;
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::estimate::identify::Fit;
+use stiffarm::estimate::validate::{Model, PointBand, Validation};
+use stiffarm::estimate::validated::{Folds, Request, notes};
 use stiffarm::files::source::Source;
-use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::findings::{Severity, list};
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::observation::ExtraTerm;
-use stiffarm::units::mm_to_m;
 use stiffarm::{Code, Error, Result};
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// How displacements are calculated.
-    pub model: Model,
-    /// Largest deviation allowed \[mm\].
-    pub tolerance_mm: Option<f64>,
-    /// Only these postures; all if empty.
-    pub only: Vec<String>,
-    /// How each fold was identified, with --folds.
-    pub fit: Option<FitOptions>,
-}
-
-/// Options of the identifications of a cross-validation.
-#[derive(Serialize, JsonSchema)]
-pub struct FitOptions {
-    /// Folds of postures.
-    pub folds: usize,
-    /// How the unknowns are estimated.
-    pub estimator: Estimator,
-    /// The further terms.
-    pub extra: Vec<ExtraTerm>,
-    /// What gives way, where that is not the joint axes alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub elastic: Option<ElasticChoice>,
-    /// Where the size of the noise comes from.
-    pub noise: NoiseSource,
-    /// Confidence of the bands.
-    pub confidence: f64,
-}
 
 /// Validates.
 pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
-    if let Some(tolerance) = args.tolerance_mm
-        && !(tolerance.is_finite() && tolerance >= 0.0)
-    {
-        return Err(Error::new(
-            Code::Usage,
-            format!("The tolerance must be 0 mm or more, got {tolerance}."),
-        )
-        .key("--tolerance-mm"));
-    }
+    let request = Request {
+        model: args.model.into(),
+        tolerance_mm: args.tolerance_mm,
+        only: args.only.clone(),
+    };
+    request
+        .check()
+        .map_err(|e| of_usage(e, &["tolerance_mm"]))?;
     match (&args.stiffness, args.folds) {
-        (Some(stiffness), None) => held_out(session, args, stiffness),
-        (None, Some(folds)) => cross(session, args, &args.measurements, folds),
+        (Some(stiffness), None) => held_out(session, args, &request, stiffness),
+        (None, Some(folds)) => cross(session, args, &request, &args.measurements, folds),
         (None, None) => Err(Error::new(
             Code::Usage,
             "There is no joint stiffness to validate.",
@@ -86,7 +47,8 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         // A table of measurements before others is no stiffness.
         (Some(first), Some(folds)) if !ends_in(first, "json") => {
             let first = std::slice::from_ref(first);
-            cross(session, args, &[first, &args.measurements].concat(), folds)
+            let from = [first, &args.measurements].concat();
+            cross(session, args, &request, &from, folds)
         }
         (Some(_), Some(_)) => Err(Error::new(
             Code::Usage,
@@ -98,7 +60,12 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
 }
 
 /// Validates a saved stiffness.
-fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<Exit> {
+fn held_out(
+    session: &Session,
+    args: &ValidateArgs,
+    request: &Request,
+    stiffness: &str,
+) -> Result<Exit> {
     if let Some(option) = args.fit.given() {
         return Err(Error::new(
             Code::Usage,
@@ -109,21 +76,15 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
     }
     let named = session.read_cell(&args.cell)?;
     let saved = session.read_stiffness(stiffness, &named.cell)?;
-    let measured = measured(session, args, &args.measurements, &named.cell)?;
+    let measured = measured(session, args, request, &args.measurements, &named.cell)?;
     let cell = &named.cell;
-    let model = args.model.into();
-    let tolerance = args.tolerance_mm.map(mm_to_m);
     let unsettled = unsettled(&measured);
-    let mut remarks: Vec<Finding> = measured.findings().cloned().collect();
-    let result = validate_with(cell, &saved.predictor, measured, model, tolerance)?;
-    let same_cell = !saved.is_of_another_cell(session.hashes().get("cell").map(String::as_str));
-    remarks.extend(notes(&saved, same_cell, &result));
-    let result = Validated {
-        validation: result,
-        remarks,
-    };
-    let envelope = session.envelope("validate", None, options(args, None), &result);
+    let hashes = session.hashes();
+    let hash = hashes.get("cell").map(String::as_str);
+    let result = request.held_out(cell, hash, &saved, measured)?;
+    let envelope = session.envelope("validate", None, request.options(None), &result);
     let result = &result.validation;
+    let same_cell = !saved.is_of_another_cell(hash);
     session.show(&envelope, || {
         unsettled.clone()
             + &named.line()
@@ -136,8 +97,14 @@ fn held_out(session: &Session, args: &ValidateArgs, stiffness: &str) -> Result<E
 }
 
 /// Predicts each posture from fits without it.
-fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) -> Result<Exit> {
-    if Model::from(args.model) != Model::Linear {
+fn cross(
+    session: &Session,
+    args: &ValidateArgs,
+    request: &Request,
+    from: &[String],
+    folds: Folds,
+) -> Result<Exit> {
+    if request.model != Model::Linear {
         return Err(Error::new(
             Code::Unsupported,
             "With --folds only the linear model can be used.",
@@ -146,36 +113,21 @@ fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) 
     }
     let named = session.read_cell(&args.cell)?;
     let fit = args.fit.options(&named.cell.setup.robot)?;
-    let measured = measured(session, args, from, &named.cell)?;
+    let measured = measured(session, args, request, from, &named.cell)?;
     let cell = &named.cell;
-    let count = match folds {
-        Folds::Count(count) => count,
-        Folds::All => {
-            let mut names: Vec<&str> = measured
-                .postures
-                .iter()
-                .map(|m| m.posture.name.as_str())
-                .collect();
-            names.sort_unstable();
-            names.dedup();
-            names.len()
-        }
-    };
     let unsettled = unsettled(&measured);
-    let remarks = measured.findings().cloned().collect();
-    let tolerance = args.tolerance_mm.map(mm_to_m);
     let progress = Progress::new(session, "predicting each posture");
-    let asked = args.fit.elastic();
-    let (result, model) = Fit::watched(cell, measured, &fit, progress.shared())
-        .and_then(|fit| crossed(&fit, asked, count, tolerance))
+    let asked = args.fit.elastic.map(Into::into);
+    let (result, described) = Fit::watched(cell, measured, &fit, progress.shared())
+        .and_then(|fit| request.by_folds(&fit, asked, folds))
         .map_err(|e| match e.code() {
             Code::InvalidValue => e.key("--folds"),
-            _ => e,
+            _ => of_option(e, &["elastic"]),
         })?;
     drop(progress);
     let said = match folds {
         Folds::All => "each posture is predicted by a fit without it".to_string(),
-        Folds::Count(_) => {
+        Folds::Count(count) => {
             format!("each of {count} folds of postures is predicted by a fit without it")
         }
     };
@@ -189,25 +141,16 @@ fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) 
         false => format!(", with {}", list(&terms)),
     };
     let mut said = format!("{said}; estimator {}{terms}\n", fit.estimator.as_str());
-    if asked != ElasticChoice::Axes {
-        said += match model {
-            ElasticChoice::Mixed => "elastic model: mixed, its sizes found anew in each fold\n",
+    if asked.is_some_and(|asked| asked != ElasticChoice::Axes) {
+        said += match described.elastic {
+            Some(ElasticChoice::Mixed) => {
+                "elastic model: mixed, its sizes found anew in each fold\n"
+            }
             _ => "elastic model: the joint axes alone\n",
         };
     }
-    let fit = FitOptions {
-        folds: count,
-        estimator: fit.estimator,
-        extra: fit.extra,
-        elastic: args.fit.elastic.map(|_| model),
-        noise: fit.noise,
-        confidence: fit.confidence,
-    };
-    let result = Validated {
-        validation: result,
-        remarks,
-    };
-    let envelope = session.envelope("validate", None, options(args, Some(fit)), &result);
+    let options = request.options(Some(described));
+    let envelope = session.envelope("validate", None, options, &result);
     let result = &result.validation;
     session.show(&envelope, || {
         unsettled.clone() + &named.line() + &said + &table(result)
@@ -217,43 +160,11 @@ fn cross(session: &Session, args: &ValidateArgs, from: &[String], folds: Folds) 
     ))
 }
 
-/// Predicts fold by fold with the elastic model asked for; which one it was.
-fn crossed(
-    fit: &Fit,
-    asked: ElasticChoice,
-    count: usize,
-    tolerance: Option<f64>,
-) -> Result<(Validation, ElasticChoice)> {
-    let mixed = match asked {
-        ElasticChoice::Axes => None,
-        ElasticChoice::Mixed => Some(MixedFit::new(fit).map_err(|e| e.key("--elastic"))?),
-        ElasticChoice::Auto => {
-            let (found, mixed) = elastic(fit, asked).map_err(|e| e.key("--elastic"))?;
-            mixed.filter(|_| found.model == ElasticChoice::Mixed)
-        }
-    };
-    Ok(match &mixed {
-        Some(mixed) => (
-            cross_validate_mixed(mixed, count, tolerance)?,
-            ElasticChoice::Mixed,
-        ),
-        None => (cross_validate(fit, count, tolerance)?, ElasticChoice::Axes),
-    })
-}
-
-fn options(args: &ValidateArgs, fit: Option<FitOptions>) -> Options {
-    Options {
-        model: args.model.into(),
-        tolerance_mm: args.tolerance_mm,
-        only: args.only.clone(),
-        fit,
-    }
-}
-
 /// The measurements, or those of `--only`.
 fn measured(
     session: &Session,
     args: &ValidateArgs,
+    request: &Request,
     from: &[String],
     cell: &Cell,
 ) -> Result<Measured> {
@@ -267,10 +178,9 @@ fn measured(
     if !remarks.is_empty() {
         session.remark(&remarks);
     }
-    check_names("--only", &args.only, &measured.postures)?;
-    if !args.only.is_empty() {
-        measured.retain(|name| args.only.iter().any(|only| only == name));
-    }
+    request
+        .keep_only(&mut measured)
+        .map_err(|e| of_option(e, &["only"]))?;
     Ok(measured)
 }
 

@@ -1,0 +1,268 @@
+//! All that `validate` says: a saved stiffness at postures kept out of its
+//! identification, or each posture predicted by the others.
+
+use crate::error::{Code, Error, Result};
+use crate::estimate::elastic::{ElasticChoice, elastic};
+use crate::estimate::identify::{Estimator, Fit, NoiseSource};
+use crate::estimate::mixed::MixedFit;
+use crate::estimate::saved::Saved;
+use crate::estimate::validate::{
+    Model, Validation, cross_validate, cross_validate_mixed, validate_with,
+};
+use crate::findings::{Finding, Severity, list};
+use crate::measure::Measured;
+use crate::model::cell::Cell;
+use crate::model::observation::ExtraTerm;
+use crate::units::mm_to_m;
+use serde::{Deserialize, Serialize};
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Options {
+    /// How displacements are calculated.
+    pub model: Model,
+    /// Largest deviation allowed \[mm\].
+    pub tolerance_mm: Option<f64>,
+    /// Only these postures; all if empty.
+    pub only: Vec<String>,
+    /// How each fold was identified, with --folds.
+    pub fit: Option<FitOptions>,
+}
+
+/// Options of the identifications of a cross-validation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FitOptions {
+    /// Folds of postures.
+    pub folds: usize,
+    /// How the unknowns are estimated.
+    pub estimator: Estimator,
+    /// The further terms.
+    pub extra: Vec<ExtraTerm>,
+    /// What gives way, where that is not the joint axes alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<ElasticChoice>,
+    /// Where the size of the noise comes from.
+    pub noise: NoiseSource,
+    /// Confidence of the bands.
+    pub confidence: f64,
+}
+
+/// The validation with what else to know.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Validated {
+    /// The validation.
+    #[serde(flatten)]
+    pub validation: Validation,
+    /// What to know about the readings and the stiffness.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<Finding>,
+}
+
+/// Folds of a cross-validation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Folds {
+    /// As many as postures.
+    All,
+    /// This many.
+    Count(usize),
+}
+
+/// What is asked of a validation beside its data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// How displacements are calculated.
+    pub model: Model,
+    /// Largest deviation allowed \[mm\].
+    pub tolerance_mm: Option<f64>,
+    /// Only these postures; all if empty.
+    pub only: Vec<String>,
+}
+
+impl Default for Request {
+    /// The linear model, all postures, no tolerance.
+    fn default() -> Self {
+        Request {
+            model: Model::Linear,
+            tolerance_mm: None,
+            only: Vec::new(),
+        }
+    }
+}
+
+impl Request {
+    /// Refuses what is wrong without any data.
+    ///
+    /// # Errors
+    /// A tolerance that is negative or not finite (key `tolerance_mm`).
+    pub fn check(&self) -> Result<()> {
+        match self.tolerance_mm {
+            Some(tolerance) if !(tolerance.is_finite() && tolerance >= 0.0) => Err(Error::new(
+                Code::InvalidValue,
+                format!("The tolerance must be 0 mm or more, got {tolerance}."),
+            )
+            .key("tolerance_mm")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Keeps the postures that are asked for.
+    ///
+    /// # Errors
+    /// A name that no posture has (key `only`).
+    pub fn keep_only(&self, measured: &mut Measured) -> Result<()> {
+        match self.only.is_empty() {
+            true => Ok(()),
+            false => measured.keep_only(&self.only).map_err(|e| e.key("only")),
+        }
+    }
+
+    /// Validates a saved stiffness; `cell_hash` is the SHA-256 of the cell's file, where
+    /// there is one. Of `measured` those postures count that [`Request::only`] names.
+    ///
+    /// # Errors
+    /// As [`Request::check`], [`Request::keep_only`] and [`validate_with`].
+    pub fn held_out(
+        &self,
+        cell: &Cell,
+        cell_hash: Option<&str>,
+        saved: &Saved,
+        mut measured: Measured,
+    ) -> Result<Validated> {
+        self.check()?;
+        self.keep_only(&mut measured)?;
+        let mut remarks: Vec<Finding> = measured.findings().cloned().collect();
+        let tolerance = self.tolerance_mm.map(mm_to_m);
+        let validation = validate_with(cell, &saved.predictor, measured, self.model, tolerance)?;
+        let same_cell = !saved.is_of_another_cell(cell_hash);
+        remarks.extend(notes(saved, same_cell, &validation));
+        Ok(Validated {
+            validation,
+            remarks,
+        })
+    }
+
+    /// Predicts each posture of `fit` from fits without it, with the elastic model that is
+    /// asked for, by default the joint axes alone; [`Request::keep_only`] comes before the fit.
+    ///
+    /// # Errors
+    /// As [`Request::check`]; another model than the linear one (key `model`); an elastic model
+    /// that the data do not carry (key `elastic`); and as [`cross_validate`].
+    pub fn by_folds(
+        &self,
+        fit: &Fit,
+        asked: Option<ElasticChoice>,
+        folds: Folds,
+    ) -> Result<(Validated, FitOptions)> {
+        self.check()?;
+        if self.model != Model::Linear {
+            let message = "Fold by fold only the linear model can be used.";
+            return Err(Error::new(Code::Unsupported, message).key("model"));
+        }
+        let count = folds.count(fit.measured());
+        let tolerance = self.tolerance_mm.map(mm_to_m);
+        let choice = asked.unwrap_or(ElasticChoice::Axes);
+        let (validation, model) = crossed(fit, choice, count, tolerance)?;
+        let options = fit.options();
+        let described = FitOptions {
+            folds: count,
+            estimator: options.estimator,
+            extra: options.extra.clone(),
+            elastic: asked.map(|_| model),
+            noise: options.noise,
+            confidence: options.confidence,
+        };
+        let validated = Validated {
+            validation,
+            remarks: fit.measured().findings().cloned().collect(),
+        };
+        Ok((validated, described))
+    }
+
+    /// The options as the result holds them; `fit` as [`Request::by_folds`] gave it.
+    pub fn options(&self, fit: Option<FitOptions>) -> Options {
+        Options {
+            model: self.model,
+            tolerance_mm: self.tolerance_mm,
+            only: self.only.clone(),
+            fit,
+        }
+    }
+}
+
+impl Folds {
+    /// How many these are of what was measured.
+    fn count(self, measured: &Measured) -> usize {
+        match self {
+            Folds::Count(count) => count,
+            Folds::All => {
+                let postures = measured.postures.iter();
+                let mut names: Vec<&str> = postures.map(|m| m.posture.name.as_str()).collect();
+                names.sort_unstable();
+                names.dedup();
+                names.len()
+            }
+        }
+    }
+}
+
+/// Predicts fold by fold with the elastic model asked for; which one it was.
+fn crossed(
+    fit: &Fit,
+    asked: ElasticChoice,
+    count: usize,
+    tolerance: Option<f64>,
+) -> Result<(Validation, ElasticChoice)> {
+    let mixed = match asked {
+        ElasticChoice::Axes => None,
+        ElasticChoice::Mixed => Some(MixedFit::new(fit).map_err(|e| e.key("elastic"))?),
+        ElasticChoice::Auto => {
+            let (found, mixed) = elastic(fit, asked).map_err(|e| e.key("elastic"))?;
+            mixed.filter(|_| found.model == ElasticChoice::Mixed)
+        }
+    };
+    Ok(match &mixed {
+        Some(mixed) => (
+            cross_validate_mixed(mixed, count, tolerance)?,
+            ElasticChoice::Mixed,
+        ),
+        None => (cross_validate(fit, count, tolerance)?, ElasticChoice::Axes),
+    })
+}
+
+/// What to know about the stiffness before reading on.
+pub fn notes(saved: &Saved, same_cell: bool, result: &Validation) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let mut add = |code: &str, sentence: String| {
+        out.push(Finding::new(code, Severity::Caution, "stiffness", sentence));
+    };
+    for doubt in &saved.predictor.doubts {
+        add(&doubt.code, doubt.sentence.clone());
+    }
+    if !same_cell {
+        let sentence = "The stiffness was identified with another version of this cell.";
+        add("other-cell", sentence.to_string());
+    }
+    let mut seen: Vec<&str> = result
+        .points
+        .iter()
+        .map(|p| p.posture.as_str())
+        .filter(|p| saved.postures.iter().any(|s| s == p))
+        .collect();
+    seen.dedup();
+    if !seen.is_empty() {
+        let (verb, them) = if seen.len() == 1 {
+            ("Posture", "its deviations")
+        } else {
+            ("Postures", "their deviations")
+        };
+        let sentence = format!(
+            "{verb} {} took part in the identification: {them} say little.",
+            list(&seen)
+        );
+        add("seen-postures", sentence);
+    }
+    out
+}
