@@ -21,7 +21,10 @@ const ROTATION: f64 = 1e-6;
 fn pose(matrix: &PyReadonlyArray2<'_, f64>) -> Result<Isometry3<f64>> {
     let is_pose = matrix.shape() == [4, 4];
     let values = matrix.as_slice().ok().filter(|_| is_pose).ok_or_else(|| {
-        Error::new(Code::Dimension, "A pose is an array of 4 rows and 4 columns.")
+        Error::new(
+            Code::Dimension,
+            "A pose is an array of 4 rows and 4 columns.",
+        )
     })?;
     if values.iter().any(|v| !v.is_finite()) {
         return Err(Error::new(Code::NotFinite, "The pose is not finite."));
@@ -32,7 +35,8 @@ fn pose(matrix: &PyReadonlyArray2<'_, f64>) -> Result<Isometry3<f64>> {
         && turn.determinant() > 0.0
         && (m.row(3) - Matrix4::<f64>::identity().row(3)).amax() < ROTATION;
     if !is_turn {
-        let message = "The upper left 3 × 3 part of a pose must be a rotation, its last row 0, 0, 0, 1.";
+        let message =
+            "The upper left 3 × 3 part of a pose must be a rotation, its last row 0, 0, 0, 1.";
         return Err(Error::new(Code::InvalidValue, message));
     }
     let shift = Vector3::new(m[(0, 3)], m[(1, 3)], m[(2, 3)]);
@@ -83,7 +87,10 @@ pub fn jacobian<'py>(
     let frames = frames(cell, &q).raised(py)?;
     let serial = frames.jacobian(&frames.point(&point(at)));
     let found = serial * cell.cell.setup.robot.coupling();
-    array(py, DMatrix::from_column_slice(6, found.ncols(), found.as_slice()))
+    array(
+        py,
+        DMatrix::from_column_slice(6, found.ncols(), found.as_slice()),
+    )
 }
 
 /// A posture of a pose: controller angles, whether within the machine's limits, condition number, whether singular.
@@ -156,7 +163,10 @@ pub fn axes_table(
     let flange = pose(&flange).raised(py)?;
     let made = || -> Result<String> {
         let n = joint_names.len();
-        if points.len() != n || directions.len() != n || limits.as_ref().is_some_and(|l| l.len() != n) {
+        if points.len() != n
+            || directions.len() != n
+            || limits.as_ref().is_some_and(|l| l.len() != n)
+        {
             let message = "Names, points, directions and limits must be as many as joints.";
             return Err(Error::new(Code::Dimension, message));
         }
@@ -173,7 +183,8 @@ pub fn axes_table(
                         direction,
                     })
                     .ok_or_else(|| {
-                        let message = "A joint axis needs finite numbers and a direction that is not zero.";
+                        let message =
+                            "A joint axis needs finite numbers and a direction that is not zero.";
                         Error::new(Code::InvalidValue, message)
                     })
             })

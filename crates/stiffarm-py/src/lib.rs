@@ -2,11 +2,15 @@
 //! JSON that the command prints. Everything that people call, with its documentation, is in `python/stiffarm`.
 
 mod arrays;
+mod arrow;
 mod cell;
 mod error;
+mod identify;
+mod inputs;
 mod kinematics;
 mod long;
 mod objective;
+mod values;
 
 use pyo3::prelude::*;
 
@@ -16,11 +20,19 @@ mod _stiffarm {
     #[pymodule_export]
     use crate::arrays::{index_names, indices, observation_matrix};
     #[pymodule_export]
+    use crate::arrow::{csv_of_stream, stream_of_columns};
+    #[pymodule_export]
     use crate::cell::PyCell;
+    #[pymodule_export]
+    use crate::identify::{identify, identify_with_flange_fixed, validate};
     #[pymodule_export]
     use crate::kinematics::{axes_table, flange_pose, inverse, jacobian, nearest, urdf_table};
     #[pymodule_export]
     use crate::objective::Objective;
+    #[pymodule_export]
+    use crate::values::{
+        degrees, json_of_toml, posture_text, radians, read_postures, set_threads, toml_of_json,
+    };
 
     use super::*;
 

@@ -112,7 +112,12 @@ pub fn watched<T: Send>(
     if let Some(error) = failure {
         return Err(error);
     }
-    let fault = |_| Error::new(Code::Internal, "A fault of the library itself stopped this call.");
+    let fault = |_| {
+        Error::new(
+            Code::Internal,
+            "A fault of the library itself stopped this call.",
+        )
+    };
     let result = result.map_err(fault).raised(py)?.raised(py)?;
     Ok((result, interrupted))
 }

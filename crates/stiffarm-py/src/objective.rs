@@ -84,7 +84,13 @@ impl Objective {
             return Err(to_python(py, &Error::new(Code::InvalidValue, message)));
         }
         let mut gradient = vec![0.0; self.size];
-        let found = self.function.smoothed(q.as_slice()?, sharpness, &mut gradient);
-        Ok((found.objective, found.exact, PyArray1::from_vec(py, gradient)))
+        let found = self
+            .function
+            .smoothed(q.as_slice()?, sharpness, &mut gradient);
+        Ok((
+            found.objective,
+            found.exact,
+            PyArray1::from_vec(py, gradient),
+        ))
     }
 }

@@ -1,0 +1,126 @@
+//! Small conversions: degrees, posture tables, cell files as dictionaries.
+
+use crate::cell::{PyCell, rows};
+use crate::error::Raised;
+use crate::inputs::{GivenPostures, Inputs, Postures};
+use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use stiffarm::files::source::Source;
+use stiffarm::files::table::write_postures;
+use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
+use stiffarm::{Code, Error};
+
+fn mapped<'py>(
+    py: Python<'py>,
+    angles: &PyReadonlyArray2<'py, f64>,
+    of: fn(f64) -> f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let values = angles.as_slice()?.iter().map(|v| of(*v));
+    rows(py, angles.shape()[1], values)
+}
+
+/// Radians of degrees, as files are read.
+#[pyfunction]
+pub fn radians<'py>(
+    py: Python<'py>,
+    angles: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    mapped(py, &angles, deg_to_rad)
+}
+
+/// Degrees of radians, in the fewest digits that are read back as the same.
+#[pyfunction]
+pub fn degrees<'py>(
+    py: Python<'py>,
+    angles: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    mapped(py, &angles, rad_to_shortest_deg)
+}
+
+/// Names and angles \[rad\] of a posture table.
+#[pyfunction]
+pub fn read_postures<'py>(
+    py: Python<'py>,
+    cell: &PyCell,
+    from: &str,
+) -> PyResult<(Vec<String>, Bound<'py, PyArray2<f64>>)> {
+    let robot = &cell.cell.setup.robot;
+    let read = Inputs::of(cell).read_postures("postures", from, robot);
+    let postures = read.raised(py)?;
+    let angles = postures
+        .iter()
+        .flat_map(|posture| posture.q.iter().copied());
+    let angles = rows(py, robot.joint_count(), angles)?;
+    Ok((
+        postures.into_iter().map(|posture| posture.name).collect(),
+        angles,
+    ))
+}
+
+/// The text of a posture table.
+#[pyfunction]
+pub fn posture_text(
+    py: Python<'_>,
+    names: Vec<String>,
+    angles: PyReadonlyArray2<'_, f64>,
+) -> PyResult<String> {
+    match GivenPostures::Values(names, angles).owned(py)? {
+        Postures::Values(postures) => Ok(write_postures(&postures)),
+        Postures::Table(_) => Ok(String::new()),
+    }
+}
+
+/// The text of a cell file with the keys of a JSON object.
+#[pyfunction]
+pub fn toml_of_json(py: Python<'_>, json: &str) -> PyResult<String> {
+    let made = || {
+        let value: toml::Table = serde_json::from_str(json).map_err(|error| {
+            let said = error.to_string();
+            let said = said.split(" at line ").next().unwrap_or_default();
+            let message = match said.contains("expected value") {
+                true => "A value is not a finite number, or none that a cell file can hold.".to_string(),
+                false => format!("A cell file cannot hold this: {said}."),
+            };
+            Error::new(Code::WrongType, message).hint(
+                "keys are text; values are text, numbers, true, false, lists and dictionaries; leave out what is None",
+            )
+        })?;
+        toml::to_string(&value).map_err(|error| {
+            Error::new(
+                Code::WrongType,
+                format!("A cell file cannot hold this: {error}."),
+            )
+        })
+    };
+    made().raised(py)
+}
+
+/// The keys of a cell file as a JSON object.
+#[pyfunction]
+pub fn json_of_toml(py: Python<'_>, text: &str) -> PyResult<String> {
+    let fault = |error: &dyn std::fmt::Display| {
+        Error::new(Code::TomlSyntax, format!("The text is not TOML: {error}."))
+    };
+    let made = || {
+        let value: toml::Table = toml::from_str(text).map_err(|error| fault(&error.message()))?;
+        serde_json::to_string(&value).map_err(|error| fault(&error))
+    };
+    made().raised(py)
+}
+
+/// Limits the work to so many threads; before the first call that uses several.
+#[pyfunction]
+pub fn set_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build_global()
+        .map_err(|_| {
+            Error::new(
+                Code::Conflict,
+                "The threads of this process are chosen already.",
+            )
+            .hint(
+                "set them before the first call, or by the environment variable RAYON_NUM_THREADS",
+            )
+        })
+        .raised(py)
+}
