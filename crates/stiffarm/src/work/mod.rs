@@ -2,7 +2,10 @@
 
 mod at_work;
 
+pub mod along;
 pub mod compensate;
+pub mod compensated;
 pub mod map;
 pub mod posture_path;
 pub mod predict;
+pub mod predicted;
