@@ -63,15 +63,29 @@ pub fn report_beside(session: &Session, error: &Error) -> u8 {
 }
 
 /// The error with the option of the command line for the field of the library that it is
-/// about, where that is one of `fields`: `tolerance_mm` is `--tolerance-mm`.
+/// about, where that is one of `fields`: `tolerance_mm` is `--tolerance-mm`. What it says of
+/// these fields, in backticks, it says of the options.
 pub fn of_option(error: Error, fields: &[&str]) -> Error {
     match error.place().key.as_deref() {
         Some(key) if error.place().file.is_none() && fields.contains(&key) => {
-            let option = format!("--{}", key.replace('_', "-"));
-            error.key(option)
+            let said = |text: &str| {
+                let replace = |text: String, field: &&str| {
+                    text.replace(&format!("`{field}`"), &option_of(field))
+                };
+                fields.iter().fold(text.to_string(), replace)
+            };
+            let given = Error::new(error.code(), said(error.message())).key(option_of(key));
+            match error.hint_text() {
+                Some(hint) => given.hint(said(hint)),
+                None => given,
+            }
         }
         _ => error,
     }
+}
+
+fn option_of(field: &str) -> String {
+    format!("--{}", field.replace('_', "-"))
 }
 
 /// As [`of_option`], a value that is not allowed being a wrong use of the command line.
@@ -254,14 +268,13 @@ mod tests {
 
     #[test]
     fn a_field_of_the_library_is_an_option_of_the_command() {
-        let wrong = Error::new(Code::InvalidValue, "Wrong.").hint("right");
+        let wrong = Error::new(Code::InvalidValue, "Wrong `axes`.").hint("give `start_deg`");
         let key = |e: &Error| e.place().key.clone();
         let usage = of_usage(wrong.clone().key("start_deg"), &["start_deg"]);
         assert_eq!(key(&usage).as_deref(), Some("--start-deg"));
-        assert_eq!(
-            (usage.code(), usage.hint_text()),
-            (Code::Usage, Some("right"))
-        );
+        assert_eq!(usage.code(), Code::Usage);
+        let said = (usage.message(), usage.hint_text());
+        assert_eq!(said, ("Wrong `axes`.", Some("give --start-deg")));
         let option = of_option(wrong.clone().key("bootstrap"), &["bootstrap"]);
         assert_eq!(option.code(), Code::InvalidValue);
         assert_eq!(key(&option).as_deref(), Some("--bootstrap"));

@@ -1,52 +1,24 @@
-//! What predict and compensate share: a path, its loads and its postures.
+//! What predict and compensate share: options of the path, its line, table and picture.
 
 use crate::args::PathArgs;
+use crate::error::of_usage;
 use crate::files::{Contents, Target, check_targets, ends_in, write_all};
 use crate::numbers::significant;
-use crate::progress::Progress;
 use crate::session::Session;
 use nalgebra::Vector3;
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::files::source::{NamedPath, Source};
-use stiffarm::files::table::PathTable;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::process::{ForceAxes, TipLoad};
-use stiffarm::units::{deg_to_rad, percent_to_fraction, rad_to_deg};
-use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
-use stiffarm::work::predict::LoadedArm;
+use stiffarm::model::process::ForceAxes;
+use stiffarm::units::rad_to_deg;
+use stiffarm::work::along::PathOptions;
+use stiffarm::work::posture_path::{Origin, PosturePathSummary};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::PathCurvePoint;
 
-/// Turns about the tool axis that are tried where a path gives the axis alone.
-const TURNS: usize = 72;
-
-/// Options of the result that concern the path.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct PathOptions {
-    /// Axes of the forces in the path and of the load below.
-    pub axes: Option<ForceAxes>,
-    /// Force where the path has none \[N\].
-    pub force_n: Option<[f64; 3]>,
-    /// Moment where the path has none \[N·m\].
-    pub moment_nm: Option<[f64; 3]>,
-    /// Standard uncertainty of the load \[%\].
-    pub load_uncertainty_percent: f64,
-    /// Posture to start near \[deg\].
-    pub start_deg: Option<Vec<f64>>,
-    /// Largest change of a joint from point to point \[deg\].
-    pub max_step_deg: f64,
-    /// Turns about the tool axis that were tried; `null` where it was not freed.
-    pub free_turn: Option<u16>,
-}
-
 impl PathArgs {
-    /// The options as the result holds them.
-    pub fn described(&self) -> PathOptions {
+    /// The options of the library, which the result holds.
+    pub fn options(&self) -> PathOptions {
         PathOptions {
             axes: self.axes.map(ForceAxes::from),
             force_n: self.force_n,
@@ -57,148 +29,35 @@ impl PathArgs {
             free_turn: self.free_turn,
         }
     }
-
-    /// Relative standard uncertainty of the load.
-    ///
-    /// # Errors
-    /// A negative number, or one that is not finite.
-    pub fn load_uncertainty(&self) -> Result<f64> {
-        let percent = self.load_uncertainty_percent;
-        match percent.is_finite() && percent >= 0.0 {
-            true => Ok(percent_to_fraction(percent)),
-            false => Err(usage(
-                "--load-uncertainty-percent",
-                format!("The uncertainty must be 0 % or more, got {percent} %."),
-            )),
-        }
-    }
-
-    /// The load of the command line, if there is one.
-    fn load(&self) -> Result<Option<TipLoad>> {
-        let Some(force) = self.force_n else {
-            return Ok(None);
-        };
-        let Some(axes) = self.axes else {
-            let error = usage(
-                "--force-n",
-                "The axes of the force are not given.".to_string(),
-            );
-            return Err(error.hint("say its axes: --axes base, tool, workpiece or path"));
-        };
-        Ok(Some(TipLoad {
-            force: force.into(),
-            moment: self.moment_nm.unwrap_or_default().into(),
-            axes: axes.into(),
-        }))
-    }
-
-    /// Options of the search for postures; the load of the command line comes
-    /// before that of the cell.
-    ///
-    /// # Errors
-    /// Anything wrong with the numbers of the command line.
-    pub fn posture_options(&self, cell: &Cell) -> Result<PosturePathOptions> {
-        let joints = cell.setup.robot.joint_count();
-        if !self.start_deg.is_empty()
-            && (self.start_deg.len() != joints || self.start_deg.iter().any(|a| !a.is_finite()))
-        {
-            return Err(usage(
-                "--start-deg",
-                format!("The start needs {joints} angles in degrees, one per joint."),
-            ));
-        }
-        if !(self.max_step_deg.is_finite() && self.max_step_deg > 0.0) {
-            return Err(usage(
-                "--max-step-deg",
-                format!("The step must be above 0°, got {}°.", self.max_step_deg),
-            ));
-        }
-        let process = match self.load()? {
-            Some(load) => Some(load),
-            None => cell.work.process.as_ref().map(|p| p.load()),
-        };
-        let start = self.start_deg.iter().copied().map(deg_to_rad).collect();
-        Ok({
-            let mut options = PosturePathOptions::default();
-            options.start = (!self.start_deg.is_empty()).then_some(start);
-            options.largest_step = deg_to_rad(self.max_step_deg);
-            options.free_turn = self.free_turn.is_some();
-            options.turns = self.free_turn.map_or(TURNS, usize::from);
-            options.process = process;
-            options.workpiece = cell.work.workpiece;
-            options
-        })
-    }
 }
 
-fn usage(key: &str, message: String) -> Error {
-    Error::new(Code::Usage, message).key(key)
+/// An error about [`PathOptions`] as one of the command line.
+pub fn of_path_usage(error: Error) -> Error {
+    let fields = [
+        "load_uncertainty_percent",
+        "force_n",
+        "axes",
+        "start_deg",
+        "max_step_deg",
+    ];
+    of_usage(error, &fields)
 }
 
-/// A path with its postures.
-pub struct Followed {
-    /// The path as it was read.
-    pub table: PathTable,
-    /// Its name.
-    pub name: String,
-    /// Postures with their loads.
-    pub postures: Vec<LoadedPosture>,
-    /// How they were found.
-    pub summary: PosturePathSummary,
-}
-
-impl Followed {
-    /// Line about the path below those of cell and stiffness.
-    pub fn line(&self) -> String {
-        let count = match self.postures.len() {
-            1 => "1 point".to_string(),
-            count => format!("{count} points"),
-        };
-        let origin = match self.summary.origin {
-            Origin::Given => "joint angles as given",
-            Origin::ClosedForm => "postures by inverse kinematics in closed form",
-            Origin::Numeric => "postures by inverse kinematics, iterated",
-        };
-        format!(
-            "path: {} ({count}; {origin}, largest step of a joint {}°)\n",
-            self.name,
-            significant(rad_to_deg(self.summary.largest_step), 3)
-        )
-    }
-}
-
-impl Session {
-    /// Reads a path and finds its postures.
-    ///
-    /// # Errors
-    /// A file that cannot be read, anything wrong with its table, and what
-    /// [`posture_path`] refuses.
-    pub fn follow_path(
-        &self,
-        from: &str,
-        cell: &Cell,
-        predictor: &IdentifiedCompliance,
-        args: &PathArgs,
-        progress: &Progress,
-    ) -> Result<Followed> {
-        let options = args.posture_options(cell)?;
-        let NamedPath { table, name } =
-            self.read_path(from, cell, args.axes.map(ForceAxes::from))?;
-        let arm = LoadedArm::new(cell, predictor)?;
-        let inverse = InverseKinematics::new(&cell.setup.robot);
-        let (postures, summary) = progress
-            .watch(|control| posture_path(&arm, &inverse, &table.points, &options, control))
-            .map_err(|e| match e.place().line {
-                Some(_) => e.file(&name),
-                None => e,
-            })?;
-        Ok(Followed {
-            table,
-            name,
-            postures,
-            summary,
-        })
-    }
+/// Line about a path below those of cell and stiffness.
+pub fn path_line(name: &str, summary: &PosturePathSummary, points: usize) -> String {
+    let count = match points {
+        1 => "1 point".to_string(),
+        count => format!("{count} points"),
+    };
+    let origin = match summary.origin {
+        Origin::Given => "joint angles as given",
+        Origin::ClosedForm => "postures by inverse kinematics in closed form",
+        Origin::Numeric => "postures by inverse kinematics, iterated",
+    };
+    format!(
+        "path: {name} ({count}; {origin}, largest step of a joint {}°)\n",
+        significant(rad_to_deg(summary.largest_step), 3)
+    )
 }
 
 /// The table and the picture of a command about a path.

@@ -28,7 +28,7 @@ pub use report::ReportArgs;
 pub use route::RouteArgs;
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
 pub use simulate::{ErrorArgs, SimulateArgs};
-pub use work::{MapArgs, RegionArgs, Steps};
+pub use work::MapArgs;
 
 use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};

@@ -5,6 +5,7 @@ use super::values::{number, triple};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use stiffarm::model::process::ForceAxes;
+use stiffarm::work::region::{Plane, RegionRequest, Steps};
 
 #[derive(Debug, Args)]
 pub struct MapArgs {
@@ -50,6 +51,18 @@ pub struct RegionArgs {
     /// box; 11 with --place]
     #[arg(long, value_name = "N|NX,NY,NZ", value_parser = steps)]
     pub steps: Option<Steps>,
+}
+
+impl RegionArgs {
+    /// The region as the library takes it.
+    pub fn request(&self) -> RegionRequest {
+        RegionRequest {
+            plane: self.plane,
+            from_mm: self.from_mm,
+            to_mm: self.to_mm,
+            steps: self.steps,
+        }
+    }
 }
 
 /// How the tool is held and loaded.
@@ -107,26 +120,8 @@ pub struct PlaceArgs {
     pub refine: u8,
 }
 
-/// A plane of the base frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plane {
-    /// 0 to 2 for x, y, z.
-    pub axis: usize,
-    /// Coordinate along it \[mm\].
-    pub mm: f64,
-}
-
 /// Three numbers.
 pub type Triple = [f64; 3];
-
-/// Nodes of a region.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Steps {
-    /// Along the longest side; the others in proportion.
-    Longest(usize),
-    /// Along x, y, z.
-    Each([usize; 3]),
-}
 
 /// Axes of a path's forces.
 #[derive(Debug, Clone, Copy, ValueEnum)]

@@ -7,45 +7,25 @@ use crate::args::{CompensateArgs, WriteChoice};
 use crate::input::Line;
 use crate::numbers::{mm, significant};
 use crate::output::Exit;
-use crate::path::{Followed, Outputs, PathOptions, curve, largest_first};
+use crate::path::{Outputs, curve, largest_first, of_path_usage, path_line};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::{Align, Table, title};
-use schemars::JsonSchema;
-use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::source::Source;
-use stiffarm::files::table::{PathFormat, PathKind, write_path};
+use stiffarm::files::table::{PathFormat, PathKind, PathTable, write_path};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
-use stiffarm::work::compensate::{CompensateOptions, Compensation, PointCompensation, compensate};
-use stiffarm::work::posture_path::PosturePathSummary;
+use stiffarm::work::compensate::{Compensation, PointCompensation};
+use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm_report::{path_figure, render_svg};
 
 /// Rows of the table on the terminal.
 const SHOWN: usize = 12;
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// The path, its loads and postures.
-    #[serde(flatten)]
-    pub path: PathOptions,
-}
-
-/// The commands and how the postures were found.
-#[derive(Serialize, JsonSchema)]
-pub struct Compensated {
-    /// The compensation.
-    #[serde(flatten)]
-    pub compensation: Compensation,
-    /// The postures of the nominal path.
-    pub postures: PosturePathSummary,
-}
 
 /// Compensates.
 pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
@@ -58,32 +38,29 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = session.read_stiffness(&args.stiffness, cell)?;
-    let options = {
-        let mut options = CompensateOptions::default();
-        options.load_uncertainty = args.along.load_uncertainty()?;
-        options.measured_up_to = saved.largest_displacement;
-        options
+    let options = Options {
+        path: args.along.options(),
     };
+    let wrong = options.compensate_options(&saved).map(|_| ());
+    wrong
+        .and_then(|()| options.path.posture_options(cell))
+        .map_err(of_path_usage)?;
+    let path = session.read_path(&args.path, cell, options.path.axes)?;
     let progress = Progress::new(session, "compensating the path");
-    let followed =
-        session.follow_path(&args.path, cell, &saved.predictor, &args.along, &progress)?;
-    let result = progress
+    let (followed, result) = progress
         .watch(|control| {
-            compensate(
-                cell,
-                &saved.predictor,
-                &followed.postures,
-                &options,
-                control,
-            )
+            let points = &path.table.points;
+            let followed = options
+                .path
+                .follow(cell, &saved.predictor, points, control)?;
+            let result = options.compensate(cell, &saved, &followed, control)?;
+            Ok((followed, result))
         })
-        .map_err(|e| match e.place().line {
-            Some(_) => e.file(&followed.name),
-            None => e,
-        })?;
+        .map_err(|e| path.in_file(e))?;
     drop(progress);
+    let found = &result.compensation;
     let figure = || {
-        let values = result.points.iter().map(|p| {
+        let values = found.points.iter().map(|p| {
             let half = p.band.map(|b| b.size_m[3]);
             (
                 p.uncompensated_m,
@@ -92,18 +69,11 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
             )
         });
         let curve = curve(values, &followed.postures, cell);
-        render_svg(&path_figure(&curve, result.confidence))
+        render_svg(&path_figure(&curve, found.confidence))
     };
-    let table = || commanded(cell, &saved.predictor, &followed, &result, args.write);
+    let table = || commanded(cell, &saved.predictor, &path.table, found, args.write);
     let on_stdout = outputs.write(session, table, figure)?;
-    let described = Options {
-        path: args.along.described(),
-    };
-    let result = Compensated {
-        compensation: result,
-        postures: followed.summary.clone(),
-    };
-    let envelope = session.envelope("compensate", None, described, &result);
+    let envelope = session.envelope("compensate", None, options, &result);
     let other = saved.is_of_another_cell(envelope.inputs.get("cell").map(String::as_str));
     if on_stdout {
         session.write_page(&envelope)?;
@@ -112,7 +82,9 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         return Ok(exit(&result));
     }
     session.show(&envelope, || {
-        let mut out = named.line() + &saved.line() + &followed.line();
+        let mut out = named.line()
+            + &saved.line()
+            + &path_line(&path.name, &result.postures, followed.postures.len());
         if other {
             out += "note: the stiffness was identified with another version of this cell\n";
         }
@@ -139,19 +111,18 @@ fn exit(result: &Compensated) -> Exit {
 fn commanded(
     cell: &Cell,
     predictor: &IdentifiedCompliance,
-    followed: &Followed,
+    table: &PathTable,
     result: &Compensation,
     write: Option<WriteChoice>,
 ) -> Result<String> {
-    let read: &PathFormat = &followed.table.format;
+    let read: &PathFormat = &table.format;
     let format = match write {
         None => read.clone(),
         Some(WriteChoice::Angles) => read.clone().angles(cell),
         Some(WriteChoice::Poses) => read.clone().poses(cell),
     };
     let arm = LoadedArm::new(cell, predictor)?;
-    let points = followed
-        .table
+    let points = table
         .points
         .iter()
         .zip(&result.points)

@@ -1,8 +1,8 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    capsules, check, compensate, evaluate, export, map, measure, pose, predict, register, route,
-    select, simulate, study, zones,
+    capsules, check, evaluate, export, measure, pose, register, route, select, simulate, study,
+    zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::Exit;
@@ -20,6 +20,7 @@ use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
+use stiffarm::work::{compensated, mapped, placed, predicted};
 
 /// Prints one schema.
 pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
@@ -57,12 +58,12 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
             of::<clamped::Options, ClampedIdentification>("identify --clamped")
         }
         SchemaChoice::ResultValidate => of::<validated::Options, validated::Validated>("validate"),
-        SchemaChoice::ResultPredict => of::<predict::Options, predict::Predicted>("predict"),
+        SchemaChoice::ResultPredict => of::<predicted::Options, predicted::Predicted>("predict"),
         SchemaChoice::ResultCompensate => {
-            of::<compensate::Options, compensate::Compensated>("compensate")
+            of::<compensated::Options, compensated::Compensated>("compensate")
         }
-        SchemaChoice::ResultMap => of::<map::Options, StiffnessMap>("map"),
-        SchemaChoice::ResultMapPlace => of::<map::place::Options, Placement>("map --place"),
+        SchemaChoice::ResultMap => of::<mapped::Options, StiffnessMap>("map"),
+        SchemaChoice::ResultMapPlace => of::<placed::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
         SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),

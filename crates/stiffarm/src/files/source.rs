@@ -46,6 +46,16 @@ pub struct NamedPath {
     pub name: String,
 }
 
+impl NamedPath {
+    /// An error about one of the points, with the file that the point stands in.
+    pub fn in_file(&self, error: Error) -> Error {
+        match error.place().line {
+            Some(_) => error.file(&self.name),
+            None => error,
+        }
+    }
+}
+
 /// Gives inputs by name, and remembers their hashes by role.
 pub trait Source {
     /// Reads a file, `builtin:NAME` ([`builtin::bytes`]) or whatever else can be named;

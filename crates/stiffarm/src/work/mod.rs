@@ -2,7 +2,13 @@
 
 mod at_work;
 
+pub mod along;
 pub mod compensate;
+pub mod compensated;
 pub mod map;
+pub mod mapped;
+pub mod placed;
 pub mod posture_path;
 pub mod predict;
+pub mod predicted;
+pub mod region;

@@ -3,10 +3,10 @@
 
 mod common;
 pub mod place;
-mod region;
 
 use super::{finding_line, with_length};
 use crate::args::MapArgs;
+use crate::error::of_usage;
 use crate::files::check_folder;
 use crate::numbers::{NONE, coarse_mm, optional, significant};
 use crate::output::Exit;
@@ -14,38 +14,16 @@ use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Table, title};
 use common::{MANY, head, sides, write_folder};
-use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
-use region::Region;
-use schemars::JsonSchema;
-use serde::Serialize;
+use stiffarm::Result;
 use stiffarm::files::source::Source;
 use stiffarm::findings::{Finding, Severity};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::process::ForceAxes;
-use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
+use stiffarm::units::rad_to_shortest_deg;
 use stiffarm::work::map::{MapNode, MapOptions, MapRange, StiffnessMap, stiffness_map};
-use stiffarm::{Code, Error, Result};
+use stiffarm::work::mapped::{LoadSource, Request};
 use stiffarm_report::{map_figure, map_table, render_svg};
 
 /// Files of the folder.
 const FILES: [&str; 2] = ["map.svg", "map.csv"];
-/// The tool axis down.
-const DOWN_DEG: [f64; 3] = [180.0, 0.0, 0.0];
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// Orientation of the tip frame: turns about the base's x, then y, then z \[deg\].
-    pub rpy_deg: [f64; 3],
-    /// Turns about the tool axis that were tried, where it is free.
-    pub free_turn: Option<usize>,
-    /// Nodes along x, y, z.
-    pub steps: [usize; 3],
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
-}
-
 /// Maps, or places.
 pub fn run(session: &Session, args: &MapArgs) -> Result<Exit> {
     match &args.place.place {
@@ -62,7 +40,17 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let saved = session.read_stiffness(&args.stiffness, &named.cell)?;
     let (cell, _) = with_length(named.cell);
     named.cell = cell;
-    let (options, load_words) = options(&named.cell, args)?;
+    let request = Request {
+        region: args.region.request(),
+        rpy_deg: args.tool.rpy_deg,
+        free_turn: args.tool.free_turn,
+        force_n: args.tool.force_n,
+        moment_nm: args.tool.moment_nm,
+        direction: args.tool.direction,
+    };
+    let (options, source) = request
+        .map_options(&named.cell)
+        .map_err(|e| of_usage(e, &["direction", "from_mm", "to_mm"]))?;
     let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
     // A larger grid is refused at once.
     let nodes = nodes * usize::from(nodes <= MapOptions::MOST);
@@ -78,17 +66,14 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
         progress.watch(|control| stiffness_map(&named.cell, &saved.predictor, &options, control));
     drop(progress);
     let result = result?;
-    let said = Options {
-        rpy_deg: args.tool.rpy_deg.unwrap_or(DOWN_DEG),
-        free_turn: options.free_turn,
-        steps: options.steps,
-        characteristic_length_m: named.cell.characteristic_length,
-    };
+    let said = request.options(&options, &named.cell);
     let envelope = session.envelope("map", None, said, &result);
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];
     let written = write_folder(session, args, FILES, pictures)?;
     session.show(&envelope, || {
-        head(&named, &saved, envelope.inputs.get("cell")) + &table(&result, &load_words) + &written
+        head(&named, &saved, envelope.inputs.get("cell"))
+            + &table(&result, words(source))
+            + &written
     })?;
     Ok(match result.interrupted {
         true => Exit::Interrupted,
@@ -99,68 +84,17 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     })
 }
 
-/// What is mapped, and where its load comes from in words.
-fn options(cell: &Cell, args: &MapArgs) -> Result<(MapOptions, String)> {
-    let tool = &args.tool;
-    let region = Region::of_map(cell, &args.region)?;
-    let [roll, pitch, yaw] = tool.rpy_deg.unwrap_or(DOWN_DEG).map(deg_to_rad);
-    let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    let direction = match tool.direction {
-        Some(direction) => Some(
-            UnitVector3::try_new(Vector3::from(direction), f64::MIN_POSITIVE).ok_or_else(|| {
-                Error::new(Code::Usage, "The direction must not have length zero.")
-                    .key("--direction")
-            })?,
-        ),
-        None => None,
-    };
-    let process = cell.work.process.as_ref().map(|p| p.load());
-    let fixed = |v: Vector3<f64>| (v.norm() > 0.0).then_some(v);
-    let (wrench, words) = match (tool.force_n, process) {
-        (Some(force), _) => {
-            let wrench = Wrench {
-                force: Vector3::from(force),
-                moment: Vector3::from(tool.moment_nm.unwrap_or_default()),
-            };
-            (Some(wrench), "--force-n")
+/// Where the load of a map comes from, in words.
+fn words(source: LoadSource) -> &'static str {
+    match source {
+        LoadSource::Given => "from --force-n",
+        LoadSource::Cell => "from the cell's [work]",
+        LoadSource::CellAlongPath => {
+            "the cell's [work] gives a load in the axes of a path, which a map has not: \
+             1 N along the direction"
         }
-        (None, Some(load)) if load.axes != ForceAxes::Path && load.force.norm() > 0.0 => {
-            let turn = match load.axes {
-                ForceAxes::Tool => rotation,
-                ForceAxes::Workpiece => cell.work.workpiece.rotation,
-                ForceAxes::Base | ForceAxes::Path => UnitQuaternion::identity(),
-            };
-            let wrench = Wrench {
-                force: turn * load.force,
-                moment: turn * load.moment,
-            };
-            (Some(wrench), "the cell's [work]")
-        }
-        (None, Some(_)) => (
-            None,
-            "the cell's [work] gives a load in the axes of a path, which a map has not",
-        ),
-        (None, None) => (None, "no force is given"),
-    };
-    // Against the tool axis, as the process pushes the tool back.
-    let back = UnitVector3::new_normalize(rotation * -Vector3::z());
-    let direction = direction.unwrap_or_else(|| {
-        let along = wrench.and_then(|w| fixed(w.force));
-        along.map_or(back, UnitVector3::new_normalize)
-    });
-    let options = {
-        let mut options = MapOptions::new(region.lower, region.upper, region.steps);
-        options.rotation = rotation;
-        options.free_turn = tool.free_turn;
-        options.direction = direction;
-        options.wrench = wrench.unwrap_or_else(|| Wrench::force(direction.into_inner()));
-        options
-    };
-    let words = match wrench {
-        Some(_) => format!("from {words}"),
-        None => format!("{words}: 1 N along the direction"),
-    };
-    Ok((options, words))
+        LoadSource::Unit => "no force is given: 1 N along the direction",
+    }
 }
 
 /// Three components with four digits.

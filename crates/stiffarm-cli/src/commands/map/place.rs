@@ -1,57 +1,37 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
 use super::common::{MANY, head, sides, write_folder};
-use super::region::Region;
 use crate::args::MapArgs;
 use crate::commands::finding_line;
+use crate::error::of_usage;
 use crate::files::check_folder;
 use crate::numbers::{coarse_mm, optional, percent};
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Align, Table, title};
-use schemars::JsonSchema;
-use serde::Serialize;
 use stiffarm::files::source::{NamedPath, Source};
 use stiffarm::findings::{Finding, Severity};
-use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
-use stiffarm::work::map::{MapOptions, PlaceOptions, Placed, Placement, Status, place};
-use stiffarm::{Code, Error, Result};
+use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::work::map::{MapOptions, Placed, Placement, Status, place};
+use stiffarm::work::placed::Request;
+use stiffarm::{Error, Result};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
 /// Files of the folder.
 const FILES: [&str; 2] = ["placement.svg", "placement.csv"];
 /// Points of a path that a search looks at.
 const SEARCHED: usize = 200;
-/// Turns about a free tool axis.
-const FREE_TURNS: usize = 12;
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// Lower corner of the box for the workpiece's origin, base frame \[m\].
-    pub lower_m: [f64; 3],
-    /// Upper corner \[m\].
-    pub upper_m: [f64; 3],
-    /// Places along x, y, z in the first round.
-    pub steps: [usize; 3],
-    /// Turns of the workpiece about the base's z \[deg\].
-    pub yaw_deg: Vec<f64>,
-    /// Finer rounds.
-    pub refine: u8,
-    /// Turns about the tool axis, tried where the path leaves it free.
-    pub free_turns: usize,
-}
-
 /// Searches the best place.
 pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
-    if let Some(yaw) = args.place.yaw_deg.iter().find(|yaw| !yaw.is_finite()) {
-        return Err(Error::new(
-            Code::Usage,
-            format!("The turn must be a finite number, got {yaw}."),
-        )
-        .key("--yaw-deg"));
-    }
+    let request = Request {
+        region: args.region.request(),
+        yaw_deg: args.place.yaw_deg.clone(),
+        refine: args.place.refine,
+        free_turn: args.tool.free_turn,
+    };
+    let usage = |e: Error| of_usage(e, &["yaw_deg", "from_mm", "to_mm"]);
+    request.check().map_err(usage)?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     if let Some(folder) = &args.output_dir {
@@ -60,17 +40,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
     let saved = session.read_stiffness(&args.stiffness, cell)?;
     let axes = args.place.axes.map(Into::into);
     let NamedPath { table, name } = session.read_path(path, cell, axes)?;
-    let region = Region::of_places(cell, &args.region)?;
-    let options = {
-        let mut options = PlaceOptions::default();
-        options.lower = region.lower;
-        options.upper = region.upper;
-        options.steps = region.steps;
-        options.yaws = args.place.yaw_deg.iter().copied().map(deg_to_rad).collect();
-        options.free_turns = args.tool.free_turn.unwrap_or(FREE_TURNS);
-        options.refinements = usize::from(args.place.refine);
-        options
-    };
+    let options = request.place_options(cell).map_err(usage)?;
     let places = options
         .steps
         .iter()
@@ -94,14 +64,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         Some(_) => e.file(&name),
         None => e,
     })?;
-    let said = Options {
-        lower_m: options.lower,
-        upper_m: options.upper,
-        steps: options.steps,
-        yaw_deg: args.place.yaw_deg.clone(),
-        refine: args.place.refine,
-        free_turns: options.free_turns,
-    };
+    let said = request.options(&options);
     let envelope = session.envelope("map", None, said, &result);
     let pictures = || {
         [

@@ -1,7 +1,6 @@
 //! What the readings so far are worth: everything that one look at the files gives.
 
 use crate::args::{Goal, MeasureArgs};
-use crate::commands::predict::tasks;
 use crate::session::Session;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -21,6 +20,7 @@ use stiffarm::model::posture::Posture;
 use stiffarm::plan::route::rounded;
 use stiffarm::plan::select::GlobalOptions;
 use stiffarm::work::predict::{PredictOptions, predict};
+use stiffarm::work::predicted::tasks;
 use stiffarm::{Control, Error};
 
 /// Rounds of the search for a better posture.

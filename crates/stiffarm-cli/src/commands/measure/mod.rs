@@ -4,7 +4,6 @@ mod judgement;
 mod watch;
 mod words;
 
-use super::predict::tasks;
 use crate::args::{Goal, MeasureArgs};
 use crate::input::Line;
 use crate::interrupt;
@@ -18,6 +17,7 @@ use serde::Serialize;
 use stiffarm::files::source::Source;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
+use stiffarm::work::predicted::tasks;
 use stiffarm::{Code, Error, Result};
 
 /// Options of the result.

@@ -1,11 +1,9 @@
-//! The part of the workspace that a map or a search is about.
+//! The part of the workspace that a map or a search for a place is about.
 
-use crate::args::{RegionArgs, Steps};
-use stiffarm::Result;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::units::mm_to_m;
-use stiffarm::{Code, Error};
+use crate::error::{Code, Error, Result};
+use crate::model::cell::Cell;
+use crate::model::kinematics::Frames;
+use crate::units::mm_to_m;
 
 /// Nodes along the longest side.
 const LINE: usize = 61;
@@ -16,7 +14,40 @@ const PLANES: usize = 6;
 /// Corners of a region by the arm's reach are multiples of this \[m\].
 const ROUND: f64 = 0.1;
 
+/// A plane of the base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// 0 to 2 for x, y, z.
+    pub axis: usize,
+    /// Coordinate along it \[mm\].
+    pub mm: f64,
+}
+
+/// Nodes of a region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steps {
+    /// Along the longest side; the others in proportion.
+    Longest(usize),
+    /// Along x, y, z.
+    Each([usize; 3]),
+}
+
+/// The part of the workspace that is asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct RegionRequest {
+    /// A plane; of the box what lies in it.
+    pub plane: Option<Plane>,
+    /// Lower corner of the box \[mm\]; without both corners the cell's box, else what the arm
+    /// may reach.
+    pub from_mm: Option<[f64; 3]>,
+    /// Upper corner \[mm\].
+    pub to_mm: Option<[f64; 3]>,
+    /// Nodes.
+    pub steps: Option<Steps>,
+}
+
 /// A box with its nodes along x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Region {
     /// Lower corner \[m\].
     pub lower: [f64; 3],
@@ -30,11 +61,11 @@ impl Region {
     /// The region of a map.
     ///
     /// # Errors
-    /// An upside-down box.
-    pub fn of_map(cell: &Cell, args: &RegionArgs) -> Result<Self> {
-        let (lower, upper) = corners(cell, args)?;
+    /// An upside-down box (key `from_mm`), a plane of no axis (key `plane`).
+    pub fn of_map(cell: &Cell, asked: &RegionRequest) -> Result<Self> {
+        let (lower, upper) = corners(cell, asked)?;
         let is_box = (0..3).all(|axis| lower[axis] < upper[axis]);
-        let steps = match args.steps {
+        let steps = match asked.steps {
             None if is_box => {
                 let [x, y, _] = proportional(lower, upper, BOX);
                 [x, y, PLANES]
@@ -53,14 +84,14 @@ impl Region {
     /// unless something else is asked for.
     ///
     /// # Errors
-    /// An upside-down box.
-    pub fn of_places(cell: &Cell, args: &RegionArgs) -> Result<Self> {
-        let (mut lower, mut upper) = corners(cell, args)?;
-        if args.plane.is_none() && args.from_mm.is_none() {
+    /// An upside-down box (key `from_mm`), a plane of no axis (key `plane`).
+    pub fn of_places(cell: &Cell, asked: &RegionRequest) -> Result<Self> {
+        let (mut lower, mut upper) = corners(cell, asked)?;
+        if asked.plane.is_none() && asked.from_mm.is_none() {
             let height = cell.work.workpiece.translation.vector.z;
             (lower[2], upper[2]) = (height, height);
         }
-        let steps = args.steps.unwrap_or(Steps::Longest(PLACES));
+        let steps = asked.steps.unwrap_or(Steps::Longest(PLACES));
         Ok(Region {
             lower,
             upper,
@@ -69,22 +100,29 @@ impl Region {
     }
 }
 
-fn corners(cell: &Cell, args: &RegionArgs) -> Result<([f64; 3], [f64; 3])> {
-    let (mut lower, mut upper) = match (args.from_mm, args.to_mm) {
+fn corners(cell: &Cell, asked: &RegionRequest) -> Result<([f64; 3], [f64; 3])> {
+    let (mut lower, mut upper) = match (asked.from_mm, asked.to_mm) {
         (Some(from), Some(to)) => (from.map(mm_to_m), to.map(mm_to_m)),
         _ => within_reach(cell),
     };
-    if let Some(plane) = args.plane {
+    if let Some(plane) = asked.plane {
+        if plane.axis > 2 {
+            let message = format!(
+                "A plane's axis is 0, 1 or 2 for x, y, z; got {}.",
+                plane.axis
+            );
+            return Err(Error::new(Code::InvalidValue, message).key("plane"));
+        }
         (lower[plane.axis], upper[plane.axis]) = (mm_to_m(plane.mm), mm_to_m(plane.mm));
     }
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         if lower[axis] > upper[axis] {
             return Err(Error::new(
-                Code::Usage,
-                format!("Along {name}, --from-mm must not be above --to-mm."),
+                Code::InvalidValue,
+                format!("Along {name}, `from_mm` must not be above `to_mm`."),
             )
-            .key("--from-mm")
-            .hint("give the lower corner with --from-mm and the upper one with --to-mm"));
+            .key("from_mm")
+            .hint("give the lower corner with `from_mm` and the upper one with `to_mm`"));
         }
     }
     Ok((lower, upper))

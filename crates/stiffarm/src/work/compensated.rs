@@ -1,0 +1,68 @@
+//! All that `compensate` says: the commands of a path, and how its postures were found.
+
+use crate::error::Result;
+use crate::estimate::saved::Saved;
+use crate::model::cell::Cell;
+use crate::numerics::control::Control;
+use crate::work::along::{Followed, PathOptions};
+use crate::work::compensate::{CompensateOptions, Compensation, compensate};
+use crate::work::posture_path::PosturePathSummary;
+use serde::{Deserialize, Serialize};
+
+/// Options of the result.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Options {
+    /// The path, its loads and postures.
+    #[serde(flatten)]
+    pub path: PathOptions,
+}
+
+/// The commands and how the postures were found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Compensated {
+    /// The compensation.
+    #[serde(flatten)]
+    pub compensation: Compensation,
+    /// The postures of the nominal path.
+    pub postures: PosturePathSummary,
+}
+
+impl Options {
+    /// How to compensate with the stiffness `saved`.
+    ///
+    /// # Errors
+    /// As [`PathOptions::load_uncertainty`].
+    pub fn compensate_options(&self, saved: &Saved) -> Result<CompensateOptions> {
+        Ok(CompensateOptions {
+            load_uncertainty: self.path.load_uncertainty()?,
+            measured_up_to: saved.largest_displacement,
+        })
+    }
+
+    /// Compensates a path whose postures [`PathOptions::follow`] found.
+    ///
+    /// # Errors
+    /// As [`Options::compensate_options`] and [`compensate`].
+    pub fn compensate(
+        &self,
+        cell: &Cell,
+        saved: &Saved,
+        followed: &Followed,
+        control: Control<'_>,
+    ) -> Result<Compensated> {
+        let options = self.compensate_options(saved)?;
+        let compensation = compensate(
+            cell,
+            &saved.predictor,
+            &followed.postures,
+            &options,
+            control,
+        )?;
+        Ok(Compensated {
+            compensation,
+            postures: followed.summary.clone(),
+        })
+    }
+}

@@ -1,0 +1,246 @@
+//! All that `predict` says: deflections at the cell's tasks, along a path, or under the
+//! load of the identification.
+
+use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::IdentifiedCompliance;
+use crate::model::cell::Cell;
+use crate::model::kinematics::Frames;
+use crate::model::load::{Axes, Wrench};
+use crate::model::observation::PostureTerms;
+use crate::model::path::{LoadedPosture, PathPoint, PathTarget};
+use crate::model::stiffness::Model;
+use crate::numerics::control::Control;
+use crate::work::along::{Followed, PathOptions};
+use crate::work::posture_path::PosturePathSummary;
+use crate::work::predict::{LoadPoint, PredictOptions, Prediction, predict};
+use nalgebra::Isometry3;
+use serde::{Deserialize, Serialize};
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Options {
+    /// The path, its loads and postures.
+    #[serde(flatten)]
+    pub path: PathOptions,
+    /// How the deflection was calculated.
+    pub model: Model,
+    /// Where the wrenches act.
+    pub load_at: LoadPoint,
+}
+
+/// The deflections and how the postures were found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Predicted {
+    /// The deflections.
+    #[serde(flatten)]
+    pub prediction: Prediction,
+    /// The postures of the path; `null` for tasks and with --cell-load.
+    pub postures: Option<PosturePathSummary>,
+}
+
+/// What is asked of a prediction beside cell and stiffness.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Loads and postures of a path.
+    pub path: PathOptions,
+    /// How the deflection is calculated.
+    pub model: Model,
+    /// Whether to give the Cartesian stiffness of each point.
+    pub matrix: bool,
+    /// The cell's own load at its loading point instead of one at the tip.
+    pub cell_load: bool,
+    /// Which of several load cases, with the cell's own load.
+    pub load_case: Option<String>,
+}
+
+/// Postures and loads of a prediction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The cell; at its tasks with their tip.
+    pub cell: Cell,
+    /// Postures with their loads.
+    pub postures: Vec<LoadedPosture>,
+    /// How the postures of a path were found.
+    pub summary: Option<PosturePathSummary>,
+}
+
+impl Default for Request {
+    /// Equilibrium under the loads at the tip.
+    fn default() -> Self {
+        Request {
+            path: PathOptions::default(),
+            model: Model::Equilibrium,
+            matrix: false,
+            cell_load: false,
+            load_case: None,
+        }
+    }
+}
+
+impl Request {
+    /// The cell under the load case that is asked for.
+    ///
+    /// # Errors
+    /// An unknown case (key `load_case`); the cell's own load where it has several cases and
+    /// none is named (key `cell_load`).
+    pub fn under_case(&self, cell: Cell) -> Result<Cell> {
+        match &self.load_case {
+            Some(name) => cell.under(name).map_err(|e| e.key("load_case")),
+            None if self.cell_load && cell.setup.load.has_cases() => {
+                let names = cell.setup.load.case_names();
+                let message =
+                    "The cell has several load cases, and postures bend under one at a time.";
+                Err(Error::new(Code::InvalidValue, message)
+                    .key("cell_load")
+                    .hint(format!("add `load_case` with one of them: {names}")))
+            }
+            None => Ok(cell),
+        }
+    }
+
+    /// How to predict.
+    ///
+    /// # Errors
+    /// As [`PathOptions::load_uncertainty`].
+    pub fn predict_options(&self) -> Result<PredictOptions> {
+        Ok(PredictOptions {
+            model: self.model,
+            load_uncertainty: self.path.load_uncertainty()?,
+            load_at: self.load_at(),
+            stiffness: self.matrix,
+        })
+    }
+
+    fn load_at(&self) -> LoadPoint {
+        match self.cell_load {
+            true => LoadPoint::LoadingPoint,
+            false => LoadPoint::Tip,
+        }
+    }
+
+    /// Postures and loads along `points`, without them at the tasks of the cell, which is
+    /// [`Request::under_case`].
+    ///
+    /// # Errors
+    /// No points and no tasks, or tasks with several tips; poses under the cell's own load; as
+    /// [`PathOptions::follow`].
+    pub fn loaded(
+        &self,
+        mut cell: Cell,
+        predictor: &IdentifiedCompliance,
+        points: Option<&[PathPoint]>,
+        control: Control<'_>,
+    ) -> Result<Loaded> {
+        let (postures, summary) = match points {
+            None => {
+                let (tip, postures) = tasks(&cell)?;
+                cell.work.tip = Some(tip);
+                (postures, None)
+            }
+            Some(points) if self.cell_load => (under_cell_load(points, &cell)?, None),
+            Some(points) => {
+                let Followed { postures, summary } =
+                    self.path.follow(&cell, predictor, points, control)?;
+                (postures, Some(summary))
+            }
+        };
+        Ok(Loaded {
+            cell,
+            postures,
+            summary,
+        })
+    }
+
+    /// Predicts at postures and loads of [`Request::loaded`].
+    ///
+    /// # Errors
+    /// As [`Request::predict_options`] and [`predict`].
+    pub fn predict(
+        &self,
+        loaded: &Loaded,
+        predictor: &IdentifiedCompliance,
+        control: Control<'_>,
+    ) -> Result<Predicted> {
+        let options = self.predict_options()?;
+        let prediction = predict(&loaded.cell, predictor, &loaded.postures, &options, control)?;
+        Ok(Predicted {
+            prediction,
+            postures: loaded.summary.clone(),
+        })
+    }
+
+    /// The options as the result holds them.
+    pub fn options(&self) -> Options {
+        Options {
+            path: self.path.clone(),
+            model: self.model,
+            load_at: self.load_at(),
+        }
+    }
+}
+
+/// The tasks of the cell with their tip.
+///
+/// # Errors
+/// A cell without tasks, or with tasks of several tips.
+pub fn tasks(cell: &Cell) -> Result<(Isometry3<f64>, Vec<LoadedPosture>)> {
+    let tasks = cell.require_tasks().map_err(|e| {
+        let hint = "give a path, or add [[task]] to the cell";
+        Error::new(e.code(), "No path is given, and the cell has no tasks.")
+            .key("task")
+            .hint(hint)
+    })?;
+    if let Some(other) = tasks.iter().find(|task| task.tip != tasks[0].tip) {
+        let message = format!(
+            "The tasks \"{}\" and \"{}\" have different tips.",
+            tasks[0].name, other.name
+        );
+        return Err(Error::new(Code::Unsupported, message)
+            .key("task")
+            .hint("give each as a path of its own, with tip_mm in [work]"));
+    }
+    let mut tip = cell.work.tip(&cell.setup.tool);
+    tip.translation = tasks[0].tip.into();
+    let robot = &cell.setup.robot;
+    let postures = tasks.iter().map(|task| {
+        let frames = Frames::new(robot, &task.q);
+        let turn = |v| match task.axes {
+            Axes::Base => v,
+            Axes::Tool => frames.direction(&v),
+        };
+        LoadedPosture {
+            name: task.name.as_str().into(),
+            line: None,
+            q: task.q.clone(),
+            wrench: Wrench {
+                force: turn(task.wrench.force),
+                moment: turn(task.wrench.moment),
+            },
+        }
+    });
+    Ok((tip, postures.collect()))
+}
+
+/// Postures under the cell's own load.
+fn under_cell_load(points: &[PathPoint], cell: &Cell) -> Result<Vec<LoadedPosture>> {
+    let postures = points.iter().map(|point| {
+        let PathTarget::Angles(q) = &point.target else {
+            return Err(Error::new(
+                Code::Unsupported,
+                "With the cell's own load the postures must be joint angles.",
+            )
+            .key("cell_load")
+            .hint("give columns q1_deg, q2_deg, …"));
+        };
+        let terms = PostureTerms::new(&cell.setup, q, None)?;
+        Ok(LoadedPosture {
+            name: point.name.clone(),
+            line: point.line,
+            wrench: *terms.wrench(),
+            q: q.clone(),
+        })
+    });
+    postures.collect()
+}
