@@ -1,0 +1,273 @@
+"""The results of the functions, one class each.
+
+Their keys are those of the command's JSON; ``stiffarm schema result-COMMAND`` of the command describes every one.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ._errors import StiffarmError
+from ._result import Record, Result
+from ._table import Table
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .postures import Postures
+
+
+class _WithPostures(Result):
+    __slots__ = ()
+
+    @property
+    def postures(self) -> Postures:
+        """The postures, under their names."""
+        from .postures import Postures
+
+        return Postures.of(self)
+
+    def table(self) -> Table:
+        """The postures: ``name``, ``q1_deg``, ... as in a posture file."""
+        return self.postures.table()
+
+
+class Plan(_WithPostures):
+    """Postures to measure, and what they are worth: :func:`stiffarm.select`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "select"
+
+    def _headline(self) -> str:
+        index, value = self._data["index"], self._data["value"]
+        out = f"{len(self._data['postures_deg'])} postures, {index} = {value:.4g}"
+        certificate = self._data.get("certificate")
+        if certificate and certificate.get("efficiency"):
+            out += f", {100 * certificate['efficiency']:.1f} % of the best possible"
+        return out
+
+
+class Chosen(_WithPostures):
+    """The best postures of a list: :func:`stiffarm.select` with ``candidates``."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "select"
+
+    def _headline(self) -> str:
+        return f"{', '.join(self._data['posture_names'])}: {self._data['index']} = {self._data['value']:.4g}"
+
+
+class SpaceFilling(_WithPostures):
+    """Postures that cover the joint space evenly: :func:`stiffarm.space_filling`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "select"
+
+
+class Dropped(_WithPostures):
+    """What each given posture is worth, and which ones stay: :func:`stiffarm.drop`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "select"
+
+    @property
+    def kept_postures(self) -> Postures:
+        """The postures that stay."""
+        return self.postures[list(self._data["kept"])]
+
+
+class Curve(Result):
+    """The best value for each number of postures: :func:`stiffarm.curve`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "select"
+    _rows: ClassVar[tuple[str, ...]] = ("sizes",)
+
+
+class Certificate(Result):
+    """How good any plan of as many postures could be: :func:`stiffarm.certificate`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "certificate"
+
+    def _headline(self) -> str:
+        efficiency = self._data.get("efficiency")
+        share = "" if efficiency is None else f", this plan is {100 * efficiency:.1f} % efficient"
+        return f"{self._data['index']} not below {self._data['bound']:.4g}{share}"
+
+
+class Evaluated(Result):
+    """Every index of groups of postures: :func:`stiffarm.evaluate`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "evaluate"
+
+    def table(self) -> Table:
+        """A row per group: its name, number of postures, and every index."""
+        rows = [group["evaluation"] if "evaluation" in group else group for group in self._data["groups"]]
+        columns: dict[str, Any] = {
+            "group": [row["name"] for row in rows],
+            "postures": [row["posture_count"] for row in rows],
+        }
+        names = [key for key in rows[0]["indices"] if not isinstance(rows[0]["indices"][key], str)]
+        columns.update({name: [row["indices"].get(name) for row in rows] for name in names})
+        return Table(columns)
+
+
+class Simulation(Result):
+    """Monte Carlo of identifications with tracker noise: :func:`stiffarm.simulate`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "simulate"
+
+    def table(self) -> Table:
+        """A row per group, noise level and joint: simulated and expected deviation (fractions)."""
+        rows: list[dict[str, Any]] = []
+        for group in self._data["groups"]:
+            for level in group["levels"]:
+                if "mean_deviation" not in level:
+                    rows.append({"group": group["name"], **level})
+                    continue
+                for j, joint in enumerate(self._data["joints"]):
+                    rows.append(
+                        {
+                            "group": group["name"],
+                            "variance_factor": level["variance_factor"],
+                            "joint": joint,
+                            "runs": level["runs"],
+                            "mean_deviation": level["mean_deviation"][j],
+                            "standard_error": level["standard_error"][j],
+                            "median_deviation": level["median_deviation"][j],
+                            "expected_deviation": level["expected_deviation"][j],
+                        }
+                    )
+        from ._result import _table_of
+
+        return _table_of(rows)
+
+
+class Coverage(Result):
+    """How often intervals held the truth in simulation: :func:`stiffarm.coverage`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "coverage"
+    _rows: ClassVar[tuple[str, ...]] = ("joints",)
+
+
+class Identified(Result):
+    """Joint stiffness and how far to trust it: :func:`stiffarm.identify`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "identify"
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
+        """Joint stiffness [N·m/rad], one per spring; NaN where a joint is not determined."""
+        joints = self._estimates()["joints"]
+        values = [joint["stiffness_nm_per_rad"] for joint in joints]
+        return np.array([np.nan if value is None else value for value in values])
+
+    @property
+    def diagnosis(self) -> Record | None:
+        """What the residuals say; ``None`` with ``brief=True``."""
+        found = self._data.get("diagnosis")
+        return None if found is None else Record(found)
+
+    def _estimates(self) -> dict[str, Any]:
+        estimates: dict[str, Any] = self._data.get("estimates", self._data)
+        return estimates
+
+    def table(self) -> Table:
+        """A row per joint: stiffness, interval, standard error and verdict."""
+        rows = []
+        for joint in self._estimates()["joints"]:
+            rows.append({key: value for key, value in joint.items() if not isinstance(value, dict)})
+        from ._result import _table_of
+
+        return _table_of(rows)
+
+    def _headline(self) -> str:
+        joints = self._estimates()["joints"]
+        shown = ", ".join("?" if j["stiffness_nm_per_rad"] is None else f"{j['stiffness_nm_per_rad']:.3g}" for j in joints)
+        return f"k = {shown} N·m/rad"
+
+
+class Validated(Result):
+    """Calculated against measured displacements: :func:`stiffarm.validate`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "validate"
+    _rows: ClassVar[tuple[str, ...]] = ("points",)
+
+    @property
+    def findings(self) -> list[Record]:
+        """What the result says about itself, its readings and its stiffness."""
+        own = [*self._data.get("findings", []), *self._data.get("remarks", [])]
+        return [Record(f) for f in own]
+
+
+class Registered(Result):
+    """The transform from tracker to base axes: :func:`stiffarm.register`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "register"
+
+
+class Predicted(Result):
+    """How far the loaded tool bends away along a path: :func:`stiffarm.predict`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "predict"
+    _rows: ClassVar[tuple[str, ...]] = ("points",)
+
+    def _headline(self) -> str:
+        return f"{len(self._data['points'])} points, deflection at most {1e3 * self._data['deflection_max_m']:.4g} mm"
+
+
+class Compensated(Result):
+    """The commands that make up for the deflection: :func:`stiffarm.compensate`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "compensate"
+    _rows: ClassVar[tuple[str, ...]] = ("points",)
+
+
+class StiffnessMap(Result):
+    """Stiffness over a region of the workspace: :func:`stiffarm.map`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "map"
+    _rows: ClassVar[tuple[str, ...]] = ("nodes",)
+
+
+class Placement(Result):
+    """The best place of a workpiece: :func:`stiffarm.place`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "map"
+    _rows: ClassVar[tuple[str, ...]] = ("candidates",)
+
+
+__all__ = [
+    "Certificate",
+    "Chosen",
+    "Compensated",
+    "Coverage",
+    "Curve",
+    "Dropped",
+    "Evaluated",
+    "Identified",
+    "Placement",
+    "Plan",
+    "Predicted",
+    "Record",
+    "Registered",
+    "Result",
+    "Simulation",
+    "SpaceFilling",
+    "StiffarmError",
+    "StiffnessMap",
+    "Validated",
+]
