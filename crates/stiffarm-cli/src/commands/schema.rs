@@ -2,7 +2,7 @@
 
 use super::{
     capsules, check, compensate, evaluate, export, identify, map, measure, pose, predict, register,
-    route, select, simulate, study, validate, zones,
+    route, simulate, study, validate, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::{Envelope, Exit, to_json};
@@ -16,6 +16,7 @@ use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
 use stiffarm::files::cell::cell_schema;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
+use stiffarm::plan::planned;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 
@@ -27,21 +28,18 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultEvaluate => {
             of::<evaluate::Options, stiffarm::plan::index::Evaluated>("evaluate")
         }
-        SchemaChoice::ResultSelect => {
-            of::<select::planned::Options, select::planned::Plan>("select")
-        }
+        SchemaChoice::ResultSelect => of::<planned::PlanOptions, planned::Plan>("select"),
         SchemaChoice::ResultSelectDrop => {
-            of::<select::drop::Options, select::drop::DropResult>("select --drop")
+            of::<planned::DropOptions, planned::DropResult>("select --drop")
         }
         SchemaChoice::ResultSelectCurve => {
-            of::<select::curve::Options, select::curve::Curve>("select --curve")
+            of::<planned::CurveOptions, planned::Curve>("select --curve")
         }
-        SchemaChoice::ResultSelectSpaceFilling => of::<
-            select::space_filling::Options,
-            select::space_filling::SpaceFilling,
-        >("select --space-filling"),
+        SchemaChoice::ResultSelectSpaceFilling => {
+            of::<planned::SpaceFillingOptions, planned::SpaceFillingPlan>("select --space-filling")
+        }
         SchemaChoice::ResultSelectCandidates => {
-            of::<select::candidates::Options, select::candidates::Chosen>("select --candidates")
+            of::<planned::ChosenOptions, planned::Chosen>("select --candidates")
         }
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
         SchemaChoice::ResultSimulateElastic => {
