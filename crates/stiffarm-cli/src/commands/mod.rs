@@ -33,9 +33,9 @@ use crate::table::{Table, weight};
 use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::characteristic_length;
 use stiffarm::plan::index::Index;
-use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
+use stiffarm::units::m_to_mm;
 
 /// The cell with the characteristic length of Eq. (20), and a line that says
 /// so where it had to be computed. A robot that has none stays without: the
@@ -44,16 +44,16 @@ fn with_length(cell: Cell) -> (Cell, String) {
     if cell.characteristic_length.is_some() {
         return (cell, String::new());
     }
-    let (cell, missing) = match with_characteristic_length(cell.clone()) {
-        Ok(cell) => (cell, "k(J_N) needs at least six joints".to_string()),
-        Err(error) => (cell, error.message().to_string()),
-    };
+    let (cell, missing) = characteristic_length::with_length(cell);
     let line = match cell.characteristic_length {
         Some(length) => format!(
             "characteristic length: {:.1} mm, computed (robot.characteristic_length_mm is not set)\n",
             m_to_mm(length)
         ),
-        None => format!("characteristic length: none; {missing}\n"),
+        None => format!(
+            "characteristic length: none; {}\n",
+            missing.unwrap_or_default()
+        ),
     };
     (cell, line)
 }
@@ -87,12 +87,6 @@ fn index_value(index: Index, value: Option<f64>) -> String {
     } else {
         numbers::optional(value, 4)
     }
-}
-
-/// Controller angles of postures \[deg\].
-fn degrees(postures: &[Posture]) -> Vec<Vec<f64>> {
-    let of = |posture: &Posture| posture.q.iter().map(|q| rad_to_shortest_deg(*q)).collect();
-    postures.iter().map(of).collect()
 }
 
 /// Postures in degrees, one row each.

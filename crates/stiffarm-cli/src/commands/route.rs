@@ -18,7 +18,7 @@ use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::feasibility::forbidden;
-use stiffarm::plan::route::{Route, RouteMove, RouteOptions, rounded, route};
+use stiffarm::plan::route::{Route, RouteMove, RouteOptions, blocked_moves, rounded, route};
 use stiffarm::units::rad_to_deg;
 
 /// Options of the result.
@@ -125,37 +125,6 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-/// Code of the finding about a move without a free way.
-pub(super) const BLOCKED: &str = "move-blocked";
-
-/// Whether one of `findings` is about a move without a free way.
-pub(super) fn is_blocked(findings: &[Finding]) -> bool {
-    findings.iter().any(|finding| finding.code == BLOCKED)
-}
-
-/// Moves without a free way.
-pub(super) fn blocked_moves(stops: &[Posture], route: &Route) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for blocked in route.moves.iter().filter(|m| !m.free) {
-        let what = blocked.nearest.as_ref().map_or(String::new(), |nearest| {
-            let near = match nearest.kind {
-                LimitKind::Shapes | LimitKind::RopeClearance => {
-                    format!("{} come too near each other", nearest.subject)
-                }
-                kind => format!("the {} comes too near {}", nearest.subject, kind.describe()),
-            };
-            format!(" on the straight joint move {near}")
-        });
-        findings.push(Finding::new(
-            BLOCKED,
-            Severity::Serious,
-            format!("move {}", between(stops, blocked)),
-            format!("no free way was found:{what}. Drive it by hand over via postures of your own, or move what is in the way."),
-        ));
-    }
-    findings
-}
-
 /// What to know before driving a route.
 fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Vec<Finding> {
     let mut findings = blocked_moves(stops, route);
@@ -177,16 +146,6 @@ fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Vec<Finding> {
         ));
     }
     findings
-}
-
-/// Name of a stop; the start has none of its own.
-fn name(stops: &[Posture], stop: Option<usize>) -> &str {
-    stop.map_or("start", |stop| &stops[stop].name)
-}
-
-/// `2 to 5`.
-fn between(stops: &[Posture], of: &RouteMove) -> String {
-    format!("{} to {}", name(stops, of.from), name(stops, of.to))
 }
 
 /// The route in a sentence or two.
@@ -264,7 +223,7 @@ fn moves(stops: &[Posture], route: &Route) -> String {
     for each in &route.moves {
         let nearest = each.nearest.as_ref();
         table.row([
-            between(stops, each),
+            each.name(stops),
             deg(each.turn),
             each.time_s.map_or(NONE.to_string(), |s| format!("{s:.1}")),
             match each.free {
@@ -286,7 +245,7 @@ fn moves(stops: &[Posture], route: &Route) -> String {
     let mut table = Table::new(std::iter::once("move".to_string()).chain(headings));
     for each in vias {
         for via in &each.via {
-            table.row(std::iter::once(between(stops, each)).chain(via.iter().map(|q| deg(*q))));
+            table.row(std::iter::once(each.name(stops)).chain(via.iter().map(|q| deg(*q))));
         }
     }
     out + &title("Via postures") + &table.to_string()

@@ -1,8 +1,7 @@
 //! `stiffarm schema`: JSON Schemas.
 
 use super::{
-    capsules, check, evaluate, export, measure, pose, register, route, select, simulate, study,
-    zones,
+    capsules, check, evaluate, export, measure, pose, register, route, simulate, study, zones,
 };
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::Exit;
@@ -18,6 +17,7 @@ use stiffarm::files::cell::cell_schema;
 use stiffarm::files::envelope::{Envelope, to_json};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
+use stiffarm::plan::planned;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm::work::{compensated, mapped, placed, predicted};
@@ -30,21 +30,18 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultEvaluate => {
             of::<evaluate::Options, stiffarm::plan::index::Evaluated>("evaluate")
         }
-        SchemaChoice::ResultSelect => {
-            of::<select::planned::Options, select::planned::Plan>("select")
-        }
+        SchemaChoice::ResultSelect => of::<planned::PlanOptions, planned::Plan>("select"),
         SchemaChoice::ResultSelectDrop => {
-            of::<select::drop::Options, select::drop::DropResult>("select --drop")
+            of::<planned::DropOptions, planned::DropResult>("select --drop")
         }
         SchemaChoice::ResultSelectCurve => {
-            of::<select::curve::Options, select::curve::Curve>("select --curve")
+            of::<planned::CurveOptions, planned::Curve>("select --curve")
         }
-        SchemaChoice::ResultSelectSpaceFilling => of::<
-            select::space_filling::Options,
-            select::space_filling::SpaceFilling,
-        >("select --space-filling"),
+        SchemaChoice::ResultSelectSpaceFilling => {
+            of::<planned::SpaceFillingOptions, planned::SpaceFillingPlan>("select --space-filling")
+        }
         SchemaChoice::ResultSelectCandidates => {
-            of::<select::candidates::Options, select::candidates::Chosen>("select --candidates")
+            of::<planned::ChosenOptions, planned::Chosen>("select --candidates")
         }
         SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
         SchemaChoice::ResultSimulateElastic => {

@@ -26,6 +26,7 @@ mod pictures;
 mod pose;
 mod register;
 mod report;
+mod same_as_library;
 mod saved;
 mod select;
 mod shapes;

@@ -53,7 +53,16 @@ pub struct Control<'a> {
     pub progress: Option<Report<'a>>,
 }
 
-impl Control<'_> {
+impl<'a> Control<'a> {
+    /// The same without progress: for a part of work whose own steps would mislead.
+    #[must_use]
+    pub fn quiet(self) -> Control<'a> {
+        Control {
+            progress: None,
+            ..self
+        }
+    }
+
     /// True when the work should stop.
     pub fn stopped(&self) -> bool {
         self.stop.is_some_and(|stop| stop())

@@ -160,3 +160,16 @@ pub fn with_characteristic_length(mut cell: Cell) -> Result<Cell> {
     }
     Ok(cell)
 }
+
+/// The cell with the characteristic length of Eq. (20), computed where it was left open, and why it has none.
+/// A robot that has none stays without: the indices that need it do not exist, or say why.
+pub fn with_length(cell: Cell) -> (Cell, Option<String>) {
+    if cell.characteristic_length.is_some() {
+        return (cell, None);
+    }
+    match with_characteristic_length(cell.clone()) {
+        Ok(cell) if cell.characteristic_length.is_some() => (cell, None),
+        Ok(cell) => (cell, Some("k(J_N) needs at least six joints".to_string())),
+        Err(error) => (cell, Some(error.message().to_string())),
+    }
+}

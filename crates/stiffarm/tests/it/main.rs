@@ -34,6 +34,7 @@ mod montecarlo;
 mod next_posture;
 mod once;
 mod paths;
+mod planned;
 mod posture_path;
 mod predict;
 mod prediction_index;

@@ -1,105 +1,44 @@
 //! `--candidates`: the best postures out of a list.
 
 use super::certificate::efficient;
-use super::job::{Job, Mode, POSTURES, shown, to_usize};
-use crate::commands::{degrees, evaluate, posture_table};
+use super::job::{Job, shown, to_usize};
+use crate::commands::{evaluate, posture_table};
 use crate::numbers::counted;
 use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::table::{title, yellow};
-use schemars::JsonSchema;
-use serde::Serialize;
 use stiffarm::files::source::Source;
-use stiffarm::findings::Finding;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::select::{CandidateOptions, CandidateSelection, select_candidates};
+use stiffarm::plan::planned::{CandidateRequest, Chosen, plan_candidates};
+use stiffarm::plan::select::CandidateSelection;
 use stiffarm::{Result, Termination};
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// `candidates`.
-    pub mode: Mode,
-    /// Number of postures chosen.
-    pub postures: usize,
-    /// Random groups from which the exchange started.
-    pub starts: usize,
-    /// Whether a bound was wanted.
-    pub certificate: bool,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
-}
-
-/// The chosen postures and what is known about them.
-#[derive(Serialize, JsonSchema)]
-pub struct Chosen {
-    /// The choice.
-    #[serde(flatten)]
-    pub selection: CandidateSelection,
-    /// Names of the joints, as in `evaluation`.
-    pub joints: Vec<String>,
-    /// Names of all candidates: positions elsewhere count them from 0.
-    pub candidate_names: Vec<String>,
-    /// True where some candidates count under measured wrenches.
-    pub measured_wrenches: bool,
-    /// Chosen postures, controller angles \[deg\].
-    pub postures_deg: Vec<Vec<f64>>,
-    /// Their names.
-    pub posture_names: Vec<String>,
-    /// What to distrust about the robot of the catalogue.
-    pub findings: Vec<Finding>,
-}
 
 /// Forbidden candidates that are named.
 const FORBIDDEN: usize = 5;
 
 /// Chooses, and writes plan and sheet.
 pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
-    let cell = job.cell();
-    let (candidates, measured) = job.session.read_candidates(list, cell)?;
-    let count = to_usize(job.args.postures.unwrap_or(POSTURES));
-    let mut options = CandidateOptions::default();
-    options.seed = job.seed();
+    let (candidates, measured) = job.session.read_candidates(list, job.cell())?;
+    let mut request = CandidateRequest::default();
+    request.index = job.index;
+    request.postures = job.args.postures.map_or(request.postures, to_usize);
+    request.seed = job.args.budget.seed.unwrap_or(request.seed);
     // The limits of a measured posture are the machine's, which held it.
-    options.limits = !measured;
-    if job.args.no_certificate {
-        options.bound = false;
-    }
+    request.limits = !measured;
+    request.certificate = !job.args.no_certificate;
     let progress = Progress::new(job.session, "choosing postures");
-    let found = progress.watch(|control| {
-        select_candidates(cell, job.index, count, &candidates, &options, control)
-    })?;
+    let planned =
+        progress.watch(|control| plan_candidates(job.cell(), &candidates, &request, control))?;
     drop(progress);
-    let chosen: Vec<Posture> = found
-        .chosen
-        .iter()
-        .map(|p| Posture {
-            name: candidates[*p].name.clone(),
-            q: candidates[*p].q.clone(),
-        })
-        .collect();
-    job.outputs.write_postures(job.session, cell, &chosen)?;
-    let result = Chosen {
-        findings: job.findings(),
-        joints: cell.setup.robot.spring_names(),
-        candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
-        measured_wrenches: candidates.iter().any(|c| c.wrench.is_some()),
-        postures_deg: degrees(&chosen),
-        posture_names: chosen.iter().map(|p| p.name.clone()).collect(),
-        selection: found,
-    };
-    let described = Options {
-        mode: Mode::Candidates,
-        postures: count,
-        starts: options.starts,
-        certificate: !job.args.no_certificate,
-        characteristic_length_m: cell.characteristic_length,
-    };
+    let chosen = &planned.postures;
+    job.outputs
+        .write_postures(job.session, &planned.cell, chosen)?;
+    let (options, result) = (&planned.options, &planned.result);
     let envelope = job
         .session
-        .envelope("select", Some(job.seed()), described, &result);
-    job.show(&envelope, || table(job, &candidates, &chosen, &result))
+        .envelope("select", planned.seed, options, result);
+    job.show(&envelope, || table(job, &candidates, chosen, result))
 }
 
 fn table(job: &Job<'_>, candidates: &[Candidate], chosen: &[Posture], result: &Chosen) -> String {

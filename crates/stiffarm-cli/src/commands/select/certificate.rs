@@ -1,84 +1,10 @@
-//! How good any plan of as many postures could be, in words and numbers.
+//! How good any plan of as many postures could be, in words.
 
-use super::job::{Job, shown};
-use crate::numbers::{counted, percent, significant};
-use crate::progress::Progress;
+use super::job::shown;
+use crate::numbers::{percent, significant};
+use stiffarm::Termination;
 use stiffarm::findings::list;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::certificate::{
-    Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
-};
-use stiffarm::{Code, Result};
-use stiffarm::{Control, Termination};
-
-/// Searches behind the bound of each joint: fewer than behind the one of the
-/// index, or the six would take longer than the selection.
-const JOINT_SEARCHES: usize = 256;
-
-/// Bounds for a plan, as far as there are any.
-#[derive(Default)]
-pub struct Bounds {
-    /// The bound of the index.
-    pub certificate: Option<Certificate>,
-    /// Bounds joint by joint.
-    pub joints: Option<Vec<JointEfficiency>>,
-    /// Why there is no certificate, where the index has one.
-    pub missing: Option<String>,
-}
-
-/// Bounds for `postures` beside `given` ones. A bound that cannot be had is no
-/// fault of the plan: the reason is kept instead.
-pub fn bounds(
-    job: &Job<'_>,
-    cell: &Cell,
-    given: &[Posture],
-    postures: &[Posture],
-    progress: &Progress,
-    control: Control<'_>,
-) -> Bounds {
-    let mut found = Bounds::default();
-    if job.args.no_certificate {
-        return found;
-    }
-    progress.tell(&format!(
-        "bounding what {} can give",
-        counted(postures.len(), "posture")
-    ));
-    let control = Control {
-        progress: None,
-        ..control
-    };
-    let options = CertificateOptions::default();
-    let certificate = certify_further(cell, job.index, given, postures, &options, control);
-    found.certificate = kept(certificate, control, &mut found.missing);
-    // The joints' bounds do not count what is measured already.
-    if found.certificate.is_some() && given.is_empty() && cell.prior.is_some() {
-        progress.tell("bounding what each joint can have");
-        let mut options = options;
-        options.samples = JOINT_SEARCHES;
-        let joints = joint_efficiencies(cell, postures, &options, control);
-        found.joints = kept(joints, control, &mut found.missing);
-    }
-    found
-}
-
-/// The result, unless it failed or was stopped on the way.
-fn kept<T>(result: Result<T>, control: Control<'_>, missing: &mut Option<String>) -> Option<T> {
-    if control.stopped() {
-        *missing = Some("stopped before the bound was found".to_string());
-        return None;
-    }
-    match result {
-        Ok(value) => Some(value),
-        // This index has no bound: nothing is missing.
-        Err(error) if error.code() == Code::Unsupported => None,
-        Err(error) => {
-            *missing = Some(error.message().trim_end_matches('.').to_string());
-            None
-        }
-    }
-}
+use stiffarm::plan::certificate::{Certificate, JointEfficiency};
 
 /// The certificate as one plain sentence.
 pub fn sentence(found: &Certificate, chosen_load: bool) -> String {

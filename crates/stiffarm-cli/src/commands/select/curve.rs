@@ -1,197 +1,35 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
 use super::certificate::efficient;
-use super::job::{Job, Mode, number, to_usize, with_unit};
+use super::job::{Job, number, to_usize, with_unit};
 use crate::interrupt;
 use crate::numbers::{optional_percent, percent};
 use crate::progress::Progress;
 use crate::table::{Table, title};
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::Control;
-use stiffarm::findings::Finding;
-use stiffarm::model::cell::Cell;
-use stiffarm::plan::certificate::{CertificateOptions, certify};
+use stiffarm::Result;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{ErrorAtCount, GlobalOptions, error_by_count, select};
-use stiffarm::{Code, Result};
-
-/// Largest number of postures unless one is given.
-const LARGEST: u64 = 12;
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// `curve`.
-    pub mode: Mode,
-    /// Largest number of postures.
-    pub postures: usize,
-    /// Rounds asked for, for each number of postures; `null` where each search
-    /// ended by itself.
-    pub rounds: Option<u64>,
-    /// Time after which no further round was begun, for each number of
-    /// postures \[s\]; `null` without one.
-    pub time_limit_s: Option<f64>,
-    /// Whether bounds were wanted.
-    pub certificate: bool,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
-}
-
-/// The curve.
-#[derive(Serialize, JsonSchema)]
-pub struct Curve {
-    /// The index.
-    pub index: Index,
-    /// One entry for each number of postures; an interruption leaves out the rest.
-    pub sizes: Vec<Size>,
-    /// Why there are no bounds, where the index has them; else `null`.
-    pub certificate_missing: Option<String>,
-    /// What to distrust about the robot of the catalogue.
-    pub findings: Vec<Finding>,
-}
-
-/// The best group of one size, beside what is possible.
-#[derive(Serialize, JsonSchema)]
-pub struct Size {
-    /// What the search found.
-    #[serde(flatten)]
-    pub point: ErrorAtCount,
-    /// How much better the index becomes with one more posture (fraction);
-    /// `null` for the last size and where there is no value.
-    pub gain: Option<f64>,
-    /// No group of this size has an index below this; `null` where the index
-    /// has no bound, or none was wanted or found.
-    pub bound: Option<f64>,
-    /// `bound`/`value`.
-    pub efficiency: Option<f64>,
-}
+use stiffarm::plan::planned::{Curve, CurveRequest, plan_curve};
 
 /// Selects groups of every size up to the largest, and bounds them all.
 pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let budget = &job.args.budget;
-    let largest = to_usize(job.args.postures.unwrap_or(LARGEST));
-    let mut options = GlobalOptions::default();
-    options.seed = job.seed();
-    options.rounds = budget.rounds;
-    options.time_limit = budget.time_limit;
+    let mut request = CurveRequest::default();
+    request.index = job.index;
+    request.postures = job.args.postures.map_or(request.postures, to_usize);
+    request.rounds = budget.rounds;
+    request.time_limit = budget.time_limit;
+    request.seed = budget.seed.unwrap_or(request.seed);
+    request.certificate = !job.args.no_certificate;
     let progress = Progress::new(job.session, "selecting postures");
-    let curve = progress.watch(|control| searched(job, largest, &options, &progress, control))?;
+    let planned = progress.watch(|control| {
+        let mut watch = |stage| job.tell(&progress, stage);
+        plan_curve(job.cell(), &request, &mut watch, control)
+    })?;
     drop(progress);
-    job.outputs.write_text(job.session, || csv(&curve))?;
-    let options = Options {
-        mode: Mode::Curve,
-        postures: largest,
-        rounds: budget.rounds,
-        time_limit_s: budget.time_limit.map(|limit| limit.as_secs_f64()),
-        certificate: !job.args.no_certificate,
-        characteristic_length_m: job.cell().characteristic_length,
-    };
-    let envelope = job
-        .session
-        .envelope("select", Some(job.seed()), options, &curve);
-    job.show(&envelope, || table(job, &curve, largest))
-}
-
-fn searched(
-    job: &Job<'_>,
-    largest: usize,
-    options: &GlobalOptions,
-    progress: &Progress,
-    control: Control<'_>,
-) -> Result<Curve> {
-    let (cell, index) = (job.cell(), job.index);
-    let mut points = error_by_count(cell, index, 1..largest, options, control)?;
-    // The largest group on its own: its postures are wanted for the bound.
-    let mut group = None;
-    if points.len() + 1 == largest && !control.stopped() {
-        progress.tell(&format!("selecting {largest} postures, the last size"));
-        let quiet = Control {
-            progress: None,
-            ..control
-        };
-        match select(cell, index, largest, options, quiet) {
-            Ok(selection) => {
-                points.push(ErrorAtCount {
-                    postures: largest,
-                    value: Some(selection.value),
-                    expected_error: selection.evaluation.indices.expected_error,
-                    rounds: selection.rounds,
-                    evaluations: selection.evaluations,
-                });
-                group = Some(selection.group);
-            }
-            Err(error) if error.code() == Code::NotIdentifiable => points.push(ErrorAtCount {
-                postures: largest,
-                value: None,
-                expected_error: None,
-                rounds: None,
-                evaluations: 0,
-            }),
-            Err(error) if error.code() == Code::Interrupted && !points.is_empty() => {}
-            Err(error) => return Err(error),
-        }
-    }
-    let mut missing = None;
-    let mut bound_of_one = None;
-    if let (Some(group), false) = (&group, job.args.no_certificate) {
-        progress.tell("bounding what any group can give");
-        match one_posture_bound(cell, index, group, &CertificateOptions::default(), control) {
-            _ if control.stopped() => {
-                missing = Some("stopped before the bound was found".to_string())
-            }
-            Ok(bound) => bound_of_one = Some(bound),
-            Err(error) if error.code() == Code::Unsupported => {}
-            Err(error) => missing = Some(error.message().trim_end_matches('.').to_string()),
-        }
-    }
-    Ok(Curve {
-        index,
-        sizes: sizes(index, points, bound_of_one),
-        certificate_missing: missing,
-        findings: job.findings(),
-    })
-}
-
-/// The bound of the index for one posture, from which that for n follows: the
-/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n.
-fn one_posture_bound(
-    cell: &Cell,
-    index: Index,
-    group: &[Vec<f64>],
-    options: &CertificateOptions,
-    control: Control<'_>,
-) -> Result<f64> {
-    let quiet = Control {
-        progress: None,
-        ..control
-    };
-    let certificate = certify(cell, index, group, options, quiet)?;
-    Ok(certificate.bound * (group.len() as f64).sqrt())
-}
-
-/// The points with what one more gains and what is possible.
-fn sizes(index: Index, points: Vec<ErrorAtCount>, bound_of_one: Option<f64>) -> Vec<Size> {
-    let next: Vec<Option<f64>> = points.iter().skip(1).map(|p| p.value).collect();
-    let next = next.into_iter().chain([None]);
-    points
-        .into_iter()
-        .zip(next)
-        .map(|(point, next)| {
-            let better = if index.larger_is_better() { -1.0 } else { 1.0 };
-            let gain = point
-                .value
-                .zip(next)
-                .map(|(now, next)| better * (now - next) / now);
-            let bound = bound_of_one.map(|bound| bound / (point.postures as f64).sqrt());
-            Size {
-                gain,
-                bound,
-                efficiency: bound.zip(point.value).map(|(bound, value)| bound / value),
-                point,
-            }
-        })
-        .collect()
+    let (options, curve) = (&planned.options, &planned.result);
+    job.outputs.write_text(job.session, || csv(curve))?;
+    let envelope = job.session.envelope("select", planned.seed, options, curve);
+    job.show(&envelope, || table(job, curve, request.postures))
 }
 
 /// The curve as CSV: fractions as in JSON, the task index in metres.
@@ -265,50 +103,4 @@ fn table(job: &Job<'_>, curve: &Curve, largest: usize) -> String {
         }
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use stiffarm::files::builtin;
-    use stiffarm::plan::select::{StartKind, random_group};
-
-    /// One certificate serves the whole curve.
-    #[test]
-    fn the_bound_of_one_size_is_that_of_another() {
-        // This cell has tasks, and limits do not matter here.
-        let mut cell = builtin::cell("comau").unwrap();
-        cell.limits = Default::default();
-        let mut options = CertificateOptions::default();
-        options.samples = 64;
-        for index in [Index::ExpectedError, Index::D, Index::Task] {
-            let of_one = |count: usize| {
-                let group = random_group(&cell, StartKind::Uniform, count, 1, 0).unwrap();
-                one_posture_bound(&cell, index, &group, &options, Control::default()).unwrap()
-            };
-            let (three, eight) = (of_one(3), of_one(8));
-            assert!((three / eight - 1.0).abs() < 2e-4, "{three} {eight}");
-        }
-    }
-
-    #[test]
-    fn gains_are_gains_for_every_index() {
-        let point = |postures, value| ErrorAtCount {
-            postures,
-            value,
-            expected_error: None,
-            rounds: None,
-            evaluations: 0,
-        };
-        let points = || vec![point(1, None), point(2, Some(4.0)), point(3, Some(3.0))];
-        let smaller = sizes(Index::Condition, points(), None);
-        let larger = sizes(Index::O3, points(), None);
-        let gains = |sizes: &[Size]| sizes.iter().map(|s| s.gain).collect::<Vec<_>>();
-        assert_eq!(gains(&smaller), [None, Some(0.25), None]);
-        assert_eq!(gains(&larger), [None, Some(-0.25), None]);
-        let bounded = sizes(Index::D, points(), Some(5.0));
-        assert_eq!(bounded[0].bound, Some(5.0));
-        assert_eq!(bounded[0].efficiency, None);
-        assert!((bounded[1].efficiency.unwrap() - 5.0 / 2_f64.sqrt() / 4.0).abs() < 1e-12);
-    }
 }

@@ -1,84 +1,39 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
-use super::job::{Job, Mode, number, shown, to_usize, with_unit};
-use crate::commands::degrees;
+use super::job::{Job, number, shown, to_usize, with_unit};
 use crate::numbers::{counted, percent};
 use crate::progress::{Progress, announce};
 use crate::table::{Align, Table, title, yellow};
-use schemars::JsonSchema;
-use serde::Serialize;
+use stiffarm::Result;
 use stiffarm::files::source::Source;
-use stiffarm::findings::Finding;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::select::{Dropped, drop_evaluations, drop_postures};
-use stiffarm::{Code, Result};
+use stiffarm::plan::planned::{DropRequest, plan_drop};
+use stiffarm::plan::select::{Dropped, drop_evaluations};
 
 /// From so many groups on, their number is said before they are evaluated.
 const EVALUATIONS: usize = 10_000;
 
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// `drop`.
-    pub mode: Mode,
-    /// Number of postures to leave out.
-    pub drop: usize,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
-}
-
-/// What each posture is worth, and which ones stay.
-#[derive(Serialize, JsonSchema)]
-pub struct DropResult {
-    /// Names of the given postures: positions elsewhere count them from 0.
-    pub posture_names: Vec<String>,
-    /// The given postures, controller angles \[deg\].
-    pub postures_deg: Vec<Vec<f64>>,
-    /// Worth of each posture, and the choice.
-    #[serde(flatten)]
-    pub dropped: Dropped,
-    /// What to distrust about the robot of the catalogue, and given postures outside bounds or limits.
-    pub findings: Vec<Finding>,
-}
-
 /// Compares the ways to leave postures out and writes those that stay.
 pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
-    let cell = job.cell();
-    let postures = job
-        .session
-        .read_postures("given", given, &cell.setup.robot)?;
-    let count = to_usize(count);
-    if count < postures.len() {
-        let groups = drop_evaluations(postures.len(), count);
+    let robot = &job.cell().setup.robot;
+    let given = job.session.read_postures("given", given, robot)?;
+    let mut request = DropRequest::default();
+    request.index = job.index;
+    request.drop = to_usize(count);
+    if request.drop < given.len() {
+        let groups = drop_evaluations(given.len(), request.drop);
         announce(job.session, groups, EVALUATIONS, "groups to evaluate");
     }
     let progress = Progress::new(job.session, "leaving postures out");
-    let dropped =
-        progress.watch(|control| drop_postures(cell, job.index, &postures, count, control));
+    let planned = progress.watch(|control| plan_drop(job.cell(), &given, &request, control))?;
     drop(progress);
-    let dropped = dropped.map_err(|error| match (error.code(), postures.len()) {
-        (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", postures.len() - 1)),
-        _ => error,
-    })?;
-    let kept: Vec<Posture> = dropped.kept.iter().map(|p| postures[*p].clone()).collect();
-    job.outputs.write_postures(job.session, cell, &kept)?;
-    let options = Options {
-        mode: Mode::Drop,
-        drop: count,
-        characteristic_length_m: cell.characteristic_length,
-    };
-    let result = DropResult {
-        posture_names: postures.iter().map(|p| p.name.clone()).collect(),
-        postures_deg: degrees(&postures),
-        dropped,
-        findings: {
-            let mut findings = job.findings();
-            findings.extend(cell.posture_findings(&postures));
-            findings
-        },
-    };
-    let envelope = job.session.envelope("select", None, options, &result);
-    job.show(&envelope, || table(job, &postures, &result.dropped))
+    job.outputs
+        .write_postures(job.session, &planned.cell, &planned.postures)?;
+    let (options, result) = (&planned.options, &planned.result);
+    let envelope = job
+        .session
+        .envelope("select", planned.seed, options, result);
+    job.show(&envelope, || table(job, &given, &result.dropped))
 }
 
 fn table(job: &Job<'_>, postures: &[Posture], dropped: &Dropped) -> String {

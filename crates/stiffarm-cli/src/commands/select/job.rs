@@ -7,7 +7,6 @@ use crate::input::Line;
 use crate::numbers::optional;
 use crate::progress::Progress;
 use crate::session::Session;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::check_name;
@@ -22,36 +21,11 @@ use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::route::{Route, RouteOptions, rounded, route};
-use stiffarm::plan::select::{RoundReport, Selection};
+use stiffarm::plan::planned::Stage;
+use stiffarm::plan::select::RoundReport;
 use stiffarm::units::m_to_mm;
-use stiffarm::{Code, Control, Error, Result};
+use stiffarm::{Code, Error, Result};
 use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
-
-/// Postures of a plan unless their number is given.
-pub(super) const POSTURES: u64 = 6;
-/// Seed unless one is given.
-const SEED: u64 = 1;
-
-/// What the result holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// A plan from a global search.
-    Global,
-    /// A plan improved from an initial group.
-    From,
-    /// Postures beside given ones.
-    Add,
-    /// Given postures with some left out.
-    Drop,
-    /// The best value for each number of postures.
-    Curve,
-    /// Postures that cover the joint space evenly.
-    SpaceFilling,
-    /// The best postures of a list.
-    Candidates,
-}
 
 /// What every way to work needs.
 pub(super) struct Job<'a> {
@@ -69,51 +43,10 @@ impl Job<'_> {
         &self.named.cell
     }
 
-    pub fn seed(&self) -> u64 {
-        self.args.budget.seed.unwrap_or(SEED)
-    }
-
     /// Steps that angles are rounded to \[deg\], where they are.
     pub fn angle_step(&self) -> Option<f64> {
         let step = self.args.output.angle_step_deg;
         (step > 0.0).then_some(step)
-    }
-
-    /// A selection as it is driven: with angles that one can type, each posture in the equivalent nearest to the
-    /// one before, in the shortest order unless that is to be kept. A search that was
-    /// stopped keeps its order.
-    pub fn driven(
-        &self,
-        cell: &Cell,
-        selection: Selection,
-        given: &[Posture],
-        keep: bool,
-        control: Control<'_>,
-    ) -> Result<(Selection, Route)> {
-        let (group, route) = self.route(cell, &selection.group, keep || control.stopped())?;
-        Ok((selection.with_group(cell, given, group)?, route))
-    }
-
-    /// The same of postures alone.
-    pub fn route<Q: AsRef<[f64]>>(
-        &self,
-        cell: &Cell,
-        postures: &[Q],
-        keep: bool,
-    ) -> Result<(Vec<Vec<f64>>, Route)> {
-        let group = match self.angle_step() {
-            Some(step) => rounded(cell, postures, step)?,
-            None => postures.iter().map(|q| q.as_ref().to_vec()).collect(),
-        };
-        let mut options = RouteOptions::default();
-        options.keep_order = keep;
-        options.keep_angles = keep;
-        options.step_deg = self.angle_step();
-        options.seed = self.seed();
-        let mut route = route(cell, &group, &options, Control::default())?;
-        // The plan is written in this order.
-        route.order = (0..group.len()).collect();
-        Ok((route.postures.clone(), route))
     }
 
     /// First lines of every table.
@@ -143,8 +76,16 @@ impl Job<'_> {
         self.session.show(envelope, table)
     }
 
-    /// Shows how a search stands after each round.
-    pub fn report(&self, progress: &Progress, round: &RoundReport) {
+    /// Shows what the work is at.
+    pub fn tell(&self, progress: &Progress, stage: Stage) {
+        match stage {
+            Stage::Round(round) => self.report(progress, &round),
+            stage => progress.tell(&stage.to_string()),
+        }
+    }
+
+    /// Shows how a search stands after a round.
+    fn report(&self, progress: &Progress, round: &RoundReport) {
         let best = round.value.map_or_else(String::new, |value| {
             format!(
                 ", best {} {}",

@@ -1,12 +1,12 @@
 //! How near a plan's postures come to shapes, beams and torques, and what each limit costs.
 
 use super::job::{number, with_unit};
-use super::planned::Planned;
 use crate::numbers::{coarse_mm, percent, significant};
 use crate::table::{Align, Table, title};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::plan::feasibility::PostureLimits;
 use stiffarm::plan::index::Index;
+use stiffarm::plan::planned::Plan;
 use stiffarm::plan::select::LimitPrice;
 use stiffarm::units::{m_to_mm, rad_to_deg};
 
@@ -98,13 +98,13 @@ pub(super) fn nearest(cell: &Cell, names: &[String], limits: &[PostureLimits]) -
 }
 
 /// What each kind of limit costs.
-pub(super) fn prices(planned: &Planned<'_>) -> String {
-    let Some(prices) = &planned.plan.prices else {
+pub(super) fn prices(plan: &Plan) -> String {
+    let Some(prices) = &plan.prices else {
         return String::new();
     };
-    let index = planned.plan.selection.index;
+    let index = plan.selection.index;
     let mut out = title("What each limit costs");
-    out += &lines(index, planned.plan.selection.value, prices);
+    out += &lines(index, plan.selection.value, prices);
     out
 }
 

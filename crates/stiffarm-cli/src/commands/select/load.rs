@@ -2,22 +2,8 @@
 
 use crate::args::LoadArgs;
 use crate::numbers::coarse_mm;
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::model::cell::Cell;
 use stiffarm::plan::select::{DesignedLoad, LoadDesign};
 use stiffarm::units::mm_to_m;
-
-/// What of the load might be chosen.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct LoadOptions {
-    /// Lowest and highest corner for the anchor, base axes \[m\]; `null` where it stays.
-    pub anchor_box_m: Option<[[f64; 3]; 2]>,
-    /// Lowest and highest corner for the loading point, flange axes \[m\]; `null` where it stays.
-    pub loading_point_box_m: Option<[[f64; 3]; 2]>,
-    /// Largest force allowed \[N\]; `null` where the cell's stays.
-    pub largest_load_n: Option<f64>,
-}
 
 /// The design that the command line asks for.
 pub fn design(args: &LoadArgs) -> LoadDesign {
@@ -30,20 +16,6 @@ pub fn design(args: &LoadArgs) -> LoadDesign {
     design.loading_point = args.loading_point_box_mm.map(corners);
     design.magnitude = args.largest_load_n;
     design
-}
-
-/// The design as options of the result, `None` where nothing may move.
-pub fn options(design: &LoadDesign) -> Option<LoadOptions> {
-    (!design.is_empty()).then(|| LoadOptions {
-        anchor_box_m: design.anchor.map(|corners| corners.map(Into::into)),
-        loading_point_box_m: design.loading_point.map(|corners| corners.map(Into::into)),
-        largest_load_n: design.magnitude,
-    })
-}
-
-/// The cell with the load that was chosen.
-pub fn applied(cell: &Cell, chosen: Option<&DesignedLoad>) -> Cell {
-    chosen.map_or_else(|| cell.clone(), |chosen| chosen.applied(cell))
 }
 
 /// The lines of cell.toml that the plan holds for.

@@ -1,17 +1,16 @@
 //! `stiffarm select`: choose the postures to measure, the next ones, or those
 //! to leave out. A file for each of these ways to work.
 
-pub mod candidates;
+mod candidates;
 mod certificate;
-pub mod curve;
-pub mod drop;
+mod curve;
+mod drop;
 mod job;
 mod limits;
 mod load;
 mod plan;
-pub mod planned;
 mod sensitivity;
-pub mod space_filling;
+mod space_filling;
 mod table;
 
 use super::with_length;

@@ -2,7 +2,6 @@
 
 use super::certificate::{efficient, loose, sentence};
 use super::job::{Job, shown};
-use super::planned::Planned;
 use super::{limits, load, sensitivity};
 use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
 use crate::commands::{posture_table, route, wrapped_line};
@@ -11,20 +10,24 @@ use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
 use stiffarm::findings::list;
+use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::index::{GroupEvaluation, Index, expected_deviation};
+use stiffarm::plan::planned::{Plan, PlanOptions, PlanRequest, Planned};
+use stiffarm::plan::route::MOVE_BLOCKED;
 use stiffarm::plan::select::Selection;
 
 /// k(J_N) above which a posture counts as near a singularity.
 const NEAR_SINGULAR: f64 = 50.0;
 
 /// The whole table.
-pub fn plan(job: &Job<'_>, planned: &Planned<'_>) -> String {
-    let plan = planned.plan;
+pub fn plan(job: &Job<'_>, request: &PlanRequest, planned: &Planned<Plan, PlanOptions>) -> String {
+    let (plan, cell, selected) = (&planned.result, &planned.cell, &planned.postures);
+    let given = request.given.as_slice();
     let selection = &plan.selection;
     let mut out = job.heading();
-    out += &undetermined(std::slice::from_ref(planned.after));
-    out += &index_line(job, planned);
+    out += &undetermined(std::slice::from_ref(&plan.evaluation));
+    out += &index_line(job, plan);
     out += &rounds_line(job, selection);
     if let Some(certificate) = &plan.certificate {
         out += &sentence(certificate, selection.load.is_some());
@@ -37,23 +40,26 @@ pub fn plan(job: &Job<'_>, planned: &Planned<'_>) -> String {
         };
         out += &format!("{what}: none; {why}\n");
     }
-    out += &remarks(planned);
-    let blocked = plan.findings.iter().filter(|f| f.code == route::BLOCKED);
+    out += &remarks(cell, given, selected, plan);
+    let blocked = plan.findings.iter().filter(|f| f.code == MOVE_BLOCKED);
     out += &blocked.map(|f| wrapped_line(f) + "\n").collect::<String>();
     if let Some(chosen) = &selection.load {
         out += &title("Load chosen with the postures");
         out +=
             "the plan holds for this load: put these lines into cell.toml before anything else\n";
-        out += &load::lines(planned.design, chosen);
+        out += &load::lines(&request.load, chosen);
     }
-    out += &route_line(planned);
+    if selected.len() > 1 {
+        // In which order to drive, and what is known of the moves.
+        out += &route::sentence(cell, &plan.route);
+    }
     out += &title("Postures");
-    out += &postures(job, planned);
-    out += &limits::nearest(planned.cell, &planned.plan.posture_names, &selection.limits);
-    if planned.cell.prior.is_some() {
-        out += &deviations(planned);
+    out += &postures(job, cell, given, selected);
+    out += &limits::nearest(cell, &plan.posture_names, &selection.limits);
+    if cell.prior.is_some() {
+        out += &deviations(plan);
     }
-    out += &limits::prices(planned);
+    out += &limits::prices(plan);
     match &plan.sensitivity {
         Some(found) => out += &sensitivity::table(found),
         None if job.args.sensitivity => out += "\nsensitivity: stopped before it was known\n",
@@ -62,26 +68,18 @@ pub fn plan(job: &Job<'_>, planned: &Planned<'_>) -> String {
     out
 }
 
-/// In which order to drive, and what is known of the moves.
-fn route_line(planned: &Planned<'_>) -> String {
-    match planned.selected.len() {
-        0 | 1 => String::new(),
-        _ => route::sentence(planned.cell, &planned.plan.route),
-    }
-}
-
 /// The index, what it was before, and why a local search ended.
-fn index_line(job: &Job<'_>, planned: &Planned<'_>) -> String {
-    let selection = &planned.plan.selection;
+fn index_line(job: &Job<'_>, plan: &Plan) -> String {
+    let selection = &plan.selection;
     let index = selection.index;
     let mut out = format!(
         "index: {} = {}",
         index.as_str(),
         shown(index, selection.value)
     );
-    if !planned.given.is_empty() {
-        let given = counted(planned.given.len(), "posture");
-        out += &match planned.plan.given_value {
+    if !plan.given_names.is_empty() {
+        let given = counted(plan.given_names.len(), "posture");
+        out += &match plan.given_value {
             Some(value) => format!(
                 " with the new ones, {} with the {given} given",
                 shown(index, value)
@@ -128,10 +126,9 @@ fn rounds_line(job: &Job<'_>, selection: &Selection) -> String {
 }
 
 /// What to know before driving to the postures.
-fn remarks(planned: &Planned<'_>) -> String {
-    let cell = planned.cell;
+fn remarks(cell: &Cell, given: &[Posture], selected: &[Posture], plan: &Plan) -> String {
     let mut out = String::new();
-    if let Some(margin) = planned.plan.selection.smallest_margin_m {
+    if let Some(margin) = plan.selection.smallest_margin_m {
         out += &format!(
             "smallest margin to the cell's limits: {} mm\n",
             coarse_mm(margin.max(0.0))
@@ -140,17 +137,17 @@ fn remarks(planned: &Planned<'_>) -> String {
     if cell.setup.robot.limits_are_unknown() {
         out += "the machine's limits are not known (±360° stand in): compare the postures with the machine before driving them\n";
     }
-    let sizes = planned.after.indices.prediction_sizes;
-    if let (Index::Prediction, Some(sizes)) = (planned.plan.selection.index, sizes) {
+    let sizes = plan.evaluation.indices.prediction_sizes;
+    if let (Index::Prediction, Some(sizes)) = (plan.selection.index, sizes) {
         out += &format!("prediction takes {}\n", sizes.in_words());
     }
     let several = cell.setup.load.has_cases();
-    out += &repeated(&planned.plan.repeats, several);
-    for remark in cell.posture_remarks(planned.given) {
+    out += &repeated(&plan.repeats, several);
+    for remark in cell.posture_remarks(given) {
         out += &format!("{}: given {remark}\n", yellow("note"));
     }
-    let selected_k = planned.after.k_jn.iter().skip(planned.given.len());
-    for (posture, k) in planned.selected.iter().zip(selected_k) {
+    let selected_k = plan.evaluation.k_jn.iter().skip(given.len());
+    for (posture, k) in selected.iter().zip(selected_k) {
         if cell.characteristic_length.is_some() && k.is_none_or(|k| k > NEAR_SINGULAR) {
             let k = k.map_or_else(
                 || "is infinite".to_string(),
@@ -203,19 +200,14 @@ fn repeated(repeats: &[Vec<String>], several_loads: bool) -> String {
 }
 
 /// The postures; beside given ones, which are which.
-fn postures(job: &Job<'_>, planned: &Planned<'_>) -> String {
-    if planned.given.is_empty() {
-        return posture_table(planned.cell, planned.selected).to_string();
+fn postures(job: &Job<'_>, cell: &Cell, given: &[Posture], selected: &[Posture]) -> String {
+    if given.is_empty() {
+        return posture_table(cell, selected).to_string();
     }
-    let all: Vec<Posture> = planned
-        .given
-        .iter()
-        .chain(planned.selected)
-        .cloned()
-        .collect();
-    let marks = std::iter::repeat_n("given", planned.given.len())
-        .chain(std::iter::repeat_n("new", planned.selected.len()));
-    let mut table = posture_table(planned.cell, &all);
+    let all: Vec<Posture> = given.iter().chain(selected).cloned().collect();
+    let marks =
+        std::iter::repeat_n("given", given.len()).chain(std::iter::repeat_n("new", selected.len()));
+    let mut table = posture_table(cell, &all);
     table.column("", Align::Left, marks);
     let mut out = table.to_string();
     if job.args.output.output.is_some() || job.args.output.sheet.is_some() {
@@ -225,26 +217,19 @@ fn postures(job: &Job<'_>, planned: &Planned<'_>) -> String {
 }
 
 /// Expected deviation of each joint, beside the least that is possible.
-fn deviations(planned: &Planned<'_>) -> String {
+fn deviations(plan: &Plan) -> String {
     let mut out = title("Expected deviation |k̂ − k|/k of the identified stiffness [%]");
-    let columns: Vec<&GroupEvaluation> =
-        planned.before.into_iter().chain([planned.after]).collect();
-    let bounds = planned.plan.joint_efficiencies.as_deref();
+    let before = plan.before.as_ref().map(|before| &before.evaluation);
+    let columns: Vec<&GroupEvaluation> = before.into_iter().chain([&plan.evaluation]).collect();
+    let bounds = plan.joint_efficiencies.as_deref();
     let mut headings = vec!["joint".to_string()];
     headings.extend(columns.iter().map(|e| e.name.clone()));
     if bounds.is_some() {
-        headings.push(format!("no {} go below", planned.selected.len()));
+        headings.push(format!("no {} go below", plan.posture_names.len()));
         headings.push("efficiency".to_string());
     }
     let mut table = Table::new(headings);
-    for (j, name) in planned
-        .cell
-        .setup
-        .robot
-        .spring_names()
-        .into_iter()
-        .enumerate()
-    {
+    for (j, name) in plan.joints.iter().cloned().enumerate() {
         let mut row = vec![name];
         row.extend(columns.iter().map(|e| deviation(e, j)));
         if let Some(bound) = bounds.and_then(|bounds| bounds.get(j)) {

@@ -6,6 +6,7 @@
 //! and of the postures that measure the same (other turns, the wrist the other way round) the one
 //! is taken that is nearest.
 
+mod blocked;
 mod equivalent;
 mod found;
 mod moves;
@@ -16,6 +17,7 @@ mod search;
 mod tour;
 mod way;
 
+pub use blocked::{MOVE_BLOCKED, blocked_moves};
 pub use found::{NearestOnTheWay, Route, RouteMove, RouteOptions};
 
 use crate::error::Result;

@@ -65,11 +65,7 @@ pub fn error_by_count(
         if control.stopped() {
             break;
         }
-        let quiet = Control {
-            progress: None,
-            ..control
-        };
-        let found = select(cell, index, *postures, options, quiet);
+        let found = select(cell, index, *postures, options, control.quiet());
         points.push(match found {
             Ok(selection) => ErrorAtCount {
                 postures: *postures,

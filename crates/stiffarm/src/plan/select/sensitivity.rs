@@ -150,11 +150,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     rounds: Some(options.rounds),
                     ..GlobalOptions::default()
                 };
-                let quiet = Control {
-                    progress: None,
-                    ..control
-                };
-                let best = select(&changed, index, plan.len(), &search, quiet)
+                let best = select(&changed, index, plan.len(), &search, control.quiet())
                     .ok()
                     .map(|s| s.value);
                 let own = own.is_finite().then(|| index.of_log(own));

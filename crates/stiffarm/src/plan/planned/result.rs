@@ -1,20 +1,21 @@
-//! What a plan's result holds, and what its table is made from.
+//! What a plan's result holds.
 
-use super::job::Mode;
-use super::load;
-use schemars::JsonSchema;
-use serde::Serialize;
-use stiffarm::findings::Finding;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::certificate::{Certificate, JointEfficiency};
-use stiffarm::plan::index::{EvaluatedGroup, GroupEvaluation};
-use stiffarm::plan::route::Route;
-use stiffarm::plan::select::{LimitPrice, LoadDesign, Selection, Sensitivity};
+use super::kinds::Mode;
+use crate::findings::Finding;
+use crate::plan::certificate::{Certificate, JointEfficiency};
+use crate::plan::index::{EvaluatedGroup, GroupEvaluation};
+use crate::plan::route::Route;
+use crate::plan::select::{LimitPrice, LoadDesign, Selection, Sensitivity};
+use serde::{Deserialize, Serialize};
 
 /// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct PlanOptions {
     /// `global`, `from` or `add`.
     pub mode: Mode,
     /// Number of postures selected.
@@ -28,7 +29,7 @@ pub struct Options {
     /// Steps that angles were rounded to \[deg\]; `null` where they were not.
     pub angle_step_deg: Option<f64>,
     /// What of the load might be chosen; `null` where nothing.
-    pub load: Option<load::LoadOptions>,
+    pub load: Option<LoadOptions>,
     /// Whether a certificate was wanted.
     pub certificate: bool,
     /// Whether the plan's sensitivity was wanted.
@@ -39,8 +40,32 @@ pub struct Options {
     pub characteristic_length_m: Option<f64>,
 }
 
+/// What of the load might be chosen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LoadOptions {
+    /// Lowest and highest corner for the anchor, base axes \[m\]; `null` where it stays.
+    pub anchor_box_m: Option<[[f64; 3]; 2]>,
+    /// Lowest and highest corner for the loading point, flange axes \[m\]; `null` where it stays.
+    pub loading_point_box_m: Option<[[f64; 3]; 2]>,
+    /// Largest force allowed \[N\]; `null` where the cell's stays.
+    pub largest_load_n: Option<f64>,
+}
+
+impl LoadOptions {
+    /// `None` where nothing may move.
+    pub(super) fn of(design: &LoadDesign) -> Option<Self> {
+        (!design.is_empty()).then(|| LoadOptions {
+            anchor_box_m: design.anchor.map(|corners| corners.map(Into::into)),
+            loading_point_box_m: design.loading_point.map(|corners| corners.map(Into::into)),
+            largest_load_n: design.magnitude,
+        })
+    }
+}
+
 /// The selected postures and what is known about them.
-#[derive(Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
     /// The selection; its index and indices count the given postures too.
     #[serde(flatten)]
@@ -79,20 +104,9 @@ pub struct Plan {
     pub findings: Vec<Finding>,
 }
 
-/// A plan with all that its table shows.
-pub struct Planned<'a> {
-    /// The result.
-    pub plan: &'a Plan,
-    /// The cell with the load that was chosen.
-    pub cell: &'a Cell,
-    /// What of the load might be chosen.
-    pub design: &'a LoadDesign,
-    /// The given postures.
-    pub given: &'a [Posture],
-    /// The selected postures.
-    pub selected: &'a [Posture],
-    /// Initial or given postures alone.
-    pub before: Option<&'a GroupEvaluation>,
-    /// Given and selected postures together.
-    pub after: &'a GroupEvaluation,
+impl Plan {
+    /// Whether a move between the postures has no free way.
+    pub fn is_blocked(&self) -> bool {
+        self.route.is_blocked()
+    }
 }

@@ -1,0 +1,81 @@
+//! How good any plan of as many postures could be.
+
+use super::kinds::Stage;
+use crate::error::{Code, Result};
+use crate::model::cell::Cell;
+use crate::model::posture::Posture;
+use crate::numerics::control::Control;
+use crate::plan::certificate::{
+    Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
+};
+use crate::plan::index::Index;
+
+/// Searches behind the bound of each joint: fewer than behind the one of the
+/// index, or the six would take longer than the selection.
+const JOINT_SEARCHES: usize = 256;
+
+/// Why there is no bound after a stop.
+pub(super) const STOPPED: &str = "stopped before the bound was found";
+
+/// Bounds for a plan, as far as there are any.
+#[derive(Default)]
+pub(super) struct Bounds {
+    /// The bound of the index.
+    pub certificate: Option<Certificate>,
+    /// Bounds joint by joint.
+    pub joints: Option<Vec<JointEfficiency>>,
+    /// Why there is no certificate, where the index has one.
+    pub missing: Option<String>,
+}
+
+impl Bounds {
+    /// Bounds for `postures` beside `given` ones. A bound that cannot be had is no
+    /// fault of the plan: the reason is kept instead.
+    pub fn new(
+        cell: &Cell,
+        index: Index,
+        given: &[Posture],
+        postures: &[Posture],
+        watch: &mut dyn FnMut(Stage),
+        control: Control<'_>,
+    ) -> Self {
+        let mut found = Bounds::default();
+        watch(Stage::Bounding {
+            postures: postures.len(),
+        });
+        let control = control.quiet();
+        let options = CertificateOptions::default();
+        let certificate = certify_further(cell, index, given, postures, &options, control);
+        found.certificate = kept(certificate, control, &mut found.missing);
+        // The joints' bounds do not count what is measured already.
+        if found.certificate.is_some() && given.is_empty() && cell.prior.is_some() {
+            watch(Stage::BoundingJoints);
+            let mut options = options;
+            options.samples = JOINT_SEARCHES;
+            let joints = joint_efficiencies(cell, postures, &options, control);
+            found.joints = kept(joints, control, &mut found.missing);
+        }
+        found
+    }
+}
+
+/// The result, unless it failed or was stopped on the way.
+pub(super) fn kept<T>(
+    result: Result<T>,
+    control: Control<'_>,
+    missing: &mut Option<String>,
+) -> Option<T> {
+    if control.stopped() {
+        *missing = Some(STOPPED.to_string());
+        return None;
+    }
+    match result {
+        Ok(value) => Some(value),
+        // This index has no bound: nothing is missing.
+        Err(error) if error.code() == Code::Unsupported => None,
+        Err(error) => {
+            *missing = Some(error.message().trim_end_matches('.').to_string());
+            None
+        }
+    }
+}

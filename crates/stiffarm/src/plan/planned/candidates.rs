@@ -1,0 +1,140 @@
+//! The best postures out of a list.
+
+use super::kinds::{Mode, POSTURES, Planned, SEED};
+use crate::error::Result;
+use crate::findings::Finding;
+use crate::model::cell::Cell;
+use crate::model::measurement::Candidate;
+use crate::model::posture::Posture;
+use crate::numerics::control::Control;
+use crate::plan::characteristic_length::with_length;
+use crate::plan::check::robot_doubts;
+use crate::plan::index::Index;
+use crate::plan::select::{CandidateOptions, CandidateSelection, select_candidates};
+use serde::{Deserialize, Serialize};
+
+/// What is asked of a choice out of a list.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CandidateRequest {
+    /// The index to improve.
+    pub index: Index,
+    /// Number of postures to choose.
+    pub postures: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Whether bounds and limits of the cell count: not for measured postures, which the machine held.
+    pub limits: bool,
+    /// Whether to bound how good any other choice could be.
+    pub certificate: bool,
+}
+
+impl Default for CandidateRequest {
+    fn default() -> Self {
+        CandidateRequest {
+            index: Index::ExpectedError,
+            postures: POSTURES,
+            seed: SEED,
+            limits: true,
+            certificate: true,
+        }
+    }
+}
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct ChosenOptions {
+    /// `candidates`.
+    pub mode: Mode,
+    /// Number of postures chosen.
+    pub postures: usize,
+    /// Random groups from which the exchange started.
+    pub starts: usize,
+    /// Whether a bound was wanted.
+    pub certificate: bool,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// The chosen postures and what is known about them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Chosen {
+    /// The choice.
+    #[serde(flatten)]
+    pub selection: CandidateSelection,
+    /// Names of the joints, as in `evaluation`.
+    pub joints: Vec<String>,
+    /// Names of all candidates: positions elsewhere count them from 0.
+    pub candidate_names: Vec<String>,
+    /// True where some candidates count under measured wrenches.
+    pub measured_wrenches: bool,
+    /// Chosen postures, controller angles \[rad\].
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Chosen postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub postures: Vec<Vec<f64>>,
+    /// Their names.
+    pub posture_names: Vec<String>,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
+}
+
+/// Chooses the best postures of a list; a stop of `control` ends it with the best so far.
+///
+/// # Errors
+/// As [`select_candidates`].
+pub fn plan_candidates(
+    cell: &Cell,
+    candidates: &[Candidate],
+    request: &CandidateRequest,
+    control: Control<'_>,
+) -> Result<Planned<Chosen, ChosenOptions>> {
+    let (cell, _) = with_length(cell.clone());
+    let (index, count) = (request.index, request.postures);
+    let options = CandidateOptions {
+        seed: request.seed,
+        limits: request.limits,
+        bound: request.certificate,
+        ..CandidateOptions::default()
+    };
+    let selection = select_candidates(&cell, index, count, candidates, &options, control)?;
+    let chosen = selection.chosen.iter().map(|p| Posture {
+        name: candidates[*p].name.clone(),
+        q: candidates[*p].q.clone(),
+    });
+    let postures: Vec<Posture> = chosen.collect();
+    let result = Chosen {
+        joints: cell.setup.robot.spring_names(),
+        candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
+        measured_wrenches: candidates.iter().any(|c| c.wrench.is_some()),
+        postures: postures.iter().map(|p| p.q.clone()).collect(),
+        posture_names: postures.iter().map(|p| p.name.clone()).collect(),
+        findings: robot_doubts(&cell.setup.robot),
+        selection,
+    };
+    let options = ChosenOptions {
+        mode: Mode::Candidates,
+        postures: count,
+        starts: options.starts,
+        certificate: request.certificate,
+        characteristic_length_m: cell.characteristic_length,
+    };
+    Ok(Planned {
+        result,
+        options,
+        seed: Some(request.seed),
+        cell,
+        postures,
+    })
+}

@@ -1,0 +1,284 @@
+//! The best value for each number of postures, and what one more gains.
+
+use super::bounds::kept;
+use super::kinds::{Mode, Planned, SEED, Stage};
+use crate::error::{Code, Result};
+use crate::findings::Finding;
+use crate::model::cell::Cell;
+use crate::numerics::control::Control;
+use crate::plan::certificate::{CertificateOptions, certify};
+use crate::plan::characteristic_length::with_length;
+use crate::plan::check::robot_doubts;
+use crate::plan::index::Index;
+use crate::plan::select::{ErrorAtCount, GlobalOptions, error_by_count, select};
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// Largest number of postures unless one is given.
+const LARGEST: usize = 12;
+
+/// What is asked of a curve.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CurveRequest {
+    /// The index to improve.
+    pub index: Index,
+    /// Largest number of postures.
+    pub postures: usize,
+    /// Rounds of each search; without rounds and time limit each ends when nothing improves any more.
+    pub rounds: Option<u64>,
+    /// Time after which no further round is begun, for each number of postures.
+    pub time_limit: Option<Duration>,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Whether to bound how good a group of each size could be.
+    pub certificate: bool,
+}
+
+impl Default for CurveRequest {
+    fn default() -> Self {
+        CurveRequest {
+            index: Index::ExpectedError,
+            postures: LARGEST,
+            rounds: None,
+            time_limit: None,
+            seed: SEED,
+            certificate: true,
+        }
+    }
+}
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct CurveOptions {
+    /// `curve`.
+    pub mode: Mode,
+    /// Largest number of postures.
+    pub postures: usize,
+    /// Rounds asked for, for each number of postures; `null` where each search
+    /// ended by itself.
+    pub rounds: Option<u64>,
+    /// Time after which no further round was begun, for each number of
+    /// postures \[s\]; `null` without one.
+    pub time_limit_s: Option<f64>,
+    /// Whether bounds were wanted.
+    pub certificate: bool,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// The curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Curve {
+    /// The index.
+    pub index: Index,
+    /// One entry for each number of postures; an interruption leaves out the rest.
+    pub sizes: Vec<CurveSize>,
+    /// Why there are no bounds, where the index has them; else `null`.
+    pub certificate_missing: Option<String>,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
+}
+
+/// The best group of one size, beside what is possible.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Size")
+)]
+pub struct CurveSize {
+    /// What the search found.
+    #[serde(flatten)]
+    pub point: ErrorAtCount,
+    /// How much better the index becomes with one more posture (fraction);
+    /// `null` for the last size and where there is no value.
+    pub gain: Option<f64>,
+    /// No group of this size has an index below this; `null` where the index
+    /// has no bound, or none was wanted or found.
+    pub bound: Option<f64>,
+    /// `bound`/`value`.
+    pub efficiency: Option<f64>,
+}
+
+/// Selects groups of every size up to the largest, and bounds them all; `watch` is told what the work is at, and a
+/// stop of `control` ends it with the sizes done so far.
+///
+/// # Errors
+/// As [`select`], except where too few postures are the reason.
+pub fn plan_curve(
+    cell: &Cell,
+    request: &CurveRequest,
+    watch: &mut dyn FnMut(Stage),
+    control: Control<'_>,
+) -> Result<Planned<Curve, CurveOptions>> {
+    let (cell, _) = with_length(cell.clone());
+    let (index, largest) = (request.index, request.postures);
+    let global = GlobalOptions {
+        seed: request.seed,
+        rounds: request.rounds,
+        time_limit: request.time_limit,
+        ..GlobalOptions::default()
+    };
+    let mut points = error_by_count(&cell, index, 1..largest, &global, control)?;
+    let mut group = None;
+    if points.len() + 1 == largest && !control.stopped() {
+        watch(Stage::LastSize { postures: largest });
+        group = last_size(&cell, index, largest, &global, &mut points, control)?;
+    }
+    let mut missing = None;
+    let mut bound_of_one = None;
+    if let (Some(group), true) = (&group, request.certificate) {
+        watch(Stage::BoundingSizes);
+        let options = CertificateOptions::default();
+        let bound = one_posture_bound(&cell, index, group, &options, control);
+        bound_of_one = kept(bound, control, &mut missing);
+    }
+    let result = Curve {
+        index,
+        sizes: sizes(index, points, bound_of_one),
+        certificate_missing: missing,
+        findings: robot_doubts(&cell.setup.robot),
+    };
+    let options = CurveOptions {
+        mode: Mode::Curve,
+        postures: largest,
+        rounds: request.rounds,
+        time_limit_s: request.time_limit.map(|limit| limit.as_secs_f64()),
+        certificate: request.certificate,
+        characteristic_length_m: cell.characteristic_length,
+    };
+    Ok(Planned {
+        result,
+        options,
+        seed: Some(request.seed),
+        cell,
+        postures: Vec::new(),
+    })
+}
+
+/// The largest group on its own: its postures are wanted for the bound. Its point joins `points`.
+fn last_size(
+    cell: &Cell,
+    index: Index,
+    largest: usize,
+    options: &GlobalOptions,
+    points: &mut Vec<ErrorAtCount>,
+    control: Control<'_>,
+) -> Result<Option<Vec<Vec<f64>>>> {
+    match select(cell, index, largest, options, control.quiet()) {
+        Ok(selection) => {
+            points.push(ErrorAtCount {
+                postures: largest,
+                value: Some(selection.value),
+                expected_error: selection.evaluation.indices.expected_error,
+                rounds: selection.rounds,
+                evaluations: selection.evaluations,
+            });
+            Ok(Some(selection.group))
+        }
+        Err(error) if error.code() == Code::NotIdentifiable => {
+            points.push(ErrorAtCount {
+                postures: largest,
+                value: None,
+                expected_error: None,
+                rounds: None,
+                evaluations: 0,
+            });
+            Ok(None)
+        }
+        Err(error) if error.code() == Code::Interrupted && !points.is_empty() => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// The bound of the index for one posture, from which that for n follows: the
+/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n.
+fn one_posture_bound(
+    cell: &Cell,
+    index: Index,
+    group: &[Vec<f64>],
+    options: &CertificateOptions,
+    control: Control<'_>,
+) -> Result<f64> {
+    let certificate = certify(cell, index, group, options, control.quiet())?;
+    Ok(certificate.bound * (group.len() as f64).sqrt())
+}
+
+/// The points with what one more gains and what is possible.
+fn sizes(index: Index, points: Vec<ErrorAtCount>, bound_of_one: Option<f64>) -> Vec<CurveSize> {
+    let next: Vec<Option<f64>> = points.iter().skip(1).map(|p| p.value).collect();
+    let next = next.into_iter().chain([None]);
+    points
+        .into_iter()
+        .zip(next)
+        .map(|(point, next)| {
+            let better = if index.larger_is_better() { -1.0 } else { 1.0 };
+            let gain = point
+                .value
+                .zip(next)
+                .map(|(now, next)| better * (now - next) / now);
+            let bound = bound_of_one.map(|bound| bound / (point.postures as f64).sqrt());
+            CurveSize {
+                gain,
+                bound,
+                efficiency: bound.zip(point.value).map(|(bound, value)| bound / value),
+                point,
+            }
+        })
+        .collect()
+}
+
+#[cfg(all(test, feature = "files"))]
+mod tests {
+    use super::*;
+    use crate::files::builtin;
+    use crate::plan::select::{StartKind, random_group};
+
+    /// One certificate serves the whole curve.
+    #[test]
+    fn the_bound_of_one_size_is_that_of_another() {
+        // This cell has tasks, and limits do not matter here.
+        let mut cell = builtin::cell("comau").unwrap();
+        cell.limits = Default::default();
+        let options = CertificateOptions {
+            samples: 64,
+            ..CertificateOptions::default()
+        };
+        for index in [Index::ExpectedError, Index::D, Index::Task] {
+            let of_one = |count: usize| {
+                let group = random_group(&cell, StartKind::Uniform, count, 1, 0).unwrap();
+                one_posture_bound(&cell, index, &group, &options, Control::default()).unwrap()
+            };
+            let (three, eight) = (of_one(3), of_one(8));
+            assert!((three / eight - 1.0).abs() < 2e-4, "{three} {eight}");
+        }
+    }
+
+    #[test]
+    fn gains_are_gains_for_every_index() {
+        let point = |postures, value| ErrorAtCount {
+            postures,
+            value,
+            expected_error: None,
+            rounds: None,
+            evaluations: 0,
+        };
+        let points = || vec![point(1, None), point(2, Some(4.0)), point(3, Some(3.0))];
+        let smaller = sizes(Index::Condition, points(), None);
+        let larger = sizes(Index::O3, points(), None);
+        let gains = |sizes: &[CurveSize]| sizes.iter().map(|s| s.gain).collect::<Vec<_>>();
+        assert_eq!(gains(&smaller), [None, Some(0.25), None]);
+        assert_eq!(gains(&larger), [None, Some(-0.25), None]);
+        let bounded = sizes(Index::D, points(), Some(5.0));
+        assert_eq!(bounded[0].bound, Some(5.0));
+        assert_eq!(bounded[0].efficiency, None);
+        assert!((bounded[1].efficiency.unwrap() - 5.0 / 2_f64.sqrt() / 4.0).abs() < 1e-12);
+    }
+}

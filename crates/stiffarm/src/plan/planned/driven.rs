@@ -1,0 +1,41 @@
+//! Postures as they are driven.
+
+use crate::error::Result;
+use crate::model::cell::Cell;
+use crate::numerics::control::Control;
+use crate::plan::route::{Route, RouteOptions, rounded, route};
+
+/// How postures are brought into the form in which they are driven.
+pub(super) struct Driving {
+    /// Steps that angles are rounded to \[deg\], where they are.
+    pub step_deg: Option<f64>,
+    /// Seed of the route.
+    pub seed: u64,
+    /// Keeps order and equivalents.
+    pub keep: bool,
+}
+
+impl Driving {
+    /// The postures (controller angles, rad) with angles that one can type, each in the equivalent nearest to the
+    /// one before, in the shortest order unless that is to be kept; and the moves between them.
+    pub fn driven<Q: AsRef<[f64]>>(
+        &self,
+        cell: &Cell,
+        postures: &[Q],
+    ) -> Result<(Vec<Vec<f64>>, Route)> {
+        let group = match self.step_deg {
+            Some(step) => rounded(cell, postures, step)?,
+            None => postures.iter().map(|q| q.as_ref().to_vec()).collect(),
+        };
+        let options = RouteOptions {
+            keep_order: self.keep,
+            keep_angles: self.keep,
+            step_deg: self.step_deg,
+            seed: self.seed,
+        };
+        let mut route = route(cell, &group, &options, Control::default())?;
+        // The plan is written in this order.
+        route.order = (0..group.len()).collect();
+        Ok((route.postures.clone(), route))
+    }
+}

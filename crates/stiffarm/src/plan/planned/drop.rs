@@ -1,0 +1,110 @@
+//! Which given postures are least worth their measuring time.
+
+use super::kinds::{Mode, Planned};
+use crate::error::{Code, Result};
+use crate::findings::Finding;
+use crate::model::cell::Cell;
+use crate::model::posture::Posture;
+use crate::numerics::control::Control;
+use crate::plan::characteristic_length::with_length;
+use crate::plan::check::robot_doubts;
+use crate::plan::index::Index;
+use crate::plan::select::{Dropped, drop_postures};
+use serde::{Deserialize, Serialize};
+
+/// What is asked of given postures of which some are to be left out.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct DropRequest {
+    /// The index that is to stay best.
+    pub index: Index,
+    /// Number of postures to leave out.
+    pub drop: usize,
+}
+
+impl Default for DropRequest {
+    fn default() -> Self {
+        DropRequest {
+            index: Index::ExpectedError,
+            drop: 1,
+        }
+    }
+}
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct DropOptions {
+    /// `drop`.
+    pub mode: Mode,
+    /// Number of postures to leave out.
+    pub drop: usize,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// What each posture is worth, and which ones stay.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DropResult {
+    /// Names of the given postures: positions elsewhere count them from 0.
+    pub posture_names: Vec<String>,
+    /// The given postures, controller angles \[rad\].
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "The given postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub postures: Vec<Vec<f64>>,
+    /// Worth of each posture, and the choice.
+    #[serde(flatten)]
+    pub dropped: Dropped,
+    /// What to distrust about the robot of the catalogue, and given postures outside bounds or limits.
+    pub findings: Vec<Finding>,
+}
+
+/// Compares the ways to leave out some of the `given` postures.
+///
+/// # Errors
+/// As [`drop_postures`].
+pub fn plan_drop(
+    cell: &Cell,
+    given: &[Posture],
+    request: &DropRequest,
+    control: Control<'_>,
+) -> Result<Planned<DropResult, DropOptions>> {
+    let (cell, _) = with_length(cell.clone());
+    let dropped = drop_postures(&cell, request.index, given, request.drop, control);
+    let dropped = dropped.map_err(|error| match (error.code(), given.len()) {
+        (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", given.len() - 1)),
+        _ => error,
+    })?;
+    let postures = dropped.kept.iter().map(|p| given[*p].clone()).collect();
+    let mut findings = robot_doubts(&cell.setup.robot);
+    findings.extend(cell.posture_findings(given));
+    let result = DropResult {
+        posture_names: given.iter().map(|p| p.name.clone()).collect(),
+        postures: given.iter().map(|p| p.q.clone()).collect(),
+        dropped,
+        findings,
+    };
+    let options = DropOptions {
+        mode: Mode::Drop,
+        drop: request.drop,
+        characteristic_length_m: cell.characteristic_length,
+    };
+    Ok(Planned {
+        result,
+        options,
+        seed: None,
+        cell,
+        postures,
+    })
+}

@@ -1,0 +1,242 @@
+//! A plan: from a global search, from an initial group, or beside given postures.
+
+use super::bounds::Bounds;
+use super::driven::Driving;
+use super::kinds::{Mode, Planned, Stage};
+use super::request::PlanRequest;
+use super::result::{LoadOptions, Plan, PlanOptions};
+use crate::error::Result;
+use crate::model::cell::Cell;
+use crate::model::posture::Posture;
+use crate::numerics::control::Control;
+use crate::plan::characteristic_length::with_length;
+use crate::plan::check::robot_doubts;
+use crate::plan::index::{EvaluatedGroup, GroupEvaluation};
+use crate::plan::route::blocked_moves;
+use crate::plan::select::{
+    GlobalOptions, LimitPrice, LocalOptions, Selection, Sensitivity, SensitivityOptions,
+    limit_prices, select_from, select_watched, sensitivity,
+};
+use std::collections::HashSet;
+
+/// Selects, bounds and examines a plan; `watch` is told what the work is at, and a stop of `control` ends it with
+/// the best so far.
+///
+/// ```
+/// # fn main() -> stiffarm::Result<()> {
+/// # #[cfg(feature = "files")] {
+/// use stiffarm::plan::planned::{PlanRequest, plan};
+/// use stiffarm::{Cell, Control};
+///
+/// let cell = Cell::built_in("comau")?;
+/// let mut request = PlanRequest::default();
+/// request.postures = 3;
+/// request.rounds = Some(1); // more find better plans
+/// request.certificate = false;
+/// let planned = plan(&cell, &request, &mut |_| {}, Control::default())?;
+/// assert_eq!(planned.result.posture_names, ["1", "2", "3"]);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// A request whose parts exclude each other; as [`select`](crate::plan::select::select), or from an initial group
+/// as [`select_from`]; a step of the angles that is not above zero; stopped before there was a plan.
+pub fn plan(
+    cell: &Cell,
+    request: &PlanRequest,
+    watch: &mut dyn FnMut(Stage),
+    control: Control<'_>,
+) -> Result<Planned<Plan, PlanOptions>> {
+    request.check()?;
+    let (cell, _) = with_length(cell.clone());
+    let global = global_options(request);
+    let initial = request.initial.as_deref();
+    let given = request.given.as_slice();
+    let selection = selected(&cell, request, &global, watch, control)?;
+    let cell = match &selection.load {
+        Some(chosen) => chosen.applied(&cell),
+        None => cell,
+    };
+    let driving = Driving {
+        step_deg: request.angle_step_deg,
+        seed: request.seed,
+        // A search that was stopped keeps its order.
+        keep: initial.is_some() || control.stopped(),
+    };
+    let (group, route) = driving.driven(&cell, &selection.group)?;
+    let selection = selection.with_group(&cell, given, group)?;
+    let postures = named(&selection, initial, given);
+    let bounds = match request.certificate && initial.is_none() {
+        true => Bounds::new(&cell, request.index, given, &postures, watch, control),
+        false => Bounds::default(),
+    };
+    let sensitivity = examined(&cell, request, &postures, control)?;
+    let prices = priced(&cell, request, &global, selection.value, control)?;
+
+    let (known, before_name) = match initial {
+        Some(initial) => (initial, "initial"),
+        None => (given, "given"),
+    };
+    let before = match known.is_empty() {
+        true => None,
+        false => Some(EvaluatedGroup::new(&cell, before_name, known)?),
+    };
+    let after_name = match given.is_empty() {
+        true => "selected",
+        false => "with new",
+    };
+    let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
+    let same = |stops: &Vec<usize>| stops.iter().map(|p| postures[*p].name.clone()).collect();
+    let mut findings = robot_doubts(&cell.setup.robot);
+    findings.extend(cell.posture_findings(known));
+    findings.extend(blocked_moves(&postures, &route));
+    let result = Plan {
+        posture_names: names(&postures),
+        repeats: route.repeats.iter().map(same).collect(),
+        given_names: names(given),
+        given_value: match given.is_empty() {
+            true => None,
+            false => before
+                .as_ref()
+                .and_then(|b| b.evaluation.indices.get(request.index)),
+        },
+        joints: cell.setup.robot.spring_names(),
+        evaluation: GroupEvaluation {
+            name: after_name.to_string(),
+            ..selection.evaluation.clone()
+        },
+        before,
+        certificate: bounds.certificate,
+        joint_efficiencies: bounds.joints,
+        certificate_missing: bounds.missing,
+        sensitivity,
+        prices,
+        selection,
+        findings,
+        route,
+    };
+    Ok(Planned {
+        options: options(&cell, request, postures.len()),
+        seed: (initial.is_none() || request.sensitivity).then_some(request.seed),
+        result,
+        cell,
+        postures,
+    })
+}
+
+/// The request as options of the global search.
+fn global_options(request: &PlanRequest) -> GlobalOptions {
+    GlobalOptions {
+        seed: request.seed,
+        rounds: request.rounds,
+        time_limit: request.time_limit,
+        load: request.load.clone(),
+        given: request.given.iter().map(|p| p.q.clone()).collect(),
+        ..GlobalOptions::default()
+    }
+}
+
+/// The search itself.
+fn selected(
+    cell: &Cell,
+    request: &PlanRequest,
+    global: &GlobalOptions,
+    watch: &mut dyn FnMut(Stage),
+    control: Control<'_>,
+) -> Result<Selection> {
+    let (index, count) = (request.index, request.postures);
+    match &request.initial {
+        Some(group) => {
+            let options = LocalOptions {
+                max_iterations: request.max_iterations,
+                ..LocalOptions::default()
+            };
+            select_from(cell, index, group, options, control)
+        }
+        None => select_watched(cell, index, count, global, control.quiet(), &mut |round| {
+            watch(Stage::Round(*round))
+        }),
+    }
+}
+
+/// Whether wrong assumptions would change the plan; `None` unless asked for, and when stopped on the way.
+fn examined(
+    cell: &Cell,
+    request: &PlanRequest,
+    selected: &[Posture],
+    control: Control<'_>,
+) -> Result<Option<Sensitivity>> {
+    if !request.sensitivity || control.stopped() {
+        return Ok(None);
+    }
+    let mut options = SensitivityOptions {
+        seed: request.seed,
+        ..SensitivityOptions::default()
+    };
+    // Who wants a quick plan wants a quick answer here too.
+    if let Some(rounds) = request.rounds {
+        options.rounds = options.rounds.min(rounds);
+    }
+    let found = sensitivity(cell, request.index, selected, &options, control)?;
+    Ok((!control.stopped()).then_some(found))
+}
+
+/// What each kind of limit costs; `None` unless asked for, and when stopped on the way.
+fn priced(
+    cell: &Cell,
+    request: &PlanRequest,
+    global: &GlobalOptions,
+    value: f64,
+    control: Control<'_>,
+) -> Result<Option<Vec<LimitPrice>>> {
+    if !request.prices || control.stopped() {
+        return Ok(None);
+    }
+    let (index, count) = (request.index, request.postures);
+    let found = limit_prices(cell, index, count, global, value, control.quiet())?;
+    Ok((!control.stopped()).then_some(found))
+}
+
+/// The selected postures: under the names of the initial ones, else numbered on
+/// from the given ones without meeting any of their names.
+fn named(selection: &Selection, initial: Option<&[Posture]>, given: &[Posture]) -> Vec<Posture> {
+    let mut postures = selection.to_group("selected").postures;
+    if let Some(initial) = initial {
+        for (posture, old) in postures.iter_mut().zip(initial) {
+            posture.name.clone_from(&old.name);
+        }
+        return postures;
+    }
+    let taken: HashSet<&str> = given.iter().map(|p| p.name.as_str()).collect();
+    let free = (given.len() + 1..)
+        .map(|number| number.to_string())
+        .filter(|name| !taken.contains(name.as_str()));
+    for (posture, name) in postures.iter_mut().zip(free) {
+        posture.name = name;
+    }
+    postures
+}
+
+/// What the result says of the request.
+fn options(cell: &Cell, request: &PlanRequest, postures: usize) -> PlanOptions {
+    let is_local = request.initial.is_some();
+    PlanOptions {
+        mode: match (is_local, request.given.is_empty()) {
+            (true, _) => Mode::From,
+            (false, true) => Mode::Global,
+            (false, false) => Mode::Add,
+        },
+        postures,
+        max_iterations: is_local.then_some(request.max_iterations),
+        rounds: request.rounds,
+        time_limit_s: request.time_limit.map(|limit| limit.as_secs_f64()),
+        angle_step_deg: request.angle_step_deg,
+        load: LoadOptions::of(&request.load),
+        certificate: !is_local && request.certificate,
+        sensitivity: request.sensitivity,
+        prices: request.prices,
+        characteristic_length_m: cell.characteristic_length,
+    }
+}

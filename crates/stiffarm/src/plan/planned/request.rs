@@ -1,0 +1,99 @@
+//! What is asked of a plan.
+
+use super::kinds::{ANGLE_STEP_DEG, POSTURES, SEED};
+use crate::error::{Code, Error, Result};
+use crate::model::posture::Posture;
+use crate::plan::index::Index;
+use crate::plan::select::LoadDesign;
+use std::time::Duration;
+
+/// Iterations of a local search unless their number is given.
+const MAX_ITERATIONS: u64 = 2000;
+
+/// What is asked of a plan: by global search, from an initial group, or beside given postures.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct PlanRequest {
+    /// The index to improve.
+    pub index: Index,
+    /// Number of postures to select; beside given ones the number of new ones. An initial group says it itself.
+    pub postures: usize,
+    /// An initial group to improve locally, as in the paper, instead of a global search; not with
+    /// `given`, `rounds`, `time_limit`, `load` or `prices`.
+    pub initial: Option<Vec<Posture>>,
+    /// Postures measured or planned already: they stay as they are and count too; not with `load` or `sensitivity`.
+    pub given: Vec<Posture>,
+    /// Iterations of the optimiser from the initial group.
+    pub max_iterations: u64,
+    /// Rounds of the global search; without rounds and time limit it ends when nothing improves any more.
+    pub rounds: Option<u64>,
+    /// Time after which no further round is begun.
+    pub time_limit: Option<Duration>,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Steps that the angles of new postures are rounded to \[deg\]; `None` leaves them as they are.
+    pub angle_step_deg: Option<f64>,
+    /// What of the load is chosen together with the postures; nothing by default.
+    pub load: LoadDesign,
+    /// Whether to bound how good any plan could be; there is no bound for a plan from an initial group.
+    pub certificate: bool,
+    /// Whether to examine if wrong assumptions would change the plan.
+    pub sensitivity: bool,
+    /// Whether to say what each kind of limit costs.
+    pub prices: bool,
+}
+
+impl Default for PlanRequest {
+    fn default() -> Self {
+        PlanRequest {
+            index: Index::ExpectedError,
+            postures: POSTURES,
+            initial: None,
+            given: Vec::new(),
+            max_iterations: MAX_ITERATIONS,
+            rounds: None,
+            time_limit: None,
+            seed: SEED,
+            angle_step_deg: Some(ANGLE_STEP_DEG),
+            load: LoadDesign::default(),
+            certificate: true,
+            sensitivity: false,
+            prices: false,
+        }
+    }
+}
+
+impl PlanRequest {
+    /// Refuses what would be asked for in vain.
+    pub(super) fn check(&self) -> Result<()> {
+        let conflict = |key: &str, message: &str| {
+            Err(Error::new(Code::Conflict, message.to_string()).key(key.to_string()))
+        };
+        if self.initial.is_some() {
+            if !self.given.is_empty() {
+                let message = "An initial group is improved alone, without given postures.";
+                return conflict("given", message);
+            }
+            if self.rounds.is_some() {
+                return conflict("rounds", "A search from an initial group has no rounds.");
+            }
+            if self.time_limit.is_some() {
+                let message = "A search from an initial group has no time limit.";
+                return conflict("time_limit", message);
+            }
+            if !self.load.is_empty() {
+                let message = "From an initial group no load is chosen.";
+                return conflict("load", message);
+            }
+            if self.prices {
+                let message = "From an initial group the limits have no prices.";
+                return conflict("prices", message);
+            }
+        } else if !self.given.is_empty() && self.sensitivity {
+            let message =
+                "The sensitivity is that of a whole plan, not of postures beside given ones.";
+            return conflict("sensitivity", message);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! Postures that cover the joint space evenly, as a baseline.
+
+use super::driven::Driving;
+use super::kinds::{ANGLE_STEP_DEG, Mode, POSTURES, Planned, SEED};
+use crate::error::Result;
+use crate::findings::Finding;
+use crate::model::cell::Cell;
+use crate::model::posture::PostureGroup;
+use crate::numerics::control::{Control, Termination};
+use crate::plan::characteristic_length::with_length;
+use crate::plan::check::robot_doubts;
+use crate::plan::index::{GroupEvaluation, evaluate};
+use crate::plan::route::{Route, blocked_moves};
+use crate::plan::select::{smallest_distance, smallest_margin, space_filling};
+use serde::{Deserialize, Serialize};
+
+/// What is asked of evenly spread postures.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct SpaceFillingRequest {
+    /// Number of postures.
+    pub postures: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Steps that angles are rounded to \[deg\]; `None` leaves them as they are.
+    pub angle_step_deg: Option<f64>,
+}
+
+impl Default for SpaceFillingRequest {
+    fn default() -> Self {
+        SpaceFillingRequest {
+            postures: POSTURES,
+            seed: SEED,
+            angle_step_deg: Some(ANGLE_STEP_DEG),
+        }
+    }
+}
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct SpaceFillingOptions {
+    /// `space_filling`.
+    pub mode: Mode,
+    /// Number of postures.
+    pub postures: usize,
+    /// Steps that angles were rounded to \[deg\]; `null` where they were not.
+    pub angle_step_deg: Option<f64>,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+/// Evenly spread postures with what they are worth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "SpaceFilling")
+)]
+pub struct SpaceFillingPlan {
+    /// Names of the joints, as in `evaluation`.
+    pub joints: Vec<String>,
+    /// Selected postures, controller angles \[rad\].
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "Vec<Vec<f64>>",
+            description = "Selected postures, controller angles \\[deg\\]."
+        )
+    )]
+    pub postures: Vec<Vec<f64>>,
+    /// Names of the selected postures, in the order of `postures_deg`.
+    pub posture_names: Vec<String>,
+    /// Smallest distance of two postures, relative to the joints' ranges: 0 to
+    /// the root of their number; `null` for one posture.
+    pub smallest_distance: Option<f64>,
+    /// Why the search ended.
+    pub termination: Termination,
+    /// Smallest margin to a limit of the cell \[m\], `null` without limits.
+    pub smallest_margin_m: Option<f64>,
+    /// Every index and expected deviation of the postures.
+    pub evaluation: GroupEvaluation,
+    /// The moves between the postures, in their order.
+    pub route: Route,
+    /// What to distrust about the robot of the catalogue, and moves without a free way.
+    pub findings: Vec<Finding>,
+}
+
+impl SpaceFillingPlan {
+    /// Whether a move between the postures has no free way.
+    pub fn is_blocked(&self) -> bool {
+        self.route.is_blocked()
+    }
+}
+
+/// Spreads postures evenly and says what they are worth; a stop of `control` ends it with the best so far.
+///
+/// # Errors
+/// As [`space_filling`]; a step of the angles that is not above zero; a cell whose postures cannot be evaluated.
+pub fn plan_space_filling(
+    cell: &Cell,
+    request: &SpaceFillingRequest,
+    control: Control<'_>,
+) -> Result<Planned<SpaceFillingPlan, SpaceFillingOptions>> {
+    let (cell, _) = with_length(cell.clone());
+    let found = space_filling(&cell, request.postures, request.seed, control)?;
+    let driving = Driving {
+        step_deg: request.angle_step_deg,
+        seed: request.seed,
+        // A search that was stopped keeps its order.
+        keep: found.termination == Termination::Interrupted,
+    };
+    let (angles, route) = driving.driven(&cell, &found.postures)?;
+    let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());
+    let postures = group.postures;
+    let mut findings = robot_doubts(&cell.setup.robot);
+    findings.extend(blocked_moves(&postures, &route));
+    let result = SpaceFillingPlan {
+        joints: cell.setup.robot.spring_names(),
+        posture_names: postures.iter().map(|p| p.name.clone()).collect(),
+        smallest_distance: smallest_distance(&cell.bounds, &postures),
+        termination: found.termination,
+        smallest_margin_m: smallest_margin(&cell, &postures)?,
+        evaluation: evaluate(&cell, &group.name, &postures)?,
+        postures: angles,
+        route,
+        findings,
+    };
+    let options = SpaceFillingOptions {
+        mode: Mode::SpaceFilling,
+        postures: request.postures,
+        angle_step_deg: request.angle_step_deg,
+        characteristic_length_m: cell.characteristic_length,
+    };
+    Ok(Planned {
+        result,
+        options,
+        seed: Some(request.seed),
+        cell,
+        postures,
+    })
+}

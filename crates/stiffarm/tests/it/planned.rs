@@ -1,0 +1,343 @@
+//! All that `select` says, in one call for each way to work.
+
+use crate::common::{default_cell, group1};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use stiffarm::model::measurement::Candidate;
+use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::plan::characteristic_length::with_length;
+use stiffarm::plan::index::evaluate;
+use stiffarm::plan::planned::{
+    CandidateRequest, CurveRequest, DropRequest, Mode, PlanRequest, SpaceFillingRequest, Stage,
+    plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
+};
+use stiffarm::plan::route::rounded;
+use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select};
+use stiffarm::{Cell, Code, Control, Index};
+
+/// Text of a result that is read back and written again as the same text.
+fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {
+    let text = serde_json::to_string(result).unwrap();
+    let read: T = serde_json::from_str(&text).unwrap();
+    assert_eq!(serde_json::to_string(&read).unwrap(), text);
+    text
+}
+
+fn quick(postures: usize) -> PlanRequest {
+    let mut request = PlanRequest::default();
+    request.postures = postures;
+    request.rounds = Some(1);
+    request.certificate = false;
+    request
+}
+
+fn given() -> Vec<Posture> {
+    PostureGroup::from_angles("", group1()).postures
+}
+
+fn names(postures: &[Posture]) -> Vec<&str> {
+    postures.iter().map(|p| p.name.as_str()).collect()
+}
+
+#[test]
+fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
+    let cell = default_cell();
+    let mut request = quick(3);
+    request.certificate = true;
+    let mut stages = Vec::new();
+    let mut watch = |stage: Stage| stages.push(stage.to_string());
+    let planned = plan(&cell, &request, &mut watch, Control::default()).unwrap();
+    let words = [
+        "selecting: round 1",
+        "bounding what 3 postures can give",
+        "bounding what each joint can have",
+    ];
+    assert_eq!(stages, words);
+
+    let result = &planned.result;
+    let mut options = GlobalOptions::default();
+    options.rounds = Some(1);
+    let alone = select(
+        &planned.cell,
+        request.index,
+        3,
+        &options,
+        Control::default(),
+    )
+    .unwrap();
+    let alone = rounded(&cell, &alone.group, 0.01).unwrap();
+    // The route may take equivalents in another order: they are worth the same.
+    let worth = evaluate(&planned.cell, "", &alone).unwrap();
+    let ratio = worth.indices.expected_error.unwrap() / result.selection.value;
+    assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+    let driven: Vec<&Vec<f64>> = planned.postures.iter().map(|p| &p.q).collect();
+    assert_eq!(driven, result.selection.group.iter().collect::<Vec<_>>());
+    assert_eq!(result.route.order, [0, 1, 2]);
+    assert_eq!(names(&planned.postures), ["1", "2", "3"]);
+    assert_eq!(result.posture_names, ["1", "2", "3"]);
+    let certificate = result.certificate.as_ref().unwrap();
+    assert!(certificate.bound <= result.selection.value);
+    assert!(result.joint_efficiencies.is_some() && result.sensitivity.is_none());
+    let expected = result.selection.evaluation.indices.expected_error;
+    assert_eq!(result.evaluation.indices.expected_error, expected);
+
+    assert_eq!(planned.seed, Some(1));
+    assert_eq!(planned.options.mode, Mode::Global);
+    assert_eq!(planned.options.angle_step_deg, Some(0.01));
+    assert!(planned.options.characteristic_length_m.is_some());
+    saved(result);
+    saved(&planned.options);
+}
+
+#[test]
+fn equal_requests_give_equal_bytes() {
+    let cell = default_cell();
+    let mut request = quick(3);
+    request.index = Index::D;
+    request.seed = 7;
+    request.sensitivity = true;
+    let text = || {
+        let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+        assert_eq!(planned.seed, Some(7));
+        assert_eq!(
+            planned.result.sensitivity.as_ref().unwrap().options.rounds,
+            1
+        );
+        saved(&planned.result)
+    };
+    assert_eq!(text(), text());
+}
+
+#[test]
+fn a_plan_from_an_initial_group_keeps_names_and_draws_nothing() {
+    let mut initial = given();
+    initial[0].name = "first".to_string();
+    let mut request = PlanRequest::default();
+    request.initial = Some(initial.clone());
+    request.max_iterations = 2;
+    let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    assert_eq!(names(&planned.postures), names(&initial));
+    assert_eq!((planned.seed, planned.options.mode), (None, Mode::From));
+    assert_eq!(planned.options.max_iterations, Some(2));
+    // There is no bound from an initial group, whatever was asked for.
+    assert!(!planned.options.certificate && planned.result.certificate.is_none());
+    assert_eq!(
+        planned.result.before.as_ref().unwrap().evaluation.name,
+        "initial"
+    );
+    request.sensitivity = true;
+    request.index = Index::O1;
+    let examined = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    assert_eq!(examined.seed, Some(1));
+}
+
+#[test]
+fn new_postures_meet_no_name_of_the_given_ones() {
+    let mut request = quick(2);
+    request.given = given();
+    request.given.truncate(3);
+    request.given[1].name = "5".to_string();
+    let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    assert_eq!(names(&planned.postures), ["4", "6"]);
+    assert_eq!(planned.options.mode, Mode::Add);
+    assert_eq!(planned.options.postures, 2);
+    let result = &planned.result;
+    assert_eq!(result.given_names, ["1", "5", "3"]);
+    assert!(result.selection.value < result.given_value.unwrap());
+    assert_eq!(result.evaluation.posture_count, 5);
+    saved(result);
+}
+
+#[test]
+fn requests_that_contradict_themselves_are_refused_with_their_key() {
+    let refused = |key: &str, change: fn(&mut PlanRequest)| {
+        let mut request = quick(2);
+        change(&mut request);
+        let error = plan(&default_cell(), &request, &mut |_| {}, Control::default());
+        let error = error.map(|planned| planned.options).unwrap_err();
+        assert_eq!(error.code(), Code::Conflict, "{key}");
+        assert_eq!(error.place().key.as_deref(), Some(key));
+    };
+    refused("rounds", |r| r.initial = Some(given()));
+    refused("given", |r| {
+        r.initial = Some(given());
+        r.given = given();
+    });
+    refused("time_limit", |r| {
+        r.initial = Some(given());
+        r.rounds = None;
+        r.time_limit = Some(std::time::Duration::from_secs(1));
+    });
+    refused("load", |r| {
+        r.initial = Some(given());
+        r.rounds = None;
+        r.load.magnitude = Some(500.0);
+    });
+    refused("prices", |r| {
+        r.initial = Some(given());
+        r.rounds = None;
+        r.prices = true;
+    });
+    refused("sensitivity", |r| {
+        r.given = given();
+        r.sensitivity = true;
+    });
+}
+
+#[test]
+fn a_chosen_load_is_that_of_the_cell_handed_on() {
+    let mut request = quick(2);
+    request.index = Index::D;
+    request.load.magnitude = Some(650.0);
+    let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    assert_eq!(planned.cell.setup.load.size(), Some(650.0));
+    let load = planned.options.load.unwrap();
+    assert_eq!(
+        (load.largest_load_n, load.anchor_box_m),
+        (Some(650.0), None)
+    );
+}
+
+#[test]
+fn a_stop_leaves_the_bounds_out_and_says_so() {
+    use std::sync::atomic::{AtomicBool, Ordering};
+    let stop = AtomicBool::new(false);
+    let stopped = || stop.load(Ordering::Relaxed);
+    let control = Control {
+        stop: Some(&stopped),
+        ..Control::default()
+    };
+    let mut request = quick(3);
+    request.rounds = None;
+    request.certificate = true;
+    request.sensitivity = true;
+    let mut watch = |stage: Stage| {
+        if matches!(stage, Stage::Round(_)) {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let planned = plan(&default_cell(), &request, &mut watch, control).unwrap();
+    let result = planned.result;
+    assert_eq!(result.selection.rounds, Some(1));
+    assert!(result.certificate.is_none() && result.sensitivity.is_none());
+    let why = result.certificate_missing.unwrap();
+    assert_eq!(why, "stopped before the bound was found");
+}
+
+#[test]
+fn the_best_of_a_list() {
+    let cell = default_cell();
+    let drawn = random_group(&cell, StartKind::Uniform, 8, 1, 0).unwrap();
+    let named = |(i, q): (usize, Vec<f64>)| Candidate::new(format!("c{i}"), q);
+    let list: Vec<Candidate> = drawn.into_iter().enumerate().map(named).collect();
+    let mut request = CandidateRequest::default();
+    request.postures = 3;
+    let planned = plan_candidates(&cell, &list, &request, Control::default()).unwrap();
+    let result = &planned.result;
+    assert_eq!(names(&planned.postures), result.posture_names);
+    for (posture, at) in planned.postures.iter().zip(&result.selection.chosen) {
+        assert_eq!((&posture.name, &posture.q), (&list[*at].name, &list[*at].q));
+    }
+    assert_eq!(planned.options.mode, Mode::Candidates);
+    assert_eq!((planned.options.postures, planned.seed), (3, Some(1)));
+    assert!(!result.measured_wrenches && result.candidate_names.len() == 8);
+    assert!(saved(result).contains(r#""postures_deg":[["#));
+    request.certificate = false;
+    let found = plan_candidates(&cell, &list, &request, Control::default()).unwrap();
+    assert!(found.result.selection.bound.is_none() && !found.options.certificate);
+}
+
+#[test]
+fn evenly_spread_postures() {
+    let mut request = SpaceFillingRequest::default();
+    request.postures = 4;
+    request.seed = 3;
+    let planned = plan_space_filling(&default_cell(), &request, Control::default()).unwrap();
+    let result = &planned.result;
+    assert_eq!(names(&planned.postures), ["1", "2", "3", "4"]);
+    assert_eq!(result.evaluation.posture_count, 4);
+    assert!(result.smallest_distance.unwrap() > 0.5 && !result.is_blocked());
+    for (posture, q) in planned.postures.iter().zip(&result.postures) {
+        assert_eq!(&posture.q, q);
+        for angle in q {
+            let steps = angle.to_degrees() * 100.0;
+            assert!((steps - steps.round()).abs() < 1e-6, "{steps}");
+        }
+    }
+    assert_eq!(planned.options.mode, Mode::SpaceFilling);
+    assert_eq!(planned.seed, Some(3));
+    saved(result);
+    request.angle_step_deg = Some(-1.0);
+    let refused = plan_space_filling(&default_cell(), &request, Control::default());
+    assert_eq!(
+        refused.map(|p| p.options).unwrap_err().code(),
+        Code::InvalidValue
+    );
+}
+
+#[test]
+fn given_postures_with_two_left_out() {
+    let given = given();
+    let mut request = DropRequest::default();
+    request.drop = 2;
+    let planned = plan_drop(&default_cell(), &given, &request, Control::default()).unwrap();
+    let result = &planned.result;
+    let kept: Vec<Posture> = result
+        .dropped
+        .kept
+        .iter()
+        .map(|p| given[*p].clone())
+        .collect();
+    assert_eq!(planned.postures, kept);
+    assert_eq!(result.postures.len(), given.len());
+    assert_eq!((planned.options.mode, planned.seed), (Mode::Drop, None));
+    saved(result);
+    request.drop = given.len();
+    let refused = plan_drop(&default_cell(), &given, &request, Control::default());
+    let refused = refused.map(|p| p.options).unwrap_err();
+    assert_eq!(refused.hint_text(), Some("leave out 5 at most"));
+}
+
+#[test]
+fn a_curve_with_its_bounds() {
+    let mut request = CurveRequest::default();
+    request.index = Index::D;
+    request.postures = 4;
+    request.rounds = Some(1);
+    let mut stages = Vec::new();
+    let mut watch = |stage: Stage| stages.push(stage.to_string());
+    let planned = plan_curve(&default_cell(), &request, &mut watch, Control::default()).unwrap();
+    let words = [
+        "selecting 4 postures, the last size",
+        "bounding what any group can give",
+    ];
+    assert_eq!(stages, words);
+    let sizes = &planned.result.sizes;
+    let counts: Vec<usize> = sizes.iter().map(|s| s.point.postures).collect();
+    assert_eq!(counts, [1, 2, 3, 4]);
+    let last = &sizes[3];
+    assert!(last.efficiency.unwrap() <= 1.0 && last.gain.is_none());
+    assert!((sizes[1].bound.unwrap() / last.bound.unwrap() - 2_f64.sqrt()).abs() < 1e-12);
+    assert!(planned.postures.is_empty() && planned.options.mode == Mode::Curve);
+    saved(&planned.result);
+    request.certificate = false;
+    let quick = plan_curve(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    assert_eq!(quick.result.sizes[3].bound, None);
+    assert_eq!(quick.result.certificate_missing, None);
+}
+
+#[test]
+fn a_missing_length_is_computed_or_its_lack_explained() {
+    let cell = Cell::built_in("comau").unwrap();
+    let (with, missing) = with_length(cell);
+    assert!(with.characteristic_length.is_some() && missing.is_none());
+    let mut own = with.clone();
+    own.characteristic_length = Some(0.123);
+    assert_eq!(with_length(own).0.characteristic_length, Some(0.123));
+    // No posture lies within reversed bounds: the reason is kept, the cell goes on without.
+    let mut without = with;
+    without.characteristic_length = None;
+    without.bounds[0] = [f64::NAN, f64::NAN];
+    let (without, missing) = with_length(without);
+    assert!(without.characteristic_length.is_none() && missing.is_some());
+}
