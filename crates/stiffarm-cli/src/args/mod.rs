@@ -27,7 +27,7 @@ pub use report::PageArgs;
 pub use report::ReportArgs;
 pub use route::RouteArgs;
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
-pub use simulate::{ErrorArgs, SimulateArgs};
+pub use simulate::SimulateArgs;
 pub use work::MapArgs;
 
 use crate::examples;
