@@ -21,7 +21,7 @@ pub use init::{DhChoice, InitArgs};
 pub use measure::{Goal, MeasureArgs};
 pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
-pub use pose::{PoseArgs, PoseFrame, PosePoint};
+pub use pose::PoseArgs;
 pub use report::PageArgs;
 #[cfg(feature = "report")]
 pub use report::ReportArgs;

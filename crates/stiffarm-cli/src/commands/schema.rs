@@ -1,6 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{capsules, check, export, measure, pose, route, select, study, zones};
+use super::{capsules, check, export, measure, route, select, study, zones};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::Exit;
 use crate::session::Session;
@@ -17,6 +17,7 @@ use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
+use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm::work::{compensated, mapped, placed, predicted};
@@ -64,8 +65,8 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
         SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),
-        SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
-        SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
+        SchemaChoice::ResultPose => of::<poses::Options, poses::Poses>("pose"),
+        SchemaChoice::ResultPoseFrom => of::<poses::Options, poses::Found>("pose --from"),
         #[cfg(feature = "report")]
         SchemaChoice::ResultReport => {
             of::<super::report::Options, super::report::Reported>("report")

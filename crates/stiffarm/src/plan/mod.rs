@@ -9,6 +9,7 @@ pub mod characteristic_length;
 pub mod check;
 pub mod feasibility;
 pub mod index;
+pub mod poses;
 pub mod route;
 pub mod select;
 pub mod zones;
