@@ -31,7 +31,8 @@ pub struct FitChoices {
 }
 
 impl FitChoices {
-    fn options(&self, cell: &stiffarm::Cell) -> Result<IdentifyOptions> {
+    /// The options for the robot of `cell`.
+    pub fn options(&self, cell: &stiffarm::Cell) -> Result<IdentifyOptions> {
         let mut options = IdentifyOptions::default();
         if let Some(name) = &self.estimator {
             let wanted = name.replace('_', "-");

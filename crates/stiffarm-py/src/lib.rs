@@ -10,7 +10,10 @@ mod inputs;
 mod kinematics;
 mod long;
 mod objective;
+mod select;
+mod simulate;
 mod values;
+mod work;
 
 use pyo3::prelude::*;
 
@@ -30,9 +33,17 @@ mod _stiffarm {
     #[pymodule_export]
     use crate::objective::Objective;
     #[pymodule_export]
+    use crate::select::{
+        certificate, select, select_candidates, select_curve, select_drop, select_space_filling,
+    };
+    #[pymodule_export]
+    use crate::simulate::{coverage, evaluate, register, simulate, simulate_measurements};
+    #[pymodule_export]
     use crate::values::{
         degrees, json_of_toml, posture_text, radians, read_postures, set_threads, toml_of_json,
     };
+    #[pymodule_export]
+    use crate::work::{compensate, map, place_workpiece, predict};
 
     use super::*;
 

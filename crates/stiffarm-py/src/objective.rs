@@ -53,6 +53,12 @@ impl Objective {
         })
     }
 
+    /// Name of the index.
+    #[getter]
+    fn index(&self) -> &'static str {
+        self.index.as_str()
+    }
+
     /// The index; infinite where it does not exist (zero for one of which larger is better).
     fn value(&mut self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<f64> {
         self.check(py, &q)?;

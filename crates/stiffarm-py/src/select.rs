@@ -115,6 +115,7 @@ fn told(watched: &crate::long::Watched, stage: Stage, rounds: Option<u64>) {
 
 /// `select --candidates`.
 #[pyfunction]
+#[pyo3(signature = (cell, index, count, candidates, seed, certificate, progress))]
 pub fn select_candidates(
     py: Python<'_>,
     cell: &PyCell,
@@ -144,6 +145,7 @@ pub fn select_candidates(
 
 /// `select --space-filling`.
 #[pyfunction]
+#[pyo3(signature = (cell, count, seed, angle_step_deg, progress))]
 pub fn select_space_filling(
     py: Python<'_>,
     cell: &PyCell,
@@ -165,6 +167,7 @@ pub fn select_space_filling(
 
 /// `select --given … --drop`.
 #[pyfunction]
+#[pyo3(signature = (cell, index, given, drop, progress))]
 pub fn select_drop(
     py: Python<'_>,
     cell: &PyCell,
@@ -187,6 +190,7 @@ pub fn select_drop(
 
 /// `select --curve`.
 #[pyfunction]
+#[pyo3(signature = (cell, index, largest, budget, certificate, progress))]
 pub fn select_curve(
     py: Python<'_>,
     cell: &PyCell,
@@ -213,6 +217,7 @@ pub fn select_curve(
 
 /// How good a plan is beside the best possible one; no command prints this alone.
 #[pyfunction]
+#[pyo3(signature = (cell, index, postures, given, samples, progress))]
 pub fn certificate(
     py: Python<'_>,
     cell: &PyCell,

@@ -21,13 +21,13 @@ pub use init::{DhChoice, InitArgs};
 pub use measure::{Goal, MeasureArgs};
 pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
-pub use pose::{PoseArgs, PoseFrame, PosePoint};
+pub use pose::PoseArgs;
 pub use report::PageArgs;
 #[cfg(feature = "report")]
 pub use report::ReportArgs;
 pub use route::RouteArgs;
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
-pub use simulate::{ErrorArgs, SimulateArgs};
+pub use simulate::SimulateArgs;
 pub use work::MapArgs;
 
 use crate::examples;

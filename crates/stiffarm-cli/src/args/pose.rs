@@ -1,9 +1,8 @@
 //! Options of `pose`.
 
 use clap::{Args, ValueEnum};
-use schemars::JsonSchema;
-use serde::Serialize;
 use stiffarm::model::pose::Convention;
+use stiffarm::plan::poses::{PoseFrame, PosePoint};
 
 #[derive(Debug, Args)]
 pub struct PoseArgs {
@@ -24,10 +23,10 @@ pub struct PoseArgs {
     pub convention: Option<ConventionChoice>,
     /// Frame that poses are given in
     #[arg(long, value_name = "FRAME", default_value = "controller")]
-    pub frame: PoseFrame,
+    pub frame: FrameChoice,
     /// What the poses of --from and --output are of
     #[arg(long, value_name = "POINT", default_value = "flange")]
-    pub point: PosePoint,
+    pub point: PointChoice,
     /// Where to write the poses, or with --from all postures, as a table
     #[arg(long, value_name = "FILE")]
     pub output: Option<String>,
@@ -70,9 +69,8 @@ impl From<ConventionChoice> for Convention {
 }
 
 /// Frames that poses are given in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PoseFrame {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FrameChoice {
     /// The base frame of the robot's controller, as the pendant counts
     Controller,
     /// The cell's base frame
@@ -80,11 +78,28 @@ pub enum PoseFrame {
 }
 
 /// What a pose is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PosePoint {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PointChoice {
     /// The flange
     Flange,
     /// The tip of [work], else the first measuring point in the flange's axes
     Tip,
+}
+
+impl From<FrameChoice> for PoseFrame {
+    fn from(choice: FrameChoice) -> Self {
+        match choice {
+            FrameChoice::Controller => PoseFrame::Controller,
+            FrameChoice::Cell => PoseFrame::Cell,
+        }
+    }
+}
+
+impl From<PointChoice> for PosePoint {
+    fn from(choice: PointChoice) -> Self {
+        match choice {
+            PointChoice::Flange => PosePoint::Flange,
+            PointChoice::Tip => PosePoint::Tip,
+        }
+    }
 }

@@ -6,6 +6,7 @@ use super::values::{count, number, pause};
 use clap::Args;
 use std::time::Duration;
 use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::estimate::simulated::{ErrorRequest, Request};
 
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
@@ -62,12 +63,21 @@ impl SimulateArgs {
         self.elastic.map_or(ElasticChoice::Axes, Into::into)
     }
 
-    /// Runs asked for, else `default`.
-    pub fn runs(&self, default: usize) -> usize {
-        let given = self
-            .runs
-            .map(|runs| usize::try_from(runs).unwrap_or(usize::MAX));
-        given.unwrap_or(default)
+    /// What is asked for, as the library takes it.
+    pub fn request(&self) -> Request {
+        let runs = |runs: u64| usize::try_from(runs).unwrap_or(usize::MAX);
+        Request {
+            levels: self.levels.clone(),
+            runs: self.runs.map(runs),
+            seed: self.seed,
+            errors: ErrorRequest {
+                force_scale_percent: self.errors.force_scale_percent,
+                force_percent: self.errors.force_percent,
+                joint_angle_deg: self.errors.joint_angle_deg,
+                loading_point_mm: self.errors.loading_point_mm,
+                anchor_mm: self.errors.anchor_mm,
+            },
+        }
     }
 }
 

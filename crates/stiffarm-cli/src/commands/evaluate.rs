@@ -7,20 +7,11 @@ use crate::numbers::{optional, optional_percent};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Align, Table, serious, title, yellow};
-use schemars::JsonSchema;
-use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::files::source::Source;
 use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
-use stiffarm::plan::index::{Evaluated, GroupEvaluation, Index};
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// L of Eq. (20) \[m\]; `null` where k(J_N) does not exist.
-    pub characteristic_length_m: Option<f64>,
-}
+use stiffarm::plan::index::{Evaluated, EvaluatedOptions, GroupEvaluation, Index};
 
 /// Evaluates the groups.
 pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
@@ -63,9 +54,7 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
             .collect();
         out + &tables(cell, &evaluations, &postures)
     };
-    let options = Options {
-        characteristic_length_m: cell.characteristic_length,
-    };
+    let options = EvaluatedOptions::of(cell);
     session.show(
         &session.envelope("evaluate", None, options, evaluated),
         table,

@@ -2,72 +2,38 @@
 
 use super::finding_line;
 use crate::args::RegisterArgs;
+use crate::error::of_option;
 use crate::files::only_target;
 use crate::numbers::{mm, significant};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Table, title};
-use schemars::JsonSchema;
-use serde::Serialize;
+use stiffarm::Result;
 use stiffarm::files::source::Source;
 use stiffarm::files::table::read_pairs;
-use stiffarm::measure::registration::{
-    PointPair, RegisterOptions, Registration, RegistrationRecord, register_with,
-};
-use stiffarm::units::{m_to_mm, mm_to_m, rad_to_deg};
-use stiffarm::{Code, Error, Result};
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// Standard deviation of each coordinate of a pair \[mm\]; `null` estimates it from the residuals.
-    pub std_mm: Option<f64>,
-    /// Pairs left out.
-    pub exclude: Vec<String>,
-}
+use stiffarm::measure::registered::Options;
+use stiffarm::measure::registration::{Registration, RegistrationRecord};
+use stiffarm::units::{m_to_mm, rad_to_deg};
 
 /// Registers tracker to base.
 pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let (file, bytes) = session.read("pairs", &args.pairs)?;
-    let pairs = without(read_pairs(&bytes, &file)?, &args.exclude)?;
-    let options = {
-        let mut options = RegisterOptions::default();
-        options.std = args.std_mm.map(mm_to_m);
-        options.weights = Vec::new();
-        options
-    };
-    let registration = register_with(&pairs, &options).map_err(|e| e.file(&file))?;
-
-    let exit = Exit::finding(registration.is_serious());
     let options = Options {
         std_mm: args.std_mm,
         exclude: args.exclude.clone(),
     };
+    let pairs = options
+        .kept(read_pairs(&bytes, &file)?)
+        .map_err(|e| of_option(e, &["exclude"]))?;
+    let registration = options.register(&pairs).map_err(|e| e.file(&file))?;
+
+    let exit = Exit::finding(registration.is_serious());
     let record = RegistrationRecord::from(&registration);
     let envelope = session.envelope("register", None, options, &record);
     let table = || table(&file, &registration, &record);
     session.deliver(target, &envelope, table)?;
     Ok(exit)
-}
-
-/// The pairs but those that are excluded.
-fn without(pairs: Vec<PointPair>, exclude: &[String]) -> Result<Vec<PointPair>> {
-    let is = |pair: &PointPair, name: &String| pair.name == *name;
-    if let Some(name) = exclude
-        .iter()
-        .find(|name| !pairs.iter().any(|pair| is(pair, name)))
-    {
-        let known: Vec<&str> = pairs.iter().map(|pair| pair.name.as_str()).collect();
-        let message = format!("The table has no point \"{name}\".");
-        return Err(Error::new(Code::UnknownName, message)
-            .key("--exclude")
-            .hint(format!("points: {}", known.join(", "))));
-    }
-    let kept = pairs
-        .into_iter()
-        .filter(|pair| !exclude.iter().any(|name| is(pair, name)));
-    Ok(kept.collect())
 }
 
 fn table(file: &str, registration: &Registration, record: &RegistrationRecord) -> String {

@@ -1,8 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{
-    capsules, check, evaluate, export, measure, pose, register, route, simulate, study, zones,
-};
+use super::{capsules, check, export, measure, route, study, zones};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::Exit;
 use crate::session::Session;
@@ -12,12 +10,15 @@ use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
 use stiffarm::estimate::clamped::{self, ClampedIdentification};
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
-use stiffarm::estimate::{identified, validated};
+use stiffarm::estimate::{identified, simulated, validated};
 use stiffarm::files::cell::cell_schema;
 use stiffarm::files::envelope::{Envelope, to_json};
+use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
+use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
 use stiffarm::plan::planned;
+use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm::work::{compensated, mapped, placed, predicted};
@@ -27,9 +28,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
     let schema: Schema = match args.what {
         SchemaChoice::Cell => cell_schema(),
         SchemaChoice::ResultCheck => of::<check::Options, CellCheck>("check"),
-        SchemaChoice::ResultEvaluate => {
-            of::<evaluate::Options, stiffarm::plan::index::Evaluated>("evaluate")
-        }
+        SchemaChoice::ResultEvaluate => of::<EvaluatedOptions, Evaluated>("evaluate"),
         SchemaChoice::ResultSelect => of::<planned::PlanOptions, planned::Plan>("select"),
         SchemaChoice::ResultSelectDrop => {
             of::<planned::DropOptions, planned::DropResult>("select --drop")
@@ -43,11 +42,11 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultSelectCandidates => {
             of::<planned::ChosenOptions, planned::Chosen>("select --candidates")
         }
-        SchemaChoice::ResultSimulate => of::<simulate::Options, Simulation>("simulate"),
+        SchemaChoice::ResultSimulate => of::<simulated::Options, Simulation>("simulate"),
         SchemaChoice::ResultSimulateElastic => {
-            of::<simulate::elastic::Options, ElasticSimulation>("simulate --elastic")
+            of::<simulated::ElasticOptions, ElasticSimulation>("simulate --elastic")
         }
-        SchemaChoice::ResultRegister => of::<register::Options, RegistrationRecord>("register"),
+        SchemaChoice::ResultRegister => of::<registered::Options, RegistrationRecord>("register"),
         SchemaChoice::ResultIdentify => {
             of::<identified::Options, identified::Identified>("identify")
         }
@@ -64,8 +63,8 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
         SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),
-        SchemaChoice::ResultPose => of::<pose::Options, pose::Poses>("pose"),
-        SchemaChoice::ResultPoseFrom => of::<pose::Options, pose::Found>("pose --from"),
+        SchemaChoice::ResultPose => of::<poses::Options, poses::Poses>("pose"),
+        SchemaChoice::ResultPoseFrom => of::<poses::Options, poses::Found>("pose --from"),
         #[cfg(feature = "report")]
         SchemaChoice::ResultReport => {
             of::<super::report::Options, super::report::Reported>("report")

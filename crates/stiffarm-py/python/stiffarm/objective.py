@@ -12,6 +12,8 @@ from ._inputs import PosturesLike
 from .cell import Cell
 from .postures import Postures
 
+_LARGER_IS_BETTER = {name: larger for name, _, larger in _stiffarm.index_names()}
+
 
 class Objective:
     """An index of groups of one size: value and gradient by all controller angles.
@@ -42,11 +44,11 @@ class Objective:
             StiffarmError: An unknown index; a cell without what it needs.
         """
         own = np.zeros((0, cell.joint_count)) if given is None else Postures.of(given).angles
+        self._native = _stiffarm.Objective(cell._native, index, postures, np.ascontiguousarray(own))
         self.cell = cell
-        self.index = index
+        self.index = self._native.index
         self.postures = postures
         self._given = np.array(own)
-        self._native = _stiffarm.Objective(cell._native, index, postures, np.ascontiguousarray(own))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -77,8 +79,8 @@ class Objective:
         """
         q = np.asarray(angles, dtype=np.float64)
         value = self._native.value(_flat(q))
-        log, gradient = self._native.log_and_gradient(_flat(q))
-        sign = 1.0 if np.isclose(np.log(value) if value > 0 else np.inf, log) else -1.0
+        _, gradient = self._native.log_and_gradient(_flat(q))
+        sign = -1.0 if _LARGER_IS_BETTER[self.index] else 1.0
         return value, (sign * value * gradient).reshape(q.shape)
 
     def gradient(self, angles: ArrayLike) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ pub mod mixed;
 pub mod next_posture;
 pub mod saved;
 pub mod simulate;
+pub mod simulated;
 pub mod standing;
 pub mod systematic;
 pub mod validate;

@@ -5,6 +5,7 @@ pub mod experiment;
 mod measured;
 mod pending;
 pub mod reduction;
+pub mod registered;
 pub mod registration;
 pub mod screening;
 mod series;

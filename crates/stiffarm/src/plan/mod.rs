@@ -10,6 +10,7 @@ pub mod check;
 pub mod feasibility;
 pub mod index;
 pub mod planned;
+pub mod poses;
 pub mod route;
 pub mod select;
 pub mod zones;

@@ -45,6 +45,7 @@ mod reduction;
 mod reduction_noise;
 mod registration;
 mod registration_faults;
+mod requests;
 mod robots;
 mod rope_follows;
 mod route;

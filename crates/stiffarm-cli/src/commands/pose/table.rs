@@ -1,7 +1,6 @@
 //! Poses and postures as people read them.
 
-use super::{Described, Found, FoundPosture, Job, Pose, Poses};
-use crate::args::PoseFrame;
+use super::Job;
 use crate::commands::wrapped_line;
 use crate::input::Line;
 use crate::numbers::coarse_mm;
@@ -10,6 +9,7 @@ use crate::table::{Align, Table, title};
 use nalgebra::Isometry3;
 use stiffarm::findings::Finding;
 use stiffarm::model::pose::Convention;
+use stiffarm::plan::poses::{Described, Found, FoundPosture, Pose, PoseFrame, Poses};
 use stiffarm::units::{rad_to_deg, roll_pitch_yaw};
 
 impl Job<'_> {
@@ -21,11 +21,11 @@ impl Job<'_> {
         }
         out += &format!(
             "orientation: {} ({})\n",
-            self.convention.describe(),
-            self.convention.as_str()
+            self.request.convention.describe(),
+            self.request.convention.as_str()
         );
-        let base = self.frame();
-        let frame = match self.args.frame {
+        let base = self.request.frame_in(self.cell());
+        let frame = match self.request.frame {
             PoseFrame::Cell => "the cell's base frame".to_string(),
             PoseFrame::Controller if base == Isometry3::identity() => {
                 "the controller's base frame, which is the cell's".to_string()
@@ -53,7 +53,12 @@ impl Job<'_> {
 
     pub(super) fn table_of_poses(&self, result: &Poses) -> String {
         let mut out = self.heading(&result.findings);
-        let tip = self.tip().translation.vector;
+        let tip = self
+            .cell()
+            .work
+            .tip(&self.cell().setup.tool)
+            .translation
+            .vector;
         let tip: Vec<String> = tip.iter().map(|v| coarse_mm(*v)).collect();
         out += &title("Flange");
         out += &self.poses(result.postures.iter().map(|p| (&p.posture.name, &p.flange)));
@@ -64,17 +69,17 @@ impl Job<'_> {
     }
 
     fn poses<'p>(&self, poses: impl Iterator<Item = (&'p String, &'p Pose)>) -> String {
-        if self.convention == Convention::Matrix {
+        if self.request.convention == Convention::Matrix {
             return matrices(poses);
         }
-        let shown = self.convention.columns().iter();
+        let shown = self.request.convention.columns().iter();
         let angles = shown.map(|column| match column.rsplit_once('_') {
             Some((name, unit)) => format!("{name} [{unit}]"),
             None => (*column).to_string(),
         });
         let position = ["posture", "x [mm]", "y [mm]", "z [mm]"].map(String::from);
         let mut table = Table::new(position.into_iter().chain(angles));
-        let decimals: usize = match self.convention {
+        let decimals: usize = match self.request.convention {
             Convention::Abb => 6,
             Convention::Ur => 5,
             _ => 4,

@@ -2,6 +2,7 @@
 //! joint axes, with the axes alone and with the mixed model.
 
 use crate::args::SimulateArgs;
+use crate::error::of_usage;
 use crate::files::{Target, check_targets, write_all};
 use crate::input::Line;
 use crate::numbers::{NONE, mm, percent, significant};
@@ -10,28 +11,16 @@ use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{Table, red, title};
-use schemars::JsonSchema;
-use serde::Serialize;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::{
-    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions,
-    simulate_elastic, simulate_elastic_measurements,
+    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, simulate_elastic,
+    simulate_elastic_measurements,
 };
+use stiffarm::estimate::simulated::ElasticOptions;
 use stiffarm::files::source::Source;
 use stiffarm::files::table::write_displacements;
 use stiffarm::model::elastic::ElasticClass;
 use stiffarm::{Code, Error, Result};
-
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// Factors on the cell's variance.
-    pub levels: Vec<f64>,
-    /// Runs per group and level.
-    pub runs: usize,
-    /// The model beside the joint axes alone.
-    pub elastic: ElasticChoice,
-}
 
 /// Runs the simulation.
 pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
@@ -41,20 +30,13 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         .map(|path| Target::new(path, args.force))
         .transpose()?;
     check_targets(session, &[target.as_ref()])?;
-    super::check_not_negative("--levels", &args.levels)?;
+    let options = args
+        .request()
+        .elastic_options(args.elastic())
+        .map_err(|e| of_usage(e, &super::SIZES))?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
-    let options = {
-        let mut options = ElasticSimulationOptions::default();
-        if !args.levels.is_empty() {
-            options.variance_factors = args.levels.clone();
-        }
-        options.runs = args.runs(options.runs);
-        options.seed = args.seed;
-        options.elastic = args.elastic();
-        options
-    };
     let progress = Progress::new(session, "simulating");
     let result = progress.watch(|control| simulate_elastic(cell, &groups, &options, control))?;
     drop(progress);
@@ -64,12 +46,12 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         write_all(session, &[(target, write_displacements(&measured, cell))])?;
     }
     let table = || named.line() + &table(&result);
-    let shown = Options {
-        levels: options.variance_factors.clone(),
-        runs: options.runs,
-        elastic: options.elastic,
-    };
-    let envelope = session.envelope("simulate", Some(args.seed), shown, &result);
+    let envelope = session.envelope(
+        "simulate",
+        Some(args.seed),
+        ElasticOptions::from(&options),
+        &result,
+    );
     if to_stdout {
         session.write_page(&envelope)?;
         session.remark(&table());

@@ -3,7 +3,8 @@
 pub mod elastic;
 mod slowly;
 
-use crate::args::{ErrorArgs, SimulateArgs};
+use crate::args::SimulateArgs;
+use crate::error::of_usage;
 use crate::files::{Target, check_targets, write_all};
 use crate::input::Line;
 use crate::interrupt;
@@ -12,31 +13,27 @@ use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::{Table, red, title};
-use schemars::JsonSchema;
-use serde::Serialize;
 use slowly::write_slowly;
+use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::estimate::simulate::{
-    GroupSimulation, LevelResult, ModelErrors, Simulation, SimulationOptions, simulate,
-};
+use stiffarm::estimate::simulate::{GroupSimulation, LevelResult, Simulation, simulate};
+use stiffarm::estimate::simulated::Options;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::files::source::Source;
 use stiffarm::files::table::{write_displacements, write_readings};
 use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm::model::cell::Cell;
-use stiffarm::units::{deg_to_rad, m_to_mm, mm_to_m};
-use stiffarm::{Code, Error, Result};
+use stiffarm::units::m_to_mm;
 
-/// Options of the result.
-#[derive(Serialize, JsonSchema)]
-pub struct Options {
-    /// Factors on the cell's variance.
-    pub levels: Vec<f64>,
-    /// Runs per group and level.
-    pub runs: usize,
-    /// Standard deviations of errors of force, angles and geometry.
-    pub model_errors: ModelErrors,
-}
+/// What is asked for that has a size.
+const SIZES: [&str; 6] = [
+    "levels",
+    "force_scale_percent",
+    "force_percent",
+    "joint_angle_deg",
+    "loading_point_mm",
+    "anchor_mm",
+];
 
 /// Runs the simulation.
 pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
@@ -51,24 +48,13 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let displacements = target_of(&args.measurements)?;
     let readings = target_of(&args.readings)?;
     check_targets(session, &[displacements.as_ref(), readings.as_ref()])?;
-    let model_errors = model_errors(&args.errors)?;
-    let default = SimulationOptions::default();
-    let levels = match args.levels.is_empty() {
-        true => default.variance_factors.clone(),
-        false => args.levels.clone(),
-    };
-    check_not_negative("--levels", &levels)?;
+    let options = args
+        .request()
+        .simulation_options()
+        .map_err(|e| of_usage(e, &SIZES))?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
-    let options = {
-        let mut options = default;
-        options.variance_factors = levels.clone();
-        options.runs = args.runs(options.runs);
-        options.seed = args.seed;
-        options.model_errors = model_errors;
-        options
-    };
     let progress = Progress::new(session, "simulating");
     let result = progress.watch(|control| simulate(cell, &groups, &options, control))?;
     drop(progress);
@@ -94,13 +80,13 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         }
     }
     write_all(session, &files)?;
-    let table = || named.line() + &table(cell, &result, !model_errors.is_exact());
-    let options = Options {
-        levels,
-        runs: options.runs,
-        model_errors,
-    };
-    let envelope = session.envelope("simulate", Some(args.seed), options, &result);
+    let table = || named.line() + &table(cell, &result, !options.model_errors.is_exact());
+    let envelope = session.envelope(
+        "simulate",
+        Some(args.seed),
+        Options::from(&options),
+        &result,
+    );
     if to_stdout {
         session.write_page(&envelope)?;
         session.remark(&table());
@@ -111,33 +97,6 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         true => Exit::Interrupted,
         false => Exit::Done,
     })
-}
-
-/// Errors of the model in SI units.
-fn model_errors(args: &ErrorArgs) -> Result<ModelErrors> {
-    check_not_negative("--force-scale-percent", &[args.force_scale_percent])?;
-    check_not_negative("--force-percent", &[args.force_percent])?;
-    check_not_negative("--joint-angle-deg", &[args.joint_angle_deg])?;
-    check_not_negative("--loading-point-mm", &[args.loading_point_mm])?;
-    check_not_negative("--anchor-mm", &[args.anchor_mm])?;
-    Ok(ModelErrors {
-        force_scale: args.force_scale_percent / 100.0,
-        force_per_posture: args.force_percent / 100.0,
-        joint_angle_rad: deg_to_rad(args.joint_angle_deg),
-        loading_point_m: mm_to_m(args.loading_point_mm),
-        anchor_m: mm_to_m(args.anchor_mm),
-    })
-}
-
-fn check_not_negative(option: &str, values: &[f64]) -> Result<()> {
-    match values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
-        Some(v) => Err(Error::new(
-            Code::Usage,
-            format!("Each value must be 0 or more, got {v}."),
-        )
-        .key(option)),
-        None => Ok(()),
-    }
 }
 
 fn table(cell: &Cell, result: &Simulation, model_errors: bool) -> String {

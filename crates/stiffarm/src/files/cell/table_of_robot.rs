@@ -68,7 +68,8 @@ pub fn robot_table(robot: &DhRobot) -> Result<RobotTable> {
             let joint = |limits: &[f64; 2]| limits.map(rad_to_shortest_deg);
             limits.iter().map(joint).collect()
         }),
-        theta_from_q: is_coupled.then(|| coupling.map(|row| row.iter().copied().collect()).collect()),
+        theta_from_q: is_coupled
+            .then(|| coupling.map(|row| row.iter().copied().collect()).collect()),
         base_xyz_mm: millimetres(&robot.base),
         base_rpy_deg: turns(&robot.base),
         flange_xyz_mm: millimetres(&robot.flange),

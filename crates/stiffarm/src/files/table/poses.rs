@@ -7,6 +7,7 @@ use super::write::line;
 use crate::error::Result;
 use crate::model::cell::Columns;
 use crate::model::pose::Convention;
+pub use crate::model::pose::NamedPose;
 use crate::units::m_to_mm;
 use nalgebra::{Isometry3, Translation3};
 use std::collections::HashMap;
@@ -14,15 +15,6 @@ use std::collections::HashMap;
 /// Decimals of written positions \[mm\] and orientations: rounding of the
 /// kinematics stays out.
 const DECIMALS: i32 = 9;
-
-/// A pose with its name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedPose {
-    /// Its name.
-    pub name: String,
-    /// The pose, in the frame that the table means \[m\].
-    pub pose: Isometry3<f64>,
-}
 
 /// Reads poses from a table `x_mm,y_mm,z_mm` with the columns of `convention`,
 /// and `posture` for names (P1, P2, … without it); `file_name` is for messages.

@@ -52,6 +52,27 @@ impl EvaluatedGroup {
     }
 }
 
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct EvaluatedOptions {
+    /// L of Eq. (20) \[m\]; `null` where k(J_N) does not exist.
+    pub characteristic_length_m: Option<f64>,
+}
+
+impl EvaluatedOptions {
+    /// The options of an evaluation in `cell`.
+    pub fn of(cell: &Cell) -> Self {
+        EvaluatedOptions {
+            characteristic_length_m: cell.characteristic_length,
+        }
+    }
+}
+
 /// Groups of postures beside each other, as `evaluate` gives them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

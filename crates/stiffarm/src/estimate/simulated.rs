@@ -1,0 +1,177 @@
+//! What is asked of a simulation: levels, runs, and errors of the model.
+
+use crate::error::{Code, Error, Result};
+use crate::estimate::elastic::ElasticChoice;
+use crate::estimate::simulate::{ElasticSimulationOptions, ModelErrors, SimulationOptions};
+use crate::units::{deg_to_rad, mm_to_m};
+use serde::Serialize;
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Options {
+    /// Factors on the cell's variance.
+    pub levels: Vec<f64>,
+    /// Runs per group and level.
+    pub runs: usize,
+    /// Standard deviations of errors of force, angles and geometry.
+    pub model_errors: ModelErrors,
+}
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct ElasticOptions {
+    /// Factors on the cell's variance.
+    pub levels: Vec<f64>,
+    /// Runs per group and level.
+    pub runs: usize,
+    /// The model beside the joint axes alone.
+    pub elastic: ElasticChoice,
+}
+
+/// Standard deviations of [`ModelErrors`] in the units of files and screens, all zero in the paper.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ErrorRequest {
+    /// Scale of the force reading, one error per run \[%\].
+    pub force_scale_percent: f64,
+    /// Force reading, a fresh error for each posture \[%\].
+    pub force_percent: f64,
+    /// Each joint angle of each posture \[deg\].
+    pub joint_angle_deg: f64,
+    /// Each coordinate of the loading point, one error per run \[mm\].
+    pub loading_point_mm: f64,
+    /// Each coordinate of the anchor of rope or cylinder, one error per run \[mm\].
+    pub anchor_mm: f64,
+}
+
+/// What is asked of a simulation beside cell and groups.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Factors on the cell's variance; those of the paper, or 1 for an elastic arm, if empty.
+    pub levels: Vec<f64>,
+    /// Runs per group and level; 200, or 100 for an elastic arm, without.
+    pub runs: Option<usize>,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Errors of the model.
+    pub errors: ErrorRequest,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Request {
+            levels: Vec::new(),
+            runs: None,
+            seed: 1,
+            errors: ErrorRequest::default(),
+        }
+    }
+}
+
+impl ErrorRequest {
+    /// The errors in SI units.
+    ///
+    /// # Errors
+    /// A negative value, or one that is not finite (its field is the key).
+    pub fn model_errors(&self) -> Result<ModelErrors> {
+        check_not_negative("force_scale_percent", &[self.force_scale_percent])?;
+        check_not_negative("force_percent", &[self.force_percent])?;
+        check_not_negative("joint_angle_deg", &[self.joint_angle_deg])?;
+        check_not_negative("loading_point_mm", &[self.loading_point_mm])?;
+        check_not_negative("anchor_mm", &[self.anchor_mm])?;
+        Ok(ModelErrors {
+            force_scale: self.force_scale_percent / 100.0,
+            force_per_posture: self.force_percent / 100.0,
+            joint_angle_rad: deg_to_rad(self.joint_angle_deg),
+            loading_point_m: mm_to_m(self.loading_point_mm),
+            anchor_m: mm_to_m(self.anchor_mm),
+        })
+    }
+}
+
+impl Request {
+    /// Options of a simulation of an arm of which the joint axes alone give way.
+    ///
+    /// # Errors
+    /// As [`ErrorRequest::model_errors`]; a negative level, or one that is not finite (key
+    /// `levels`).
+    pub fn simulation_options(&self) -> Result<SimulationOptions> {
+        let default = SimulationOptions::default();
+        let model_errors = self.errors.model_errors()?;
+        Ok(SimulationOptions {
+            variance_factors: self.levels(default.variance_factors)?,
+            runs: self.runs.unwrap_or(default.runs),
+            seed: self.seed,
+            model_errors,
+        })
+    }
+
+    /// Options of a simulation of an arm that gives way beyond its joint axes, identified with
+    /// the axes alone and with `elastic`.
+    ///
+    /// # Errors
+    /// A level as in [`Request::simulation_options`]; errors of the model, which such a
+    /// simulation does not draw (key `errors`).
+    pub fn elastic_options(&self, elastic: ElasticChoice) -> Result<ElasticSimulationOptions> {
+        if self.errors != ErrorRequest::default() {
+            let message = "Errors of the model are drawn only for an arm of which the joint axes alone give way.";
+            return Err(Error::new(Code::Conflict, message)
+                .key("errors")
+                .hint("leave them out, or the elastic model"));
+        }
+        let default = ElasticSimulationOptions::default();
+        Ok(ElasticSimulationOptions {
+            variance_factors: self.levels(default.variance_factors.clone())?,
+            runs: self.runs.unwrap_or(default.runs),
+            seed: self.seed,
+            elastic,
+            ..default
+        })
+    }
+
+    fn levels(&self, default: Vec<f64>) -> Result<Vec<f64>> {
+        let levels = match self.levels.is_empty() {
+            true => default,
+            false => self.levels.clone(),
+        };
+        check_not_negative("levels", &levels)?;
+        Ok(levels)
+    }
+}
+
+impl From<&SimulationOptions> for Options {
+    /// The options as the result holds them.
+    fn from(options: &SimulationOptions) -> Self {
+        Options {
+            levels: options.variance_factors.clone(),
+            runs: options.runs,
+            model_errors: options.model_errors,
+        }
+    }
+}
+
+impl From<&ElasticSimulationOptions> for ElasticOptions {
+    /// The options as the result holds them.
+    fn from(options: &ElasticSimulationOptions) -> Self {
+        ElasticOptions {
+            levels: options.variance_factors.clone(),
+            runs: options.runs,
+            elastic: options.elastic,
+        }
+    }
+}
+
+fn check_not_negative(key: &str, values: &[f64]) -> Result<()> {
+    match values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
+        Some(v) => {
+            let message = format!("Each value must be 0 or more, got {v}.");
+            Err(Error::new(Code::InvalidValue, message).key(key))
+        }
+        None => Ok(()),
+    }
+}

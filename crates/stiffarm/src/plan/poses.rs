@@ -1,0 +1,300 @@
+//! Poses as pendants show them, and the postures of a pose, as `pose` gives them.
+
+use crate::error::{Code, Result};
+use crate::findings::{Finding, Severity};
+use crate::model::cell::Cell;
+use crate::model::inverse::InverseKinematics;
+use crate::model::kinematics::Frames;
+use crate::model::pose::{
+    Configuration, Convention, NamedPose, held_postures, kuka_status, kuka_turn,
+};
+use crate::model::posture::Posture;
+use crate::plan::check::robot_doubts;
+use crate::units::{m_to_mm, rad_to_shortest_deg};
+use nalgebra::Isometry3;
+use serde::Serialize;
+
+/// Frames that poses are given in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum PoseFrame {
+    /// The base frame of the robot's controller, as the pendant counts
+    #[default]
+    Controller,
+    /// The cell's base frame
+    Cell,
+}
+
+/// What a pose is of.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum PosePoint {
+    /// The flange
+    #[default]
+    Flange,
+    /// The tip of [work], else the first measuring point in the flange's axes
+    Tip,
+}
+
+/// Options of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Options {
+    /// How orientations are written.
+    pub convention: &'static str,
+    /// The numbers of an orientation in this convention, with their units.
+    pub orientation_columns: &'static [&'static str],
+    /// Frame of the poses.
+    pub frame: PoseFrame,
+    /// What the poses of `--from` and `--output` are of.
+    pub point: PosePoint,
+}
+
+/// A pose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Pose {
+    /// x, y, z.
+    pub position_mm: [f64; 3],
+    /// The numbers that `orientation_columns` names.
+    pub orientation: Vec<f64>,
+}
+
+/// A posture beside its configuration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Described {
+    /// Its name.
+    pub name: String,
+    /// Controller angles.
+    pub q_deg: Vec<f64>,
+    /// Shoulder, elbow and wrist; `null` for arms without a spherical wrist.
+    pub configuration: Option<Configuration>,
+    /// KUKA's Status; `null` for other robots.
+    pub kuka_status: Option<u8>,
+    /// KUKA's Turn; `null` for other robots.
+    pub kuka_turn: Option<u8>,
+}
+
+/// A posture with its poses.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PosturePose {
+    /// The posture.
+    #[serde(flatten)]
+    pub posture: Described,
+    /// Pose of the flange.
+    pub flange: Pose,
+    /// Pose of the tool's tip.
+    pub tip: Pose,
+}
+
+/// Poses of postures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Poses {
+    /// The postures, in the order given.
+    pub postures: Vec<PosturePose>,
+    /// What to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
+}
+
+/// A posture of a pose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FoundPosture {
+    /// The posture.
+    #[serde(flatten)]
+    pub posture: Described,
+    /// Postures with the same number differ by full turns alone.
+    pub branch: usize,
+    /// Whether the posture is singular: where angles are free, it stands for all of them.
+    pub is_singular: bool,
+}
+
+/// Postures of one pose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FoundPose {
+    /// Its name.
+    pub name: String,
+    /// All its postures within the machine's limits, full turns included.
+    pub postures: Vec<FoundPosture>,
+}
+
+/// Postures of poses.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Found {
+    /// `closed form` gives every posture, `numeric` those that a search finds.
+    pub method: &'static str,
+    /// The poses, in the order given.
+    pub poses: Vec<FoundPose>,
+    /// Poses without a posture, and what to distrust about the robot of the catalogue.
+    pub findings: Vec<Finding>,
+}
+
+/// How poses are meant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Request {
+    /// How orientations are written.
+    pub convention: Convention,
+    /// Frame of the poses.
+    pub frame: PoseFrame,
+    /// What poses that are read or written are of.
+    pub point: PosePoint,
+}
+
+impl Request {
+    /// Poses of the flange in the controller's frame; without a convention that of the robot's
+    /// maker, else matrices.
+    pub fn new(cell: &Cell, convention: Option<Convention>) -> Self {
+        let own = || Convention::of_brand(cell.setup.robot.brand());
+        Request {
+            convention: convention.unwrap_or_else(own),
+            frame: PoseFrame::default(),
+            point: PosePoint::default(),
+        }
+    }
+
+    /// The options as the result holds them.
+    pub fn options(&self) -> Options {
+        Options {
+            convention: self.convention.as_str(),
+            orientation_columns: self.convention.columns(),
+            frame: self.frame,
+            point: self.point,
+        }
+    }
+
+    /// The frame of the poses in the cell's base frame \[m\].
+    pub fn frame_in(&self, cell: &Cell) -> Isometry3<f64> {
+        match self.frame {
+            PoseFrame::Controller => *cell.setup.robot.controller_base(),
+            PoseFrame::Cell => Isometry3::identity(),
+        }
+    }
+
+    fn pose(&self, pose: &Isometry3<f64>) -> Pose {
+        let p = pose.translation.vector.map(m_to_mm);
+        Pose {
+            position_mm: [p.x, p.y, p.z],
+            orientation: self.convention.shown(&pose.rotation),
+        }
+    }
+
+    fn flanges(&self, cell: &Cell, postures: &[Posture]) -> Vec<Isometry3<f64>> {
+        let to_frame = self.frame_in(cell).inverse();
+        let robot = &cell.setup.robot;
+        postures
+            .iter()
+            .map(|p| to_frame * Frames::new(robot, &p.q).flange())
+            .collect()
+    }
+
+    /// Poses of flange and tip at postures of the cell's robot.
+    pub fn poses_of(&self, cell: &Cell, postures: &[Posture]) -> Poses {
+        let tip = cell.work.tip(&cell.setup.tool);
+        let flanges = self.flanges(cell, postures);
+        let listed = postures
+            .iter()
+            .zip(&flanges)
+            .map(|(posture, flange)| PosturePose {
+                posture: describe(cell, posture.name.clone(), &posture.q),
+                flange: self.pose(flange),
+                tip: self.pose(&(flange * tip)),
+            });
+        Poses {
+            postures: listed.collect(),
+            findings: robot_doubts(&cell.setup.robot),
+        }
+    }
+
+    /// The poses as a table of them is written: of the point that is asked for.
+    pub fn named_poses(&self, cell: &Cell, postures: &[Posture]) -> Vec<NamedPose> {
+        let tip = cell.work.tip(&cell.setup.tool);
+        let flanges = self.flanges(cell, postures);
+        let named = postures.iter().zip(&flanges);
+        named
+            .map(|(posture, flange)| NamedPose {
+                name: posture.name.clone(),
+                pose: match self.point {
+                    PosePoint::Flange => *flange,
+                    PosePoint::Tip => flange * tip,
+                },
+            })
+            .collect()
+    }
+
+    /// All postures that hold the poses, full turns included; also as a list. A pose that the
+    /// arm does not hold has none, and a finding.
+    ///
+    /// # Errors
+    /// As [`held_postures`], for other reasons than that the pose is out of reach or limits.
+    pub fn postures_of(&self, cell: &Cell, poses: &[NamedPose]) -> Result<(Found, Vec<Posture>)> {
+        let robot = &cell.setup.robot;
+        let frame = self.frame_in(cell);
+        let from_tip = cell.work.tip(&cell.setup.tool).inverse();
+        let inverse = InverseKinematics::new(robot);
+        let mut result = Found {
+            method: inverse.method().as_str(),
+            poses: Vec::with_capacity(poses.len()),
+            findings: robot_doubts(robot),
+        };
+        let mut all = Vec::new();
+        for named in poses {
+            let flange = match self.point {
+                PosePoint::Flange => frame * named.pose,
+                PosePoint::Tip => frame * named.pose * from_tip,
+            };
+            let held = match held_postures(&inverse, &flange) {
+                Ok(held) => held,
+                Err(e) if [Code::Unreachable, Code::OutsideLimits].contains(&e.code()) => {
+                    result.findings.push(Finding::new(
+                        "pose-without-posture",
+                        Severity::Serious,
+                        format!("pose {}", named.name),
+                        e.message(),
+                    ));
+                    Vec::new()
+                }
+                Err(e) => return Err(e),
+            };
+            let mut postures = Vec::new();
+            for (i, held) in held.iter().enumerate() {
+                for (k, q) in held.turns.iter().enumerate() {
+                    let name = match k {
+                        0 => format!("{}-{}", named.name, i + 1),
+                        _ => format!("{}-{}.{}", named.name, i + 1, k + 1),
+                    };
+                    postures.push(FoundPosture {
+                        posture: describe(cell, name.clone(), q),
+                        branch: i + 1,
+                        is_singular: held.is_singular,
+                    });
+                    all.push(Posture { name, q: q.clone() });
+                }
+            }
+            result.poses.push(FoundPose {
+                name: named.name.clone(),
+                postures,
+            });
+        }
+        Ok((result, all))
+    }
+}
+
+/// A posture beside its configuration.
+fn describe(cell: &Cell, name: String, q: &[f64]) -> Described {
+    let robot = &cell.setup.robot;
+    let is_kuka = robot.brand() == Some("KUKA");
+    Described {
+        name,
+        q_deg: q.iter().map(|q| rad_to_shortest_deg(*q)).collect(),
+        configuration: Configuration::of(robot, q),
+        kuka_status: is_kuka.then(|| kuka_status(robot, q)).flatten(),
+        kuka_turn: is_kuka.then(|| kuka_turn(q)),
+    }
+}

@@ -1,0 +1,248 @@
+//! What commands ask for, as values: the same numbers as by the parts, and errors that name
+//! the field.
+
+use crate::common::{default_cell, group1};
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::estimate::identify::Fit;
+use stiffarm::estimate::saved::Saved;
+use stiffarm::estimate::simulate::SimulationOptions;
+use stiffarm::estimate::simulated;
+use stiffarm::estimate::validate::{Model, cross_validate, validate_with};
+use stiffarm::estimate::validated::{self, Folds};
+use stiffarm::files::builtin;
+use stiffarm::files::table::read_pairs;
+use stiffarm::measure::registered;
+use stiffarm::measure::{Measured, prepare};
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::poses;
+use stiffarm::work::along::PathOptions;
+use stiffarm::work::mapped::{self, LoadSource};
+use stiffarm::work::placed;
+use stiffarm::work::predict::predict;
+use stiffarm::work::predicted;
+use stiffarm::work::region::{Plane, RegionRequest, Steps};
+use stiffarm::{Code, Control, Error, simulated_readings};
+
+fn key(error: Error) -> (Code, String) {
+    (error.code(), error.place().key.clone().unwrap_or_default())
+}
+
+fn wrong(field: &str) -> (Code, String) {
+    (Code::InvalidValue, field.to_string())
+}
+
+fn measured() -> Measured {
+    let cell = default_cell();
+    let group = PostureGroup::from_angles("", group1());
+    let readings = simulated_readings(&cell, &group.postures, 1).unwrap();
+    prepare(&cell, readings, &Default::default()).unwrap()
+}
+
+#[test]
+fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
+    let (cell, measured) = (default_cell(), measured());
+    let mut saved = Saved::prior(&cell).unwrap();
+    let name = measured.postures[1].posture.name.clone();
+    let request = validated::Request {
+        tolerance_mm: Some(0.1),
+        only: vec![name.clone()],
+        ..validated::Request::default()
+    };
+    saved.postures = vec![name.clone()];
+    saved.cell = Some("another".to_string());
+    let found = request
+        .held_out(&cell, Some("this"), &saved, measured.clone())
+        .unwrap();
+    let mut kept = measured.clone();
+    kept.keep_only(std::slice::from_ref(&name)).unwrap();
+    let by_parts = validate_with(&cell, &saved.predictor, &kept, Model::Linear, Some(1e-4));
+    assert_eq!(found.validation, by_parts.unwrap());
+    let codes: Vec<&str> = found.remarks.iter().map(|f| f.code.as_str()).collect();
+    assert!(
+        codes.ends_with(&["other-cell", "seen-postures"]),
+        "{codes:?}"
+    );
+
+    let negative = validated::Request {
+        tolerance_mm: Some(-1.0),
+        ..request.clone()
+    };
+    let refused = negative.held_out(&cell, None, &saved, measured.clone());
+    assert_eq!(key(refused.unwrap_err()), wrong("tolerance_mm"));
+    let unknown = validated::Request {
+        only: vec!["nobody".to_string()],
+        ..request
+    };
+    let refused = unknown.held_out(&cell, None, &saved, measured);
+    let told = (Code::UnknownName, "only".to_string());
+    assert_eq!(key(refused.unwrap_err()), told);
+}
+
+#[test]
+fn postures_are_predicted_by_the_others() {
+    let fit = Fit::new(&default_cell(), measured(), &Default::default()).unwrap();
+    let request = validated::Request::default();
+    let (found, options) = request.by_folds(&fit, None, Folds::All).unwrap();
+    let count = group1().len();
+    assert_eq!(found.validation, cross_validate(&fit, count, None).unwrap());
+    assert_eq!((options.folds, options.elastic), (count, None));
+    let asked = Some(ElasticChoice::Axes);
+    let (_, options) = request.by_folds(&fit, asked, Folds::Count(2)).unwrap();
+    assert_eq!((options.folds, options.elastic), (2, asked));
+    let exact = validated::Request {
+        model: Model::Equilibrium,
+        ..request
+    };
+    let refused = exact.by_folds(&fit, None, Folds::All).unwrap_err();
+    assert_eq!(key(refused), (Code::Unsupported, "model".to_string()));
+}
+
+#[test]
+fn deflections_at_the_tasks_are_those_of_predict() {
+    let cell = default_cell();
+    let saved = Saved::prior(&cell).unwrap();
+    let request = predicted::Request::default();
+    let control = Control::default();
+    let loaded = request
+        .loaded(cell.clone(), &saved.predictor, None, control)
+        .unwrap();
+    assert_eq!(loaded.postures.len(), cell.tasks.len());
+    let found = request.predict(&loaded, &saved.predictor, control).unwrap();
+    let by_parts = predict(
+        &loaded.cell,
+        &saved.predictor,
+        &loaded.postures,
+        &Default::default(),
+        control,
+    );
+    assert_eq!(found.prediction, by_parts.unwrap());
+    assert!(found.postures.is_none());
+    let unknown = predicted::Request {
+        cell_load: true,
+        load_case: Some("nobody".to_string()),
+        ..request
+    };
+    let refused = unknown.under_case(cell).unwrap_err();
+    assert_eq!(key(refused), wrong("load_case"));
+}
+
+#[test]
+fn options_of_a_path_name_what_is_wrong() {
+    let cell = default_cell();
+    let refused = |change: fn(&mut PathOptions)| {
+        let mut options = PathOptions::default();
+        change(&mut options);
+        key(options.posture_options(&cell).unwrap_err())
+    };
+    assert_eq!(
+        refused(|o| o.start_deg = Some(vec![1.0])),
+        wrong("start_deg")
+    );
+    assert_eq!(refused(|o| o.max_step_deg = 0.0), wrong("max_step_deg"));
+    assert_eq!(refused(|o| o.force_n = Some([1.0; 3])), wrong("force_n"));
+    let unsure = PathOptions {
+        load_uncertainty_percent: f64::NAN,
+        ..PathOptions::default()
+    };
+    let told = key(unsure.load_uncertainty().unwrap_err());
+    assert_eq!(told, wrong("load_uncertainty_percent"));
+    let steps = PathOptions::default().posture_options(&cell).unwrap();
+    assert_eq!((steps.turns, steps.free_turn), (72, false));
+}
+
+#[test]
+fn a_map_takes_the_force_given_and_the_plane_asked_for() {
+    let cell = default_cell();
+    let plane = RegionRequest {
+        plane: Some(Plane { axis: 2, mm: 800.0 }),
+        steps: Some(Steps::Longest(5)),
+        ..RegionRequest::default()
+    };
+    let request = mapped::Request {
+        region: plane,
+        force_n: Some([0.0, 2.0, 0.0]),
+        ..mapped::Request::default()
+    };
+    let (options, source) = request.map_options(&cell).unwrap();
+    assert_eq!(source, LoadSource::Given);
+    assert_eq!((options.lower[2], options.upper[2]), (0.8, 0.8));
+    assert_eq!((options.steps[2], options.direction.y), (1, 1.0));
+    assert_eq!(request.options(&options, &cell).rpy_deg, [180.0, 0.0, 0.0]);
+    let nowhere = mapped::Request {
+        direction: Some([0.0; 3]),
+        ..request
+    };
+    let refused = nowhere.map_options(&cell).unwrap_err();
+    assert_eq!(key(refused), wrong("direction"));
+    let upside_down = RegionRequest {
+        from_mm: Some([0.0, 0.0, 1.0]),
+        to_mm: Some([1.0, 1.0, 0.0]),
+        ..RegionRequest::default()
+    };
+    let request = placed::Request {
+        region: upside_down,
+        ..placed::Request::default()
+    };
+    let refused = request.place_options(&cell).unwrap_err();
+    assert_eq!(key(refused), wrong("from_mm"));
+}
+
+#[test]
+fn a_simulation_is_the_papers_unless_asked_otherwise() {
+    let request = simulated::Request::default();
+    let options = request.simulation_options().unwrap();
+    assert_eq!(options, SimulationOptions::default());
+    let errors = simulated::ErrorRequest {
+        anchor_mm: 2.0,
+        ..Default::default()
+    };
+    let with_errors = simulated::Request { errors, ..request };
+    let options = with_errors.simulation_options().unwrap();
+    assert_eq!(options.model_errors.anchor_m, 2e-3);
+    let refused = with_errors.elastic_options(ElasticChoice::Mixed);
+    let told = (Code::Conflict, "errors".to_string());
+    assert_eq!(key(refused.unwrap_err()), told);
+    let negative = simulated::Request {
+        levels: vec![1.0, -1.0],
+        ..simulated::Request::default()
+    };
+    let refused = negative.simulation_options().unwrap_err();
+    assert_eq!(key(refused), wrong("levels"));
+}
+
+#[test]
+fn a_registration_leaves_out_pairs_by_name() {
+    let bytes = builtin::bytes("example-pairs").unwrap();
+    let pairs = read_pairs(bytes, "pairs").unwrap();
+    let mut options = registered::Options {
+        exclude: vec!["B".to_string()],
+        ..Default::default()
+    };
+    let kept = options.kept(pairs.clone()).unwrap();
+    assert_eq!(kept.len() + 1, pairs.len());
+    assert_eq!(options.register(&kept).unwrap().names.len(), kept.len());
+    options.exclude = vec!["nobody".to_string()];
+    let refused = options.kept(pairs).unwrap_err();
+    assert_eq!(key(refused), (Code::UnknownName, "exclude".to_string()));
+    assert!(builtin::bytes("nobody").is_err());
+}
+
+#[test]
+fn postures_come_back_from_their_poses() {
+    let cell = default_cell();
+    let postures = PostureGroup::from_angles("", group1()).postures;
+    let request = poses::Request {
+        point: poses::PosePoint::Tip,
+        ..poses::Request::new(&cell, None)
+    };
+    let listed = request.poses_of(&cell, &postures);
+    assert_eq!(listed.postures.len(), postures.len());
+    let named = request.named_poses(&cell, &postures);
+    let (found, all) = request.postures_of(&cell, &named).unwrap();
+    assert_eq!(found.poses.len(), postures.len());
+    for (posture, pose) in postures.iter().zip(&found.poses) {
+        let near = |q: &[f64]| q.iter().zip(&posture.q).all(|(a, b)| (a - b).abs() < 1e-6);
+        let own = all.iter().filter(|p| p.name.starts_with(&pose.name));
+        assert!(own.into_iter().any(|p| near(&p.q)), "{}", posture.name);
+    }
+}
