@@ -1,10 +1,12 @@
 //! Long work: without the interpreter's lock, with its signals, telling how far it is.
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+use stiffarm::plan::select::Accept;
 use stiffarm::{Code, Control, Error, Result, Watch};
 
 use crate::error::Raised;
@@ -20,6 +22,8 @@ type Told = (String, usize, usize);
 struct Shared {
     stop: AtomicBool,
     told: Mutex<Option<Told>>,
+    /// What a function of the caller raised.
+    failure: Mutex<Option<PyErr>>,
 }
 
 impl Shared {
@@ -30,6 +34,12 @@ impl Shared {
     fn tell(&self, what: &str, done: usize, of: usize) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
         *told = Some((what.to_string(), done, of));
+    }
+
+    fn fail(&self, error: PyErr) {
+        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.get_or_insert(error);
+        self.stop.store(true, Ordering::Relaxed);
     }
 
     fn take(&self) -> Option<Told> {
@@ -51,6 +61,24 @@ impl Watched {
             move || stop.stopped(),
             move |what, done, of| report.tell(what, done, of),
         )
+    }
+
+    /// A function of the caller that says of angles \[rad\] whether they may be chosen; what it raises stops the work.
+    pub fn accept(&self, function: Py<PyAny>) -> Accept {
+        let shared = Arc::clone(&self.0);
+        Accept::new(move |q| {
+            if shared.stopped() {
+                return false;
+            }
+            let said = Python::attach(|py| {
+                let angles = PyArray1::from_slice(py, q);
+                function.bind(py).call1((angles,))?.is_truthy()
+            });
+            said.unwrap_or_else(|error| {
+                shared.fail(error);
+                false
+            })
+        })
     }
 
     /// Tells how far the work is.
@@ -81,7 +109,6 @@ pub fn watched<T: Send>(
     work: impl FnOnce(&Watched) -> Result<T> + Send,
 ) -> PyResult<(T, bool)> {
     let shared = Arc::new(Shared::default());
-    let mut failure: Option<PyErr> = None;
     let mut interrupted = false;
     let result = std::thread::scope(|scope| {
         let (done, finished) = sync_channel::<()>(1);
@@ -105,16 +132,19 @@ pub fn watched<T: Send>(
                 shared.stop.store(true, Ordering::Relaxed);
             }
             if let (Some(progress), Some(told)) = (progress, shared.take())
-                && failure.is_none()
+                && !shared.stopped()
                 && let Err(error) = progress.call1(told)
             {
-                failure = Some(error);
-                shared.stop.store(true, Ordering::Relaxed);
+                shared.fail(error);
             }
         }
         worker.join()
     });
-    if let Some(error) = failure {
+    let mut failure = shared
+        .failure
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
+    if let Some(error) = failure.take() {
         return Err(error);
     }
     let fault = |_| {

@@ -54,7 +54,7 @@ fn step(degrees: f64) -> Option<f64> {
 /// `select`: by global search, from an initial group, or beside given postures.
 #[pyfunction]
 #[pyo3(signature = (cell, index, count, initial, given, max_iterations, budget, angle_step_deg, load, certificate,
-                    sensitivity, prices, progress))]
+                    sensitivity, prices, accept, progress))]
 pub fn select(
     py: Python<'_>,
     cell: &PyCell,
@@ -69,6 +69,7 @@ pub fn select(
     certificate: bool,
     sensitivity: bool,
     prices: bool,
+    accept: Option<Py<PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, bool)> {
     let initial = initial.map(|given| given.owned(py)).transpose()?;
@@ -92,6 +93,7 @@ pub fn select(
         request.load.anchor = load.anchor_box_mm.map(corners);
         request.load.loading_point = load.loading_point_box_mm.map(corners);
         request.load.magnitude = load.largest_load_n;
+        request.accept = accept.map(|function| watched.accept(function));
         request.certificate = certificate;
         request.sensitivity = sensitivity;
         request.prices = prices;
@@ -160,7 +162,8 @@ pub fn select_space_filling(
         request.postures = count;
         request.seed = seed.unwrap_or(request.seed);
         request.angle_step_deg = step(angle_step_deg);
-        let found = watched.with(|control| plan_space_filling(cell.complete(), &request, control))?;
+        let found =
+            watched.with(|control| plan_space_filling(cell.complete(), &request, control))?;
         inputs.document("select", found.seed, found.options, found.result)
     })
 }
@@ -183,7 +186,8 @@ pub fn select_drop(
         let mut request = DropRequest::default();
         request.index = Index::from_name(index)?;
         request.drop = drop;
-        let found = watched.with(|control| plan_drop(cell.complete(), &given, &request, control))?;
+        let found =
+            watched.with(|control| plan_drop(cell.complete(), &given, &request, control))?;
         inputs.document("select", found.seed, found.options, found.result)
     })
 }
@@ -210,7 +214,8 @@ pub fn select_curve(
         request.seed = budget.seed.unwrap_or(request.seed);
         request.certificate = certificate;
         let mut tell = |stage| told(watched, stage, None);
-        let found = watched.with(|control| plan_curve(cell.complete(), &request, &mut tell, control))?;
+        let found =
+            watched.with(|control| plan_curve(cell.complete(), &request, &mut tell, control))?;
         inputs.document("select", found.seed, found.options, found.result)
     })
 }

@@ -31,11 +31,7 @@ fn owned(py: Python<'_>, groups: Groups<'_>) -> PyResult<Vec<(String, Postures)>
 
 /// `evaluate`.
 #[pyfunction]
-pub fn evaluate(
-    py: Python<'_>,
-    cell: &PyCell,
-    groups: Groups<'_>,
-) -> PyResult<(String, bool)> {
+pub fn evaluate(py: Python<'_>, cell: &PyCell, groups: Groups<'_>) -> PyResult<(String, bool)> {
     let groups = owned(py, groups)?;
     watched(py, None, |_| {
         let inputs = Inputs::of(cell);
@@ -100,7 +96,12 @@ pub fn simulate(
                 let groups = inputs.groups(groups, &cell.setup.robot)?;
                 let found =
                     watched.with(|control| simulate_elastic(cell, &groups, &options, control))?;
-                inputs.document("simulate", Some(seed), ElasticOptions::from(&options), found)
+                inputs.document(
+                    "simulate",
+                    Some(seed),
+                    ElasticOptions::from(&options),
+                    found,
+                )
             }
         }
     })

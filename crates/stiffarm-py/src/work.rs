@@ -102,7 +102,9 @@ pub fn compensate(
         let path = inputs.read_path(&inputs.name(path), &cell.cell, options.path.axes)?;
         let result = watched.with(|control| {
             let points = &path.table.points;
-            let followed = options.path.follow(&cell.cell, &saved.predictor, points, control)?;
+            let followed = options
+                .path
+                .follow(&cell.cell, &saved.predictor, points, control)?;
             options.compensate(&cell.cell, &saved, &followed, control)
         });
         let result = result.map_err(|e| path.in_file(e))?;
@@ -124,7 +126,9 @@ impl Where {
     fn request(&self) -> Result<RegionRequest> {
         let plane = |(name, mm): &(String, f64)| {
             let axis = ["x", "y", "z"].iter().position(|axis| axis == name);
-            let plane = axis.filter(|_| mm.is_finite()).map(|axis| Plane { axis, mm: *mm });
+            let plane = axis
+                .filter(|_| mm.is_finite())
+                .map(|axis| Plane { axis, mm: *mm });
             plane.ok_or_else(|| {
                 let message = "A plane is x, y or z and its coordinate in mm.";
                 Error::new(Code::InvalidValue, message).key("plane")
@@ -132,8 +136,13 @@ impl Where {
         };
         let steps = |steps: &Vec<usize>| match steps.as_slice() {
             [longest @ 1..=1_000_000] => Ok(Steps::Longest(*longest)),
-            [x @ 1..=1_000_000, y @ 1..=1_000_000, z @ 1..=1_000_000] => Ok(Steps::Each([*x, *y, *z])),
-            _ => Err(Error::new(Code::InvalidValue, "Steps are one number from 1, or three.").key("steps")),
+            [x @ 1..=1_000_000, y @ 1..=1_000_000, z @ 1..=1_000_000] => {
+                Ok(Steps::Each([*x, *y, *z]))
+            }
+            _ => Err(
+                Error::new(Code::InvalidValue, "Steps are one number from 1, or three.")
+                    .key("steps"),
+            ),
         };
         if self.from_mm.is_some() != self.to_mm.is_some() {
             let message = "Both corners of the region are needed, from_mm and to_mm.";
@@ -216,7 +225,15 @@ pub fn place_workpiece(
         let path = inputs.read_path(&inputs.name(path), cell, axes)?;
         let options = request.place_options(cell)?;
         let found = watched
-            .with(|control| place(cell, &saved.predictor, &path.table.points, &options, control))
+            .with(|control| {
+                place(
+                    cell,
+                    &saved.predictor,
+                    &path.table.points,
+                    &options,
+                    control,
+                )
+            })
             .map_err(|e| path.in_file(e))?;
         inputs.document("map", None, request.options(&options), found)
     })

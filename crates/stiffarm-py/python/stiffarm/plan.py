@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,7 @@ def select(
     certificate: bool = True,
     sensitivity: bool = False,
     prices: bool = False,
+    accept: Callable[[NDArray[np.float64]], bool] | None = None,
     degrees: bool = False,
     progress: Progress = None,
 ) -> Plan | Chosen:
@@ -66,6 +67,10 @@ def select(
         certificate: Whether to bound how good any plan could be.
         sensitivity: Whether to examine if wrong assumptions would change the plan.
         prices: Whether to say what each kind of limit costs.
+        accept: A constraint of your own: called with the angles of one posture [rad], true where it may be chosen.
+            It is asked about candidates, at the end of each local search and about the plan itself, not at every
+            step, from several threads one after the other; its answer must depend on the angles alone. What can be
+            said as a limit of the cell is better said there.
         degrees: Arrays of ``start`` and ``given`` are in degrees.
         progress: Called as ``progress(what, done, of)``; ``True`` shows a bar.
 
@@ -80,6 +85,7 @@ def select(
         refused = {"start": start, "given": given, "add": add, "rounds": rounds, "time_limit_s": time_limit_s}
         refused |= {"anchor_box_mm": anchor_box_mm, "loading_point_box_mm": loading_point_box_mm}
         refused |= {"largest_load_n": largest_load_n, "sensitivity": sensitivity or None, "prices": prices or None}
+        refused |= {"accept": accept}
         _refuse("candidates", refused)
         with _inputs.Watching(progress) as told:
             return Chosen._of(
@@ -96,7 +102,7 @@ def select(
     if start is not None:
         refused = {"postures": postures, "given": given, "rounds": rounds, "time_limit_s": time_limit_s}
         refused |= {"anchor_box_mm": anchor_box_mm, "loading_point_box_mm": loading_point_box_mm}
-        refused |= {"largest_load_n": largest_load_n, "prices": prices or None}
+        refused |= {"largest_load_n": largest_load_n, "prices": prices or None, "accept": accept}
         _refuse("start", refused)
     if given is not None:
         refused = {"postures": postures, "anchor_box_mm": anchor_box_mm, "sensitivity": sensitivity or None}
@@ -125,6 +131,7 @@ def select(
                 certificate,
                 sensitivity,
                 prices,
+                accept,
                 told,
             )
         )

@@ -1,5 +1,6 @@
 //! All tests of the crate in one binary; a file per subject.
 
+mod accept;
 mod bytes;
 mod cell_file;
 mod certificate;

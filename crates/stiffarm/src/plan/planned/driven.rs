@@ -4,18 +4,21 @@ use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::plan::route::{Route, RouteOptions, rounded, route};
+use crate::plan::select::Accept;
 
 /// How postures are brought into the form in which they are driven.
-pub(super) struct Driving {
+pub(super) struct Driving<'a> {
     /// Steps that angles are rounded to \[deg\], where they are.
     pub step_deg: Option<f64>,
     /// Seed of the route.
     pub seed: u64,
     /// Keeps order and equivalents.
     pub keep: bool,
+    /// The caller's own constraint.
+    pub accept: Option<&'a Accept>,
 }
 
-impl Driving {
+impl Driving<'_> {
     /// The postures (controller angles, rad) with angles that one can type, each in the equivalent nearest to the
     /// one before, in the shortest order unless that is to be kept; and the moves between them.
     pub fn driven<Q: AsRef<[f64]>>(
@@ -23,13 +26,22 @@ impl Driving {
         cell: &Cell,
         postures: &[Q],
     ) -> Result<(Vec<Vec<f64>>, Route)> {
-        let group = match self.step_deg {
-            Some(step) => rounded(cell, postures, step)?,
+        let group: Vec<Vec<f64>> = match self.step_deg {
+            Some(step) => {
+                let each = rounded(cell, postures, step)?.into_iter().zip(postures);
+                // A posture at the edge of what is accepted stays as it was found.
+                let accepted = |q: &[f64]| self.accept.is_none_or(|own| own.accepts(q));
+                each.map(|(rounded, found)| match accepted(&rounded) {
+                    true => rounded,
+                    false => found.as_ref().to_vec(),
+                })
+                .collect()
+            }
             None => postures.iter().map(|q| q.as_ref().to_vec()).collect(),
         };
         let options = RouteOptions {
             keep_order: self.keep,
-            keep_angles: self.keep,
+            keep_angles: self.keep || self.accept.is_some(),
             step_deg: self.step_deg,
             seed: self.seed,
         };

@@ -64,6 +64,7 @@ pub fn plan(
         seed: request.seed,
         // A search that was stopped keeps its order.
         keep: initial.is_some() || control.stopped(),
+        accept: request.accept.as_ref(),
     };
     let (group, route) = driving.driven(&cell, &selection.group)?;
     let selection = selection.with_group(&cell, given, group)?;
@@ -133,6 +134,7 @@ fn global_options(request: &PlanRequest) -> GlobalOptions {
         rounds: request.rounds,
         time_limit: request.time_limit,
         load: request.load.clone(),
+        accept: request.accept.clone(),
         given: request.given.iter().map(|p| p.q.clone()).collect(),
         ..GlobalOptions::default()
     }

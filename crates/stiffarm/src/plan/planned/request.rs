@@ -4,7 +4,7 @@ use super::kinds::{ANGLE_STEP_DEG, POSTURES, SEED};
 use crate::error::{Code, Error, Result};
 use crate::model::posture::Posture;
 use crate::plan::index::Index;
-use crate::plan::select::LoadDesign;
+use crate::plan::select::{Accept, LoadDesign};
 use std::time::Duration;
 
 /// Iterations of a local search unless their number is given.
@@ -35,6 +35,9 @@ pub struct PlanRequest {
     pub angle_step_deg: Option<f64>,
     /// What of the load is chosen together with the postures; nothing by default.
     pub load: LoadDesign,
+    /// A constraint of the caller's own on the postures that are chosen, beside the cell's limits; not with `initial`.
+    /// The plan then keeps the angles that it accepted: no equivalents by other turns of the joints.
+    pub accept: Option<Accept>,
     /// Whether to bound how good any plan could be; there is no bound for a plan from an initial group.
     pub certificate: bool,
     /// Whether to examine if wrong assumptions would change the plan.
@@ -56,6 +59,7 @@ impl Default for PlanRequest {
             seed: SEED,
             angle_step_deg: Some(ANGLE_STEP_DEG),
             load: LoadDesign::default(),
+            accept: None,
             certificate: true,
             sensitivity: false,
             prices: false,
@@ -84,6 +88,10 @@ impl PlanRequest {
             if !self.load.is_empty() {
                 let message = "From an initial group no load is chosen.";
                 return conflict("load", message);
+            }
+            if self.accept.is_some() {
+                let message = "From an initial group there is no search among other postures.";
+                return conflict("accept", message);
             }
             if self.prices {
                 let message = "From an initial group the limits have no prices.";

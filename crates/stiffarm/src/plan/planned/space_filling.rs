@@ -114,6 +114,7 @@ pub fn plan_space_filling(
         seed: request.seed,
         // A search that was stopped keeps its order.
         keep: found.termination == Termination::Interrupted,
+        accept: None,
     };
     let (angles, route) = driving.driven(&cell, &found.postures)?;
     let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());

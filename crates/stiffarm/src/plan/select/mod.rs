@@ -1,6 +1,7 @@
 //! Choosing postures: the paper's procedure, from an initial group (Section
 //! III.B), global search, and what goes with them.
 
+mod accept;
 mod candidates;
 mod error_by_count;
 mod exchange;
@@ -17,6 +18,7 @@ mod space_filling;
 
 pub use super::random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use crate::numerics::optimise::Options as LocalOptions;
+pub use accept::Accept;
 pub use candidates::{CandidateOptions, CandidateSelection, ForbiddenCandidate, select_candidates};
 pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use from_group::select_from;

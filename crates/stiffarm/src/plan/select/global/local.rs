@@ -8,6 +8,7 @@ use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::plan::index::inputs::Given;
 use crate::plan::index::{Index, IndexFunction};
+use crate::plan::select::accept::Accept;
 use crate::plan::select::load_design::LoadDesign;
 
 /// Margin kept from every limit \[m\]: hundredths of a millimetre, so that the
@@ -65,6 +66,8 @@ pub(super) struct Local {
     stages: &'static [f64],
     has_limits: bool,
     design: LoadDesign,
+    accept: Option<Accept>,
+    joints: usize,
     angles: usize,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -83,6 +86,7 @@ impl Local {
         count: usize,
         given: &[Q],
         design: &LoadDesign,
+        accept: Option<&Accept>,
     ) -> Result<Self> {
         let function = IndexFunction::with_limits(cell, index, count, given)?;
         let n = cell.setup.robot.joint_count();
@@ -98,6 +102,8 @@ impl Local {
             has_limits: function.kernel().limit_count() > 0,
             function,
             design: design.clone(),
+            accept: accept.cloned(),
+            joints: n,
             angles: n * count,
             lower: bounds(0),
             upper: bounds(1),
@@ -122,16 +128,24 @@ impl Local {
         self.angles
     }
 
-    /// ln of the index at `x`, infinite where it does not exist or a limit is
-    /// violated.
+    /// ln of the index at `x`, infinite where it does not exist, a limit is violated or the caller's
+    /// own constraint does not accept a posture.
     pub fn judge(&mut self, x: Vec<f64>) -> Plan {
         self.design.apply(&x[self.angles..], &mut self.function);
         let value = self.function.value(&x[..self.angles]);
         let met = !self.has_limits || self.function.kernel().violation() <= 0.0;
+        // Asked last: it may be slow.
+        let met = met && value.is_finite() && self.accepts(&x);
         Plan {
             x,
             value: if met { value } else { f64::INFINITY },
         }
+    }
+
+    /// True where the caller's own constraint accepts all postures of `x`.
+    pub fn accepts(&self, x: &[f64]) -> bool {
+        let accept = self.accept.as_ref();
+        accept.is_none_or(|accept| accept.accepts_all(&x[..self.angles], self.joints))
     }
 
     /// The local minimum near `start`, or `start` itself where that is better.

@@ -167,7 +167,14 @@ struct Global<'a> {
 
 impl<'a> Global<'a> {
     fn new(cell: &'a Cell, index: Index, count: usize, options: &'a GlobalOptions) -> Result<Self> {
-        let local = Local::new(cell, index, count, &options.given, &options.load)?;
+        let local = Local::new(
+            cell,
+            index,
+            count,
+            &options.given,
+            &options.load,
+            options.accept.as_ref(),
+        )?;
         let inputs = Inputs::new(cell, index)?;
         let wanted = inputs.wanted(true);
         let criterion = criterion(cell, index)?;
@@ -179,7 +186,7 @@ impl<'a> Global<'a> {
             count,
             options,
             schedule: Schedule::new(index, count, !cell.scene.is_empty()),
-            pool: Pool::new(cell, wanted, options.seed)?,
+            pool: Pool::new(cell, wanted, options.seed, options.accept.as_ref())?,
             chains: vec![chain; CHAINS],
             best: None,
             completed: 0,
@@ -354,8 +361,12 @@ impl<'a> Global<'a> {
         // The polish takes a second at most and belongs to the result of the
         // completed rounds; without any there is nothing to reproduce.
         if self.options.load.is_empty() && self.completed > 0 {
+            let rough = plan.clone();
             let (polished, solution) = polish::polish(self.cell, self.index, plan, n, given)?;
-            plan = polished;
+            plan = match self.chains[0].local.accepts(&polished.x) {
+                true => polished,
+                false => rough,
+            };
             if let Some(solution) = solution {
                 evaluations += solution.evaluations;
                 iterations = solution.iterations;

@@ -1,6 +1,7 @@
 //! Budgets of a global selection.
 
 use crate::plan::index::Index;
+use crate::plan::select::accept::Accept;
 use crate::plan::select::load_design::LoadDesign;
 use std::time::Duration;
 
@@ -21,6 +22,8 @@ pub struct GlobalOptions {
     pub given: Vec<Vec<f64>>,
     /// Load parameters to choose together with the postures.
     pub load: LoadDesign,
+    /// A constraint of the caller's own on the postures that are chosen; `None` for none.
+    pub accept: Option<Accept>,
 }
 
 impl Default for GlobalOptions {
@@ -31,6 +34,7 @@ impl Default for GlobalOptions {
             time_limit: None,
             given: Vec::new(),
             load: LoadDesign::default(),
+            accept: None,
         }
     }
 }

@@ -1,11 +1,12 @@
 //! Candidate postures inside bounds and limits, drawn once per selection, with
 //! their information and k(J_N).
 
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::streams::candidate_rng;
 use crate::plan::feasibility::nothing_meets;
 use crate::plan::index::kernel::{Kernel, Wanted};
+use crate::plan::select::accept::Accept;
 use crate::plan::select::repair::repair;
 use rand::RngExt;
 
@@ -35,7 +36,12 @@ impl Pool {
     ///
     /// # Errors
     /// No posture inside the limits was found.
-    pub fn new(cell: &Cell, wanted: Wanted<'_>, seed: u64) -> Result<Self> {
+    pub fn new(
+        cell: &Cell,
+        wanted: Wanted<'_>,
+        seed: u64,
+        accept: Option<&Accept>,
+    ) -> Result<Self> {
         let n = cell.setup.robot.joint_count();
         let mut kernel = Kernel::new(cell, wanted, CHUNK)?;
         let mut rng = candidate_rng(seed);
@@ -46,7 +52,7 @@ impl Pool {
             information: Vec::new(),
             log_dexterity: Vec::new(),
         };
-        let mut drawn = 0;
+        let (mut drawn, mut inside) = (0, 0);
         let mut outside = Vec::new();
         let mut draw = |q: &mut Vec<f64>| {
             q.clear();
@@ -62,7 +68,7 @@ impl Pool {
         while pool.len() < SIZE && drawn < MAX_DRAWS {
             draw(&mut q);
             drawn += CHUNK;
-            pool.take(&mut kernel, &q, wanted);
+            inside += pool.take(&mut kernel, &q, wanted, accept);
             if outside.len() < REPAIRS * n {
                 outside.extend_from_slice(&q);
             }
@@ -76,8 +82,14 @@ impl Pool {
                 while padded.len() < CHUNK * n {
                     padded.extend_from_slice(&last);
                 }
-                pool.take(&mut kernel, &padded, wanted);
+                inside += pool.take(&mut kernel, &padded, wanted, accept);
             }
+        }
+        if pool.len() == 0 && inside > 0 {
+            let message = format!(
+                "None of {inside} random postures inside bounds and limits is accepted by your own constraint."
+            );
+            return Err(Error::new(Code::InvalidValue, message).key("accept"));
         }
         if pool.len() == 0 {
             return Err(nothing_meets(cell, drawn));
@@ -108,12 +120,18 @@ impl Pool {
         self.log_dexterity.get(at).copied().unwrap_or(0.0)
     }
 
-    /// Keeps those of a chunk of postures that are inside the limits.
-    fn take(&mut self, kernel: &mut Kernel, q: &[f64], wanted: Wanted<'_>) {
+    /// Keeps those of a chunk of postures that are inside the limits and accepted; how many are inside.
+    fn take(
+        &mut self,
+        kernel: &mut Kernel,
+        q: &[f64],
+        wanted: Wanted<'_>,
+        accept: Option<&Accept>,
+    ) -> usize {
         kernel.forward(q);
         let inside: Vec<bool> = kernel.violations().map(|v| v <= 0.0).collect();
         for (p, q) in q.chunks_exact(self.joints).enumerate() {
-            if !inside[p] || self.len() == SIZE {
+            if !inside[p] || self.len() == SIZE || accept.is_some_and(|own| !own.accepts(q)) {
                 continue;
             }
             self.angles.extend_from_slice(q);
@@ -124,5 +142,6 @@ impl Pool {
                 self.log_dexterity.push(kernel.log_dexterity(p));
             }
         }
+        inside.iter().filter(|inside| **inside).count()
     }
 }

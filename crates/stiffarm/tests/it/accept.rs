@@ -1,0 +1,87 @@
+//! A constraint of the caller's own on the postures of a plan.
+
+use stiffarm::plan::index::Index;
+use stiffarm::plan::planned::{PlanRequest, plan};
+use stiffarm::plan::select::Accept;
+use stiffarm::{Cell, Code, Control};
+
+fn request(accept: Accept) -> PlanRequest {
+    let mut request = PlanRequest::default();
+    request.index = Index::ExpectedError;
+    request.rounds = Some(2);
+    request.certificate = false;
+    request.accept = Some(accept);
+    request
+}
+
+/// The wrist turned away from the cabinet: what limits of a cell cannot say.
+fn away(q: &[f64]) -> bool {
+    (q[3] + q[5]).sin() > 0.25
+}
+
+#[test]
+fn every_posture_of_a_plan_is_accepted_as_it_is_driven() {
+    let cell = Cell::built_in("comau").unwrap();
+    let found = plan(
+        &cell,
+        &request(Accept::new(away)),
+        &mut |_| {},
+        Control::default(),
+    )
+    .unwrap();
+    assert_eq!(found.postures.len(), 6);
+    assert!(found.postures.iter().all(|p| away(&p.q)));
+    // The free plan is not: the constraint costs something here.
+    let mut free = request(Accept::new(away));
+    free.accept = None;
+    let free = plan(&cell, &free, &mut |_| {}, Control::default()).unwrap();
+    assert!(!free.postures.iter().all(|p| away(&p.q)));
+    let (own, best) = (found.result.selection.value, free.result.selection.value);
+    assert!(own > best && own < 3.0 * best, "{own} {best}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_accepted_plan() {
+    let cell = Cell::built_in("comau").unwrap();
+    let found = || {
+        let request = request(Accept::new(away));
+        let found = plan(&cell, &request, &mut |_| {}, Control::default());
+        found.unwrap().postures
+    };
+    assert_eq!(found(), found());
+}
+
+#[test]
+fn a_constraint_that_accepts_everything_changes_nothing_but_the_turns() {
+    let cell = Cell::built_in("comau").unwrap();
+    let all = plan(
+        &cell,
+        &request(Accept::new(|_| true)),
+        &mut |_| {},
+        Control::default(),
+    );
+    let mut free = request(Accept::new(|_| true));
+    free.accept = None;
+    let free = plan(&cell, &free, &mut |_| {}, Control::default()).unwrap();
+    let (own, best) = (
+        all.unwrap().result.selection.value,
+        free.result.selection.value,
+    );
+    // Angles that are rounded elsewhere change it in the fifth digit.
+    assert!((own / best - 1.0).abs() < 1e-3, "{own} {best}");
+}
+
+#[test]
+fn a_constraint_that_accepts_nothing_is_named() {
+    let cell = Cell::built_in("comau").unwrap();
+    let error = plan(
+        &cell,
+        &request(Accept::new(|_| false)),
+        &mut |_| {},
+        Control::default(),
+    );
+    let error = error.map(|found| found.postures).unwrap_err();
+    assert_eq!(error.code(), Code::InvalidValue);
+    assert_eq!(error.place().key.as_deref(), Some("accept"));
+    assert!(error.message().contains("None of"), "{error}");
+}
