@@ -8,7 +8,7 @@ use crate::long::watched;
 use pyo3::prelude::*;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::estimate::coverage::{CoverageCase, coverage as count_coverage};
+use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage as count_coverage};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::IdentifyOptions;
 use stiffarm::estimate::simulate::{simulate as simulate_axes, simulate_elastic};
@@ -169,7 +169,7 @@ pub fn coverage(
             seed,
             resamples: bootstrap,
             options,
-            ..CoverageCase::default()
+            world: ErrorModel::default(),
         };
         let found =
             watched.with(|control| count_coverage(&cell.cell, &postures, &case, control))?;

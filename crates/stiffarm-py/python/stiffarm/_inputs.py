@@ -86,7 +86,7 @@ def postures(value: PosturesLike, role: str = "postures", *, degrees: bool = Fal
     """Postures as the library reads them."""
     from .postures import Postures
 
-    if not isinstance(value, (Postures, Result)) and is_table(value):
+    if is_table(value) and not isinstance(value, (Postures, Result)):
         return table(value, role)
     own = Postures.of(value, degrees=degrees)
     return own.names, own.angles
@@ -100,7 +100,7 @@ def groups(
     """Groups of postures with their names: one, several, or several by name."""
     from .postures import Postures
 
-    if isinstance(value, Mapping) and not _is_columns(value):
+    if isinstance(value, Mapping) and not isinstance(value, (Result, Table)) and not _is_columns(value):
         return [(str(name), postures(one, str(name), degrees=degrees)) for name, one in value.items()]
     several = isinstance(value, (list, tuple)) and any(
         isinstance(one, (str, os.PathLike, Postures, Result)) or (is_table(one)) or np.ndim(one) == 2

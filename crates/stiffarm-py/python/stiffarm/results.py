@@ -165,8 +165,7 @@ class Identified(Result):
     @property
     def stiffness(self) -> NDArray[np.float64]:
         """Joint stiffness [N·m/rad], one per spring; NaN where a joint is not determined."""
-        joints = self._estimates()["joints"]
-        values = [joint["stiffness_nm_per_rad"] for joint in joints]
+        values = [joint["stiffness"] for joint in self._estimates()["joints"]]
         return np.array([np.nan if value is None else value for value in values])
 
     @property
@@ -181,16 +180,18 @@ class Identified(Result):
 
     def table(self) -> Table:
         """A row per joint: stiffness, interval, standard error and verdict."""
-        rows = []
-        for joint in self._estimates()["joints"]:
-            rows.append({key: value for key, value in joint.items() if not isinstance(value, dict)})
         from ._result import _table_of
 
+        rows = []
+        for joint in self._estimates()["joints"]:
+            low, high = joint.get("interval") or (None, None)
+            row = {key: value for key, value in joint.items() if not isinstance(value, (dict, list))}
+            rows.append({**row, "interval_low": low, "interval_high": high})
         return _table_of(rows)
 
     def _headline(self) -> str:
         joints = self._estimates()["joints"]
-        shown = ", ".join("?" if j["stiffness_nm_per_rad"] is None else f"{j['stiffness_nm_per_rad']:.3g}" for j in joints)
+        shown = ", ".join("?" if j["stiffness"] is None else f"{j['stiffness']:.3g}" for j in joints)
         return f"k = {shown} N·m/rad"
 
 
