@@ -30,7 +30,8 @@ Commands:
       --only CHECKS     pytest, types (stubtest, basedpyright) or package (clippy, sdist, twine, abi3audit)
       -- WORDS          what follows is handed to pytest, for example -k cell
   generate [--check]
-      Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
+      Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/, the licences of
+      the Python package.
       --check           writes nothing and fails when one of them is out of date
   outputs FOLDER [--against OTHER] [--binary PATH] [--threads N,…] [--brief]
       Runs the commands of xtask/src/outputs/commands.txt and keeps everything that they print and write in

@@ -27,7 +27,7 @@ def main() -> None:
     version = "{}.{}".format(*sys.version_info)
     with tempfile.TemporaryDirectory() as scratch:
         subprocess.run([sys.executable, "-m", "venv", scratch], check=True)
-        pip = [next(Path(scratch).glob("*/python*")), "-m", "pip"]
+        pip = [Path(scratch) / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python"), "-m", "pip"]
         subprocess.run([*pip, "install", "--quiet", "--requirement", folder / "wanted.txt"], check=True)
         frozen = subprocess.run([*pip, "freeze"], check=True, stdout=subprocess.PIPE, text=True).stdout
     write(folder / f"python{version}.txt", version, frozen.splitlines())
