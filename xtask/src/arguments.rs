@@ -14,9 +14,9 @@ Commands:
   test [--install] [--require PARTS]
       Runs every test and closes with one line, `total: N passed, N failed, N skipped`.
       --install         installs what a part needs and the machine lacks: LibreOffice for the sheets,
-                        Chromium and Firefox for the pages (apt-get, as root)
+                        Chromium and Firefox for the pages, Python (apt-get, as root)
       --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, sheets, python,
-                        browser
+                        other-pythons, browser
       Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
   sheets [--install]
       Sheets filled by openpyxl and by LibreOffice, a part of test, alone.
@@ -25,8 +25,13 @@ Commands:
       --only KIND,…     only these kinds of xtask/pages/kinds.py, or sample, the checks tried on a written page
       --look FOLDER     leaves pictures of the pages there: three widths, light and dark, printed, in Firefox
       --gallery FOLDER  makes the pictures of docs/gallery.md there instead (docs/images/gallery)
+  python [--install] [--only CHECKS] [-- WORDS]
+      The Python package, a part of test, alone: one wheel, built and installed into target/python.
+      --only CHECKS     pytest, types (stubtest, basedpyright) or package (clippy, sdist, twine, abi3audit)
+      -- WORDS          what follows is handed to pytest, for example -k cell
   generate [--check]
-      Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/.
+      Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/, the licences of
+      the Python package.
       --check           writes nothing and fails when one of them is out of date
   outputs FOLDER [--against OTHER] [--binary PATH] [--threads N,…] [--brief]
       Runs the commands of xtask/src/outputs/commands.txt and keeps everything that they print and write in
@@ -108,6 +113,8 @@ pub enum Command {
     },
     /// Pages in browsers, alone.
     Pages(PagesOptions),
+    /// The Python package, alone.
+    Python(PythonOptions),
     /// [`Command::Lint`], then [`Command::Test`].
     Ci(TestOptions),
 }
@@ -119,6 +126,28 @@ pub struct TestOptions {
     pub install: bool,
     /// Parts that must not skip anything.
     pub require: Vec<Part>,
+}
+
+/// Options of `cargo xtask python`.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct PythonOptions {
+    /// Install what the machine lacks.
+    pub install: bool,
+    /// Only these checks of the package.
+    pub only: Option<Checks>,
+    /// Handed to pytest.
+    pub words: Vec<String>,
+}
+
+/// Checks of the Python package that belong together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Checks {
+    /// The tests, on the installed wheel.
+    Pytest,
+    /// Annotations and stubs.
+    Types,
+    /// The code in Rust, and what would be published.
+    Package,
 }
 
 /// Options of `cargo xtask pages`.
@@ -160,16 +189,19 @@ pub enum Part {
     Sheets,
     /// The Python package.
     Python,
+    /// The wheel on the other Pythons that it supports.
+    OtherPythons,
     /// The pages in a real browser.
     Browser,
 }
 
 impl Part {
-    const ALL: [Part; 5] = [
+    const ALL: [Part; 6] = [
         Part::Rust,
         Part::Reference,
         Part::Sheets,
         Part::Python,
+        Part::OtherPythons,
         Part::Browser,
     ];
 
@@ -180,6 +212,7 @@ impl Part {
             Part::Reference => "reference",
             Part::Sheets => "sheets",
             Part::Python => "python",
+            Part::OtherPythons => "other-pythons",
             Part::Browser => "browser",
         }
     }
@@ -192,7 +225,9 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
     };
     match name.as_str() {
         "help" | "--help" | "-h" => Ok(Command::Help),
-        _ if rest.iter().any(|a| a == "--help" || a == "-h") => Ok(Command::Help),
+        _ if (rest.iter().take_while(|a| *a != "--")).any(|a| a == "--help" || a == "-h") => {
+            Ok(Command::Help)
+        }
         "test" => Ok(Command::Test(parse_test(name, rest)?)),
         "ci" => Ok(Command::Ci(parse_test(name, rest)?)),
         "generate" => match rest {
@@ -213,6 +248,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
             [first, ..] => Err(unexpected(name, first)),
         },
         "pages" => Ok(Command::Pages(parse_pages(rest)?)),
+        "python" => Ok(Command::Python(parse_python(rest)?)),
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
         "robots" => parse_robots(rest),
         "fuzz" => Ok(Command::Fuzz(rest.to_vec())),
@@ -223,7 +259,7 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, sheets, pages, generate, outputs, robots, viewer, fuzz, lint, features, ci or help",
+            "use test, sheets, pages, python, generate, outputs, robots, viewer, fuzz, lint, features, ci or help",
         )),
     }
 }
@@ -248,6 +284,42 @@ fn parse_test(command: &str, rest: &[String]) -> Result<TestOptions, Failure> {
         } else {
             return Err(unexpected(command, argument));
         }
+    }
+    Ok(options)
+}
+
+/// Parses the options of `python`.
+fn parse_python(rest: &[String]) -> Result<PythonOptions, Failure> {
+    let mut options = PythonOptions::default();
+    let mut rest = rest.iter();
+    while let Some(argument) = rest.next() {
+        let value = match argument.as_str() {
+            "--install" => {
+                options.install = true;
+                continue;
+            }
+            "--" => {
+                options.words = rest.cloned().collect();
+                break;
+            }
+            "--only" => rest.next().map(String::as_str),
+            _ => Some(
+                argument
+                    .strip_prefix("--only=")
+                    .ok_or_else(|| unexpected("python", argument))?,
+            ),
+        };
+        options.only = Some(match value {
+            Some("pytest") => Checks::Pytest,
+            Some("types") => Checks::Types,
+            Some("package") => Checks::Package,
+            _ => {
+                return Err(Failure::usage(
+                    format!("`--only {}` names no checks", value.unwrap_or_default()),
+                    "use pytest, types or package",
+                ));
+            }
+        });
     }
     Ok(options)
 }
@@ -504,6 +576,37 @@ mod tests {
         assert_eq!(failure.message, "`--look` has no value");
         let failure = parsed("pages study").unwrap_err();
         assert_eq!(failure.message, "`cargo xtask pages` does not take `study`");
+    }
+
+    #[test]
+    fn python_takes_checks_and_words_for_pytest() {
+        for line in [
+            "python --install --only pytest -- -k cell -h",
+            "python --only=pytest --install -- -k cell -h",
+        ] {
+            let expected = PythonOptions {
+                install: true,
+                only: Some(Checks::Pytest),
+                words: ["-k", "cell", "-h"].map(String::from).to_vec(),
+            };
+            assert_eq!(parsed(line).unwrap(), Command::Python(expected), "{line}");
+        }
+        for (only, checks) in [("types", Checks::Types), ("package", Checks::Package)] {
+            let expected = PythonOptions {
+                only: Some(checks),
+                ..PythonOptions::default()
+            };
+            let command = parsed(&format!("python --only {only}")).unwrap();
+            assert_eq!(command, Command::Python(expected));
+        }
+        assert_eq!(parsed("python -h").unwrap(), Command::Help);
+        for (line, message) in [
+            ("python --only", "`--only ` names no checks"),
+            ("python --only=mypy", "`--only mypy` names no checks"),
+            ("python tests", "`cargo xtask python` does not take `tests`"),
+        ] {
+            assert_eq!(parsed(line).unwrap_err().message, message);
+        }
     }
 
     #[test]

@@ -25,6 +25,15 @@ const GENERATED: &[Generated] = &[
         target: "cells",
         source: Source::CopyOf("crates/stiffarm/data/cells"),
     },
+    // The licences go into the wheel, which takes nothing from outside its folder.
+    Generated {
+        target: "crates/stiffarm-py/LICENSE-APACHE",
+        source: Source::CopyOfFile("LICENSE-APACHE"),
+    },
+    Generated {
+        target: "crates/stiffarm-py/LICENSE-MIT",
+        source: Source::CopyOfFile("LICENSE-MIT"),
+    },
 ];
 
 /// One generated file or folder, relative to the workspace root.
@@ -39,6 +48,8 @@ enum Source {
     Stiffarm(&'static [&'static str]),
     /// Every file of this folder under its own name; the target folder holds nothing else.
     CopyOf(&'static str),
+    /// This file.
+    CopyOfFile(&'static str),
 }
 
 /// File contents by path relative to the workspace root, with `/` on every system.
@@ -138,6 +149,10 @@ fn expected_files(
                 for (name, content) in files_in(root, folder)? {
                     files.insert(format!("{}/{name}", entry.target), content);
                 }
+            }
+            Source::CopyOfFile(path) => {
+                let content = std::fs::read(root.join(path)).map_err(|e| unreadable(path, &e))?;
+                files.insert(entry.target.to_string(), content);
             }
         }
     }
@@ -288,6 +303,10 @@ mod tests {
             target: "cells",
             source: Source::CopyOf("data/cells"),
         },
+        Generated {
+            target: "package/LICENSE",
+            source: Source::CopyOfFile("LICENSE"),
+        },
     ];
 
     /// A workspace root with one original cell, removed at the end of the test.
@@ -298,6 +317,7 @@ mod tests {
             let id = std::process::id();
             let root = Root(std::env::temp_dir().join(format!("xtask-{name}-{id}")));
             root.put("data/cells/comau.toml", "format = 1\n");
+            root.put("LICENSE", "free\n");
             root
         }
 
@@ -334,7 +354,11 @@ mod tests {
         let missing = |path: &str| (path.to_string(), Drift::Missing);
         assert_eq!(
             root.drifts(),
-            [missing("cells/comau.toml"), missing("docs/errors.md")]
+            [
+                missing("cells/comau.toml"),
+                missing("docs/errors.md"),
+                missing("package/LICENSE")
+            ]
         );
         let expected = root.expected();
         let found = drifts(&root.0, TABLE, &expected).unwrap();
@@ -348,6 +372,10 @@ mod tests {
             std::fs::read(root.0.join("cells/comau.toml")).unwrap(),
             b"format = 1\n"
         );
+        assert_eq!(
+            std::fs::read(root.0.join("package/LICENSE")).unwrap(),
+            b"free\n"
+        );
         assert_eq!(root.drifts(), []);
         report(&BTreeMap::new(), 2).unwrap();
     }
@@ -356,6 +384,7 @@ mod tests {
     fn a_changed_file_is_named_with_its_line_and_repaired() {
         let root = Root::new("changed");
         root.put("docs/errors.md", "# docs errors\n");
+        root.put("package/LICENSE", "free\n");
         root.put("cells/comau.toml", "format = 1\nname = \"mine\"\n");
         let path = "cells/comau.toml".to_string();
         assert_eq!(root.drifts(), [(path, Drift::Differs { line: 2 })]);
@@ -373,6 +402,7 @@ mod tests {
     fn a_stray_copy_is_told_and_kept() {
         let root = Root::new("stray");
         root.put("docs/errors.md", "# docs errors\n");
+        root.put("package/LICENSE", "free\n");
         root.put("cells/comau.toml", "format = 1\n");
         root.put("cells/old.toml", "format = 1\n");
         let stray = "cells/old.toml".to_string();

@@ -4,11 +4,13 @@
 //! commands; CI runs the same ones.
 
 mod arguments;
+mod checked;
 mod checks;
 mod fuzz;
 mod generate;
 mod outputs;
 mod pages;
+mod python;
 mod reference;
 mod robots;
 mod run;
@@ -51,6 +53,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Fuzz(words) => fuzz::run(&workspace, &words),
         Command::Pages(options) => pages::alone(&workspace, &options),
         Command::Sheets { install } => sheets::alone(&workspace, install),
+        Command::Python(options) => python::alone(&workspace, &options),
         Command::Viewer { check } => viewer::run(&workspace, check),
         Command::Lint => checks::lint(&workspace),
         Command::Features => checks::features(&workspace),

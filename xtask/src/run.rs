@@ -55,6 +55,10 @@ impl Failure {
     }
 }
 
+/// The whole workspace without the Python package, which cargo builds only where Python is: a machine with nothing but
+/// Rust must not notice that there is one.
+pub const WITHOUT_PYTHON: [&str; 3] = ["--workspace", "--exclude", "stiffarm-py"];
+
 /// The folder that holds the workspace's `Cargo.toml`.
 pub struct Workspace {
     root: PathBuf,

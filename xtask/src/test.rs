@@ -3,16 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::arguments::{PagesOptions, Part, TestOptions};
-use crate::pages;
+use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
-use crate::run::{Cargo, Failure, Workspace, quoted};
+use crate::run::{Cargo, Failure, WITHOUT_PYTHON, Workspace, quoted};
 use crate::sheets::{self, Filled, Outcome};
 use crate::tally::{Ignored, Tally, Total};
 use crate::tools::Missing;
-
-/// Parts of the test suite that belong to a version of the project that has their folder.
-const LATER_PARTS: [(Part, &str); 1] = [(Part::Python, "crates/stiffarm-py")];
+use crate::{pages, python};
 
 /// One test or part that was not run.
 #[derive(Debug, PartialEq, Eq)]
@@ -26,13 +23,11 @@ struct Skip {
 /// Runs all parts and prints the closing line last; a failure has been told by then.
 pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     let start = Instant::now();
-    refuse_later_parts(workspace.root(), &options.require)?;
     let reference = reference_folder(std::env::var_os(REFERENCE_VARIABLE));
 
     let (mut tally, complaint) = run_rust(workspace, reference.as_deref().ok())?;
     let compiles = complaint.is_none();
     let mut failures = Vec::from_iter(complaint);
-    failures.extend(untested_parts(workspace.root()));
 
     let mut skips = skips(&tally.ignored, &reference, &options.require);
     if compiles {
@@ -54,20 +49,22 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
             install: options.install,
             ..PagesOptions::default()
         };
-        let checked = pages::run(workspace, &browsers)?;
-        tally.passed += checked.passed;
-        failures.extend(
-            checked
-                .failures
-                .into_iter()
-                .map(|why| format!("page {why}; fix: cargo xtask pages shows the pages alone")),
-        );
-        skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip {
-            part: Part::Browser,
-            name,
-            reason,
-            fix,
-        }));
+        let mut parts = vec![(Part::Browser, pages::run(workspace, &browsers)?)];
+        let python = PythonOptions {
+            install: options.install,
+            ..PythonOptions::default()
+        };
+        parts.extend(python::run(workspace, &python)?);
+        for (part, checked) in parts {
+            tally.passed += checked.passed;
+            failures.extend(checked.failures.into_iter().map(|why| failed(part, &why)));
+            skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip {
+                part,
+                name,
+                reason,
+                fix,
+            }));
+        }
     }
     let (unmet, allowed): (Vec<_>, Vec<_>) = skips
         .iter()
@@ -101,7 +98,13 @@ const TARGETS: [&[&str]; 2] = [&["--lib", "--bins", "--tests"], &["--doc"]];
 
 /// The build of everything that [`run`] runs but the doc tests.
 pub fn build(workspace: &Workspace) -> Cargo<'_> {
-    let arguments = [&["test", "--workspace", "--locked", "--no-run"], TARGETS[0]].concat();
+    let arguments = [
+        &["test"],
+        &WITHOUT_PYTHON[..],
+        &["--locked", "--no-run"],
+        TARGETS[0],
+    ]
+    .concat();
     workspace.cargo(&arguments)
 }
 
@@ -115,8 +118,8 @@ fn run_rust(
     let mut complaint = None;
     for targets in TARGETS {
         let failed = tally.failed;
-        let mut arguments = vec!["test", "--workspace", "--locked", "--no-fail-fast"];
-        arguments.extend(targets);
+        let words = ["--locked", "--no-fail-fast"];
+        let mut arguments = [&["test"], &WITHOUT_PYTHON[..], &words, targets].concat();
         if reference.is_some() {
             arguments.extend(["--", "--include-ignored"]);
         }
@@ -167,7 +170,8 @@ fn skip_of(test: &Ignored, reference: &Result<PathBuf, String>) -> Skip {
                 .clone()
                 .unwrap_or_else(|| "marked #[ignore] without a reason".to_string()),
             fix: format!(
-                "cargo test --workspace --locked -- --ignored --exact {}",
+                "cargo test {} --locked -- --ignored --exact {}",
+                WITHOUT_PYTHON.join(" "),
                 quoted(&test.name)
             ),
         },
@@ -189,37 +193,12 @@ fn described(skip: &Skip) -> String {
     format!("{}: {}; fix: {}", skip.name, skip.reason, skip.fix)
 }
 
-/// `--require` of a part that this version does not have is a mistake of the caller.
-fn refuse_later_parts(root: &Path, require: &[Part]) -> Result<(), Failure> {
-    for (part, folder) in LATER_PARTS {
-        if require.contains(&part) && !root.join(folder).is_dir() {
-            let name = part.name();
-            return Err(Failure::usage(
-                format!(
-                    "`--require {name}`: {name} is not part of this version yet, there is no `{folder}`"
-                ),
-                format!("leave `{name}` out of `--require`"),
-            ));
-        }
+/// A failed check with what shows it alone.
+fn failed(part: Part, why: &str) -> String {
+    match part {
+        Part::Browser => format!("page {why}; fix: cargo xtask pages shows the pages alone"),
+        _ => format!("{why}; fix: cargo xtask python shows it alone"),
     }
-    Ok(())
-}
-
-/// Says which parts are not there yet. A part whose folder has come without its tests being run here is a failure, so
-/// that nobody takes an untested part for a tested one.
-fn untested_parts(root: &Path) -> Vec<String> {
-    let mut failures = Vec::new();
-    for (part, folder) in LATER_PARTS {
-        let name = part.name();
-        if root.join(folder).is_dir() {
-            failures.push(format!(
-                "{name}: `{folder}` exists and its tests are not run; fix: run them in xtask/src/test.rs"
-            ));
-        } else {
-            println!("{name}: not part of this version yet");
-        }
-    }
-    failures
 }
 
 #[cfg(test)]
@@ -253,7 +232,7 @@ mod tests {
         assert_eq!(
             described(&skips[1]),
             "src/lib.rs - f (line 5): slow; fix: \
-             cargo test --workspace --locked -- --ignored --exact 'src/lib.rs - f (line 5)'"
+             cargo test --workspace --exclude stiffarm-py --locked -- --ignored --exact 'src/lib.rs - f (line 5)'"
         );
     }
 
@@ -270,17 +249,25 @@ mod tests {
     }
 
     #[test]
-    fn parts_without_a_folder_cannot_be_required_and_with_one_must_be_tested() {
-        let root = std::env::temp_dir().join(format!("xtask-parts-{}", std::process::id()));
-        let failure = refuse_later_parts(&root, &[Part::Python]).unwrap_err();
-        assert_eq!(failure.code, 2);
-        assert!(failure.message.contains("not part of this version yet"));
-        assert!(refuse_later_parts(&root, &[Part::Rust, Part::Reference]).is_ok());
-        assert!(untested_parts(&root).is_empty());
-
-        std::fs::create_dir_all(root.join("crates/stiffarm-py")).unwrap();
-        assert!(refuse_later_parts(&root, &[Part::Python]).is_ok());
-        assert!(untested_parts(&root)[0].starts_with("python: `crates/stiffarm-py` exists"));
-        std::fs::remove_dir_all(root).unwrap();
+    fn a_failed_check_says_what_shows_it_alone() {
+        for (part, start, end) in [
+            (
+                Part::Browser,
+                "page x: wide; fix: ",
+                "cargo xtask pages shows the pages alone",
+            ),
+            (
+                Part::Python,
+                "x: wide; fix: ",
+                "cargo xtask python shows it alone",
+            ),
+            (
+                Part::OtherPythons,
+                "x: wide; fix: ",
+                "cargo xtask python shows it alone",
+            ),
+        ] {
+            assert_eq!(failed(part, "x: wide"), format!("{start}{end}"));
+        }
     }
 }

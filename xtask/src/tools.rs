@@ -14,6 +14,17 @@ pub struct Missing {
     pub fix: &'static str,
 }
 
+/// How a Python may be called, first the one that people mean.
+const PYTHONS: [&str; 7] = [
+    "python3",
+    "python",
+    "python3.14",
+    "python3.13",
+    "python3.12",
+    "python3.11",
+    "python3.10",
+];
+
 /// What the scripts need of Python.
 const PYTHON: &str = "import sys; sys.exit(sys.version_info < (3, 10))";
 
@@ -30,6 +41,11 @@ pub fn stiffarm(workspace: &Workspace) -> PathBuf {
     target(workspace).join(format!("debug/stiffarm{}", std::env::consts::EXE_SUFFIX))
 }
 
+/// How the machine's Python is called, if it has one that is new enough.
+pub fn interpreter() -> Option<&'static str> {
+    first_that_runs(&PYTHONS, &["-c", PYTHON])
+}
+
 /// The Python of a virtual environment in `folder` that holds what `requirements` lists; `imports` is a statement that
 /// succeeds once it does. With `install`, Debian's Python is installed where there is none that can make one.
 pub fn python(
@@ -39,10 +55,7 @@ pub fn python(
     install: bool,
 ) -> Result<PathBuf, Missing> {
     let venv = folder.join("venv");
-    let bin = venv.join(match cfg!(windows) {
-        true => "Scripts/python.exe",
-        false => "bin/python",
-    });
+    let bin = program_in(&venv, "python");
     // Which versions are wanted changes with the file: what was installed by another is made anew.
     let wanted = std::fs::read(requirements).unwrap_or_default();
     let noted = venv.join("requirements.txt");
@@ -50,7 +63,7 @@ pub fn python(
         return Ok(bin);
     }
     let make = || {
-        let python = first_that_runs(&["python3", "python"], &["-c", PYTHON])?;
+        let python = interpreter()?;
         Some(call(
             Path::new(python),
             &["-m", "venv", "--clear", &venv.to_string_lossy()],
@@ -81,6 +94,14 @@ pub fn python(
         fix: "give pip a way to pypi.org, and run it again",
     })?;
     Ok(bin)
+}
+
+/// Where a virtual environment has a program.
+pub fn program_in(venv: &Path, name: &str) -> PathBuf {
+    match cfg!(windows) {
+        true => venv.join(format!("Scripts/{name}.exe")),
+        false => venv.join(format!("bin/{name}")),
+    }
 }
 
 /// Installs Debian's packages, as root; what is missing afterwards is told by those who look for it.

@@ -1,0 +1,44 @@
+"""Notes the newest versions of what wanted.txt names: `python3.11 renew.py` writes python3.11.txt beside it.
+
+Run it with every Python that has such a file, then `cargo xtask python`, and keep both in one commit.
+"""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+# Parts of Pinocchio, and of the keyring that twine asks: not everywhere.
+UNIX = ("cmeel", "coal", "eigenpy", "libcoal", "libpinocchio", "pin==")
+LINUX = ("jeepney", "secretstorage")
+
+
+def where(pin: str) -> str:
+    """The pin with the systems that have it."""
+    name = pin.lower()
+    if name.startswith(UNIX):
+        return f'{pin}; sys_platform != "win32"'
+    return f'{pin}; sys_platform == "linux"' if name.startswith(LINUX) else pin
+
+
+def main() -> None:
+    """Installs everything into a folder that is thrown away, and lists what came."""
+    folder = Path(__file__).resolve().parent
+    version = "{}.{}".format(*sys.version_info)
+    with tempfile.TemporaryDirectory() as scratch:
+        subprocess.run([sys.executable, "-m", "venv", scratch], check=True)
+        pip = [Path(scratch) / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python"), "-m", "pip"]
+        subprocess.run([*pip, "install", "--quiet", "--requirement", folder / "wanted.txt"], check=True)
+        frozen = subprocess.run([*pip, "freeze"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    write(folder / f"python{version}.txt", version, frozen.splitlines())
+
+
+def write(path: Path, version: str, pins: list[str]) -> None:
+    """One file."""
+    head = f"# Versions of wanted.txt on Python {version}, all with wheels. Renewed by `python{version} renew.py`."
+    lines = [head, "--only-binary :all:", *map(where, pins)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,170 @@
+//! What other programs say about the package: each a check with a name.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use super::{Place, wheel};
+use crate::checked::Checked;
+use crate::run::Failure;
+use crate::tools::program_in;
+
+/// The code in Rust, and what would be published.
+pub fn package(place: &Place, built: &Path, checked: &mut Checked) -> Result<(), Failure> {
+    let clippy = place
+        .workspace
+        .cargo(&[
+            "clippy",
+            "--locked",
+            "--package",
+            "stiffarm-py",
+            "--",
+            "-D",
+            "warnings",
+        ])
+        .env("PYO3_PYTHON", &place.python);
+    println!("{clippy}");
+    note(
+        checked,
+        "clippy of stiffarm-py",
+        clippy.run().map_err(|failure| failure.message),
+    );
+
+    let Some(sdist) = wheel::sdist(place)? else {
+        note(checked, "sdist", Err("maturin made none".to_string()));
+        return Ok(());
+    };
+    note(
+        checked,
+        "sdist holds the crates that it needs",
+        unpacked(place, &sdist),
+    );
+    let twine = place.tool("twine", &["check", "--strict"]);
+    check(checked, "twine check", with(twine, &[built, &sdist]));
+    let abi3audit = place.tool("abi3audit", &["--strict", "--report"]);
+    check(checked, "abi3audit", with(abi3audit, &[built]));
+    Ok(())
+}
+
+/// Annotations against the code, and code against its annotations.
+pub fn types(place: &Place, checked: &mut Checked) {
+    let mut stubtest = Command::new(&place.python);
+    // Where nothing but the installed wheel can be imported.
+    stubtest
+        .args(["-m", "mypy.stubtest", "stiffarm"])
+        .current_dir(&place.folder);
+    check(checked, "mypy stubtest", stubtest);
+    let mut basedpyright = place.tool("basedpyright", &["--project"]);
+    basedpyright
+        .arg(place.package.join("pyproject.toml"))
+        .arg("--pythonpath")
+        .arg(&place.python);
+    check(checked, "basedpyright --strict", basedpyright);
+}
+
+impl Place<'_> {
+    /// A program that pip has put beside the Python.
+    fn tool(&self, name: &str, words: &[&str]) -> Command {
+        let mut call = Command::new(program_in(&self.folder.join("venv"), name));
+        call.args(words).current_dir(&self.folder);
+        call
+    }
+}
+
+fn with(mut call: Command, paths: &[&Path]) -> Command {
+    call.args(paths);
+    call
+}
+
+/// Whether cargo finds in the unpacked source distribution every crate of the workspace that the package needs, with
+/// the versions of the lock file. That it builds is tried where wheels are released: it takes minutes.
+fn unpacked(place: &Place, sdist: &Path) -> Result<(), String> {
+    let folder = place.folder.join("sdist");
+    if folder.is_dir() {
+        std::fs::remove_dir_all(&folder).map_err(|error| error.to_string())?;
+    }
+    let mut unpack = Command::new(&place.python);
+    unpack
+        .args(["-m", "tarfile", "--extract"])
+        .args([sdist, &folder]);
+    outcome(&mut unpack)?;
+    let name = sdist.file_name().unwrap_or_default().to_string_lossy();
+    let root = folder.join(name.trim_end_matches(".tar.gz"));
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    outcome(
+        Command::new(cargo)
+            .args(["metadata", "--quiet", "--locked", "--offline"])
+            .args(["--format-version", "1", "--manifest-path"])
+            .arg(root.join("crates/stiffarm-py/Cargo.toml")),
+    )
+}
+
+/// Runs the program of a check and notes what comes of it.
+fn check(checked: &mut Checked, name: &str, mut call: Command) {
+    let start = Instant::now();
+    let outcome = outcome(&mut call);
+    if outcome.is_ok() {
+        println!("   {:.1} s", start.elapsed().as_secs_f64());
+    }
+    note(checked, name, outcome);
+}
+
+fn note(checked: &mut Checked, name: &str, outcome: Result<(), String>) {
+    match outcome {
+        Ok(()) => {
+            println!("ok {name}");
+            checked.passed += 1;
+        }
+        Err(why) => {
+            println!("FAILED {name}: {why}");
+            checked.failures.push(format!("{name}: {why}"));
+        }
+    }
+}
+
+/// Whether a program ends well. What it says is shown where it does not; its last line is the reason.
+fn outcome(call: &mut Command) -> Result<(), String> {
+    let program = call.get_program().to_string_lossy().into_owned();
+    let output = call
+        .env("PYTHONIOENCODING", "utf-8")
+        .env("NO_COLOR", "1")
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| format!("`{program}` could not be run: {error}"))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = [output.stdout, output.stderr].map(|s| String::from_utf8_lossy(&s).into_owned());
+    let last = said
+        .iter()
+        .filter_map(|text| text.lines().rfind(|line| !line.trim().is_empty()))
+        .next_back();
+    let why = last.map_or_else(|| output.status.to_string(), |line| line.trim().to_string());
+    said.iter().for_each(|text| print!("{text}"));
+    Err(why)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_check_is_noted_by_its_name_and_the_last_line_of_its_program() {
+        let mut checked = Checked::default();
+        let cargo = |word: &str| {
+            let mut call = Command::new("cargo");
+            call.arg(word);
+            call
+        };
+        check(&mut checked, "version", cargo("--version"));
+        check(&mut checked, "wrong", cargo("--no-such-flag"));
+        check(
+            &mut checked,
+            "none",
+            Command::new("no-such-program-of-stiffarm"),
+        );
+        assert_eq!(checked.passed, 1);
+        assert!(checked.failures[0].starts_with("wrong: "));
+        assert!(checked.failures[1].contains("could not be run"));
+    }
+}
