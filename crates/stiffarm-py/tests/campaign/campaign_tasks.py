@@ -24,14 +24,20 @@ def smooth(n: int, index: str, seed: int, *, scale: float = 1.0) -> dict[str, An
 smooth.headline = ("index_value", "margin_mm")  # type: ignore[attr-defined]
 
 
-def slow(seed: int, *, time_s: float = 0.05, folder: str = "") -> dict[str, Any]:
+def slow(seed: int, *, time_s: float = 0.05) -> dict[str, Any]:
     """Takes its time, and leaves a line for each time it was begun."""
-    if folder:
-        path = Path(folder) / "begun"
-        with open(path, "a", encoding="ascii") as file:
+    begun = os.environ.get("CAMPAIGN_TEST_BEGUN")
+    if begun:
+        with open(begun, "a", encoding="ascii") as file:
             file.write(f"{seed} {os.getpid()} {os.getppid()}\n")
     time.sleep(time_s)
     return {"value": seed * 0.5}
+
+
+def uneven(seed: int) -> dict[str, Any]:
+    """Quick at first, then slow."""
+    time.sleep(0.0 if seed <= 72 else 0.4)
+    return {"value": float(seed)}
 
 
 def burn(seed: int, *, time_s: float = 0.05) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -103,7 +104,9 @@ def _band(panel: Any, group: dict[Any, list[float]]) -> None:
             panel.set_xticks(keys)
         else:
             panel.xaxis.get_major_locator().set_params(integer=True)
-    panel.legend(frameon=False, fontsize=8)
+    panel.legend(
+        frameon=False, fontsize=8, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderpad=0
+    )
 
 
 def _boxes(panel: Any, group: dict[Any, list[float]]) -> None:
@@ -125,9 +128,12 @@ def _boxes(panel: Any, group: dict[Any, list[float]]) -> None:
                 "fliers": [],
             }
         )
+    # The name of this argument changed with matplotlib 3.10.
+    turnable = "orientation" in inspect.signature(panel.bxp).parameters
+    lying: dict[str, Any] = {"orientation": "horizontal"} if turnable else {"vert": False}
     panel.bxp(
         boxes,
-        vert=False,
+        **lying,
         showfliers=False,
         widths=0.6,
         patch_artist=True,

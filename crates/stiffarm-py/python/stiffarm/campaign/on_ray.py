@@ -25,6 +25,8 @@ from .limits import TRIES, Result, Setup, Worker, died
 
 #: Own time of the items of a batch [s].
 BATCH_S = 0.25
+#: Time after which a worker hands back what is left of a batch [s].
+LONGEST_S = 4 * BATCH_S
 #: Most items of a batch.
 MOST = 64
 #: Batches under way for each worker, the running one included.
@@ -46,11 +48,21 @@ class Supervisor:
         return os.getpid()
 
     def run(self, batch: list[tuple[Item, int]]) -> list[Result] | CampaignError:
-        """Results of a batch of items, each with the number of times it was begun before."""
+        """Results of the first items of a batch, each with the number of times it was begun before.
+
+        Fewer than all where they take longer than those before: then the others go back, so that
+        results come in and other workers can take them.
+        """
+        begun = time.monotonic()
+        results: list[Result] = []
         try:
-            return [self._worker.run(item, tries) for item, tries in batch]
+            for item, tries in batch:
+                results.append(self._worker.run(item, tries))
+                if time.monotonic() - begun > LONGEST_S:
+                    break
         except CampaignError as error:
             return error
+        return results
 
 
 @dataclass
@@ -158,7 +170,7 @@ class _Run:
                       self._ray.exceptions.ObjectLostError)  # fmt: skip
         self._items = items
         self._left = count
-        #: Items whose worker died, with the number of times each was begun.
+        #: Items that came back, with the number of times each was begun.
         self._again: deque[tuple[Item, int]] = deque()
         self._calls: dict[Any, tuple[_Actor, list[tuple[Item, int]]]] = {}
         self._mean_s: float | None = None
@@ -194,21 +206,22 @@ class _Run:
         except self._ray.exceptions.RayTaskError as error:
             cause = str(getattr(error, "cause", error)).strip().splitlines()[-1]
             raise CampaignError("worker_start", f"A worker failed: {cause}") from error
-        del self._calls[call]
+        batch = self._calls.pop(call)[1]
         actor.calls.remove(call)
         self._deaths = 0
-        results = self._read(actor, answer)
+        results = self._read(actor, batch, answer)
         # Work first, so that the actor does not wait while the driver writes.
         self._fill(actor)
         yield from results
 
-    def _read(self, actor: _Actor, answer: Any) -> list[Result]:
+    def _read(self, actor: _Actor, batch: list[tuple[Item, int]], answer: Any) -> list[Result]:
         if isinstance(answer, CampaignError):
             raise answer
         if not actor.ready:
             actor.ready = True
             return []
         results: list[Result] = answer
+        self._again.extend(batch[len(results) :])
         for result in results:
             if result.own_s is not None:
                 mean = self._mean_s
@@ -234,7 +247,7 @@ class _Run:
             try:
                 # It may have ended well before the worker died.
                 answer = self._ray.get(call, timeout=60)
-                yield from self._read(actor, answer)
+                yield from self._read(actor, batch, answer)
             except (*self._died, self._ray.exceptions.GetTimeoutError):
                 lost.append(batch)
         actor.calls.clear()
@@ -259,7 +272,7 @@ class _Run:
             self._calls[call] = (actor, batch)
 
     def _batch(self) -> list[tuple[Item, int]]:
-        # An item that a worker died with goes alone, so that it takes no other with it again.
+        # What came back goes alone: an item that a worker died with takes no other with it again.
         if self._again:
             return [self._again.popleft()]
         mean = self._mean_s

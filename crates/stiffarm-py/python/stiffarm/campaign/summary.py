@@ -25,7 +25,7 @@ class Summary:
         done: Items in the table.
         failures: One entry for each kind of error: ``error_code``, ``count``, and the first item
             with it (``item``, ``name``, ``error_message``), most frequent first.
-        axes: Axes that have several values.
+        axes: Axes that have several values, without the seed where there are others.
         figures: Names of the figures that are single numbers, those of the task's headline first.
         headline: How many of them belong to the headline.
         rows: Columns of the table of results, by name.
@@ -172,7 +172,9 @@ def summarise(
     """
     results = table.read(folder / "results.parquet")
     rows = {name: results.column(name).to_pylist() for name in results.column_names}
-    axes = tuple(axis for axis, values in declaration.axes.items() if len(values) > 1)
+    several = [axis for axis, values in declaration.axes.items() if len(values) > 1]
+    # Seeds are repetitions; nobody asks how a figure depends on them.
+    axes = tuple(axis for axis in several if axis != "seed") or tuple(several)
     own = {*COLUMNS, *table.all_axis_columns(declaration.axes)}
     figures = [name for name in rows if name not in own and _all_numbers(rows[name])]
     first = [name for name in headline if name in figures]
@@ -205,7 +207,7 @@ def _failures(rows: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 
 def _all_numbers(values: Sequence[Any]) -> bool:
     present = [value for value in values if value is not None]
-    return bool(present) and all(type(value) in (int, float) for value in present)
+    return any(map(is_number, present)) and all(type(value) in (int, float) for value in present)
 
 
 def _text_table(rows: Sequence[Mapping[str, Any]], axis: str) -> list[str]:
