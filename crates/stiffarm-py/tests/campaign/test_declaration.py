@@ -119,52 +119,52 @@ def test_the_hash_follows_order_options_and_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("data", "code", "key", "words"),
     [
-        (of(axis={}), "unknown_key", "axis", "'axes'"),
-        (of(name=None), "missing_key", "name", "missing"),
-        (of(name=3), "wrong_type", "name", "no text"),
-        (of(task="selct"), "unknown_task", "task", "'select'"),
-        (of(task="no_such_module:f"), "bad_task", "task", "cannot be imported"),
-        (of(task="__main__:f"), "bad_task", "task", "module"),
-        (of(axes=None), "missing_key", "axes", "missing"),
-        (of(axes={"seed": [1]}), "missing_key", "axes.cell", "builtin:comau"),
-        (of(axes=[1]), "wrong_type", "axes", "no table"),
-        (of(format=2), "unknown_format", "format", "format 1"),
-        (axes(sed=[1]), "unknown_key", "axes.sed", "'seed'"),
-        (axes(seed=[1, -1]), "wrong_type", "axes.seed[1]", "0 or more"),
-        (axes(seed=[1.5]), "wrong_type", "axes.seed[0]", "whole number"),
-        (axes(seed=[True]), "wrong_type", "axes.seed[0]", "whole number"),
-        (axes(seed=2**63), "wrong_type", "axes.seed", "whole number"),
-        (axes(seed=[]), "empty_axis", "axes.seed", "no values"),
-        (axes(seed={"first": 3, "last": 1}), "empty_axis", "axes.seed", "no values"),
-        (axes(seed={"first": 3}), "wrong_type", "axes.seed", "first and last"),
-        (axes(seed={"from": 3, "last": 4}), "unknown_key", "axes.seed.from", "first"),
-        (axes(seed={"first": 0, "last": 10**12}), "too_large", "axes.seed", "1000000"),
-        (axes(seed=[1, 2, 1]), "repeated_value", "axes.seed[2]", "twice"),
-        (axes(postures=0), "wrong_type", "axes.postures", "1 or more"),
-        (axes(load_n=[500, "x"]), "wrong_type", "axes.load_n[1]", "above 0"),
-        (axes(load_n=float("nan")), "wrong_type", None, "finite"),
-        (axes(anchor_mm=[[1, 2]]), "wrong_type", "axes.anchor_mm[0]", "[x, y, z]"),
-        (axes(tool=["short"]), "unknown_name", "axes.tool[0]", "[tools.short]"),
-        (axes(index={"first": 1, "last": 2}), "wrong_type", "axes.index", "list"),
-        (of(options={"round": 3}), "unknown_key", "options.round", "'rounds'"),
-        (of(options={"rounds": 2.5}), "wrong_type", "options.rounds", "whole number"),
-        (of(options={"rounds": True}), "wrong_type", "options.rounds", "whole number"),
-        (of(options={"time_limit_s": 3}), "unknown_key", "options.time_limit_s", "rounds"),
+        (of(axis={}), "unknown-key", "axis", "'axes'"),
+        (of(name=None), "missing-key", "name", "missing"),
+        (of(name=3), "wrong-type", "name", "no text"),
+        (of(task="selct"), "unknown-name", "task", "'select'"),
+        (of(task="no_such_module:f"), "bad-task", "task", "cannot be imported"),
+        (of(task="__main__:f"), "bad-task", "task", "module"),
+        (of(axes=None), "missing-key", "axes", "missing"),
+        (of(axes={"seed": [1]}), "missing-key", "axes.cell", "builtin:comau"),
+        (of(axes=[1]), "wrong-type", "axes", "no table"),
+        (of(format=2), "unsupported", "format", "format 1"),
+        (axes(sed=[1]), "unknown-key", "axes.sed", "'seed'"),
+        (axes(seed=[1, -1]), "wrong-type", "axes.seed[1]", "0 or more"),
+        (axes(seed=[1.5]), "wrong-type", "axes.seed[0]", "whole number"),
+        (axes(seed=[True]), "wrong-type", "axes.seed[0]", "whole number"),
+        (axes(seed=2**63), "wrong-type", "axes.seed", "whole number"),
+        (axes(seed=[]), "invalid-value", "axes.seed", "no values"),
+        (axes(seed={"first": 3, "last": 1}), "invalid-value", "axes.seed", "no values"),
+        (axes(seed={"first": 3}), "wrong-type", "axes.seed", "first and last"),
+        (axes(seed={"from": 3, "last": 4}), "unknown-key", "axes.seed.from", "first"),
+        (axes(seed={"first": 0, "last": 10**12}), "invalid-value", "axes.seed", "1000000"),
+        (axes(seed=[1, 2, 1]), "duplicate", "axes.seed[2]", "twice"),
+        (axes(postures=0), "wrong-type", "axes.postures", "1 or more"),
+        (axes(load_n=[500, "x"]), "wrong-type", "axes.load_n[1]", "above 0"),
+        (axes(load_n=float("nan")), "wrong-type", None, "finite"),
+        (axes(anchor_mm=[[1, 2]]), "wrong-type", "axes.anchor_mm[0]", "[x, y, z]"),
+        (axes(tool=["short"]), "unknown-name", "axes.tool[0]", "[tools.short]"),
+        (axes(index={"first": 1, "last": 2}), "wrong-type", "axes.index", "list"),
+        (of(options={"round": 3}), "unknown-key", "options.round", "'rounds'"),
+        (of(options={"rounds": 2.5}), "wrong-type", "options.rounds", "whole number"),
+        (of(options={"rounds": True}), "wrong-type", "options.rounds", "whole number"),
+        (of(options={"time_limit_s": 3}), "unknown-key", "options.time_limit_s", "rounds"),
         (
             of(task="simulate", options={"select": {"runs": 3}}),
-            "unknown_key",
+            "unknown-key",
             "options.select.runs",
             "rounds",
         ),
         (
             {**axes(postures=[6]), "task": "simulate", "options": {"postures_file": "p.csv"}},
-            "contradiction",
+            "conflict",
             "axes.postures",
             "change nothing",
         ),
-        (of(task="identify"), "missing_key", "axes.measurements", "once"),
-        (of(task="campaign_tasks:smooth"), "bad_task", "task", "argument: 'n'"),
-        (of(tools={"a": 3}), "wrong_type", "tools.a", "no table"),
+        (of(task="identify"), "missing-key", "axes.measurements", "once"),
+        (of(task="campaign_tasks:smooth"), "bad-task", "task", "argument: 'n'"),
+        (of(tools={"a": 3}), "wrong-type", "tools.a", "no table"),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_key(
@@ -178,7 +178,7 @@ def test_what_cannot_be_is_refused_with_its_key(
 
 def test_an_own_axis_cannot_have_the_name_of_a_column() -> None:
     data = {"name": "a", "task": "campaign_tasks:smooth", "axes": {"status": [1]}}
-    assert refused(data).code == "bad_name"
+    assert refused(data).code == "invalid-value"
 
 
 def test_a_file_that_is_none_is_refused(tmp_path: Path) -> None:
@@ -200,4 +200,4 @@ def test_large_grids_cost_nothing_until_their_items_are_asked_for() -> None:
     assert len(campaign) == 1_000_000
     assert campaign.items[999_999].values["seed"] == 1000
     error = refused(axes(seed=many, postures=many, load_n=[float(n) for n in range(1, 100)]))
-    assert error.code == "too_large"
+    assert error.code == "invalid-value"

@@ -74,7 +74,7 @@ def test_every_change_of_a_byte_is_seen() -> None:
 def test_the_last_record_of_an_item_counts(tmp_path: Path) -> None:
     path = tmp_path / "journal.jsonl"
     with Journal(path, 10) as journal:
-        journal.append({"number": 2, "code": "time_limit", "message": "…"})
+        journal.append({"number": 2, "code": "time-limit", "message": "…"})
         assert journal.failed == {2}
         journal.append(record(2))
         assert journal.failed == set()

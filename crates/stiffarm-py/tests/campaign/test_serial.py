@@ -75,17 +75,17 @@ def test_what_goes_wrong_is_a_row_and_the_rest_goes_on(tmp_path: Path) -> None:
     assert (outcome.done, outcome.failed) == (24, 20)
     found = {(row["way"], row["seed"]): row for row in rows(tmp_path)}
     expected = {
-        "raises": ("task_error", "ValueError: seed 2 at <object object at 0x…>"),
+        "raises": ("task-error", "ValueError: seed 2 at <object object at 0x…>"),
         "refuses": ("invalid_value", "The load is none."),
-        "exits": ("task_error", "SystemExit: 3"),
-        "dies": ("worker_died", "The worker died 3 times while it ran this item."),
-        "hangs": ("time_limit", "It took longer than its limit of 2 s."),
-        "eats": ("out_of_memory", "It needed more than its limit of 300 MB of memory."),
-        "asks": ("out_of_memory", "It needed more than its limit of 300 MB of memory."),
-        "no_dict": ("bad_result", "The task returned list, not a dict."),
-        "takes_a_column": ("bad_result", "A figure has the name seed, which is a column already."),
+        "exits": ("task-error", "SystemExit: 3"),
+        "dies": ("worker-died", "The worker died 3 times while it ran this item."),
+        "hangs": ("time-limit", "It took longer than its limit of 2 s."),
+        "eats": ("out-of-memory", "It needed more than its limit of 300 MB of memory."),
+        "asks": ("out-of-memory", "It needed more than its limit of 300 MB of memory."),
+        "no_dict": ("bad-result", "The task returned list, not a dict."),
+        "takes_a_column": ("bad-result", "A figure has the name seed, which is a column already."),
         "an_object": (
-            "bad_result",
+            "bad-result",
             "The figure value is of type object; text, numbers and lists of them can be kept.",
         ),
     }
@@ -188,7 +188,7 @@ def test_the_folder_of_another_campaign_is_refused(grid: dict[str, Any], tmp_pat
     def refused(words: str) -> None:
         with pytest.raises(CampaignError, match=words) as caught:
             Campaign.from_dict(grid).run(tmp_path, engine="serial", progress=False)
-        assert caught.value.code == "other_campaign"
+        assert caught.value.code == "other-campaign"
 
     grid["options"]["scale"] = 3.0
     refused("its options differs")
@@ -236,7 +236,7 @@ def test_without_ray_the_engine_is_serial_and_says_so(
     for arguments in ({"engine": "ray"}, {"workers": 2}, {"address": "auto"}):
         with pytest.raises(CampaignError, match="Ray is not installed") as caught:
             campaign.run(tmp_path, **arguments)  # type: ignore[arg-type]
-        assert caught.value.code == "no_ray"
+        assert caught.value.code == "no-ray"
         assert "stiffarm[campaign]" in str(caught.value.hint)
     assert campaign.run(tmp_path, progress=False).engine == "serial"
 
@@ -253,12 +253,12 @@ def test_without_pyarrow_nothing_is_run(
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [
-        ({"engine": "dask"}, "unknown_engine"),
-        ({"workers": 0}, "bad_workers"),
-        ({"engine": "serial", "workers": 2}, "contradiction"),
-        ({"engine": "serial", "address": "auto"}, "contradiction"),
-        ({"time_limit_s": 0.0}, "bad_limit"),
-        ({"memory_limit_mb": -1.0}, "bad_limit"),
+        ({"engine": "dask"}, "unknown-name"),
+        ({"workers": 0}, "invalid-value"),
+        ({"engine": "serial", "workers": 2}, "conflict"),
+        ({"engine": "serial", "address": "auto"}, "conflict"),
+        ({"time_limit_s": 0.0}, "invalid-value"),
+        ({"memory_limit_mb": -1.0}, "invalid-value"),
     ],
 )
 def test_arguments_that_cannot_be(

@@ -74,7 +74,7 @@ def test_failures_are_counted_by_kind(tmp_path: Path) -> None:
     summary = campaign.summary()
     assert [(f["error_code"], f["count"], f["item"]) for f in summary.failures] == [
         ("invalid_value", 3, 6),
-        ("task_error", 3, 0),
+        ("task-error", 3, 0),
     ]
     assert summary.failed == 6
     by_way = summary.by("way", figures=["value"]).to_pylist()
@@ -125,7 +125,7 @@ def test_the_command_says_where_an_error_is(grid: dict[str, Any], tmp_path: Path
     path = toml(tmp_path / "c.toml", grid)
     code, out, err = finish("run", path, tmp_path / "a")
     assert (code, out) == (2, "")
-    assert err.startswith(f"error: {path}, axes.n: 'n' is not known here.\nhint: ")
+    assert err.startswith(f"error: {path}: axes.n: 'n' is not known here.\n  hint: ")
     code, _, err = finish("status", tmp_path)
     assert code == 2 and "no folder of a campaign" in err
     code, _, err = finish("summary", tmp_path)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from .campaign import JOURNAL, Campaign, Outcome, open_folder
 from .engine import ENGINES
-from .errors import CampaignError
+from .errors import StiffarmError
 from .journal import Journal
 from .progress import duration
 
@@ -100,11 +100,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     command = {"run": _run, "status": _status, "summary": _summary}[parsed.command]
     try:
         return command(parsed)
-    except CampaignError as error:
-        where = ", ".join(str(part) for part in error.place.values())
-        print(f"error: {where + ': ' if where else ''}{error.message}", file=sys.stderr)
-        if error.hint:
-            print(f"hint: {error.hint}", file=sys.stderr)
+    except StiffarmError as error:
+        print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

@@ -116,7 +116,7 @@ def read_axis(
         place: Place of the declaration, for messages.
 
     Raises:
-        CampaignError: ``wrong_type``, ``unknown_key``, ``empty_axis``, ``repeated_value``.
+        CampaignError: ``wrong-type``, ``unknown-key``, ``invalid-value``, ``duplicate``.
     """
     key = f"axes.{name}"
     values: list[Value] = []
@@ -127,18 +127,18 @@ def read_axis(
             value = kind.take(part)
         except (ValueError, OverflowError):
             raise CampaignError(
-                "wrong_type", f"{part!r} is not {kind.says}.", place=here
+                "wrong-type", f"{part!r} is not {kind.says}.", place=here
             ) from None
         if kind.names_of and value not in allowed:
             raise CampaignError(
-                "unknown_name",
+                "unknown-name",
                 f"{value!r} is no name of [{kind.names_of}].",
                 place=here,
                 hint=nearest(str(value), allowed) or f"Add a table [{kind.names_of}.{value}].",
             )
         if value in values:
             raise CampaignError(
-                "repeated_value",
+                "duplicate",
                 f"{part!r} stands twice; each item would be computed twice.",
                 place=here,
                 hint="Repetitions are what the axis seed is for.",
@@ -146,7 +146,7 @@ def read_axis(
         values.append(value)
     if not values:
         raise CampaignError(
-            "empty_axis",
+            "invalid-value",
             "This axis has no values, so the campaign has no items.",
             place={**place, "key": key},
         )
@@ -171,18 +171,18 @@ def _range(
 ) -> Sequence[int]:
     if not kind.a_range:
         raise CampaignError(
-            "wrong_type", f"A table is not {kind.says}.", place=place, hint="Write a list."
+            "wrong-type", f"A table is not {kind.says}.", place=place, hint="Write a list."
         )
     for part, value in written.items():
         if part not in ("first", "last", "step"):
             raise unknown_key(part, ("first", "last", "step"), place, key)
         if isinstance(value, bool) or not isinstance(value, int):
             raise CampaignError(
-                "wrong_type", f"{value!r} is no whole number.", place={**place, "key": f"{key}.{part}"}
+                "wrong-type", f"{value!r} is no whole number.", place={**place, "key": f"{key}.{part}"}
             )
     if "first" not in written or "last" not in written or written.get("step", 1) < 1:
         raise CampaignError(
-            "wrong_type",
+            "wrong-type",
             "A range needs first and last, and a step of 1 or more.",
             place=place,
             hint="For example { first = 1, last = 20 }.",
@@ -190,7 +190,7 @@ def _range(
     values = range(written["first"], written["last"] + 1, written.get("step", 1))
     if len(values) > MOST_VALUES:
         raise CampaignError(
-            "too_large", f"An axis has at most {MOST_VALUES} values.", place=place
+            "invalid-value", f"An axis has at most {MOST_VALUES} values.", place=place
         )
     return values
 
@@ -203,7 +203,7 @@ def unknown_key(
     key = f"{above}.{name}" if above else name
     hint = nearest(name, known) or f"Known here: {', '.join(known)}."
     return CampaignError(
-        "unknown_key", f"{name!r} is not known here.", place={**place, "key": key}, hint=hint
+        "unknown-key", f"{name!r} is not known here.", place={**place, "key": key}, hint=hint
     )
 
 

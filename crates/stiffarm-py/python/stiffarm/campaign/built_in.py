@@ -8,23 +8,19 @@ postures, each a list of angles in degrees.
 
 from __future__ import annotations
 
-import math
-import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .errors import CampaignError, load
+from .errors import CampaignError
+from .item_cell import Values, cell_of, file_of, library
 from .options import NAMES, NUMBER, TEXT, WHOLE, YES_NO, OptionKind
-from .values import Value, canonical, overlay
-
-Values = Mapping[str, Value]
 
 
 class BadResult(Exception):
     """A task gave something that a table cannot keep."""
 
-    code = "bad_result"
+    code = "bad-result"
 
     def __init__(self, message: str) -> None:
         super().__init__(message)
@@ -43,96 +39,13 @@ class BuiltIn:
     run: Callable[[Values, Mapping[str, Any], Mapping[str, Any]], dict[str, Any]]
 
 
-# --- The cell of an item ---------------------------------------------------------------------
-
-_KEPT: dict[str, Any] = {}
-_MOST_KEPT = 64
-
-
-def library() -> Any:
-    """The package ``stiffarm`` with one worker thread."""
-    if "library" not in _KEPT:
-        stiffarm = load("stiffarm", "A built-in task")
-        stiffarm.set_threads(1)
-        _KEPT["library"] = stiffarm
-    return _KEPT["library"]
-
-
-def changes_of(values: Values, shared: Mapping[str, Any]) -> dict[str, Any]:
-    """What an item changes in its cell, as keys of a cell file; without the prior's scatter.
-
-    Raises:
-        CampaignError: ``no_noise`` where there is no variance for ``noise_factor`` to multiply.
-    """
-    changes: dict[str, Any] = {}
-    if "tool" in values:
-        changes["tool"] = shared["tools"][values["tool"]]
-    if "load" in values:
-        changes["load"] = shared["loads"][values["load"]]
-    if "anchor_mm" in values:
-        anchor = {"anchor_mm": list(values["anchor_mm"])}  # type: ignore[arg-type]
-        changes = overlay(changes, {"load": anchor})
-    if "load_n" in values:
-        changes = overlay(changes, {"load": {"magnitude_n": values["load_n"]}})
-    if "noise_factor" in values:
-        variance = shared["cells"][values["cell"]]["variance_mm2"]
-        if variance is None:
-            raise CampaignError(
-                "no_noise",
-                "This cell has no noise.variance_mm2 that noise_factor could multiply.",
-                place={"cell": values["cell"]},
-            )
-        changes["noise"] = {"variance_mm2": variance * float(values["noise_factor"])}  # type: ignore[arg-type]
-    return changes
-
-
-def cell_of(values: Values, shared: Mapping[str, Any], scattered: bool = False) -> Any:
-    """The cell of an item.
-
-    Args:
-        values: Values of the item.
-        shared: What the driver prepared.
-        scattered: With the prior stiffness drawn about the cell's own, as the item's
-            ``prior_scatter`` says; this is what a planner knows, not the truth.
-    """
-    library()
-    changes = changes_of(values, shared)
-    known = shared["cells"][values["cell"]]
-    scatter = float(values.get("prior_scatter", 0.0))  # type: ignore[arg-type]
-    if scattered and scatter > 0.0:
-        prior = known["prior_nm_per_rad"]
-        if prior is None:
-            raise CampaignError(
-                "no_prior",
-                "This cell has no stiffness.prior_nm_per_rad that prior_scatter could change.",
-                place={"cell": values["cell"]},
-            )
-        drawn = scatter_prior(prior, scatter, int(values.get("seed", 1)))  # type: ignore[arg-type]
-        changes["stiffness"] = {"prior_nm_per_rad": drawn}
-    key = canonical([values["cell"], changes])
-    if key not in _KEPT:
-        if len(_KEPT) > _MOST_KEPT:
-            for old in [k for k in _KEPT if k != "library"]:
-                del _KEPT[old]
-        cell = known["cell"]
-        _KEPT[key] = cell.with_changes(changes) if changes else cell
-    return _KEPT[key]
-
-
-def scatter_prior(prior: Sequence[float], scatter: float, seed: int) -> list[float]:
-    """Each stiffness times exp(scatter · z) with z normal [N·m/rad]; one draw for each seed."""
-    draws = random.Random(f"stiffarm prior {seed}")
-    return [value * math.exp(scatter * draws.gauss(0.0, 1.0)) for value in prior]
-
-
 # --- Reading results -------------------------------------------------------------------------
 
 
 def plain_result(result: Any) -> dict[str, Any]:
-    """The plain data of a result of the library, without what made it."""
+    """The plain data of a result of the library."""
     data: dict[str, Any] = result.to_dict()
-    inner = data.get("result")
-    return inner if isinstance(inner, dict) else data
+    return data
 
 
 def by_joint(stem: str, values: Sequence[Any] | None) -> dict[str, Any]:
@@ -198,9 +111,8 @@ def _evaluated(values: Values, postures_deg: Any, shared: Mapping[str, Any]) -> 
 def _group(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> Any:
     """Postures of an item: those of the option's file, or chosen."""
     if "postures_file" in options:
-        return library().read_postures(cell_of(values, shared), shared["files"][options["postures_file"]])
-    chosen = _selection(values, {"certificate": False, **options.get("select", {})}, shared)
-    return chosen.postures
+        return file_of(options["postures_file"], shared)
+    return _selection(values, {"certificate": False, **options.get("select", {})}, shared)
 
 
 def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
@@ -257,7 +169,7 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
     own = {k: v for k, v in options.items() if k != "measurements"}
     result = library().identify(
         cell_of(values, shared, scattered=True),
-        shared["files"][name],
+        file_of(name, shared),
         seed=values.get("seed", 1),
         **{"brief": True, **own},
     )
@@ -283,7 +195,7 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
 def _needs_cell(axes: Mapping[str, Any], place: Mapping[str, Any]) -> None:
     if "cell" not in axes:
         raise CampaignError(
-            "missing_key",
+            "missing-key",
             "The axis cell is missing.",
             place={**place, "key": "axes.cell"},
             hint='For example cell = ["builtin:comau"].',
@@ -305,14 +217,14 @@ def _check_group(
     for name in ("postures", "index", "prior_scatter"):
         if name in axes:
             raise CampaignError(
-                "contradiction",
+                "conflict",
                 f"The postures come from a file, so the axis {name} would change nothing.",
                 place={**place, "key": f"axes.{name}"},
                 hint="Leave out the axis, or options.postures_file.",
             )
     if "select" in options:
         raise CampaignError(
-            "contradiction",
+            "conflict",
             "The postures come from a file, so nothing is selected.",
             place={**place, "key": "options.select"},
         )
@@ -324,7 +236,7 @@ def _check_identify(
     _needs_cell(axes, place)
     if ("measurements" in axes) == ("measurements" in options):
         raise CampaignError(
-            "missing_key",
+            "missing-key",
             "Measurements must be given once: as an axis of files, or as an option with one file.",
             place={**place, "key": "axes.measurements"},
         )

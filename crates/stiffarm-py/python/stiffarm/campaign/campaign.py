@@ -170,14 +170,14 @@ class Campaign:
             What is in the folder now.
 
         Raises:
-            CampaignError: ``other_campaign`` where the folder belongs to another one, ``in_use``
-                where another run writes to it, ``no_ray``, ``missing_package``, and what is wrong
+            CampaignError: ``other-campaign`` where the folder belongs to another one, ``in-use``
+                where another run writes to it, ``no-ray``, ``missing-package``, and what is wrong
                 with the files the campaign names.
         """
         for limit, name in ((time_limit_s, "time_limit_s"), (memory_limit_mb, "memory_limit_mb")):
             if limit is not None and not limit > 0:
                 raise CampaignError(
-                    "bad_limit", f"A limit must be above 0, not {limit}.", place={"argument": name}
+                    "invalid-value", f"A limit must be above 0, not {limit}.", place={"key": name}
                 )
         chosen = engines.choose(engine, workers, address)
         # Better before the first item than after the last.
@@ -255,17 +255,17 @@ class Campaign:
             found = _record(path)
             if found["hash"] != own["hash"]:
                 raise CampaignError(
-                    "other_campaign",
+                    "other-campaign",
                     f"This folder belongs to another campaign: {_difference(found, own)}.",
-                    place={"folder": str(folder)},
+                    place={"file": str(folder)},
                     hint="Take a new folder.",
                 )
             return
         if (folder / JOURNAL).exists() and (folder / JOURNAL).stat().st_size > 0:
             raise CampaignError(
-                "other_campaign",
+                "other-campaign",
                 f"This folder has a journal but no {RECORD} that says whose it is.",
-                place={"folder": str(folder)},
+                place={"file": str(folder)},
                 hint="Take a new folder.",
             )
         write_whole(path, json.dumps(own, indent=1, ensure_ascii=False).encode() + b"\n")
@@ -288,12 +288,12 @@ class Campaign:
             folder: Folder of a run; that of the last :meth:`run` by default.
 
         Raises:
-            CampaignError: ``no_table`` where nothing was run there.
+            CampaignError: ``no-table`` where nothing was run there.
         """
         where = self._folder if folder is None else Path(folder)
         if where is None:
             raise CampaignError(
-                "no_table", "This campaign was not run yet.", hint="Give the folder of a run."
+                "no-table", "This campaign was not run yet.", hint="Give the folder of a run."
             )
         headline = task_of(self.declaration.task).headline
         return summarise(where, self.declaration, len(self), headline)
@@ -305,7 +305,7 @@ def open_folder(folder: str | os.PathLike[str]) -> Campaign:
     It can be looked at; to run it on, read it from its file, whose folder its file names need.
 
     Raises:
-        CampaignError: ``no_campaign`` where the folder is none of a campaign.
+        CampaignError: ``no-campaign`` where the folder is none of a campaign.
     """
     campaign = Campaign.from_dict(_record(Path(folder) / RECORD)["declaration"], folder)
     campaign._folder = Path(folder)
@@ -329,11 +329,11 @@ def _record(path: Path) -> dict[str, Any]:
             return record
     except OSError as error:
         raise CampaignError(
-            "no_campaign", f"This is no folder of a campaign ({error.strerror}).", place={"file": str(path)}
+            "no-campaign", f"This is no folder of a campaign ({error.strerror}).", place={"file": str(path)}
         ) from error
     except ValueError:
         pass
-    raise CampaignError("no_campaign", "This file describes no campaign.", place={"file": str(path)})
+    raise CampaignError("no-campaign", "This file describes no campaign.", place={"file": str(path)})
 
 
 def _difference(found: Mapping[str, Any], own: Mapping[str, Any]) -> str:
@@ -365,9 +365,9 @@ def _locked(folder: Path) -> Iterator[None]:
             fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             raise CampaignError(
-                "in_use",
+                "in-use",
                 "Another run writes to this folder.",
-                place={"folder": str(folder)},
+                place={"file": str(folder)},
                 hint="Wait for it, or take another folder.",
             ) from error
         yield

@@ -97,7 +97,7 @@ def run_item(task: Task, setup: Mapping[str, Any], values: Mapping[str, Any]) ->
         figures = task.run(values, setup["options"], setup["shared"])
         answer = {"figures": _figures(figures, setup["axis_columns"])}
     except MemoryError:
-        answer = {"code": "out_of_memory", "message": "", "detail": None}
+        answer = {"code": "out-of-memory", "message": "", "detail": None}
     except BaseException as error:  # noqa: BLE001 — a panic or SystemExit is an item's error too
         answer = _failure(error)
     answer["own_s"] = time.perf_counter() - begun
@@ -112,7 +112,7 @@ def _failure(error: BaseException) -> dict[str, Any]:
     text = getattr(error, "message", None) if own else None
     message = text if isinstance(text, str) else str(error)
     if not own:
-        code = "task_error"
+        code = "task-error"
         message = f"{type(error).__name__}: {message}" if message else type(error).__name__
     # Addresses differ from process to process; the table must not.
     message = _ADDRESS.sub("0x…", message)
@@ -194,7 +194,7 @@ def main() -> None:
             send(answers, answer)
         except OSError:
             return
-        if answer.get("code") == "out_of_memory":
+        if answer.get("code") == "out-of-memory":
             return
 
 

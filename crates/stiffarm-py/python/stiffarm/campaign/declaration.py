@@ -95,12 +95,12 @@ def read_toml(path: Path) -> Declaration:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise CampaignError("cannot_read", f"{reason}.", place=place) from error
+        raise CampaignError("file-read", f"{reason}.", place=place) from error
     toml = toml_reader()
     try:
         data = toml.loads(text)
     except toml.TOMLDecodeError as error:
-        raise CampaignError("no_toml", f"This is no TOML: {error}.", place=place) from error
+        raise CampaignError("toml-syntax", f"This is no TOML: {error}.", place=place) from error
     return read_dict(data, folder=path.parent, place=place)
 
 
@@ -127,17 +127,17 @@ def read_dict(
     """
     here = dict(place or {})
     if not isinstance(data, Mapping):
-        raise CampaignError("wrong_type", "A campaign is a table of keys.", place=here)
+        raise CampaignError("wrong-type", "A campaign is a table of keys.", place=here)
     try:
         data = plain(data)
     except (TypeError, ValueError) as error:
-        raise CampaignError("wrong_type", f"A value {error}.", place=here) from error
+        raise CampaignError("wrong-type", f"A value {error}.", place=here) from error
     for key in data:
         if key not in _KEYS:
             raise unknown_key(key, _KEYS, here)
     if data.get("format", FORMAT) != FORMAT:
         raise CampaignError(
-            "unknown_format",
+            "unsupported",
             f"This file has format {data['format']!r}; this version reads format {FORMAT}.",
             place={**here, "key": "format"},
         )
@@ -158,7 +158,7 @@ def read_dict(
     )
     if len(declaration) > MOST_ITEMS:
         raise CampaignError(
-            "too_large",
+            "invalid-value",
             f"This grid has {len(declaration)} items; a campaign has at most {MOST_ITEMS}.",
             place={**here, "key": "axes"},
             hint="Split it into several campaigns.",
@@ -171,17 +171,17 @@ def _text(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> str:
     value = data.get(key)
     if value is None:
         raise CampaignError(
-            "missing_key", f"The key {key} is missing.", place={**place, "key": key}
+            "missing-key", f"The key {key} is missing.", place={**place, "key": key}
         )
     if not isinstance(value, str) or not value.strip():
-        raise CampaignError("wrong_type", f"{value!r} is no text.", place={**place, "key": key})
+        raise CampaignError("wrong-type", f"{value!r} is no text.", place={**place, "key": key})
     return value
 
 
 def _table(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> dict[str, Any]:
     value = data.get(key, {})
     if not isinstance(value, dict):
-        raise CampaignError("wrong_type", f"{value!r} is no table.", place={**place, "key": key})
+        raise CampaignError("wrong-type", f"{value!r} is no table.", place={**place, "key": key})
     return value
 
 
@@ -190,7 +190,7 @@ def _tables(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> dict
     for name, table in tables.items():
         if not isinstance(table, dict):
             raise CampaignError(
-                "wrong_type",
+                "wrong-type",
                 f"{table!r} is no table.",
                 place={**place, "key": f"{key}.{name}"},
                 hint=f"Write [{key}.{name}] and the keys below it.",
@@ -204,7 +204,7 @@ def _axes(
     written = _table(data, "axes", place)
     if not written:
         raise CampaignError(
-            "missing_key",
+            "missing-key",
             "The table [axes] is missing or empty.",
             place={**place, "key": "axes"},
             hint='For example [axes] with cell = ["builtin:comau"] and seed = [1, 2, 3].',
@@ -215,7 +215,7 @@ def _axes(
             raise unknown_key(name, task.axes, place, "axes")
         if not _NAME.match(name) or name in COLUMNS:
             raise CampaignError(
-                "bad_name",
+                "invalid-value",
                 f"{name!r} cannot be the name of an axis.",
                 place={**place, "key": f"axes.{name}"},
                 hint="Names have small letters, digits and _, and no column of the table has them.",

@@ -57,25 +57,25 @@ def choose(engine: str, workers: int | None, address: str | None) -> str:
     worker.
 
     Raises:
-        CampaignError: ``unknown_engine``, ``bad_workers``, ``no_ray``, ``contradiction``.
+        CampaignError: ``unknown-name``, ``invalid-value``, ``no-ray``, ``conflict``.
     """
     if engine not in ENGINES:
         raise CampaignError(
-            "unknown_engine", f"There is no engine {engine!r}.", hint=f"Known: {', '.join(ENGINES)}."
+            "unknown-name", f"There is no engine {engine!r}.", hint=f"Known: {', '.join(ENGINES)}."
         )
     if workers is not None and (isinstance(workers, bool) or workers < 1):
-        raise CampaignError("bad_workers", f"There must be 1 worker or more, not {workers}.")
+        raise CampaignError("invalid-value", f"There must be 1 worker or more, not {workers}.")
     if engine == "serial" and (address is not None or (workers or 1) > 1):
         given = "an address" if address is not None else f"{workers} workers"
         raise CampaignError(
-            "contradiction",
+            "conflict",
             f"The serial engine runs one item after the other and has no use for {given}.",
             hint='Leave it out, or take engine="ray".',
         )
     wanted = engine == "ray" or address is not None or (workers is not None and workers > 1)
     if wanted and not ray_installed():
         raise CampaignError(
-            "no_ray",
+            "no-ray",
             "Ray is not installed here, so items can only be run one after the other.",
             hint=f'{INSTALL} installs Ray; engine="serial" does without.',
         )

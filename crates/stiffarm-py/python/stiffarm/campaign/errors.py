@@ -6,17 +6,21 @@ import importlib
 from collections.abc import Mapping
 from typing import Any
 
+from .._errors import StiffarmError
+
+__all__ = ["INSTALL", "CampaignError", "StiffarmError", "load"]
+
 INSTALL = 'pip install "stiffarm[campaign]"'
 
 
-class CampaignError(Exception):
+class CampaignError(StiffarmError):
     """A campaign that cannot be read, started or resumed.
 
     What goes wrong inside one item is not an error of the campaign: it is a row of its table.
 
     Attributes:
-        code: Stable name of what is wrong, for example ``unknown_key``.
-        message: One sentence.
+        message: One sentence, without place and hint.
+        code: Stable name of what is wrong, for example ``unknown-key``.
         place: Where, for example ``{"file": "campaign.toml", "key": "axes.seed"}``.
         hint: What to do about it, or None.
     """
@@ -29,16 +33,7 @@ class CampaignError(Exception):
         place: Mapping[str, Any] | None = None,
         hint: str | None = None,
     ) -> None:
-        super().__init__(message)
-        self.code = code
-        self.message = message
-        self.place: dict[str, Any] = dict(place or {})
-        self.hint = hint
-
-    def __str__(self) -> str:
-        where = ", ".join(str(part) for part in self.place.values())
-        text = f"{where}: {self.message}" if where else self.message
-        return f"{text} {self.hint}" if self.hint else text
+        super().__init__(message, code, dict(place or {}), hint)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (self.code, self.message, self.place, self.hint)
@@ -58,14 +53,14 @@ def load(name: str, wanted_for: str) -> Any:
         wanted_for: What needs it, the subject of the message.
 
     Raises:
-        CampaignError: ``missing_package`` where it is not installed.
+        CampaignError: ``missing-package`` where it is not installed.
     """
     try:
         return importlib.import_module(name)
     except ImportError as error:
         package = name.partition(".")[0]
         raise CampaignError(
-            "missing_package",
+            "missing-package",
             f"{wanted_for} needs the package {package}, which cannot be imported here ({error}).",
             hint=f"{INSTALL} installs it.",
         ) from error

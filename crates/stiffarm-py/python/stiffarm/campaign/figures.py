@@ -34,7 +34,7 @@ def draw(summary: Summary, folder: Path) -> list[Path]:
     names become boxes from quartile to quartile with whiskers from the 5 % to the 95 % quantile.
 
     Raises:
-        CampaignError: ``missing_package`` without matplotlib.
+        CampaignError: ``missing-package`` without matplotlib.
     """
     matplotlib = load("matplotlib", "Drawing figures")
     figure_module = load("matplotlib.figure", "Drawing figures")

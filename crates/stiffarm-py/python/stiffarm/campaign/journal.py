@@ -56,7 +56,7 @@ class Journal:
             writable: False to look at it while a run may be writing to it.
 
         Raises:
-            CampaignError: ``broken_journal`` where a line names an item that there is not.
+            CampaignError: ``broken-journal`` where a line names an item that there is not.
         """
         self.path = path
         self._items = items
@@ -92,7 +92,7 @@ class Journal:
         number = record["number"]
         if not 0 <= number < self._items:
             raise CampaignError(
-                "broken_journal",
+                "broken-journal",
                 f"It has item {number}; the campaign has {self._items}.",
                 place={"file": str(self.path)},
             )

@@ -136,7 +136,7 @@ class Worker:
             tries: How often it was begun before.
 
         Raises:
-            CampaignError: ``worker_start`` where no worker process can be started at all.
+            CampaignError: ``worker-start`` where no worker process can be started at all.
         """
         while True:
             tries += 1
@@ -165,12 +165,12 @@ class Worker:
             return None
         code, answer = self._answer(process, begun)
         if code is None and answer is None:
-            code = "out_of_memory" if self._ran_out() else None
+            code = "out-of-memory" if self._ran_out() else None
             self._end()
             if code is None:
                 return None
-        if answer is not None and answer.get("code") == "out_of_memory":
-            code = "out_of_memory"
+        if answer is not None and answer.get("code") == "out-of-memory":
+            code = "out-of-memory"
         if code is not None:
             self._end()
             message = self._limit_message(code)
@@ -187,7 +187,7 @@ class Worker:
             if setup.time_limit_s is not None:
                 left = begun + setup.time_limit_s - time.monotonic()
                 if left <= 0:
-                    return "time_limit", None
+                    return "time-limit", None
                 waits.append(left)
             if setup.memory_limit_mb is not None:
                 waits.append(_LOOK_S)
@@ -196,10 +196,10 @@ class Worker:
             except queue.Empty:
                 used = resident_mb(process.popen.pid) if setup.memory_limit_mb else None
                 if used is not None and used > (setup.memory_limit_mb or 0):
-                    return "out_of_memory", None
+                    return "out-of-memory", None
 
     def _limit_message(self, code: str) -> str:
-        if code == "time_limit":
+        if code == "time-limit":
             return f"It took longer than its limit of {self._setup.time_limit_s:g} s."
         if self._setup.memory_limit_mb is None:
             return "There was not enough memory."
@@ -241,7 +241,7 @@ class Worker:
             failed = (answer or {}).get("failed") or {"message": self._last_words()}
             self._end()
             raise CampaignError(
-                "worker_start", f"A worker process could not be started: {failed['message']}"
+                "worker-start", f"A worker process could not be started: {failed['message']}"
             )
         return process
 
@@ -281,7 +281,7 @@ def died(number: int, tries: int) -> Result:
     """The result of an item whose worker died at every try."""
     times = f"{tries} times" if tries > 1 else "once"
     message = f"The worker died {times} while it ran this item."
-    return Result(number, code="worker_died", message=message, tries=tries)
+    return Result(number, code="worker-died", message=message, tries=tries)
 
 
 def resident_mb(pid: int) -> float | None:

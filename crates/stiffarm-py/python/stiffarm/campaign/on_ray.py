@@ -88,7 +88,7 @@ class OnRay:
                 one a Ray that this program has started already, or a new one on this machine.
 
         Raises:
-            CampaignError: ``no_cluster`` where there is no Ray at the address.
+            CampaignError: ``no-cluster`` where there is no Ray at the address.
         """
         # Nothing is reported to Ray's makers unless the user says so.
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
@@ -99,9 +99,9 @@ class OnRay:
         except (ConnectionError, ValueError, RuntimeError, OSError) as error:
             first = str(error).strip().splitlines()[0] if str(error).strip() else "no answer"
             raise CampaignError(
-                "no_cluster",
-                f"Ray cannot be reached: {first}",
-                place={"address": address or "local"},
+                "no-cluster",
+                f"Ray cannot be reached at {address or 'this machine'}: {first}",
+                place={"key": "address"},
             ) from error
         cores = int(self._ray.cluster_resources().get("CPU", 1))
         self._count = workers or max(1, cores)
@@ -205,7 +205,7 @@ class _Run:
             return
         except self._ray.exceptions.RayTaskError as error:
             cause = str(getattr(error, "cause", error)).strip().splitlines()[-1]
-            raise CampaignError("worker_start", f"A worker failed: {cause}") from error
+            raise CampaignError("worker-start", f"A worker failed: {cause}") from error
         batch = self._calls.pop(call)[1]
         actor.calls.remove(call)
         self._deaths = 0
@@ -234,7 +234,7 @@ class _Run:
         cause = _cause_in_creation(error)
         if cause is not None or self._deaths > MOST_DEATHS:
             raise CampaignError(
-                "worker_start",
+                "worker-start",
                 f"Workers cannot be started: {cause}"
                 if cause
                 else f"Workers died {self._deaths} times in a row without a result.",
@@ -293,7 +293,7 @@ class _Run:
             self._since = time.monotonic()
         elif time.monotonic() - self._since > WAIT_S:
             raise CampaignError(
-                "no_cluster",
+                "no-cluster",
                 f"Ray gave no worker within {WAIT_S:g} s.",
                 hint="Are there free processors in the cluster?",
             )

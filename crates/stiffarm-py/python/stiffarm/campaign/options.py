@@ -49,14 +49,14 @@ def read_options(
     """The options, checked by name and type.
 
     Raises:
-        CampaignError: ``unknown_key`` or ``wrong_type`` with the key's path.
+        CampaignError: ``unknown-key`` or ``wrong-type`` with the key's path.
     """
     result: dict[str, Any] = {}
     for name, value in written.items():
         here = {**place, "key": f"{above}.{name}"}
         if name in FORBIDDEN and name not in known:
             raise CampaignError(
-                "unknown_key", f"{name!r} is no option of an item.", place=here, hint=FORBIDDEN[name]
+                "unknown-key", f"{name!r} is no option of an item.", place=here, hint=FORBIDDEN[name]
             )
         if name not in known:
             raise unknown_key(name, known, place, above)
@@ -67,7 +67,7 @@ def read_options(
         if kind.each is not None and not wrong:
             wrong = any(isinstance(x, bool) or not isinstance(x, kind.each) for x in value)
         if wrong:
-            raise CampaignError("wrong_type", f"{value!r} is not {kind.says}.", place=here)
+            raise CampaignError("wrong-type", f"{value!r} is not {kind.says}.", place=here)
         if kind.inner is not None:
             value = read_options(value, kind.inner, place, f"{above}.{name}")
         result[name] = value

@@ -14,7 +14,7 @@ from typing import Any
 from .declaration import Declaration, toml_reader
 from .errors import CampaignError, load
 from .tasks import task_of
-from .values import digest, overlay
+from .values import digest
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def read_files(declaration: Declaration) -> dict[str, str]:
     """Hashes of all files that the declaration names.
 
     Raises:
-        CampaignError: ``cannot_read`` with the key that names the file.
+        CampaignError: ``file-read`` with the key that names the file.
     """
     task = task_of(declaration.task)
     files = task.sources()
@@ -62,7 +62,7 @@ def read_resources(declaration: Declaration) -> Resources:
     """Everything that the items need.
 
     Raises:
-        CampaignError: A file cannot be read, or a cell is none.
+        StiffarmError: A file cannot be read, or a cell is none.
     """
     files = read_files(declaration)
     shared: dict[str, Any] = {}
@@ -72,7 +72,10 @@ def read_resources(declaration: Declaration) -> Resources:
             "tools": dict(declaration.tools),
             "loads": dict(declaration.loads),
             "files": {
-                name: _bytes(declaration.folder / name, key)
+                name: {
+                    "path": str((declaration.folder / name).resolve()),
+                    "data": _bytes(declaration.folder / name, key),
+                }
                 for key, name in _named(declaration)
                 if not key.startswith(("axes.cell", "cells."))
             },
@@ -102,7 +105,7 @@ def _bytes(path: Path, key: str) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise CampaignError(
-            "cannot_read",
+            "file-read",
             f"{error.strerror}.",
             place={"key": key, "file": str(path)},
             hint="File names start from the folder of the campaign's file.",
@@ -135,36 +138,25 @@ def _inner_files(data: bytes, folder: Path) -> Iterator[str]:
 def _cell(declaration: Declaration, name: str) -> dict[str, Any]:
     """A cell as the tasks use it: the object, and what axes multiply."""
     own = declaration.cells.get(name)
-    key = f"cells.{name}" if own is not None else "axes.cell"
-    try:
-        if own is None:
-            cell, data = _referred(declaration, name)
-        elif "base" in own:
-            cell, data = _referred(declaration, str(own["base"]))
-            changes = {k: v for k, v in own.items() if k != "base"}
-            cell, data = cell.with_changes(changes), overlay(data, changes)
-        else:
-            cell, data = _cells().from_dict(dict(own)), dict(own)
-    except CampaignError:
-        raise
-    except Exception as error:
-        raise CampaignError(
-            "bad_cell", str(error), place={"key": key, "cell": name}, hint=getattr(error, "hint", None)
-        ) from error
+    if own is None:
+        cell = _referred(declaration, name)
+    elif "base" in own:
+        changes = {k: v for k, v in own.items() if k != "base"}
+        cell = _referred(declaration, str(own["base"])).with_changes(changes)
+    else:
+        cell = _cells().from_dict(own, folder=declaration.folder)
+    prior = cell.prior_stiffness
     return {
         "cell": cell,
-        "variance_mm2": data.get("noise", {}).get("variance_mm2"),
-        "prior_nm_per_rad": data.get("stiffness", {}).get("prior_nm_per_rad"),
+        "keys": cell.to_dict(),
+        "prior_nm_per_rad": None if prior is None else prior.tolist(),
     }
 
 
-def _referred(declaration: Declaration, reference: str) -> tuple[Any, dict[str, Any]]:
+def _referred(declaration: Declaration, reference: str) -> Any:
     if reference.startswith("builtin:"):
-        cell = _cells().built_in(reference.removeprefix("builtin:"))
-        return cell, cell.to_dict()
-    path = declaration.folder / reference
-    data = toml_reader().loads(path.read_text(encoding="utf-8"))
-    return _cells()(str(path)), data
+        return _cells().built_in(reference.removeprefix("builtin:"))
+    return _cells()(str(declaration.folder / reference))
 
 
 def _cells() -> Any:

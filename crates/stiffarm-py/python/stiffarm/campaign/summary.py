@@ -59,7 +59,7 @@ class Summary:
             interpolation.
 
         Raises:
-            CampaignError: ``unknown_axis`` or ``unknown_figure``.
+            CampaignError: ``unknown-name`` or ``unknown-name``.
         """
         pa = load("pyarrow", "A summary")
         rows = self.aggregate(axes, figures)
@@ -74,7 +74,7 @@ class Summary:
         for figure in chosen:
             if figure not in self.figures:
                 raise CampaignError(
-                    "unknown_figure",
+                    "unknown-name",
                     f"There is no figure {figure!r} of single numbers.",
                     hint=f"Known: {', '.join(self.figures)}.",
                 )
@@ -104,7 +104,7 @@ class Summary:
                 columns += parts
             else:
                 raise CampaignError(
-                    "unknown_axis",
+                    "unknown-name",
                     f"There is no axis {axis!r}.",
                     hint=f"With several values: {', '.join(self.axes)}.",
                 )
@@ -133,7 +133,7 @@ class Summary:
             The files.
 
         Raises:
-            CampaignError: ``missing_package`` without matplotlib.
+            CampaignError: ``missing-package`` without matplotlib.
         """
         from .figures import draw
 
@@ -168,7 +168,7 @@ def summarise(
     """The summary of the results in a folder.
 
     Raises:
-        CampaignError: ``no_table`` where nothing was run there.
+        CampaignError: ``no-table`` where nothing was run there.
     """
     results = table.read(folder / "results.parquet")
     rows = {name: results.column(name).to_pylist() for name in results.column_names}

@@ -96,7 +96,7 @@ def write_results(
         metadata: Text that goes into the file's own metadata.
 
     Raises:
-        CampaignError: ``missing_package`` without pyarrow.
+        CampaignError: ``missing-package`` without pyarrow.
     """
     figures: dict[str, _Kind] = {}
     for record in journal.records():
@@ -183,12 +183,12 @@ def read(path: Path) -> Any:
     """A table that was written here, as a ``pyarrow.Table``.
 
     Raises:
-        CampaignError: ``no_table`` where there is none.
+        CampaignError: ``no-table`` where there is none.
     """
     parquet = load("pyarrow.parquet", "A table")
     if not path.is_file():
         raise CampaignError(
-            "no_table",
+            "no-table",
             "There is no such table.",
             place={"file": str(path)},
             hint="Run the campaign first; a stopped one is completed by running it again.",

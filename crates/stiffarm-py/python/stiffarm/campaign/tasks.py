@@ -74,7 +74,7 @@ def task_of(name: str, place: Mapping[str, Any] | None = None) -> Task:
         place: Place of the declaration, for messages.
 
     Raises:
-        CampaignError: ``unknown_task``, or ``bad_task`` where the function cannot be imported.
+        CampaignError: ``unknown-name``, or ``bad-task`` where the function cannot be imported.
     """
     if name in REGISTRY:
         return REGISTRY[name]
@@ -82,7 +82,7 @@ def task_of(name: str, place: Mapping[str, Any] | None = None) -> Task:
     if not _OWN.match(name):
         known = ", ".join(REGISTRY)
         raise CampaignError(
-            "unknown_task",
+            "unknown-name",
             f"There is no task {name!r}.",
             place=here,
             hint=nearest(name, REGISTRY) or f"Known: {known}, and your own as module:function.",
@@ -104,7 +104,7 @@ def _own_function(name: str, place: Mapping[str, Any]) -> Callable[..., Any]:
     module_name, _, function_name = name.partition(":")
     if module_name == "__main__":
         raise CampaignError(
-            "bad_task",
+            "bad-task",
             "A function of the script itself cannot be imported by the workers.",
             place=place,
             hint="Put it into a module beside the script.",
@@ -113,13 +113,13 @@ def _own_function(name: str, place: Mapping[str, Any]) -> Callable[..., Any]:
         function = getattr(importlib.import_module(module_name), function_name)
     except (ImportError, AttributeError) as error:
         raise CampaignError(
-            "bad_task",
+            "bad-task",
             f"{name} cannot be imported ({error}).",
             place=place,
             hint="The module must be on the path of the workers, for example by PYTHONPATH.",
         ) from error
     if not callable(function):
-        raise CampaignError("bad_task", f"{name} is no function.", place=place)
+        raise CampaignError("bad-task", f"{name} is no function.", place=place)
     return function  # type: ignore[no-any-return]
 
 
@@ -136,13 +136,13 @@ def _check_own(
     both = sorted(set(axes) & set(options))
     if both:
         raise CampaignError(
-            "bad_task", f"{both[0]} is an axis and an option.", place={**place, "key": f"options.{both[0]}"}
+            "bad-task", f"{both[0]} is an axis and an option.", place={**place, "key": f"options.{both[0]}"}
         )
     try:
         signature.bind(**{**dict.fromkeys(axes), **options})
     except TypeError as error:
         raise CampaignError(
-            "bad_task",
+            "bad-task",
             f"The function does not take these axes and options: {error}.",
             place={**place, "key": "task"},
         ) from error
