@@ -18,6 +18,8 @@ import pyarrow.parquet as parquet
 
 from stiffarm.campaign import Campaign
 
+HERE = Path(__file__).parent
+
 
 def rows(folder: Path) -> list[dict[str, Any]]:
     """Rows of the table of results."""
@@ -65,11 +67,20 @@ def serially(campaign: Path, folder: Path) -> str:
 
 def command(*arguments: object, begun: Path | None = None) -> subprocess.Popen[str]:
     """Starts the command."""
+    return _start(["-m", "stiffarm.campaign", *map(str, arguments)], begun)
+
+
+def ray_driver(campaign: Path, folder: Path, begun: Path) -> subprocess.Popen[str]:
+    """Starts a run with two workers of a Ray that is there before, so that they begin at once."""
+    return _start([str(HERE / "ray_driver.py"), str(campaign), str(folder)], begun)
+
+
+def _start(arguments: list[str], begun: Path | None) -> subprocess.Popen[str]:
     environment = dict(os.environ)
     if begun is not None:
         environment["CAMPAIGN_TEST_BEGUN"] = str(begun)
     return subprocess.Popen(
-        [sys.executable, "-m", "stiffarm.campaign", *map(str, arguments)],
+        [sys.executable, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -17,6 +17,7 @@ from helpers import (
     journal_numbers,
     kill,
     lines,
+    ray_driver,
     rows,
     serially,
     sha,
@@ -75,8 +76,8 @@ def test_items_longer_than_those_before_go_back(
 
 
 def test_the_driver_killed_loses_only_what_was_under_way(tmp_path: Path) -> None:
-    campaign, folder, begun = slow(tmp_path / "c.toml", 60, 0.05), tmp_path / "a", tmp_path / "begun"
-    driver = command("run", campaign, folder, "--workers", 2, begun=begun)
+    campaign, folder, begun = slow(tmp_path / "c.toml", 50, 0.04), tmp_path / "a", tmp_path / "begun"
+    driver = ray_driver(campaign, folder, begun)
     wait_until(lambda: lines(folder / "journal.jsonl") >= 10)
     kill(driver.pid)
     driver.communicate()
@@ -86,17 +87,17 @@ def test_the_driver_killed_loses_only_what_was_under_way(tmp_path: Path) -> None
     done = journal_numbers(folder)
     code, out, err = finish("run", campaign, folder, "--workers", 2, begun=begun)
     assert code == 0, err
-    assert "60 of 60 items, 0 failed" in out
+    assert "50 of 50 items, 0 failed" in out
     times = [seed - 1 for seed, _, _ in begun_items(begun)]
     assert all(times.count(number) == 1 for number in done)
-    assert max(map(times.count, range(60))) == 2
-    assert sorted(journal_numbers(folder)) == list(range(60))
+    assert max(map(times.count, range(50))) == 2
+    assert sorted(journal_numbers(folder)) == list(range(50))
     assert sha(folder) == serially(campaign, tmp_path / "b")
 
 
 def test_workers_killed_have_their_items_run_again(tmp_path: Path) -> None:
     campaign, folder, begun = slow(tmp_path / "c.toml", 60, 0.05), tmp_path / "a", tmp_path / "begun"
-    driver = command("run", campaign, folder, "--workers", 2, begun=begun)
+    driver = ray_driver(campaign, folder, begun)
     wait_until(lambda: lines(begun) >= 10)
     _, process, actor = list(begun_items(begun))[-1]
     # The actor of Ray, and so the process it watches.
@@ -118,9 +119,15 @@ def test_workers_killed_have_their_items_run_again(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_ends_the_workers_too(tmp_path: Path) -> None:
-    campaign, folder, begun = slow(tmp_path / "c.toml", 500, 0.05), tmp_path / "a", tmp_path / "begun"
+    campaign, folder, begun = slow(tmp_path / "c.toml", 400, 0.05), tmp_path / "a", tmp_path / "begun"
     driver = command("run", campaign, folder, "--workers", 2, begun=begun)
-    wait_until(lambda: lines(folder / "journal.jsonl") >= 3)
+
+    def on_ray() -> set[int]:
+        return {parent for _, _, parent in begun_items(begun)} - {driver.pid}
+
+    wait_until(lambda: begun.exists() and len(on_ray()) == 2)
+    # While Ray started, the first items ran in processes of the driver.
+    assert driver.pid in {parent for _, _, parent in begun_items(begun)}
     driver.send_signal(signal.SIGINT)
     out, err = driver.communicate(timeout=30)
     assert driver.returncode == 130

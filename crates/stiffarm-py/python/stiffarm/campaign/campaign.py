@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -197,10 +198,11 @@ class Campaign:
         with _locked(target):
             self._claim(target, resources.files)
             self._folder = target
-            with Journal(target / JOURNAL, len(self)) as journal:
+            with Journal(target / JOURNAL, len(self)) as journal, ExitStack() as ending:
                 again = journal.failed if retry_failed else frozenset()
                 todo = [n for n in range(len(self)) if n not in journal or n in again]
-                interrupted = self._work(journal, todo, chosen, setup, workers, address, progress)
+                make = partial(engines.make, chosen, setup, workers, address)
+                interrupted = self._work(journal, todo, make, progress, ending)
                 self._write_tables(target, journal)
                 return Outcome(
                     folder=target,
@@ -216,11 +218,9 @@ class Campaign:
         self,
         journal: Journal,
         todo: list[int],
-        chosen: str,
-        setup: Setup,
-        workers: int | None,
-        address: str | None,
+        make: Callable[[], engines.Engine],
         progress: Reporter,
+        ending: ExitStack,
     ) -> bool:
         """Runs items into the journal; whether Ctrl-C ended it."""
         if not todo:
@@ -228,7 +228,9 @@ class Campaign:
         meter = Meter(len(self), len(journal), journal.failures, progress)
         running: engines.Engine | None = None
         try:
-            running = engines.make(chosen, setup, workers, address)
+            running = make()
+            # Engines take their time to end; the tables are written meanwhile.
+            ending.callback(running.wait)
             for result in running.results((self.items[n] for n in todo), len(todo)):
                 new = result.number not in journal
                 journal.append(result.to_dict())
@@ -351,7 +353,7 @@ def _difference(found: Mapping[str, Any], own: Mapping[str, Any]) -> str:
     return f"it was run with version {found['version']}, this is {own['version']}"
 
 
-@contextlib.contextmanager
+@contextmanager
 def _locked(folder: Path) -> Iterator[None]:
     """Keeps two runs from writing to one folder; the lock ends with the process."""
     try:

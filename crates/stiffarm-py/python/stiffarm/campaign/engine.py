@@ -26,6 +26,10 @@ class Engine(Protocol):
         """Ends all workers."""
         ...
 
+    def wait(self) -> None:
+        """Returns when everything that :meth:`close` ended is gone."""
+        ...
+
 
 class Serial:
     """One item after the other, in one worker process."""
@@ -43,6 +47,9 @@ class Serial:
     def close(self) -> None:
         """Ends the worker process."""
         self._worker.close()
+
+    def wait(self) -> None:
+        """Nothing is left after :meth:`close`."""
 
 
 def ray_installed() -> bool:

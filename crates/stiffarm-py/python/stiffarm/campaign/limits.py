@@ -12,7 +12,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
@@ -87,7 +87,7 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """The result as a line of the journal."""
-        return {key: value for key, value in asdict(self).items() if value is not None}
+        return {key: value for key, value in vars(self).items() if value is not None}
 
 
 @dataclass
@@ -115,6 +115,7 @@ class Worker:
     def __init__(self, setup: Setup, number: int = 0) -> None:
         self._setup = setup
         self._number = number
+        self._aborted = False
         self._process: _Process | None = None
         handle, name = tempfile.mkstemp(prefix="stiffarm-campaign-")
         os.close(handle)
@@ -136,11 +137,14 @@ class Worker:
             tries: How often it was begun before.
 
         Raises:
-            CampaignError: ``worker-start`` where no worker process can be started at all.
+            CampaignError: ``worker-start`` where no worker process can be started at all,
+                ``interrupted`` after :meth:`abort`.
         """
         while True:
             tries += 1
             result = self._try(item)
+            if self._aborted:
+                raise CampaignError("interrupted", "The run was interrupted.")
             if result is not None or tries >= TRIES:
                 break
         result = result or died(item.number, tries)
@@ -152,6 +156,14 @@ class Worker:
         """Ends the child."""
         self._end()
         self._printed.close()
+
+    def abort(self) -> None:
+        """Ends the child from another thread; the item that runs has no result."""
+        self._aborted = True
+        process = self._process
+        if process is not None:
+            with contextlib.suppress(OSError):
+                process.popen.kill()
 
     def _try(self, item: Item) -> Result | None:
         process = self._started()
@@ -226,13 +238,15 @@ class Worker:
     def _started(self) -> _Process:
         if self._process is not None and self._process.popen.poll() is None:
             return self._process
+        if self._aborted:
+            raise CampaignError("interrupted", "The run was interrupted.")
         self._end()
         self._printed.truncate(0)
         self._process = process = _Process(self._spawn())
         threading.Thread(target=process.read, daemon=True, name="answers").start()
         assert process.popen.stdin is not None
         with contextlib.suppress(OSError):
-            send(process.popen.stdin, asdict(self._setup))
+            send(process.popen.stdin, vars(self._setup))
         try:
             answer = process.answers.get(timeout=_START_S)
         except queue.Empty:

@@ -103,25 +103,26 @@ def write_results(
         for name, value in record.get("figures", {}).items():
             figures.setdefault(name, _Kind()).note(value)
     pa = load("pyarrow", "The table of results")
+    mixed = {axis: _mixed(values) for axis, values in axes.items()}
+    # Once, not for every row: an axis may have as many values as there are rows.
+    columns = {axis: axis_columns(axis, values) for axis, values in axes.items()}
     fields: list[tuple[str, Any]] = [("item", pa.int64()), ("id", pa.string()), ("name", pa.string())]
     for axis, values in axes.items():
         kind = _Kind()
         for value in values:
             kind.note(list(value) if isinstance(value, tuple) else value)
         arrow = pa.float64() if kind.inner is not None else kind.arrow(pa)
-        fields += [(column, arrow) for column in axis_columns(axis, values)]
+        fields += [(column, arrow) for column in columns[axis]]
     fields += [(name, pa.string()) for name in ("status", "error_code", "error_message")]
     fields += [(name, kind.arrow(pa)) for name, kind in figures.items()]
-    mixed = {axis: _mixed(values) for axis, values in axes.items()}
 
     def rows() -> Iterator[dict[str, Any]]:
         for record in journal.records():
             item = items[record["number"]]
             row: dict[str, Any] = {"item": item.number, "id": item.id, "name": item.name}
             for axis, value in item.values.items():
-                columns = axis_columns(axis, axes[axis])
                 parts = value if isinstance(value, tuple) else (mixed[axis].fit(value),)
-                row.update(zip(columns, parts))
+                row.update(zip(columns[axis], parts))
             row["status"] = "failed" if "code" in record else "ok"
             row["error_code"] = record.get("code")
             row["error_message"] = record.get("message")
