@@ -15,16 +15,22 @@ from stiffarm.campaign.errors import StiffarmError
 
 pytestmark = needs_library
 
+#: The built-in cell of measured wrenches has neither a load to plan with nor a prior.
+PLANNED = {
+    "stiffness": {"prior_nm_per_rad": [1.0e6, 1.5e6, 1.2e6, 4.0e5, 3.0e5, 2.0e5]},
+    "load": {"kind": "rope", "anchor_mm": [1700, 0, 0], "magnitude_n": 800},
+}
 SELECT: dict[str, Any] = {
     "name": "select",
     "task": "select",
     "axes": {
-        "cell": ["builtin:comau", "builtin:fanuc-r2000ic"],
+        "cell": ["builtin:comau", "fanuc"],
         "postures": [4, 6],
-        "index": ["expected_error", "novel"],
+        "index": ["expected_error", "d"],
         "seed": [1, 2],
     },
     "options": {"rounds": 1},
+    "cells": {"fanuc": {"base": "builtin:fanuc-r2000ic", **PLANNED}},
 }
 
 
@@ -44,14 +50,19 @@ def test_select_is_what_the_library_selects(tmp_path: Path) -> None:
     import stiffarm as sa
 
     for row in run(SELECT, tmp_path):
-        cell = sa.Cell(row["cell"])
+        if row["cell"] == "fanuc":
+            fanuc = sa.Cell.built_in("fanuc-r2000ic")
+            cell = fanuc.with_changes(PLANNED)
+        else:
+            cell = sa.Cell(row["cell"])
         plan = sa.select(
             cell, postures=row["postures"], index=row["index"], seed=row["seed"], rounds=1,
             certificate=False,
         ).to_dict()  # fmt: skip
         assert row["postures_deg"] == plan["postures_deg"]
         assert row["index_value"] == plan["value"] == row[f"index_{row['index']}"]
-        assert row["smallest_margin_mm"] == plan["smallest_margin_m"] * 1e3
+        margin = plan["smallest_margin_m"]
+        assert row["smallest_margin_mm"] == (None if margin is None else margin * 1e3)
         expected = plan["evaluation"]["expected_deviation"]
         assert [row[f"expected_relative_deviation_joint{j + 1}"] for j in range(6)] == expected
 
@@ -113,8 +124,7 @@ def test_identify_reads_files_beside_the_campaign(tmp_path: Path) -> None:
 
     cell = sa.Cell.built_in("comau")
     postures = sa.Postures.read("builtin:comau-group1", cell)
-    made = sa.simulate(cell, postures, runs=1, levels=[1.0], seed=3, measurements=True)
-    (tmp_path / "m.csv").write_text(made.measurements.to_csv())
+    (tmp_path / "m.csv").write_text(sa.simulate_measurements(cell, postures, seed=3).to_csv())
     data = with_axes("identify", measurements=["m.csv"])
     campaign = Campaign.from_dict(data, folder=tmp_path)
     campaign.run(tmp_path / "a", engine="serial", progress=False)
@@ -133,14 +143,15 @@ def test_tools_loads_and_anchors_change_the_cell(tmp_path: Path) -> None:
     long_tool = {**keys["tool"], "loading_point_mm": [400, 0, 250]}
     del long_tool["has_sensor"]
     data = with_axes(
-        "select", {"rounds": 1}, tool=["long"], load=["weight"], load_n=[300, 600], seed=[1]
+        "select", {"rounds": 1}, tool=["long"], load=["other"], load_n=[300, 600], seed=[1]
     )
     data["tools"] = {"long": long_tool}
-    data["loads"] = {"weight": {"kind": "weight", "magnitude_n": 100}}
+    rope = {"kind": "rope", "anchor_mm": [1600, 600, 0]}
+    data["loads"] = {"other": {**rope, "magnitude_n": 100}}
     found = run(data, tmp_path)
     for row in found:
         keys["tool"] = long_tool
-        keys["load"] = {"kind": "weight", "magnitude_n": row["load_n"]}
+        keys["load"] = {**rope, "magnitude_n": row["load_n"]}
         cell = sa.Cell.from_dict(keys)
         plan = sa.select(cell, postures=6, index="expected_error", seed=1, rounds=1, certificate=False)
         assert row["postures_deg"] == plan.to_dict()["postures_deg"]

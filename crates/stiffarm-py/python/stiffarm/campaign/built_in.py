@@ -60,6 +60,8 @@ _SELECT = {
     "certificate": YES_NO,
     "angle_step_deg": NUMBER,
 }
+#: Indices that are not numbers alone.
+_INDEX_UNITS = {"task": "index_task_m", "prediction": "index_prediction_m"}
 _PLANNED = ("cell", "tool", "load", "anchor_mm", "load_n", "postures", "index", "noise_factor",
             "prior_scatter", "seed")  # fmt: skip
 
@@ -87,7 +89,7 @@ def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
         evaluation = _evaluated(values, data["postures_deg"], shared)
     figures: dict[str, Any] = {"index_value": data["value"]}
     figures |= {
-        f"index_{name}": value
+        _INDEX_UNITS.get(name, f"index_{name}"): value
         for name, value in evaluation["indices"].items()
         if not isinstance(value, str)
     }
@@ -104,8 +106,9 @@ def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
 
 
 def _evaluated(values: Values, postures_deg: Any, shared: Mapping[str, Any]) -> dict[str, Any]:
-    evaluated = library().indices(cell_of(values, shared), postures_deg, degrees=True)
-    return plain_result(evaluated)
+    evaluated = library().evaluate(cell_of(values, shared), postures_deg, degrees=True)
+    group: dict[str, Any] = plain_result(evaluated)["groups"][0]
+    return group
 
 
 def _group(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> Any:
@@ -242,6 +245,20 @@ def _check_identify(
         )
 
 
+#: Errors of the model in simulations: their standard deviations, in the unit of the name.
+_MODEL_ERRORS = dict.fromkeys(
+    ("force_scale_percent", "force_percent", "joint_angle_deg", "loading_point_mm", "anchor_mm"),
+    NUMBER,
+)
+#: How the stiffness is estimated.
+_FIT = {
+    "estimator": TEXT,
+    "terms": NAMES,
+    "weights": TEXT,
+    "prior_std_percent": NUMBER,
+    "noise": TEXT,
+    "confidence": NUMBER,
+}
 _CHOSEN = OptionKind("a table of options of select", (dict,), inner=_SELECT)
 _FILE = OptionKind("the name of a file", (str,))
 
@@ -252,7 +269,7 @@ ALL: tuple[BuiltIn, ...] = (
     BuiltIn(
         "simulate",
         _PLANNED,
-        {"runs": WHOLE, "select": _CHOSEN, "postures_file": _FILE},
+        {"runs": WHOLE, "select": _CHOSEN, "postures_file": _FILE, **_MODEL_ERRORS},
         ("relative_deviation", "relative_deviation_worst_joint"),
         _check_group,
         simulate,
@@ -260,7 +277,7 @@ ALL: tuple[BuiltIn, ...] = (
     BuiltIn(
         "coverage",
         _PLANNED,
-        {"runs": WHOLE, "select": _CHOSEN, "postures_file": _FILE},
+        {"runs": WHOLE, "select": _CHOSEN, "postures_file": _FILE, **_FIT, "bootstrap": WHOLE},
         ("coverage", "relative_half_width"),
         _check_group,
         coverage,
@@ -269,8 +286,7 @@ ALL: tuple[BuiltIn, ...] = (
         "identify",
         ("cell", "tool", "load", "anchor_mm", "load_n", "noise_factor", "prior_scatter",
          "measurements", "seed"),
-        {"measurements": _FILE, "estimator": TEXT, "brief": YES_NO, "exclude": NAMES,
-         "confidence": NUMBER, "elastic": TEXT},
+        {"measurements": _FILE, "brief": YES_NO, "exclude": NAMES, "elastic": TEXT, **_FIT},
         ("residual_rms_mm", "condition"),
         _check_identify,
         identify,
