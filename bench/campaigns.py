@@ -42,7 +42,7 @@ SELECT = {
         "index": ["expected_error", "d"],
         "seed": {"first": 1, "last": 100},
     },
-    "options": {"rounds": 1},
+    "options": {"rounds": 2},
 }
 SIMULATE = {
     "name": "simulate",
@@ -62,12 +62,24 @@ NOTHING = {
     "task": "campaign_bench_task:nothing",
     "axes": {"seed": {"first": 1, "last": 20_000}},
 }
+#: Items that wait, so that many workers fit on few cores: what more workers cost the driver.
+WAITING = {
+    "name": "waiting",
+    "task": "campaign_bench_task:waiting",
+    "axes": {"seed": {"first": 1, "last": 20_000}},
+}
 TASK = '''
+import time
+
 POSTURES = [[0.01 * j * i for j in range(6)] for i in range(6)]
 
 def nothing(seed):
     figures = {f"figure_{k}": seed * 0.1 + k for k in range(30)}
     return {**figures, "postures_deg": POSTURES}
+
+def waiting(seed):
+    time.sleep(0.5)
+    return nothing(seed)
 '''
 
 
@@ -80,6 +92,7 @@ class Tree:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self._own = time.process_time()
+        self._looking_s = 0.0
 
     def __enter__(self) -> Tree:
         self._thread.start()
@@ -88,11 +101,12 @@ class Tree:
     def __exit__(self, *_: object) -> None:
         self._stop.set()
         self._thread.join()
-        self.driver_s = time.process_time() - self._own
+        # Without the looking itself.
+        self.driver_s = time.process_time() - self._own - self._looking_s
 
     def _watch(self) -> None:
         me = psutil.Process()
-        while not self._stop.wait(0.25):
+        while not self._stop.wait(1.0):
             for process in me.children(recursive=True):
                 try:
                     kind = kind_of(process.cmdline())
@@ -103,6 +117,7 @@ class Tree:
                     self.memory[kind] = max(self.memory.get(kind, 0.0), used)
                 except psutil.Error:
                     continue
+            self._looking_s = time.thread_time()
 
     def seconds(self) -> dict[str, float]:
         """Processor time by kind of process [s]."""
@@ -202,7 +217,8 @@ def main() -> int:
     parser.add_argument("--items", type=int, default=2000, help="items of select and of simulate")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--ways", nargs="*", choices=["rayN", "ray1", "serial"], default=["rayN", "serial"])
-    parser.add_argument("--only", nargs="*", choices=["select", "simulate", "nothing"])
+    parser.add_argument("--only", nargs="*", choices=["select", "simulate", "nothing", "waiting"])
+    parser.add_argument("--crowds", nargs="*", type=int, default=[2, 8, 32], help="workers of waiting")
     parser.add_argument("--out", type=Path, default=Path("target/bench-campaigns.json"))
     arguments = parser.parse_args()
     records = []
@@ -227,6 +243,13 @@ def main() -> int:
             if len(hashes) != 1:
                 print("The tables differ.", file=sys.stderr)
                 return 1
+        for crowd in arguments.crowds:
+            if arguments.only and "waiting" not in arguments.only:
+                continue
+            # As many items for each worker.
+            grid = thinned(WAITING, crowd * 80)
+            records.append(measure(grid, "ray", crowd, base / f"waiting-{crowd}"))
+            print(row(records[-1]), flush=True)
     machine = {"cores": os.cpu_count(), "python": platform.python_version(), "system": platform.platform()}
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     arguments.out.write_text(json.dumps({"machine": machine, "runs": records}, indent=1) + "\n")

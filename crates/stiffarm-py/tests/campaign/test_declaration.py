@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from stiffarm.campaign import Campaign, CampaignError
+from stiffarm.campaign.declaration import toml_reader
 
 TEXT = """
 format = 1
@@ -201,3 +202,13 @@ def test_large_grids_cost_nothing_until_their_items_are_asked_for() -> None:
     assert campaign.items[999_999].values["seed"] == 1000
     error = refused(axes(seed=many, postures=many, load_n=[float(n) for n in range(1, 100)]))
     assert error.code == "invalid-value"
+
+
+def test_the_campaign_of_the_documentation_can_be_read() -> None:
+    page = Path(__file__).parents[4] / "docs" / "campaigns.md"
+    if not page.is_file():
+        pytest.skip("docs/campaigns.md is not here: this is no checkout")
+    text = page.read_text(encoding="utf-8")
+    block = text.split("```toml\n")[1].split("```")[0]
+    campaign = Campaign.from_dict(toml_reader().loads(block))
+    assert len(campaign) == 2 * 2 * 3 * 2 * 2 * 20

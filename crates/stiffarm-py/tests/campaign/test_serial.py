@@ -26,6 +26,8 @@ from helpers import (
 )
 
 from stiffarm.campaign import Campaign, CampaignError, Progress
+from stiffarm.campaign.journal import Journal
+from stiffarm.campaign.table import write_results
 
 WAYS = ["raises", "refuses", "exits", "dies", "hangs", "eats", "asks", "prints", "no_dict",
         "takes_a_column", "an_object", "fine"]  # fmt: skip
@@ -179,6 +181,22 @@ def test_ctrl_c_leaves_the_table_of_what_is_done(tmp_path: Path) -> None:
     done = rows(folder)
     assert [row["item"] for row in done] == sorted(journal_numbers(folder))
     assert 3 <= len(done) < 200
+
+
+def test_nothing_done_is_an_empty_table(grid: dict[str, Any], tmp_path: Path) -> None:
+    campaign = Campaign.from_dict(grid)
+
+    def stop(progress: Progress) -> None:
+        raise KeyboardInterrupt
+
+    outcome = campaign.run(tmp_path, engine="serial", progress=stop)
+    # The first item was written before it was told.
+    assert outcome.interrupted and outcome.done == len(rows(tmp_path)) == 1
+    (tmp_path / "journal.jsonl").write_bytes(b"")
+    with Journal(tmp_path / "journal.jsonl", 24) as journal:
+        write_results(tmp_path, campaign.items, campaign.declaration.axes, journal, {})
+    assert rows(tmp_path) == []
+    assert "0 of 24 items" in str(campaign.summary())
 
 
 def test_the_folder_of_another_campaign_is_refused(grid: dict[str, Any], tmp_path: Path) -> None:

@@ -83,11 +83,13 @@ class Run:
                 continue
             # Short enough for Ctrl-C to be seen at once.
             short = self._head is not None and self._head.running
-            done, _ = self._ray.wait(
-                list(self._calls), num_returns=1, timeout=0.05 if short else 0.5
-            )
+            calls = list(self._calls)
+            done, _ = self._ray.wait(calls, num_returns=1, timeout=0.05 if short else 0.5)
             if not done:
                 self._check_patience()
+                continue
+            # All that are there by now: looking costs as much as there are workers.
+            done, _ = self._ray.wait(calls, num_returns=len(calls), timeout=0)
             for call in done:
                 yield from self._finish(call)
 
