@@ -1,0 +1,111 @@
+"""The command ``python -m stiffarm.campaign``: run, status, summary.
+
+Exit codes: 0 done, 1 done but items failed, 2 bad input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .campaign import JOURNAL, Campaign, Outcome, open_folder
+from .engine import ENGINES
+from .errors import StiffarmError
+from .journal import Journal
+from .progress import duration
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m stiffarm.campaign",
+        description="Runs a grid of items into a table, on one machine or on a Ray cluster.",
+        epilog="Exit codes: 0 done, 1 done but items failed, 2 bad input, 130 interrupted.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    run = commands.add_parser("run", help="run what is not done yet")
+    run.add_argument("campaign", type=Path, help="the campaign, a TOML file")
+    run.add_argument("folder", type=Path, help="folder of the results; made if missing")
+    run.add_argument("--workers", type=int, metavar="N", help="worker processes [default: all cores]")
+    run.add_argument("--address", metavar="HOST", help="address of a Ray cluster")
+    run.add_argument("--engine", choices=ENGINES, default="auto", help="[default: auto]")
+    run.add_argument(
+        "--time-limit-s", type=float, metavar="S", help="longest time of an item [s]"
+    )
+    run.add_argument(
+        "--memory-limit-mb", type=float, metavar="MB", help="most memory of a worker process [MB]"
+    )
+    run.add_argument("--retry-failed", action="store_true", help="also run again what failed")
+    run.add_argument("-q", "--quiet", action="store_true", help="no progress")
+    status = commands.add_parser("status", help="how far a folder is")
+    status.add_argument("folder", type=Path)
+    summary = commands.add_parser("summary", help="counts, failures and figures of a folder")
+    summary.add_argument("folder", type=Path)
+    summary.add_argument("--no-figures", action="store_true", help="the text alone")
+    return parser
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    outcome = Campaign.read(arguments.campaign).run(
+        arguments.folder,
+        workers=arguments.workers,
+        address=arguments.address,
+        engine=arguments.engine,
+        time_limit_s=arguments.time_limit_s,
+        memory_limit_mb=arguments.memory_limit_mb,
+        progress=False if arguments.quiet else None,
+        retry_failed=arguments.retry_failed,
+    )
+    print(_said(outcome))
+    if outcome.interrupted:
+        return 130
+    return 1 if outcome.failed else 0
+
+
+def _said(outcome: Outcome) -> str:
+    text = f"{outcome.done} of {outcome.total} items, {outcome.failed} failed: {outcome.results}"
+    return f"Interrupted. {text}" if outcome.interrupted else text
+
+
+def _status(arguments: argparse.Namespace) -> int:
+    campaign = open_folder(arguments.folder)
+    path = arguments.folder / JOURNAL
+    if not path.exists():
+        print(f"{campaign.name}: 0 of {len(campaign)} items")
+        return 0
+    with Journal(path, len(campaign), writable=False) as journal:
+        own = [record.get("own_s") or 0.0 for record in journal.records()]
+        text = f"{campaign.name}: {len(journal)} of {len(campaign)} items"
+        print(f"{text}, {journal.failures} failed")
+    left = len(campaign) - len(own)
+    if own and left:
+        rest = duration(sum(own) / len(own) * left)
+        print(f"{left} left, about {rest} on one worker")
+    return 0
+
+
+def _summary(arguments: argparse.Namespace) -> int:
+    summary = open_folder(arguments.folder).summary()
+    print(summary.text())
+    if not arguments.no_figures:
+        for path in summary.draw():
+            print(path)
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command and returns its exit code."""
+    parsed = _parser().parse_args(arguments)
+    command = {"run": _run, "status": _status, "summary": _summary}[parsed.command]
+    try:
+        return command(parsed)
+    except StiffarmError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,135 @@
+"""Running the command as people do, and looking at what it left."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as parquet
+
+from stiffarm.campaign import Campaign
+
+HERE = Path(__file__).parent
+
+
+def rows(folder: Path) -> list[dict[str, Any]]:
+    """Rows of the table of results."""
+    return parquet.read_table(folder / "results.parquet").to_pylist()  # type: ignore[no-any-return]
+
+
+def sha(folder: Path) -> str:
+    """Hash of the table of results."""
+    return hashlib.sha256((folder / "results.parquet").read_bytes()).hexdigest()
+
+
+def toml(path: Path, data: dict[str, Any]) -> Path:
+    """Writes a declaration of plain lists, numbers and names as TOML."""
+    lines = []
+    tables = {key: value for key, value in data.items() if isinstance(value, dict)}
+    lines += [f"{key} = {json.dumps(value)}" for key, value in data.items() if key not in tables]
+    for table, values in tables.items():
+        lines.append(f"[{table}]")
+        for key, value in values.items():
+            if isinstance(value, dict):
+                inner = ", ".join(f"{k} = {json.dumps(v)}" for k, v in value.items())
+                lines.append(f"{key} = {{ {inner} }}")
+            else:
+                lines.append(f"{key} = {json.dumps(value)}")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def slow(path: Path, count: int, time_s: float) -> Path:
+    """A campaign of items that take their time, as a file."""
+    data = {
+        "name": "slow",
+        "task": "campaign_tasks:slow",
+        "axes": {"seed": {"first": 1, "last": count}},
+        "options": {"time_s": time_s},
+    }
+    return toml(path, data)
+
+
+def serially(campaign: Path, folder: Path) -> str:
+    """Hash of the table of an undisturbed serial run."""
+    Campaign.read(campaign).run(folder, engine="serial", progress=False)
+    return sha(folder)
+
+
+def command(*arguments: object, begun: Path | None = None) -> subprocess.Popen[str]:
+    """Starts the command."""
+    return _start(["-m", "stiffarm.campaign", *map(str, arguments)], begun)
+
+
+def ray_driver(campaign: Path, folder: Path, begun: Path) -> subprocess.Popen[str]:
+    """Starts a run with two workers of a Ray that is there before, so that they begin at once."""
+    return _start([str(HERE / "ray_driver.py"), str(campaign), str(folder)], begun)
+
+
+def _start(arguments: list[str], begun: Path | None) -> subprocess.Popen[str]:
+    environment = dict(os.environ)
+    if begun is not None:
+        environment["CAMPAIGN_TEST_BEGUN"] = str(begun)
+    return subprocess.Popen(
+        [sys.executable, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        # Ctrl-C in these tests is for the command alone.
+        start_new_session=True,
+    )
+
+
+def finish(*arguments: object, begun: Path | None = None) -> tuple[int, str, str]:
+    """Runs the command: exit code, standard output, standard error."""
+    process = command(*arguments, begun=begun)
+    out, err = process.communicate(timeout=120)
+    return process.returncode, out, err
+
+
+def wait_until(what: Callable[[], bool], limit_s: float = 60.0) -> None:
+    """Waits for something to become true."""
+    end = time.monotonic() + limit_s
+    while not what():
+        assert time.monotonic() < end, "it never happened"
+        time.sleep(0.01)
+
+
+def lines(path: Path) -> int:
+    """Whole lines of a file, 0 where there is none."""
+    return path.read_bytes().count(b"\n") if path.exists() else 0
+
+
+def journal_numbers(folder: Path) -> list[int]:
+    """Numbers of the items in a journal, as they were written."""
+    text = (folder / "journal.jsonl").read_bytes()
+    return [json.loads(line)["number"] for line in text.splitlines(keepends=True) if line.endswith(b"\n")]
+
+
+def alive(pid: int) -> bool:
+    """Whether a process is there and no zombie."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
+
+
+def begun_items(path: Path) -> Iterator[tuple[int, int, int]]:
+    """Seed, process and parent of each time an item was begun."""
+    for line in path.read_text().splitlines():
+        seed, pid, parent = map(int, line.split())
+        yield seed, pid, parent
+
+
+def kill(pid: int) -> None:
+    """SIGKILL."""
+    os.kill(pid, signal.SIGKILL)
