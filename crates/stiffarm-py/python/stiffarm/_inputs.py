@@ -118,7 +118,10 @@ def groups(
 
 def _is_columns(value: Mapping[Any, Any]) -> bool:
     """True for the columns of one table: its values are lists of plain values."""
-    return all(np.ndim(column) == 1 for column in value.values())
+    return all(
+        not isinstance(column, Mapping) and not hasattr(column, "columns") and np.ndim(column) == 1
+        for column in value.values()
+    )
 
 
 class Watching:

@@ -157,5 +157,6 @@ def _field(value: Any) -> str:
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (float, np.floating)):
-        return "" if np.isnan(value) else repr(float(value))
+        # As the command writes numbers, so that equal tables have equal hashes.
+        return "" if np.isnan(value) else np.format_float_positional(float(value), trim="-")
     return str(value)

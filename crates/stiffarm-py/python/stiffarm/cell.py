@@ -165,7 +165,8 @@ class Cell:
     def with_changes(self, changes: Mapping[str, Any]) -> Cell:
         """The cell with some keys of its file changed: tables key by key, everything else as a whole.
 
-        ``cell.with_changes({"load": {"magnitude_n": 500}})`` changes the force alone; ``None`` takes a key away.
+        ``cell.with_changes({"load": {"magnitude_n": 500}})`` changes the force alone; ``None`` takes a key away. A table
+        of another ``kind`` than before takes the place of the old one: ``cell.with_changes({"load": weight(mass_kg=20)})``.
 
         Raises:
             StiffarmError: Anything wrong with the new values.
@@ -292,8 +293,13 @@ def _merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
     for key, value in new.items():
         if value is None:
             out.pop(key, None)
-        elif isinstance(value, dict) and isinstance(out.get(key), dict):
+        elif isinstance(value, dict) and isinstance(out.get(key), dict) and _is_alike(out[key], value):
             out[key] = _merged(out[key], value)
         else:
             out[key] = value
     return out
+
+
+def _is_alike(old: dict[str, Any], new: dict[str, Any]) -> bool:
+    """Whether keys of the old table can stay beside those of the new one."""
+    return "kind" not in new or new["kind"] == old.get("kind")

@@ -91,9 +91,9 @@ class Postures:
         return _stiffarm.degrees(self.angles)
 
     def table(self) -> Table:
-        """Columns ``name``, ``q1_deg``, ... as in a posture file."""
+        """Columns ``posture``, ``q1_deg``, ... as in a posture file."""
         degrees = self.degrees
-        return Table({"name": self.names, **{f"q{j + 1}_deg": degrees[:, j] for j in range(degrees.shape[1])}})
+        return Table({"posture": self.names, **{f"q{j + 1}_deg": degrees[:, j] for j in range(degrees.shape[1])}})
 
     def to_frame(self, library: str | None = None) -> Any:
         """:meth:`table` as a frame of ``"pandas"`` or ``"polars"``."""

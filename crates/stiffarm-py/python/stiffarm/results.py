@@ -30,7 +30,7 @@ class _WithPostures(Result):
         return Postures.of(self)
 
     def table(self) -> Table:
-        """The postures: ``name``, ``q1_deg``, ... as in a posture file."""
+        """The postures: ``posture``, ``q1_deg``, ... as in a posture file."""
         return self.postures.table()
 
 
