@@ -65,6 +65,17 @@ impl Objective {
         Ok(self.index.of_log(self.function.value(q.as_slice()?)))
     }
 
+    /// [`value`](Self::value), so many times in one call: what a call itself costs is the rest.
+    fn _repeated(&mut self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>, times: u32) -> PyResult<f64> {
+        self.check(py, &q)?;
+        let q = q.as_slice()?;
+        let mut sum = 0.0;
+        for _ in 0..times {
+            sum += std::hint::black_box(self.function.value(std::hint::black_box(q)));
+        }
+        Ok(sum)
+    }
+
     /// ln of the index (of its reciprocal where larger is better) and its gradient \[1/rad\]; where several
     /// postures or joints share the largest value, the gradient of the first of them.
     fn log_and_gradient<'py>(
