@@ -66,7 +66,12 @@ impl Objective {
     }
 
     /// [`value`](Self::value), so many times in one call: what a call itself costs is the rest.
-    fn _repeated(&mut self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>, times: u32) -> PyResult<f64> {
+    fn _repeated(
+        &mut self,
+        py: Python<'_>,
+        q: PyReadonlyArray1<'_, f64>,
+        times: u32,
+    ) -> PyResult<f64> {
         self.check(py, &q)?;
         let q = q.as_slice()?;
         let mut sum = 0.0;

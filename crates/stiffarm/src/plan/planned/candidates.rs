@@ -1,6 +1,6 @@
 //! The best postures out of a list.
 
-use super::kinds::{Mode, POSTURES, Planned, SEED};
+use super::kinds::{Mode, POSTURES, Planned, SEED, check_count};
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -100,6 +100,7 @@ pub fn plan_candidates(
     request: &CandidateRequest,
     control: Control<'_>,
 ) -> Result<Planned<Chosen, ChosenOptions>> {
+    check_count(request.postures)?;
     let (cell, _) = with_length(cell.clone());
     let (index, count) = (request.index, request.postures);
     let options = CandidateOptions {

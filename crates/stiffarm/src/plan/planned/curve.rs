@@ -1,7 +1,7 @@
 //! The best value for each number of postures, and what one more gains.
 
 use super::bounds::kept;
-use super::kinds::{Mode, Planned, SEED, Stage};
+use super::kinds::{Mode, Planned, SEED, Stage, check_count};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -118,6 +118,7 @@ pub fn plan_curve(
     watch: &mut dyn FnMut(Stage),
     control: Control<'_>,
 ) -> Result<Planned<Curve, CurveOptions>> {
+    check_count(request.postures)?;
     let (cell, _) = with_length(cell.clone());
     let (index, largest) = (request.index, request.postures);
     let global = GlobalOptions {

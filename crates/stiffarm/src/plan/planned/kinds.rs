@@ -1,5 +1,6 @@
 //! What all ways to work have in common.
 
+use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::plan::select::RoundReport;
@@ -12,6 +13,20 @@ pub(super) const POSTURES: usize = 6;
 pub(super) const ANGLE_STEP_DEG: f64 = 0.01;
 /// Seed unless one is given.
 pub(super) const SEED: u64 = 1;
+
+/// Most postures of one plan: more is a slip.
+const MOST_POSTURES: usize = 1000;
+
+/// Refuses numbers of postures that nobody can mean.
+pub(super) fn check_count(postures: usize) -> Result<()> {
+    match postures {
+        1..=MOST_POSTURES => Ok(()),
+        _ => {
+            let message = format!("A plan has 1 to {MOST_POSTURES} postures, not {postures}.");
+            Err(Error::new(Code::InvalidValue, message).key("postures"))
+        }
+    }
+}
 
 /// What the result holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! What is asked of a plan.
 
-use super::kinds::{ANGLE_STEP_DEG, POSTURES, SEED};
+use super::kinds::{ANGLE_STEP_DEG, POSTURES, SEED, check_count};
 use crate::error::{Code, Error, Result};
 use crate::model::posture::Posture;
 use crate::plan::index::Index;
@@ -73,6 +73,9 @@ impl PlanRequest {
         let conflict = |key: &str, message: &str| {
             Err(Error::new(Code::Conflict, message.to_string()).key(key.to_string()))
         };
+        if self.initial.is_none() {
+            check_count(self.postures)?;
+        }
         if self.initial.is_some() {
             if !self.given.is_empty() {
                 let message = "An initial group is improved alone, without given postures.";

@@ -1,7 +1,7 @@
 //! Postures that cover the joint space evenly, as a baseline.
 
 use super::driven::Driving;
-use super::kinds::{ANGLE_STEP_DEG, Mode, POSTURES, Planned, SEED};
+use super::kinds::{ANGLE_STEP_DEG, Mode, POSTURES, Planned, SEED, check_count};
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -107,6 +107,7 @@ pub fn plan_space_filling(
     request: &SpaceFillingRequest,
     control: Control<'_>,
 ) -> Result<Planned<SpaceFillingPlan, SpaceFillingOptions>> {
+    check_count(request.postures)?;
     let (cell, _) = with_length(cell.clone());
     let found = space_filling(&cell, request.postures, request.seed, control)?;
     let driving = Driving {
