@@ -19,13 +19,13 @@ def test_every_posture_of_the_plan_is_accepted_as_it_is_written() -> None:
         asked.append(q.shape)
         return away(q)
 
-    own = stiffarm.select(cell, 4, rounds=1, certificate=False, accept=accept)
-    free = stiffarm.select(cell, 4, rounds=1, certificate=False)
+    own = stiffarm.select(cell, 6, rounds=2, certificate=False, accept=accept)
+    free = stiffarm.select(cell, 6, rounds=2, certificate=False)
     assert all(away(q) for q in own.postures.angles)
     assert not all(away(q) for q in free.postures.angles)
     assert own.value > free.value
     assert asked and set(asked) == {(6,)}
-    again = stiffarm.select(cell, 4, rounds=1, certificate=False, accept=away)
+    again = stiffarm.select(cell, 6, rounds=2, certificate=False, accept=away)
     assert again.to_json() == own.to_json()
 
 
