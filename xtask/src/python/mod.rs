@@ -119,7 +119,9 @@ impl<'a> Place<'a> {
         }
         let version = interpreters::of_this_machine();
         let requirements = requirements(&package, version.as_deref().unwrap_or_default());
-        println!("python: {}", requirements.display());
+        if let Some(version) = version {
+            println!("Python {version} with {}", requirements.display());
+        }
         let imports = "import maturin, numpy, pytest";
         let python = tools::python(&folder, &requirements, imports, install)?;
         Ok(Place {
