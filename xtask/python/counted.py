@@ -33,9 +33,15 @@ def pytest_collectreport(report: Any) -> None:
         tell("skipped", f"SKIPPED {name}: {reason_of(report.longrepr)}")
 
 
-def pytest_report_teststatus(report: Any) -> tuple[str, str, str] | None:
-    """No letters between the lines."""
-    return (report.outcome, "", "") if report.outcome in {"passed", "skipped"} else None
+def pytest_report_teststatus(report: Any) -> tuple[str, str, str]:
+    """pytest's own counts without its letters, which would stand before the lines."""
+    if hasattr(report, "wasxfail"):
+        kind = "xfailed" if report.outcome == "skipped" else "xpassed"
+    elif report.when == "call" or report.outcome == "skipped":
+        kind = report.outcome
+    else:
+        kind = "error" if report.outcome == "failed" else ""
+    return kind, "", ""
 
 
 def pytest_unconfigure() -> None:
@@ -46,7 +52,7 @@ def pytest_unconfigure() -> None:
 def tell(what: str, line: str) -> None:
     """Counts and prints one test."""
     counts[what] += 1
-    print(f"\n{line}" if what == "failed" else line, flush=True)
+    print(line, flush=True)
 
 
 def reason_of(longrepr: Any) -> str:

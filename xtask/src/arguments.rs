@@ -5,74 +5,7 @@ use std::path::PathBuf;
 use crate::run::Failure;
 
 /// What `cargo xtask help` prints.
-pub const HELP: &str = "\
-Developer commands of the stiffarm workspace.
-
-Usage: cargo xtask <command> [options]
-
-Commands:
-  test [--install] [--require PARTS]
-      Runs every test and closes with one line, `total: N passed, N failed, N skipped`.
-      --install         installs what a part needs and the machine lacks: LibreOffice for the sheets,
-                        Chromium and Firefox for the pages, Python (apt-get, as root)
-      --require PARTS   what these parts skip is a failure; comma-separated: rust, reference, sheets, python,
-                        other-pythons, browser
-      Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
-  sheets [--install]
-      Sheets filled by openpyxl and by LibreOffice, a part of test, alone.
-  pages [--install] [--only KIND,…] [--look FOLDER] [--gallery FOLDER]
-      Pages of stiffarm in Chromium and Firefox, a part of test, alone.
-      --only KIND,…     only these kinds of xtask/pages/kinds.py, or sample, the checks tried on a written page
-      --look FOLDER     leaves pictures of the pages there: three widths, light and dark, printed, in Firefox
-      --gallery FOLDER  makes the pictures of docs/gallery.md there instead (docs/images/gallery)
-  python [--install] [--only CHECKS] [-- WORDS]
-      The Python package, a part of test, alone: one wheel, built and installed into target/python.
-      --only CHECKS     pytest, types (stubtest, basedpyright) or package (clippy, sdist, twine, abi3audit)
-      -- WORDS          what follows is handed to pytest, for example -k cell
-  generate [--check]
-      Writes the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/, the licences of
-      the Python package.
-      --check           writes nothing and fails when one of them is out of date
-  outputs FOLDER [--against OTHER] [--binary PATH] [--threads N,…] [--brief]
-      Runs the commands of xtask/src/outputs/commands.txt and keeps everything that they print and write in
-      FOLDER, which is new, empty, or filled by an earlier run.
-      --against OTHER   compares FOLDER with OTHER, the outputs before a change, byte by byte
-      --binary PATH     runs this executable; without it `stiffarm` is built for release
-      --threads N,…     runs all of them with each of these numbers of threads: the first fills FOLDER, each
-                        other one FOLDER-N, which is compared with FOLDER
-      --brief           of runs that differ in --json only the one with it; no help and no wrong usage
-      The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
-  robots FOLDER [--check]
-      Writes crates/stiffarm/data/robots.rs, the catalogue's data, from the robot descriptions in FOLDER.
-      --check           writes nothing and fails when the file is not what they give
-  viewer [--check]
-      Writes crates/stiffarm-report/assets/three.min.js, the part of three.js that pages carry, from xtask/viewer by npm.
-      --check           writes nothing and fails when the file is not what npm gives; skipped without npm
-  fuzz [--seconds N | --inputs N] [--target T]… [--seed S] [--threads N]
-      Runs mutated inputs through every reader and every command, built for release, without end unless told.
-      --seconds N       ends after this time
-      --inputs N        ends after this many inputs of each target
-      --target T        only this target; more than one may be given
-      --seed S          other inputs [default: 1]
-      --threads N       processes at a time [default: all cores]
-  fuzz --target T (--seed S --input I | --replay FILE) [--minimise] [--output FILE]
-      Runs one input and shows it: number I of a seed, or one of fuzz/regressions.
-      --minimise        leaves out what its fault can do without
-      --output FILE     writes the input to FILE
-  lint
-      Formatting, structure of the code, clippy with all, the default and no features, documentation, generated
-      files, licences, unused dependencies.
-  features
-      Clippy on the library with every set of its features; takes minutes, the nightly workflow runs it.
-  ci [options of test]
-      lint, half a minute of fuzz, brief outputs on 1, 2 and 4 threads, then test: what the continuous
-      integration runs.
-  help
-      This text.
-
-Exit codes: 0 done, 1 a test failed, a generated file is out of date or an output differs, 2 wrong usage,
-3 a command could not be run; a step of lint that fails passes on its own code.
-";
+pub const HELP: &str = include_str!("help.txt");
 
 /// One parsed command line.
 #[derive(Debug, PartialEq, Eq)]

@@ -28,6 +28,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         subprocess.run([sys.executable, "-m", "venv", scratch], check=True)
         pip = [Path(scratch) / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python"), "-m", "pip"]
+        # The pip that a Python brings may need very long to find versions that suit each other.
+        subprocess.run([*pip, "install", "--quiet", "--upgrade", "pip"], check=True)
         subprocess.run([*pip, "install", "--quiet", "--requirement", folder / "wanted.txt"], check=True)
         frozen = subprocess.run([*pip, "freeze"], check=True, stdout=subprocess.PIPE, text=True).stdout
     write(folder / f"python{version}.txt", version, frozen.splitlines())

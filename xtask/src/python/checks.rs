@@ -51,7 +51,8 @@ pub fn types(place: &Place, checked: &mut Checked) {
     let mut stubtest = Command::new(&place.python);
     // Where nothing but the installed wheel can be imported.
     stubtest
-        .args(["-m", "mypy.stubtest", "stiffarm"])
+        .args(["-m", "mypy.stubtest", "stiffarm", "--mypy-config-file"])
+        .arg(place.package.join("pyproject.toml"))
         .current_dir(&place.folder);
     check(checked, "mypy stubtest", stubtest);
     let mut basedpyright = place.tool("basedpyright", &["--project"]);
@@ -76,8 +77,9 @@ fn with(mut call: Command, paths: &[&Path]) -> Command {
     call
 }
 
-/// Whether cargo finds in the unpacked source distribution every crate of the workspace that the package needs, with
-/// the versions of the lock file. That it builds is tried where wheels are released: it takes minutes.
+/// Whether cargo finds in the unpacked source distribution every crate of the workspace that the package needs. Not
+/// `--locked`: the lock file has also the crates that are left out. That it builds is tried where wheels are released,
+/// because it takes minutes.
 fn unpacked(place: &Place, sdist: &Path) -> Result<(), String> {
     let folder = place.folder.join("sdist");
     if folder.is_dir() {
@@ -93,7 +95,7 @@ fn unpacked(place: &Place, sdist: &Path) -> Result<(), String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     outcome(
         Command::new(cargo)
-            .args(["metadata", "--quiet", "--locked", "--offline"])
+            .args(["metadata", "--quiet", "--offline"])
             .args(["--format-version", "1", "--manifest-path"])
             .arg(root.join("crates/stiffarm-py/Cargo.toml")),
     )
@@ -122,7 +124,7 @@ fn note(checked: &mut Checked, name: &str, outcome: Result<(), String>) {
     }
 }
 
-/// Whether a program ends well. What it says is shown where it does not; its last line is the reason.
+/// Whether a program ends well. What it says is shown where it does not, and a line of it is the reason.
 fn outcome(call: &mut Command) -> Result<(), String> {
     let program = call.get_program().to_string_lossy().into_owned();
     let output = call
@@ -135,18 +137,32 @@ fn outcome(call: &mut Command) -> Result<(), String> {
         return Ok(());
     }
     let said = [output.stdout, output.stderr].map(|s| String::from_utf8_lossy(&s).into_owned());
-    let last = said
-        .iter()
-        .filter_map(|text| text.lines().rfind(|line| !line.trim().is_empty()))
-        .next_back();
-    let why = last.map_or_else(|| output.status.to_string(), |line| line.trim().to_string());
     said.iter().for_each(|text| print!("{text}"));
-    Err(why)
+    Err(complaint(&said).unwrap_or_else(|| output.status.to_string()))
+}
+
+/// The line of what a program says that tells most: its last error, or the last line at all.
+fn complaint(said: &[String]) -> Option<String> {
+    let lines = || said.iter().flat_map(|text| text.lines()).map(str::trim);
+    let error = lines().rfind(|line| line.to_lowercase().starts_with("error"));
+    let last = || lines().rfind(|line| !line.is_empty());
+    error.or_else(last).map(str::to_string)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_complaint_is_the_last_error_or_the_last_line() {
+        let said = |texts: [&str; 2]| complaint(&texts.map(String::from));
+        assert_eq!(said(["", " \n"]), None);
+        assert_eq!(said(["a\nb\n\n", ""]).unwrap(), "b");
+        assert_eq!(
+            said(["1 error", "Error: x\nhelp: y\n"]).unwrap(),
+            "Error: x"
+        );
+    }
 
     #[test]
     fn a_check_is_noted_by_its_name_and_the_last_line_of_its_program() {

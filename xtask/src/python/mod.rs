@@ -119,7 +119,9 @@ impl<'a> Place<'a> {
         }
         let version = interpreters::of_this_machine();
         let requirements = requirements(&package, version.as_deref().unwrap_or_default());
-        println!("python: {}", requirements.display());
+        if let Some(version) = version {
+            println!("Python {version} with {}", requirements.display());
+        }
         let imports = "import maturin, numpy, pytest";
         let python = tools::python(&folder, &requirements, imports, install)?;
         Ok(Place {
@@ -150,7 +152,10 @@ impl<'a> Place<'a> {
     /// pytest in the package's folder, which holds nothing that could be imported in place of the wheel.
     fn pytest(&self, python: &Path) -> Command {
         let mut call = Command::new(python);
+        // Quiet, so that nothing stands before the lines that are counted.
         call.args(["-m", "pytest", "-p", "counted", "-p", "no:cacheprovider"])
+            .args(["--quiet", "-rN", "-o", "console_output_style=classic"])
+            .arg("--continue-on-collection-errors")
             .current_dir(&self.package)
             .env("PYTHONPATH", self.workspace.root().join("xtask/python"))
             .env("MPLBACKEND", "Agg")
@@ -176,7 +181,7 @@ impl<'a> Place<'a> {
             match wheel::smoke_environment(self, version, &python, wheel) {
                 Ok(python) => {
                     let mut call = self.pytest(&python);
-                    let mut tested = Checked::run(&PYTEST, call.args(["--quiet", SMOKE]))?;
+                    let mut tested = Checked::run(&PYTEST, call.arg(SMOKE))?;
                     for failure in &mut tested.failures {
                         *failure = format!("{name}: {failure}");
                     }
