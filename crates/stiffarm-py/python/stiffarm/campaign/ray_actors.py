@@ -12,7 +12,7 @@ from .items import Item
 from .limits import Result, Setup, Worker
 
 #: Time after which a worker hands back what is left of a batch [s].
-LONGEST_S = 1.0
+LONGEST_S = 2.0
 
 #: Items, each with the number of times it was begun before.
 Batch = list[tuple[Item, int]]

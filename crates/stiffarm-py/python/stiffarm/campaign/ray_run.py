@@ -15,7 +15,7 @@ from .limits import TRIES, Result, died
 from .ray_actors import Actor, Actors, Batch
 
 #: Own time of the items of a batch [s].
-BATCH_S = 0.25
+BATCH_S = 0.5
 #: Most items of a batch.
 MOST = 64
 #: Batches under way for each worker, the running one included.
