@@ -57,13 +57,29 @@ def pyplot() -> Any:
 
 
 @contextmanager
+def settings(own: bool) -> Iterator[None]:
+    """:data:`SIZES` for a figure of one's own, else the caller's settings.
+
+    Not ``rc_context``: where the first figure of a notebook is made within it, it would undo what the notebook's backend
+    has just set, and later figures would not be shown.
+    """
+    parameters = pyplot().rcParams
+    before = {key: parameters[key] for key in SIZES} if own else {}
+    try:
+        parameters.update(SIZES if own else {})
+        yield
+    finally:
+        parameters.update(before)
+
+
+@contextmanager
 def axes(ax: Axes | None, width_in: float, height_in: float, layout: str = "constrained") -> Iterator[Axes]:
     """The given axes as they are, or new ones in a figure of this size."""
     plt = pyplot()
     if ax is not None:
         yield ax
         return
-    with plt.rc_context(SIZES):
+    with settings(True):
         figure = plt.figure(figsize=(width_in, height_in), layout=layout)
         made = figure.add_subplot()
         fix_ticks(made)

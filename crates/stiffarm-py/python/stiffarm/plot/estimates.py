@@ -40,12 +40,14 @@ def simulation(result: Simulation, *, figure: Figure | None = None, width_in: fl
     if any("mean_deviation" not in level for group in groups for level in group["levels"]):
         raise StiffarmError("A simulation with elastic= has no deviations by joint.", "unsupported")
     own = figure is None
-    with plt.rc_context(_look.SIZES if own else {}):
+    with _look.settings(own):
+        width_in = width_in if figure is None else figure.get_figwidth()
         columns = 2 if width_in < 5 else min(3, len(joints))
         rows = -(-len(joints) // columns)
         if figure is None:
             figure = plt.figure(figsize=(width_in, 1.35 * rows + 0.75), layout="constrained")
-        width = figure.get_figwidth()
+        elif figure.get_layout_engine() is None:
+            figure.set_layout_engine("constrained")
         panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         lows, highs = [], []
         for j, (joint, ax) in enumerate(zip(joints, panels.flat, strict=False)):
@@ -84,7 +86,7 @@ def simulation(result: Simulation, *, figure: Figure | None = None, width_in: fl
             ax.tick_params(labelbottom=True)
         figure.supxlabel("variance of the noise [× the cell's]", fontsize=plt.rcParams["axes.labelsize"])
         figure.supylabel("deviation |k̂ − k| / k [%]", fontsize=plt.rcParams["axes.labelsize"])
-        _look.legend(figure, _simulation_entries(groups), width, loc="outside upper left")
+        _look.legend(figure, _simulation_entries(groups), width_in - 0.1, loc="outside upper left")
     return figure
 
 
@@ -168,8 +170,8 @@ def validation(
             y = 1e3 * _look.floats([point["deviation_m"] for point in data["points"]])
             order = np.argsort(x, kind="stable")
             (line,) = into.plot(
-                x[order], y[order], _look.marker(g), color=_look.colour(g),
-                linestyle=_look.dashes(g), linewidth=0.6,
+                x[order], y[order], _look.marker(g), color=_look.colour(g), linestyle=_look.dashes(g),
+                linewidth=0.6, markerfacecolor=None if g == 0 else "none", markersize=4 + 0.8 * g,
             )  # fmt: skip
             entries.append((line, name or "deviation"))
             if data.get("noise_expectation_m"):

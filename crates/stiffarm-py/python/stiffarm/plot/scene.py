@@ -101,9 +101,9 @@ def _axes(ax: Axes3D | None, width_in: float) -> Iterator[Axes3D]:
         return
     above = 0.65 if width_in < 5 else 0.35
     height = 0.74 * width_in + above
-    with plt.rc_context(_look.SIZES):
+    with _look.settings(True):
         figure = plt.figure(figsize=(width_in, height))
-        made = figure.add_axes((0.0, 0.07, 0.93, 0.97 - above / height), projection="3d")
+        made = figure.add_axes((-0.06, 0.06, 1.0, 0.97 - above / height), projection="3d")
         _look.fix_ticks(made)
         yield made  # type: ignore[misc]
 
@@ -253,7 +253,7 @@ def _frame(ax: Axes3D, seen: NDArray[np.float64]) -> None:
     ax.set_xlim(low[0], high[0])
     ax.set_ylim(low[1], high[1])
     ax.set_zlim(low[2], high[2])
-    ax.set_box_aspect(tuple(high - low), zoom=0.93)
+    ax.set_box_aspect(tuple(high - low), zoom=0.98)
     step = _step(float((high - low).max()), 4 if ax.figure.get_figwidth() < 5 else 7)
     for i, (axis, name) in enumerate(((ax.xaxis, "x"), (ax.yaxis, "y"), (ax.zaxis, "z"))):
         axis.set_label_text(f"{name} [mm]")
@@ -265,6 +265,7 @@ def _frame(ax: Axes3D, seen: NDArray[np.float64]) -> None:
         axis._axinfo["grid"].update(color="#e4e4e4", linewidth=0.5)
         axis.labelpad = 1
     ax.tick_params(pad=-1)
+    ax.tick_params(axis="z", pad=2)
 
 
 def _step(span: float, most: int) -> float:

@@ -101,7 +101,7 @@ def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width
             entries.append((band, f"{confidence} band"))
             if isinstance(result, Compensated):
                 (left,) = into.plot(x, half, color=_look.colour(1), linestyle=(0, (5, 2)))
-                entries.append((left, f"left with it, {confidence} below"))
+                entries.append((left, f"left after compensation, {confidence}"))
         into.set_ylim(bottom=0)
         into.set_xlabel("way along the path [mm]" if has_way else "point of the path [–]")
         into.set_ylabel("deflection [mm]")
