@@ -15,6 +15,7 @@ what the command ``stiffarm`` prints with ``--json``, to the last bit: keys as a
 ``to_frame()``, ``save()``. Whatever is wrong raises :class:`StiffarmError` with a code, a place and a hint.
 """
 
+from . import plot
 from ._errors import StiffarmError, StiffarmWarning
 from ._result import Record, Result
 from ._stiffarm import __version__, set_threads
@@ -72,6 +73,7 @@ __all__ = [
     "measured",
     "observation_matrix",
     "place",
+    "plot",
     "predict",
     "register",
     "rope",
