@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _stiffarm
+from ._checks import path as checked_path
+from ._checks import shown
 from ._errors import StiffarmError
 from ._result import Result
 from ._table import Table
@@ -59,7 +61,7 @@ def is_table(value: object) -> bool:
 def table(value: TableLike, role: str) -> str | tuple[str, bytes]:
     """A table as the library reads it."""
     if isinstance(value, (str, os.PathLike)):
-        return os.fspath(value)
+        return checked_path(value, role)
     return f"<{role}>", Table.of(value).to_csv().encode()
 
 
@@ -75,7 +77,7 @@ def result(value: Result | str | os.PathLike[str], role: str) -> str | tuple[str
     if isinstance(value, Result):
         return f"<{role}>", value.to_json().encode()
     if isinstance(value, (str, os.PathLike)):
-        return os.fspath(value)
+        return checked_path(value, role)
     raise StiffarmError(
         f"The {role} must be a result or the name of a saved one, got {type(value).__name__}.",
         "wrong-type",
@@ -132,12 +134,14 @@ class Watching:
         self.call: Callable[[str, int, int], Any] | None
         if progress is True:
             self.call = self._tell
-        elif progress in (False, None):
+        elif progress is False or progress is None:
             self.call = None
         elif callable(progress):
             self.call = progress
         else:
-            raise StiffarmError("progress must be True, False or callable.", "wrong-type")
+            raise StiffarmError(
+                f"This must be True, False or a function, got {shown(progress)}.", "wrong-type", {"key": "progress"}
+            )
 
     def _tell(self, what: str, done: int, of: int) -> None:
         if self._bar is None:

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
+from . import _checks
 from ._errors import StiffarmError, StiffarmWarning
 from ._table import Table
 
@@ -120,7 +121,7 @@ class Result(Record):
     def _of(cls: type[_R], found: tuple[str, bool]) -> _R:
         text, interrupted = found
         if interrupted:
-            warnings.warn("Stopped by Ctrl-C: this is the best so far.", StiffarmWarning, stacklevel=3)
+            warnings.warn("Stopped by Ctrl-C: this is the best so far.", StiffarmWarning, stacklevel=4)
         return cls(text, interrupted)
 
     @property
@@ -166,7 +167,7 @@ class Result(Record):
         Raises:
             StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
         """
-        return write_text(Path(path), self._text, overwrite=overwrite)
+        return write_text(path, self._text, overwrite=overwrite)
 
     @classmethod
     def load(cls: type[_R], path: str | os.PathLike[str]) -> _R:
@@ -175,21 +176,22 @@ class Result(Record):
         Raises:
             StiffarmError: It cannot be read, or is the result of another function.
         """
+        file = _checks.path(path)
         try:
-            found = cls(Path(path).read_text(encoding="utf-8"))
+            found = cls(Path(file).read_text(encoding="utf-8"))
         except OSError as error:
             raise StiffarmError(
-                f"The file cannot be read: {error.strerror}.", "file-read", {"file": os.fspath(path)}
+                f"The file cannot be read: {error.strerror}.", "file-read", {"file": file}
             ) from None
         except (ValueError, KeyError, TypeError):
             raise StiffarmError(
-                "This is not a saved result.", "result-file", {"file": os.fspath(path)}
+                "This is not a saved result.", "result-file", {"file": file}
             ) from None
         if cls._command and found.command != cls._command:
             raise StiffarmError(
                 f"This is the result of {found.command}, not of {cls._command}.",
                 "result-file",
-                {"file": os.fspath(path)},
+                {"file": file},
             )
         return found
 
@@ -233,8 +235,9 @@ class Result(Record):
     __hash__ = None  # type: ignore[assignment]
 
 
-def write_text(path: Path, text: str, *, overwrite: bool) -> Path:
+def write_text(to: str | os.PathLike[str], text: str, *, overwrite: bool) -> Path:
     """Writes a file by a temporary name in its folder, so that there is never half of it."""
+    path = Path(_checks.path(to))
     place = {"file": os.fspath(path)}
     if path.exists() and not overwrite:
         raise StiffarmError("The file exists.", "file-exists", place, hint="overwrite=True")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from . import _stiffarm
+from . import _checks, _stiffarm
 from ._errors import StiffarmError
 
 
@@ -26,7 +26,8 @@ class Table(Mapping[str, Any]):
     """
 
     def __init__(self, columns: Mapping[str, Sequence[Any] | np.ndarray]) -> None:
-        self._columns = {str(name): _column(values) for name, values in columns.items()}
+        given = _checks.mapping(columns, "columns")
+        self._columns = {name: _column(values, name) for name, values in given.items()}
         lengths = {len(column) for column in self._columns.values()}
         if len(lengths) > 1:
             raise StiffarmError("The columns of a table must be of one length.", "dimension")
@@ -57,14 +58,18 @@ class Table(Mapping[str, Any]):
     @classmethod
     def from_csv(cls, text: str) -> Table:
         """A table of the text of one of our CSV files; columns with a unit in their heading are numbers."""
-        rows = list(csv.reader(io.StringIO(text)))
+        rows = list(csv.reader(io.StringIO(_checks.text(text, "text"))))
         if not rows:
             return cls({})
         columns: dict[str, Any] = {}
+        for number, row in enumerate(rows, 1):
+            if len(row) != len(rows[0]):
+                message = f"This row has {len(row)} fields, the heading {len(rows[0])}."
+                raise StiffarmError(message, "table-row", {"line": number})
         for i, name in enumerate(rows[0]):
             column = [row[i] for row in rows[1:]]
             # A name "1" is no number: those have their unit in the heading.
-            columns[name] = [float(v) if v else None for v in column] if name.endswith(UNITS) else column
+            columns[name] = _numbers(column) if name.endswith(UNITS) else column
         return cls(columns)
 
     def to_csv(self) -> str:
@@ -135,10 +140,20 @@ class Table(Mapping[str, Any]):
         return table(self)
 
 
-def _column(values: Any) -> Any:
+def _numbers(texts: list[str]) -> list[Any]:
+    """Numbers where all are, so that whoever reads the table can say which is none."""
+    try:
+        return [float(text) if text else None for text in texts]
+    except ValueError:
+        return texts
+
+
+def _column(values: Any, name: str) -> Any:
     """An array of numbers where all are, else a list."""
     if isinstance(values, np.ndarray) and values.dtype.kind in "fiub":
         return values
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        raise StiffarmError("A column must be a list of values.", "wrong-type", {"key": name})
     values = [value.item() if isinstance(value, np.generic) else value for value in values]
     if not values:
         return values

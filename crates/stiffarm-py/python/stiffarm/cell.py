@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _stiffarm
+from . import _checks, _stiffarm
 from ._errors import StiffarmError
 from ._result import write_text
 from .robot import Robot
@@ -30,29 +30,33 @@ def tool(
         measuring_points_mm: The reflectors by name, flange axes [mm]; the first is the tool centre point.
         **keys: Further keys of ``[tool]`` as in a cell file, for example ``mass_kg`` or ``shape``.
     """
-    points = [{"name": name, "position_mm": _plain(at)} for name, at in measuring_points_mm.items()]
-    return {"loading_point_mm": _plain(loading_point_mm), "measuring_point": points, **_plain(keys)}
+    given = _checks.mapping(measuring_points_mm, "measuring_points_mm")
+    points = [{"name": name, "position_mm": _checks.vector(at, f"measuring_points_mm.{name}", 3)} for name, at in given.items()]
+    return {"loading_point_mm": _checks.vector(loading_point_mm, "loading_point_mm", 3), "measuring_point": points, **_plain(keys)}
 
 
 def rope(anchor_mm: ArrayLike, magnitude_n: float) -> dict[str, Any]:
     """The ``[load]`` of a rope from the loading point to an anchor in the base frame [mm, N]."""
-    return {"kind": "rope", "anchor_mm": _plain(anchor_mm), "magnitude_n": float(magnitude_n)}
+    return {"kind": "rope", "anchor_mm": _checks.vector(anchor_mm, "anchor_mm", 3), "magnitude_n": _checks.number(magnitude_n, "magnitude_n")}
 
 
 def weight(*, mass_kg: float | None = None, magnitude_n: float | None = None) -> dict[str, Any]:
     """The ``[load]`` of a weight that hangs on the loading point: its mass [kg] or its force [N]."""
     given = {"mass_kg": mass_kg, "magnitude_n": magnitude_n}
-    return {"kind": "weight", **{key: float(value) for key, value in given.items() if value is not None}}
+    if (mass_kg is None) == (magnitude_n is None):
+        raise StiffarmError("A weight has either a mass or a force.", "usage", {"key": "mass_kg"})
+    return {"kind": "weight", **{key: _checks.number(value, key) for key, value in given.items() if value is not None}}
 
 
 def wrench(force_n: ArrayLike, moment_nm: ArrayLike = (0.0, 0.0, 0.0), *, axes: str = "base") -> dict[str, Any]:
     """The ``[load]`` of a constant force and moment about the loading point, in ``"base"`` or ``"tool"`` axes [N, N·m]."""
-    return {"kind": "wrench", "force_n": _plain(force_n), "moment_nm": _plain(moment_nm), "axes": axes}
+    force, moment = _checks.vector(force_n, "force_n", 3), _checks.vector(moment_nm, "moment_nm", 3)
+    return {"kind": "wrench", "force_n": force, "moment_nm": moment, "axes": axes}
 
 
 def cases(**loads: Mapping[str, Any]) -> dict[str, Any]:
     """The ``[load]`` of several loads under which every posture is measured, by name."""
-    return {"kind": "cases", "case": [{"name": name, **_plain(dict(load))} for name, load in loads.items()]}
+    return {"kind": "cases", "case": [{"name": name, **_plain(_checks.mapping(load, name))} for name, load in loads.items()]}
 
 
 def measured() -> dict[str, Any]:
@@ -76,7 +80,7 @@ class Cell:
         Raises:
             StiffarmError: It cannot be read, or anything in it is wrong, with file, line, column and key.
         """
-        name = os.fspath(path)
+        name = _checks.path(path)
         if name.startswith("builtin:"):
             self._native = _stiffarm.Cell.built_in(name.removeprefix("builtin:"))
             return
@@ -104,7 +108,7 @@ class Cell:
         Raises:
             StiffarmError: There is no built-in cell of this name.
         """
-        return cls._of(_stiffarm.Cell.built_in(name))
+        return cls._of(_stiffarm.Cell.built_in(_checks.text(name, "name")))
 
     @classmethod
     def from_toml(cls, text: str, name: str = "<text>", *, folder: str | os.PathLike[str] | None = None) -> Cell:
@@ -113,8 +117,8 @@ class Cell:
         Raises:
             StiffarmError: As for a file.
         """
-        where = None if folder is None else os.fspath(folder)
-        return cls._of(_stiffarm.Cell(name, text.encode(), {}, where))
+        where = None if folder is None else _checks.path(folder, "folder")
+        return cls._of(_stiffarm.Cell(name, _checks.text(text, "text").encode(), {}, where))
 
     @classmethod
     def from_dict(cls, keys: Mapping[str, Any], *, folder: str | os.PathLike[str] | None = None) -> Cell:
@@ -123,7 +127,7 @@ class Cell:
         Raises:
             StiffarmError: As for a file; the place is a key, and a line of the text that is made of it.
         """
-        text = _stiffarm.toml_of_json(json.dumps({"format": 1, **_plain(dict(keys))}, allow_nan=True))
+        text = _toml({"format": 1, **_checks.mapping(keys, "keys")})
         return cls.from_toml(text, "<dict>", folder=folder)
 
     @classmethod
@@ -153,13 +157,21 @@ class Cell:
             StiffarmError: Anything wrong with a value, with its key.
         """
         own = Robot.catalogue(robot) if isinstance(robot, str) else robot
-        made: dict[str, Any] = {"robot": own.to_dict(), "tool": dict(tool), "load": dict(load), **keys}
+        if not isinstance(own, Robot):
+            message = f"A Robot is needed, got {_checks.shown(own)}."
+            raise StiffarmError(message, "wrong-type", {"key": "robot"}, hint='Robot.catalogue("comau-nj165-3.0")')
+        made: dict[str, Any] = {
+            "robot": own.to_dict(),
+            "tool": _checks.mapping(tool, "tool"),
+            "load": _checks.mapping(load, "load"),
+            **keys,
+        }
         if name is not None:
             made["name"] = name
         if stiffness_nm_per_rad is not None:
             made["stiffness"] = {"prior_nm_per_rad": _plain(stiffness_nm_per_rad)}
         if obstacles:
-            made["obstacle"] = [dict(one) for one in obstacles]
+            made["obstacle"] = [_checks.mapping(one, "obstacles") for one in obstacles]
         return cls.from_dict(made)
 
     def with_changes(self, changes: Mapping[str, Any]) -> Cell:
@@ -171,7 +183,7 @@ class Cell:
         Raises:
             StiffarmError: Anything wrong with the new values.
         """
-        text = _stiffarm.toml_of_json(json.dumps(_merged(self.to_dict(), _plain(dict(changes)))))
+        text = _toml(_merged(self.to_dict(), _plain(_checks.mapping(changes, "changes"))))
         native = _stiffarm.Cell(self._native.name, text.encode(), self._native.files, None)
         return Cell._of(native)
 
@@ -190,7 +202,7 @@ class Cell:
         Raises:
             StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
         """
-        return write_text(Path(path), self.to_toml(), overwrite=overwrite)
+        return write_text(path, self.to_toml(), overwrite=overwrite)
 
     @property
     def name(self) -> str:
@@ -273,6 +285,15 @@ class Cell:
 
     def __repr__(self) -> str:
         return f"<Cell {self.name!r}: {self._native.robot_name}, {self.joint_count} joints, from {self.file}>"
+
+
+def _toml(keys: Mapping[str, Any]) -> str:
+    """The text of a cell file."""
+    try:
+        return _stiffarm.toml_of_json(json.dumps(_plain(keys)))
+    except TypeError as error:
+        hint = "values are text, numbers, true, false, lists and dictionaries"
+        raise StiffarmError(f"A cell file cannot hold this: {error}.", "wrong-type", hint=hint) from None
 
 
 def _plain(value: Any) -> Any:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from . import _inputs, _stiffarm
+from ._checks import checked, vector, whole
 from ._errors import StiffarmError
 from ._inputs import PosturesLike, Progress, TableLike
 from ._result import Record, Result
@@ -26,7 +28,7 @@ def _fit(
 ) -> dict[str, Any]:
     return {
         "estimator": estimator,
-        "terms": [terms] if isinstance(terms, str) else list(terms),
+        "terms": list(terms),
         "elastic": elastic,
         "weights": weights,
         "prior_std_percent": prior_std_percent,
@@ -35,6 +37,7 @@ def _fit(
     }
 
 
+@checked
 def identify(
     cell: Cell,
     measurements: TableLike | list[TableLike],
@@ -128,6 +131,7 @@ def diagnose(cell: Cell, measurements: TableLike | list[TableLike], **options: A
     return found
 
 
+@checked
 def validate(
     cell: Cell,
     stiffness: Identified | str | os.PathLike[str] | Sequence[float] | None,
@@ -185,9 +189,7 @@ def validate(
             {"key": next(key for key, value in fit.items() if value not in (None, []))},
             hint="a saved stiffness brings its own estimator, terms and confidence",
         )
-    if isinstance(folds, str) and folds != "all":
-        raise StiffarmError('folds must be a number from 2, or "all".', "invalid-value", {"key": "folds"})
-    if isinstance(folds, int) and folds < 2:
+    if folds not in (None, "all") and (isinstance(folds, str) or whole(folds, "folds") < 2):
         raise StiffarmError('folds must be a number from 2, or "all".', "invalid-value", {"key": "folds"})
     with _inputs.Watching(progress) as told:
         return Validated._of(
@@ -207,6 +209,7 @@ def validate(
         )
 
 
+@checked
 def register(
     pairs: TableLike,
     *,
@@ -227,6 +230,7 @@ def register(
     return Registered(_stiffarm.register(_inputs.table(pairs, "pairs"), std_mm, list(exclude)))
 
 
+@checked
 def simulate(
     cell: Cell,
     groups: PosturesLike | Mapping[str, PosturesLike] | Iterable[PosturesLike],
@@ -276,7 +280,7 @@ def simulate(
                 cell._native,
                 _inputs.groups(groups, degrees=degrees),
                 runs,
-                None if levels is None else [float(level) for level in levels],
+                levels,
                 elastic,
                 seed,
                 errors,
@@ -285,6 +289,7 @@ def simulate(
         )
 
 
+@checked
 def simulate_measurements(
     cell: Cell,
     postures: PosturesLike,
@@ -313,6 +318,7 @@ def simulate_measurements(
     return Table.from_csv(_stiffarm.simulate_measurements(cell._native, own, seed, readings))
 
 
+@checked
 def coverage(
     cell: Cell,
     postures: PosturesLike,
@@ -362,11 +368,7 @@ def _stiffness(
     value: Identified | str | os.PathLike[str] | Sequence[float],
 ) -> str | tuple[str, bytes]:
     """A saved stiffness, one in memory, or a bare list."""
-    import json
-
-    import numpy as np
-
     if isinstance(value, (Result, str, os.PathLike)):
         return _inputs.result(value, "stiffness")
-    bare = [float(v) for v in np.asarray(value, dtype=float).reshape(-1)]
+    bare = vector(value, "stiffness")
     return "<stiffness>", json.dumps({"stiffness_nm_per_rad": bare}).encode()

@@ -8,6 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _inputs, _stiffarm
+from ._checks import cell as checked_cell
+from ._checks import count as count_of
+from ._checks import number, text
+from ._errors import StiffarmError
 from ._inputs import PosturesLike
 from .cell import Cell
 from .postures import Postures
@@ -43,11 +47,13 @@ class Objective:
         Raises:
             StiffarmError: An unknown index; a cell without what it needs.
         """
+        checked_cell(cell, "cell")
+        count = count_of(postures, "postures")
         own = np.zeros((0, cell.joint_count)) if given is None else Postures.of(given).angles
-        self._native = _stiffarm.Objective(cell._native, index, postures, np.ascontiguousarray(own))
+        self._native = _stiffarm.Objective(cell._native, text(index, "index"), count, np.ascontiguousarray(own))
         self.cell = cell
         self.index = self._native.index
-        self.postures = postures
+        self.postures = count
         self._given = np.array(own)
 
     @property
@@ -77,11 +83,11 @@ class Objective:
         Raises:
             StiffarmError: Angles of the wrong number or not finite.
         """
-        q = np.asarray(angles, dtype=np.float64)
-        value = self._native.value(_flat(q))
-        _, gradient = self._native.log_and_gradient(_flat(q))
+        q = _flat(angles)
+        value = self._native.value(q)
+        _, gradient = self._native.log_and_gradient(q)
         sign = -1.0 if _LARGER_IS_BETTER[self.index] else 1.0
-        return value, (sign * value * gradient).reshape(q.shape)
+        return value, (sign * value * gradient).reshape(np.shape(angles))
 
     def gradient(self, angles: ArrayLike) -> NDArray[np.float64]:
         """The gradient of :meth:`value_and_gradient`."""
@@ -93,9 +99,8 @@ class Objective:
         Raises:
             StiffarmError: Angles of the wrong number or not finite.
         """
-        q = np.asarray(angles, dtype=np.float64)
-        value, gradient = self._native.log_and_gradient(_flat(q))
-        return value, gradient.reshape(q.shape)
+        value, gradient = self._native.log_and_gradient(_flat(angles))
+        return value, gradient.reshape(np.shape(angles))
 
     def smoothed(self, angles: ArrayLike, sharpness: float) -> tuple[float, NDArray[np.float64]]:
         """As :meth:`log_and_gradient` of a smooth function: maxima become log-sum-exp, off by at most ln(n)/sharpness.
@@ -103,9 +108,8 @@ class Objective:
         Raises:
             StiffarmError: Angles of the wrong number or not finite, a sharpness that is not above zero.
         """
-        q = np.asarray(angles, dtype=np.float64)
-        value, _, gradient = self._native.smoothed(_flat(q), sharpness)
-        return value, gradient.reshape(q.shape)
+        value, _, gradient = self._native.smoothed(_flat(angles), number(sharpness, "sharpness"))
+        return value, gradient.reshape(np.shape(angles))
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = self._given if len(self._given) else None
@@ -116,7 +120,10 @@ class Objective:
 
 
 def _flat(angles: ArrayLike) -> NDArray[np.float64]:
-    return np.ascontiguousarray(angles, dtype=np.float64).reshape(-1)
+    try:
+        return np.ascontiguousarray(angles, dtype=np.float64).reshape(-1)
+    except (TypeError, ValueError) as error:
+        raise StiffarmError(f"Angles must be numbers: {error}.", "wrong-type") from None
 
 
 def _again(cell: Cell, index: str, postures: int, given: Any) -> Objective:

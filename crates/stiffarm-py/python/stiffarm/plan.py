@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _inputs, _stiffarm
+from ._checks import checked
+from ._checks import count as count_of
+from ._checks import native, number, texts, truth, vector
 from ._errors import StiffarmError
 from ._inputs import PosturesLike, Progress, TableLike
 from .cell import Cell
@@ -20,6 +23,7 @@ from .results import Certificate, Chosen, Curve, Dropped, Evaluated, Plan, Space
 USUAL = tuple(name for name, _, _ in _stiffarm.index_names() if name != "prediction")
 
 
+@checked
 def select(
     cell: Cell,
     postures: int | None = None,
@@ -81,6 +85,9 @@ def select(
         StiffarmError: Options that exclude each other; a cell without what the index needs; postures that cannot
             determine every joint (``not-identifiable``).
     """
+    for key, value in (("postures", postures), ("add", add)):
+        if value is not None:
+            count_of(value, key)
     if candidates is not None:
         refused = {"start": start, "given": given, "add": add, "rounds": rounds, "time_limit_s": time_limit_s}
         refused |= {"anchor_box_mm": anchor_box_mm, "loading_point_box_mm": loading_point_box_mm}
@@ -109,7 +116,7 @@ def select(
         refused |= {"loading_point_box_mm": loading_point_box_mm, "largest_load_n": largest_load_n}
         _refuse("given", refused)
     elif add is not None:
-        raise StiffarmError("add needs given postures.", "conflict", {"key": "add"})
+        raise StiffarmError("Postures are added to given ones.", "conflict", {"key": "add"}, hint="give given=")
     count = (1 if add is None else add) if given is not None else (6 if postures is None else postures)
     load = {
         "anchor_box_mm": _box(anchor_box_mm, "anchor_box_mm"),
@@ -137,6 +144,7 @@ def select(
         )
 
 
+@checked
 def space_filling(
     cell: Cell,
     postures: int = 6,
@@ -156,6 +164,7 @@ def space_filling(
         )
 
 
+@checked
 def drop(
     cell: Cell,
     given: PosturesLike,
@@ -178,6 +187,7 @@ def drop(
         )
 
 
+@checked
 def curve(
     cell: Cell,
     largest: int = 12,
@@ -194,6 +204,7 @@ def curve(
     Raises:
         StiffarmError: A cell without what the index needs.
     """
+    count_of(largest, "largest")
     budget = {"rounds": rounds, "time_limit_s": time_limit_s, "seed": seed}
     with _inputs.Watching(progress) as told:
         return Curve._of(
@@ -201,6 +212,7 @@ def curve(
         )
 
 
+@checked
 def certificate(
     cell: Cell,
     postures: PosturesLike,
@@ -238,6 +250,7 @@ def certificate(
         )
 
 
+@checked
 def evaluate(
     cell: Cell,
     groups: PosturesLike | Mapping[str, PosturesLike] | Iterable[PosturesLike],
@@ -279,17 +292,21 @@ def indices(
     Raises:
         StiffarmError: An unknown index, angles of the wrong number or not finite.
     """
-    array = np.ascontiguousarray(postures, dtype=np.float64)
-    if degrees:
-        array = _stiffarm.radians(array.reshape(-1, array.shape[-1])).reshape(array.shape)
-    wanted = list(USUAL if names is None else names)
-    if array.ndim == 3:
-        return _stiffarm.indices(cell._native, array, wanted)
-    if array.ndim != 2:
+    own = native(cell)
+    try:
+        array = np.ascontiguousarray(postures, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise StiffarmError(f"Postures must be numbers: {error}.", "wrong-type") from None
+    if array.ndim not in (2, 3):
         raise StiffarmError(
             f"Postures are an array of 2 or 3 dimensions, got {array.ndim}.", "dimension"
         )
-    found = _stiffarm.indices(cell._native, array[np.newaxis], wanted)
+    if truth(degrees, "degrees") and array.size:
+        array = _stiffarm.radians(array.reshape(-1, array.shape[-1])).reshape(array.shape)
+    wanted = list(USUAL) if names is None else texts(names, "names")
+    if array.ndim == 3:
+        return _stiffarm.indices(own, array, wanted)
+    found = _stiffarm.indices(own, array[np.newaxis], wanted)
     return {name: float(values[0]) for name, values in found.items()}
 
 
@@ -315,10 +332,12 @@ def observation_matrix(
     Raises:
         StiffarmError: Angles of the wrong number or not finite; a load that only a measurement gives.
     """
+    own = native(cell)
     array = _inputs.floats(postures, 2, "Postures")
-    if degrees:
+    if truth(degrees, "degrees"):
         array = _stiffarm.radians(array)
-    return _stiffarm.observation_matrix(cell._native, array, rotation_length)
+    length = None if rotation_length is None else number(rotation_length, "rotation_length")
+    return _stiffarm.observation_matrix(own, array, length)
 
 
 def index_names() -> dict[str, str]:
@@ -329,16 +348,20 @@ def index_names() -> dict[str, str]:
 def _refuse(option: str, others: Mapping[str, object]) -> None:
     for name, value in others.items():
         if value is not None:
-            raise StiffarmError(f"{name} cannot be used with {option}.", "conflict", {"key": name})
+            raise StiffarmError(f"This cannot be used with {option}.", "conflict", {"key": name})
 
 
 def _box(box: ArrayLike | None, name: str) -> list[list[float]] | None:
     if box is None:
         return None
-    array = np.asarray(box, dtype=float)
-    if array.size != 6:
+    try:
+        flat = np.asarray(box, dtype=float).reshape(-1)
+    except (TypeError, ValueError):
+        raise StiffarmError("A box is six numbers.", "wrong-type", {"key": name}) from None
+    if flat.size != 6:
         raise StiffarmError("A box is its lowest and its highest corner.", "dimension", {"key": name})
-    return [list(corner) for corner in array.reshape(2, 3).tolist()]
+    corners = vector(flat, name)
+    return [corners[:3], corners[3:]]
 
 
 def _list(candidates: Any, *, degrees: bool) -> Any:

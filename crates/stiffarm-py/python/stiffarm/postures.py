@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _stiffarm
+from . import _checks, _stiffarm
 from ._errors import StiffarmError
 from ._result import Result, write_text
 from ._table import Table
@@ -52,7 +52,7 @@ class Postures:
             )
         array = _stiffarm.radians(array) if degrees else np.array(array, copy=True)
         array.flags.writeable = False
-        own = [str(i) for i in range(1, len(array) + 1)] if names is None else [str(one) for one in names]
+        own = [str(i) for i in range(1, len(array) + 1)] if names is None else _checks.texts(names, "names")
         if len(own) != len(array):
             raise StiffarmError(f"There are {len(array)} postures and {len(own)} names.", "dimension")
         self.angles: NDArray[np.float64] = array
@@ -82,7 +82,7 @@ class Postures:
         Raises:
             StiffarmError: It cannot be read, or anything in it is wrong, with file, line and column.
         """
-        names, angles = _stiffarm.read_postures(cell._native, os.fspath(path))
+        names, angles = _stiffarm.read_postures(_checks.native(cell), _checks.path(path))
         return cls(angles, names, name=Path(os.fspath(path)).stem)
 
     @property
@@ -109,7 +109,7 @@ class Postures:
         Raises:
             StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
         """
-        return write_text(Path(path), self.to_csv(), overwrite=overwrite)
+        return write_text(path, self.to_csv(), overwrite=overwrite)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.angles, dtype=dtype) if copy or dtype else self.angles

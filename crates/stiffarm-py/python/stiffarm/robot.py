@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _stiffarm
+from . import _checks, _stiffarm
 from ._errors import StiffarmError
 
 
@@ -44,7 +44,7 @@ class Robot:
         """
         from .cell import Cell, measured, tool
 
-        self._keys = dict(keys)
+        self._keys = _checks.mapping(keys, "keys")
         # One reader for robots: that of cell files, with a tool that nothing asks for.
         cell = Cell.from_dict(
             {"robot": self._keys, "tool": tool([0.0] * 3, {"flange": [0.0] * 3}), "load": measured()}
@@ -59,7 +59,7 @@ class Robot:
 
     @classmethod
     def catalogue(cls, name: str) -> Robot:
-        """A robot of the catalogue, for example ``"comau-nj165-3.0"``; :func:`stiffarm.robots` lists them.
+        """A robot of the catalogue, for example ``"comau-nj165-3.0"``; the command ``stiffarm robots`` lists them.
 
         Raises:
             StiffarmError: The catalogue has no robot of this name.
@@ -92,9 +92,9 @@ class Robot:
             raise StiffarmError(
                 f'There is no convention "{convention}".', "unknown-name", hint="modified or standard"
             )
-        made = {"name": name, f"dh_{convention}": np.asarray(rows, dtype=float).tolist(), **keys}
+        made = {"name": name, f"dh_{convention}": _checks.array(rows, "rows").tolist(), **keys}
         if limits_deg is not None:
-            made["limits_deg"] = np.asarray(limits_deg, dtype=float).tolist()
+            made["limits_deg"] = _checks.array(limits_deg, "limits_deg").tolist()
         return cls(made)
 
     @classmethod
@@ -109,11 +109,12 @@ class Robot:
         Raises:
             StiffarmError: No URDF, unknown links, several possible ends, joints that do not turn, with the line.
         """
-        name = os.fspath(path)
+        name = _checks.path(path)
         try:
             text = Path(name).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise StiffarmError(f"The file cannot be read: {error}.", "file-read", {"file": name}) from None
+            reason = getattr(error, "strerror", None) or "it is not UTF-8"
+            raise StiffarmError(f"The file cannot be read: {reason}.", "file-read", {"file": name}) from None
         table, _, _, _ = _stiffarm.urdf_table(text, name, base, tip)
         return cls(json.loads(table))
 
@@ -141,15 +142,21 @@ class Robot:
         Raises:
             StiffarmError: Numbers that are not finite, lists of different lengths, a pose that is none.
         """
-        at = np.asarray(points, dtype=float)
+        at, along = _checks.array(points, "points"), _checks.array(directions, "directions")
+        for key, rows in (("points", at), ("directions", along)):
+            if rows.ndim != 2 or rows.shape[1] != 3:
+                raise StiffarmError("This must be rows of three numbers.", "dimension", {"key": key})
+        ends = None if limits is None else _checks.array(limits, "limits")
+        if ends is not None and (ends.ndim != 2 or ends.shape[1] != 2):
+            raise StiffarmError("This must be rows of two numbers.", "dimension", {"key": "limits"})
         names = list(joint_names) if joint_names is not None else [f"joint {i + 1}" for i in range(len(at))]
         table = _stiffarm.axes_table(
             name,
             names,
             at.tolist(),
-            np.asarray(directions, dtype=float).tolist(),
-            np.ascontiguousarray(flange, dtype=float),
-            None if limits is None else np.asarray(limits, dtype=float).tolist(),
+            along.tolist(),
+            _pose(flange),
+            None if ends is None else ends.tolist(),
         )
         return cls(json.loads(table))
 
@@ -215,7 +222,7 @@ class Robot:
         Raises:
             StiffarmError: Angles of the wrong number, or not finite.
         """
-        at = None if point is None else [float(v) for v in np.asarray(point, dtype=float)]
+        at = None if point is None else _checks.vector(point, "point", 3)
         return _stiffarm.jacobian(self._native, _row(angles), at)
 
     def inverse(self, pose: ArrayLike) -> list[Branch]:
@@ -226,7 +233,7 @@ class Robot:
         Raises:
             StiffarmError: No pose; one out of reach, with the distance.
         """
-        _, found = _stiffarm.inverse(self._native, np.ascontiguousarray(pose, dtype=float))
+        _, found = _stiffarm.inverse(self._native, _pose(pose))
         return [Branch(*branch) for branch in found]
 
     def nearest(self, pose: ArrayLike, start: ArrayLike) -> NDArray[np.float64]:
@@ -235,7 +242,7 @@ class Robot:
         Raises:
             StiffarmError: No pose; one out of reach or outside the machine's limits, with distance or joint.
         """
-        return _stiffarm.nearest(self._native, np.ascontiguousarray(pose, dtype=float), _row(start))
+        return _stiffarm.nearest(self._native, _pose(pose), _row(start))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot, (self._keys,)
@@ -250,4 +257,11 @@ class Robot:
 
 
 def _row(angles: ArrayLike) -> NDArray[np.float64]:
-    return np.ascontiguousarray(angles, dtype=float).reshape(-1)
+    return np.ascontiguousarray(_checks.array(angles, "angles")).reshape(-1)
+
+
+def _pose(pose: ArrayLike) -> NDArray[np.float64]:
+    found = np.ascontiguousarray(_checks.array(pose, "pose"))
+    if found.shape != (4, 4):
+        raise StiffarmError("A pose is an array of 4 rows and 4 columns.", "dimension", {"key": "pose"})
+    return found

@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _inputs, _stiffarm
+from ._checks import checked, number, shown, text, vector, whole
+from ._errors import StiffarmError
 from ._inputs import Progress, TableLike
 from .cell import Cell
 from .measure import _stiffness
 from .results import Compensated, Identified, Placement, Predicted, StiffnessMap
 
 
-def _triple(value: ArrayLike | None) -> list[float] | None:
-    return None if value is None else [float(v) for v in np.asarray(value, dtype=float).reshape(-1)]
+def _triple(value: ArrayLike | None, key: str, length: int | None = 3) -> list[float] | None:
+    return None if value is None else vector(value, key, length)
 
 
 def _along(
@@ -31,15 +33,16 @@ def _along(
 ) -> dict[str, Any]:
     return {
         "axes": axes,
-        "force_n": _triple(force_n),
-        "moment_nm": _triple(moment_nm),
+        "force_n": _triple(force_n, "force_n"),
+        "moment_nm": _triple(moment_nm, "moment_nm"),
         "load_uncertainty_percent": load_uncertainty_percent,
-        "start_deg": _triple(start_deg),
+        "start_deg": _triple(start_deg, "start_deg", None),
         "max_step_deg": max_step_deg,
         "free_turn": free_turn,
     }
 
 
+@checked
 def predict(
     cell: Cell,
     stiffness: Identified | str | os.PathLike[str] | Sequence[float],
@@ -98,6 +101,7 @@ def predict(
         )
 
 
+@checked
 def compensate(
     cell: Cell,
     stiffness: Identified | str | os.PathLike[str] | Sequence[float],
@@ -134,10 +138,18 @@ def _region(
     to_mm: ArrayLike | None,
     steps: int | Sequence[int] | None,
 ) -> dict[str, Any]:
-    counts = None if steps is None else [steps] if isinstance(steps, int) else [int(n) for n in steps]
-    return {"plane": plane, "from_mm": _triple(from_mm), "to_mm": _triple(to_mm), "steps": counts}
+    counts: list[int] | None = None
+    if steps is not None:
+        counts = [whole(n, "steps") for n in (steps if isinstance(steps, (list, tuple, np.ndarray)) else [steps])]
+    if plane is not None:
+        if not isinstance(plane, (list, tuple)) or len(plane) != 2:
+            message = f"A plane is a name and a coordinate, got {shown(plane)}."
+            raise StiffarmError(message, "wrong-type", {"key": "plane"}, hint='for example plane=("z", 800.0)')
+        plane = text(plane[0], "plane"), number(plane[1], "plane")
+    return {"plane": plane, "from_mm": _triple(from_mm, "from_mm"), "to_mm": _triple(to_mm, "to_mm"), "steps": counts}
 
 
+@checked
 def map(
     cell: Cell,
     stiffness: Identified | str | os.PathLike[str] | Sequence[float],
@@ -179,16 +191,17 @@ def map(
                 cell._native,
                 _stiffness(stiffness),
                 _region(plane, from_mm, to_mm, steps),
-                _triple(rpy_deg),
+                _triple(rpy_deg, "rpy_deg"),
                 free_turn,
-                _triple(force_n),
-                _triple(moment_nm),
-                _triple(direction),
+                _triple(force_n, "force_n"),
+                _triple(moment_nm, "moment_nm"),
+                _triple(direction, "direction"),
                 told,
             )
         )
 
 
+@checked
 def place(
     cell: Cell,
     stiffness: Identified | str | os.PathLike[str] | Sequence[float],

@@ -1,0 +1,210 @@
+"""Arguments of the wrong type as the package's one exception."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import operator
+import os
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, ParamSpec, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import StiffarmError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+#: Largest whole number of an option, so that the library's own are wide enough for it.
+LARGEST = 2**53
+
+
+def whole(value: Any, key: str) -> int:
+    """A whole number of 0 or more."""
+    try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
+        number = operator.index(value)
+    except TypeError:
+        raise StiffarmError(f"This must be a whole number, got {shown(value)}.", "wrong-type", {"key": key}) from None
+    if not 0 <= number <= LARGEST:
+        raise StiffarmError(f"This must be a whole number from 0, got {number}.", "invalid-value", {"key": key})
+    return number
+
+
+#: Most postures of a plan, as the command has it.
+MOST_POSTURES = 1000
+
+
+def count(value: int, key: str) -> int:
+    """A number of postures that a plan can have."""
+    found = whole(value, key)
+    if not 1 <= found <= MOST_POSTURES:
+        message = f"This must be a number of postures from 1 to {MOST_POSTURES}, got {found}."
+        raise StiffarmError(message, "invalid-value", {"key": key})
+    return found
+
+
+def number(value: Any, key: str) -> float:
+    """A finite number."""
+    try:
+        if isinstance(value, (bool, np.bool_, str, bytes)):
+            raise TypeError
+        found = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise StiffarmError(f"This must be a number, got {shown(value)}.", "wrong-type", {"key": key}) from None
+    if not np.isfinite(found):
+        raise StiffarmError(f"This must be a finite number, got {found}.", "not-finite", {"key": key})
+    return found
+
+
+def truth(value: Any, key: str) -> bool:
+    """True or false."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise StiffarmError(f"This must be True or False, got {shown(value)}.", "wrong-type", {"key": key})
+    return bool(value)
+
+
+def text(value: Any, key: str) -> str:
+    """A text."""
+    if not isinstance(value, str):
+        raise StiffarmError(f"This must be a text, got {shown(value)}.", "wrong-type", {"key": key})
+    return value
+
+
+def texts(value: Any, key: str) -> list[str]:
+    """Names; one alone is a list of one."""
+    if isinstance(value, str):
+        return [value]
+    try:
+        return [text(one, key) for one in value]
+    except TypeError:
+        raise StiffarmError(f"This must be a list of texts, got {shown(value)}.", "wrong-type", {"key": key}) from None
+
+
+def numbers(value: Any, key: str) -> list[float]:
+    """Finite numbers."""
+    if isinstance(value, (str, bytes, Mapping)):
+        raise StiffarmError(f"This must be a list of numbers, got {shown(value)}.", "wrong-type", {"key": key})
+    try:
+        return [number(one, key) for one in value]
+    except TypeError:
+        raise StiffarmError(f"This must be a list of numbers, got {shown(value)}.", "wrong-type", {"key": key}) from None
+
+
+def vector(value: Any, key: str, length: int | None = None) -> list[float]:
+    """Finite numbers in one row, so many of them."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise StiffarmError(f"This must be numbers, got {shown(value)}.", "wrong-type", {"key": key}) from None
+    if array.ndim != 1 or (length is not None and array.size != length):
+        wanted = "a list of numbers" if length is None else f"{length} numbers"
+        raise StiffarmError(f"This must be {wanted}, got {shown(value)}.", "dimension", {"key": key})
+    if not np.isfinite(array).all():
+        raise StiffarmError(f"This must be finite numbers, got {shown(value)}.", "not-finite", {"key": key})
+    return [float(one) for one in array]
+
+
+def array(value: Any, key: str) -> NDArray[np.float64]:
+    """Numbers, in as many dimensions as they have."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise StiffarmError(f"This must be numbers, got {shown(value)}.", "wrong-type", {"key": key}) from None
+
+
+def mapping(value: Any, key: str) -> dict[str, Any]:
+    """Keys of a cell file."""
+    if not isinstance(value, Mapping):
+        raise StiffarmError(f"This must be a dictionary, got {shown(value)}.", "wrong-type", {"key": key})
+    return {str(name): one for name, one in cast("Mapping[Any, Any]", value).items()}
+
+
+def path(value: Any, what: str = "path") -> str:
+    """The name of a file."""
+    try:
+        found = os.fspath(value)
+        if isinstance(found, bytes):
+            found = os.fsdecode(found)
+    except (TypeError, ValueError):
+        raise StiffarmError(f"This must be the name of a file, got {shown(value)}.", "wrong-type", {"key": what}) from None
+    if "\0" in found:
+        raise StiffarmError("The name of a file cannot hold a zero byte.", "file-read", {"key": what})
+    return found
+
+
+def cell(value: Any, key: str) -> Any:
+    """A cell."""
+    from .cell import Cell
+
+    if not isinstance(value, Cell):
+        hint = f'stiffarm.Cell("{value}")' if isinstance(value, str) else 'stiffarm.Cell("cell.toml")'
+        raise StiffarmError(f"A Cell is needed, got {shown(value)}.", "wrong-type", {"key": key}, hint=hint)
+    return value
+
+
+def native(value: Any) -> Any:
+    """What the extension module has of a cell."""
+    try:
+        return value._native
+    except AttributeError:
+        return cell(value, "cell")._native
+
+
+def shown(value: Any) -> str:
+    """A value in a message, in a few words."""
+    found = repr(value).replace("\n", " ")
+    return found if len(found) <= 40 else f"{type(value).__name__} {found[:30]}..."
+
+
+#: What is checked of a parameter, by its annotation; others are checked where they are used.
+_CHECKS: dict[str, Callable[[Any, str], Any]] = {
+    "Cell": cell,
+    "int": whole,
+    "float": number,
+    "bool": truth,
+    "str": text,
+    "Sequence[str]": texts,
+    "Sequence[float]": numbers,
+}
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """``function`` with its plain arguments checked by their annotations."""
+    signature = inspect.signature(function)
+    checks: dict[str, tuple[Callable[[Any, str], Any], bool]] = {}
+    for name, parameter in signature.parameters.items():
+        plain, _, none = str(parameter.annotation).partition(" | None")
+        if plain in _CHECKS and not none:
+            checks[name] = _CHECKS[plain], str(parameter.annotation).endswith("| None")
+
+    @functools.wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        bound = signature.bind(*args, **kwargs)
+        for name, value in bound.arguments.items():
+            if name in checks and not (value is None and checks[name][1]):
+                bound.arguments[name] = checks[name][0](value, name)
+        try:
+            return function(*bound.args, **bound.kwargs)
+        except StiffarmError:
+            raise
+        except (TypeError, OverflowError) as error:
+            refused = _refused(error)
+            if refused is None:
+                raise
+            raise refused from None
+
+    return call
+
+
+def _refused(error: Exception) -> StiffarmError | None:
+    """What the extension module says of an argument that it cannot take; it names the argument."""
+    found = re.match(r"(?:argument '(\w+)': |failed to extract field \w+\.(\w+))(.*)", str(error), re.DOTALL)
+    if not found:
+        return None
+    reason = str(error.__cause__ or found[3]).splitlines()[0]
+    return StiffarmError(f"This cannot be used: {reason}.", "wrong-type", {"key": found[1] or found[2]})

@@ -1,0 +1,336 @@
+"""Whatever is wrong raises StiffarmError with a code, a place and a hint; nothing else, and never a panic."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import pickle
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas
+import polars
+import pytest
+
+import stiffarm
+from stiffarm import StiffarmError
+
+
+@pytest.fixture(scope="module")
+def cell() -> stiffarm.Cell:
+    return stiffarm.Cell.built_in("comau-reference")
+
+
+@pytest.fixture(scope="module")
+def calls(cell: stiffarm.Cell) -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
+    """A call of every function that works, quickly."""
+    full = stiffarm.Cell.built_in("comau")
+    group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    measured = stiffarm.simulate_measurements(cell, group)
+    angles = group.angles
+    return {
+        "certificate": (stiffarm.certificate, {"cell": cell, "postures": group, "samples": 4}),
+        "compensate": (stiffarm.compensate, {"cell": full, "stiffness": "prior", "path": "builtin:contour"}),
+        "coverage": (stiffarm.coverage, {"cell": cell, "postures": group, "runs": 2}),
+        "curve": (stiffarm.curve, {"cell": cell, "largest": 3, "rounds": 1, "certificate": False}),
+        "diagnose": (stiffarm.diagnose, {"cell": cell, "measurements": measured}),
+        "drop": (stiffarm.drop, {"cell": cell, "given": group}),
+        "evaluate": (stiffarm.evaluate, {"cell": cell, "groups": group}),
+        "identify": (stiffarm.identify, {"cell": cell, "measurements": measured, "brief": True}),
+        "indices": (stiffarm.indices, {"cell": cell, "postures": angles}),
+        "map": (stiffarm.map, {"cell": full, "stiffness": "prior", "plane": ("z", 800.0), "steps": 2}),
+        "observation_matrix": (stiffarm.observation_matrix, {"cell": cell, "postures": angles}),
+        "place": (
+            stiffarm.place,
+            {"cell": full, "stiffness": "prior", "path": "builtin:contour", "steps": 1, "refine": 0},
+        ),
+        "predict": (stiffarm.predict, {"cell": full, "stiffness": "prior", "path": "builtin:contour"}),
+        "register": (stiffarm.register, {"pairs": "builtin:example-pairs"}),
+        "select": (stiffarm.select, {"cell": cell, "postures": 3, "rounds": 1, "certificate": False}),
+        "simulate": (stiffarm.simulate, {"cell": cell, "groups": group, "runs": 2}),
+        "simulate_measurements": (stiffarm.simulate_measurements, {"cell": cell, "postures": group}),
+        "space_filling": (stiffarm.space_filling, {"cell": cell, "postures": 3}),
+        "validate": (stiffarm.validate, {"cell": cell, "stiffness": [1e6] * 6, "measurements": measured}),
+    }
+
+
+class Hostile:
+    """An object whose every use fails."""
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        raise RuntimeError("this object cannot be an array")
+
+
+#: Values that are wrong nearly everywhere.
+JUNK: dict[str, Any] = {
+    "None": None,
+    "text": "junk",
+    "empty text": "",
+    "zero byte": "a\0b",
+    "bytes": b"junk",
+    "minus one": -1,
+    "zero": 0,
+    "too large": 10**30,
+    "NaN": math.nan,
+    "infinite": math.inf,
+    "negative": -0.5,
+    "true": True,
+    "complex": 1j,
+    "empty list": [],
+    "nested": [[], [1.0]],
+    "texts": ["a", "b"],
+    "numbers": [1.0, 2.0],
+    "NaNs": [math.nan] * 6,
+    "empty array": np.zeros((0, 6)),
+    "array of NaN": np.full((3, 6), np.nan),
+    "wrong width": np.zeros((3, 5)),
+    "no joints": np.zeros((3, 0)),
+    "one row": np.zeros(6),
+    "four dimensions": np.zeros((1, 1, 1, 6)),
+    "objects": np.array([object()]),
+    "mapping": {},
+    "mapping of text": {"a": "b"},
+    "columns": {"a": [1.0], "b": ["x"]},
+    "columns of two lengths": {"posture": ["1", "2"], "q1_deg": [1.0]},
+    "frame": pandas.DataFrame({"a": [1.0]}),
+    "empty frame": pandas.DataFrame(),
+    "polars": polars.DataFrame({"a": [1.0]}),
+    "polars of lists": polars.DataFrame({"posture": [["a"]], "q1_deg": [{"b": 1}]}),
+    "object": object(),
+    "a folder": ".",
+    "no file": "missing.csv",
+    "no built-in": "builtin:missing",
+}
+
+#: What may take long with a value that is not wrong.
+SLOW = {("curve", "rounds"), ("select", "rounds"), ("select", "time_limit_s"), ("curve", "time_limit_s")}
+
+
+def readable(error: StiffarmError) -> None:
+    """A sentence of its own, a code of the list, a place that can be shown."""
+    assert re.fullmatch(r"[a-z]+(-[a-z]+)*", error.code), error.code
+    assert error.code != "internal", error
+    assert error.message and error.message[0] not in "aeiou " and error.message.rstrip().endswith((".", "?")), error
+    assert set(error.place) <= {"file", "line", "column", "key"}, error.place
+    assert error.hint is None or error.hint.strip()
+    assert "panicked" not in str(error) and "Traceback" not in str(error) and "_stiffarm." not in str(error)
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.code, again.place, again.hint) == (str(error), error.code, error.place, error.hint)
+
+
+@pytest.mark.parametrize("name", sorted(n for n in stiffarm.__all__ if inspect.isfunction(getattr(stiffarm, n))))
+def test_junk(calls: dict[str, Any], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each argument of each function in turn takes each value of the list."""
+    if name not in calls:
+        pytest.skip("takes values of a cell file, or nothing: test_cells")
+    monkeypatch.chdir(tmp_path)
+    function, working = calls[name]
+    function(**working)
+    parameters = [p for p in inspect.signature(function).parameters.values() if p.kind != p.VAR_KEYWORD]
+    faults = []
+    for parameter in parameters:
+        refused = 0
+        for kind, value in JUNK.items():
+            if (name, parameter.name) in SLOW and kind in ("None", "infinite"):
+                continue
+            try:
+                function(**{**working, parameter.name: value})
+            except StiffarmError as error:
+                refused += 1
+                try:
+                    readable(error)
+                except AssertionError as wrong:
+                    faults.append(f"{parameter.name} = {kind}: {wrong}".splitlines()[0])
+            except BaseException as error:  # noqa: BLE001
+                faults.append(f"{parameter.name} = {kind}: {type(error).__name__}: {error}"[:300])
+        if refused < 5:
+            faults.append(f"{parameter.name}: only {refused} of {len(JUNK)} values are refused")
+    assert not faults, "\n".join(faults)
+
+
+def refused(call: Callable[[], Any], code: str, *, key: str | None = None, said: str = "") -> StiffarmError:
+    """The error that a call ends with."""
+    with pytest.raises(StiffarmError) as raised:
+        call()
+    readable(raised.value)
+    assert raised.value.code == code, raised.value
+    assert raised.value.place.get("key") == key or key is None, raised.value
+    assert said in str(raised.value)
+    return raised.value
+
+
+def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
+    group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    measured = stiffarm.simulate_measurements(cell, group)
+    select, validate, identify = stiffarm.select, stiffarm.validate, stiffarm.identify
+    refused(lambda: select(cell, 6, start=group), "conflict", key="postures")
+    refused(lambda: select(cell, start=group, given=group), "conflict", key="given")
+    refused(lambda: select(cell, add=2), "conflict", key="add")
+    refused(lambda: select(cell, candidates=group, rounds=1), "conflict", key="rounds")
+    refused(lambda: select(cell, given=group, largest_load_n=600), "conflict", key="largest_load_n")
+    refused(lambda: validate(cell, [1e6] * 6, measured, folds=3), "usage", key="folds")
+    refused(lambda: validate(cell, None, measured), "usage", key="folds")
+    refused(lambda: validate(cell, None, measured, folds=1), "invalid-value", key="folds")
+    refused(lambda: validate(cell, None, measured, folds="some"), "invalid-value", key="folds")
+    refused(lambda: validate(cell, [1e6] * 6, measured, estimator="huber"), "usage", key="estimator")
+    refused(lambda: identify(cell, measured, flange_fixed=True, bootstrap=200), "conflict", key="flange_fixed")
+    refused(lambda: identify(cell, [measured, measured], flange_fixed=True), "usage", key="measurements")
+    refused(lambda: stiffarm.diagnose(cell, measured, brief=True), "conflict", key="brief")
+    refused(lambda: stiffarm.weight(), "usage", key="mass_kg")
+
+
+def test_unknown_names(cell: stiffarm.Cell) -> None:
+    group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    measured = stiffarm.simulate_measurements(cell, group)
+    assert "expected_error" in str(refused(lambda: stiffarm.select(cell, index="expected"), "unknown-name").hint)
+    assert "huber" in str(refused(lambda: stiffarm.identify(cell, measured, estimator="best"), "unknown-name").hint)
+    refused(lambda: stiffarm.identify(cell, measured, exclude=["nobody"]), "unknown-name", key="exclude")
+    refused(lambda: stiffarm.identify(cell, measured, terms=["wobble"]), "unknown-name", key="terms")
+    refused(lambda: stiffarm.identify(cell, measured, elastic="all"), "unknown-name", key="elastic")
+    refused(lambda: stiffarm.identify(cell, measured, weights="mine"), "unknown-name", key="weights")
+    refused(lambda: stiffarm.validate(cell, [1e6] * 6, measured, model="exact"), "unknown-name", key="model")
+    refused(lambda: stiffarm.indices(cell, group.angles, ["d", "e"]), "unknown-name")
+    refused(lambda: stiffarm.Cell.built_in("comauu"), "unknown-name", said="comau-reference")
+    refused(lambda: stiffarm.Robot.catalogue("x"), "unknown-name", key="robot.catalogue")
+    refused(lambda: stiffarm.Robot.dh([[0, 0, 0, 0]], convention="mine"), "unknown-name")
+    refused(lambda: group.to_frame("excel"), "unknown-name")
+
+
+def test_files(cell: stiffarm.Cell, tmp_path: Path) -> None:
+    """Broken files: file, line and column say where."""
+    missing = tmp_path / "missing.csv"
+    for call in (
+        lambda: stiffarm.Cell(missing),
+        lambda: stiffarm.Postures.read(missing, cell),
+        lambda: stiffarm.evaluate(cell, missing),
+        lambda: stiffarm.identify(cell, missing),
+        lambda: stiffarm.register(missing),
+        lambda: stiffarm.predict(cell, missing, "builtin:contour"),
+        lambda: stiffarm.Result.load(missing),
+        lambda: stiffarm.Robot.urdf(missing),
+    ):
+        assert refused(call, "file-read").place["file"] == str(missing)
+
+    def written(text: str | bytes) -> Path:
+        file = tmp_path / "broken"
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return file
+
+    error = refused(lambda: stiffarm.Cell(written("a = [\n")), "toml-syntax")
+    assert (error.place["line"], Path(error.place["file"]).name) == (1, "broken")
+    error = refused(lambda: stiffarm.Cell(written("format = 1\nnonsense = 2\n")), "unknown-key", key="nonsense")
+    assert error.place["line"] == 2
+    refused(lambda: stiffarm.Cell(written(b"\xff\xfe\x00")), "encoding")
+
+    heading = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n"
+    error = refused(lambda: stiffarm.evaluate(cell, written(heading + "1,0,0,-90,0,0,0\n2,0,0,-90,x,0,0\n")), "table-row")
+    assert (error.place["line"], error.place["key"]) == (3, "q4_deg")
+    refused(lambda: stiffarm.evaluate(cell, written(heading)), "table-row")
+    refused(lambda: stiffarm.evaluate(cell, written("posture,q1_deg\n1,2\n")), "table-heading")
+    refused(lambda: stiffarm.evaluate(cell, written(heading + "1,0,0,900,0,0,0\n")), "outside-limits")
+    refused(lambda: stiffarm.predict(cell, written("{"), "builtin:contour"), "result-file")
+    refused(lambda: stiffarm.predict(cell, written("{}"), "builtin:contour"), "result-file")
+    refused(lambda: stiffarm.Result.load(written("[]")), "result-file")
+    refused(lambda: stiffarm.Result.load(written(b"\xff")), "result-file")
+    refused(lambda: stiffarm.Robot.urdf(written("<robot>")), "urdf")
+
+    there = written("")
+    refused(lambda: cell.save(there), "file-exists")
+    refused(lambda: stiffarm.Postures([[0.0]]).save(tmp_path / "no" / "folder.csv"), "file-write")
+    assert there.read_bytes() == b""
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["broken"]
+
+
+def test_frames(cell: stiffarm.Cell) -> None:
+    """A frame without the columns, or with wrong values: row and column as for a file."""
+    group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    for library in ("pandas", "polars"):
+        frame = group.to_frame(library)
+        less = frame.drop(columns=["q3_deg"]) if library == "pandas" else frame.drop("q3_deg")
+        refused(lambda less=less: stiffarm.evaluate(cell, less), "table-heading", said="q3")
+    frame = group.to_frame("pandas")
+    frame.loc[2, "q3_deg"] = np.nan
+    error = refused(lambda: stiffarm.evaluate(cell, frame), "table-row", key="q3_deg")
+    assert error.place == {"file": "<postures>", "line": 4, "column": error.place["column"], "key": "q3_deg"}
+    measured = stiffarm.simulate_measurements(cell, group).to_frame("pandas")
+    measured["posture"] = "one"
+    measured["point"] = "1"
+    refused(lambda: stiffarm.identify(cell, measured), "conflict")
+
+
+def test_arrays(cell: stiffarm.Cell) -> None:
+    refused(lambda: stiffarm.evaluate(cell, np.zeros((2, 5))), "dimension")
+    refused(lambda: stiffarm.evaluate(cell, np.zeros((0, 6))), "too-few-data")
+    refused(lambda: stiffarm.evaluate(cell, []), "dimension")
+    refused(lambda: stiffarm.indices(cell, np.zeros((0, 6, 6))), "too-few-data")
+    refused(lambda: stiffarm.indices(cell, np.zeros(6)), "dimension")
+    refused(lambda: stiffarm.observation_matrix(cell, np.full((1, 6), np.nan)), "not-finite")
+    error = refused(lambda: stiffarm.Postures([[0.0, 1.0], [np.inf, 0.0]]), "not-finite")
+    assert "joint 1 of posture 2" in error.message
+    refused(lambda: stiffarm.Postures([[0.0]], ["a", "b"]), "dimension")
+    refused(lambda: stiffarm.Postures([[0.0, 1.0], [2.0]]), "wrong-type")
+    refused(lambda: stiffarm.Table({"a": [1], "b": [1, 2]}), "dimension")
+    refused(lambda: stiffarm.Table({"a": 1}), "wrong-type", key="a")
+    refused(lambda: stiffarm.Table.from_csv("a,b\n1\n"), "table-row")
+
+
+def test_cells(cell: stiffarm.Cell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cells, robots, loads and tools: every wrong value in every place is an error of the package."""
+    built = {
+        "Cell": lambda x: stiffarm.Cell(x),
+        "built_in": lambda x: stiffarm.Cell.built_in(x),
+        "from_toml": lambda x: stiffarm.Cell.from_toml(x),
+        "from_dict": lambda x: stiffarm.Cell.from_dict(x),
+        "from_dict, a value": lambda x: stiffarm.Cell.from_dict({"robot": x}),
+        "with_changes, a load": lambda x: cell.with_changes({"load": {"magnitude_n": x}}),
+        "of, the robot": lambda x: stiffarm.Cell.of(x, stiffarm.tool([0] * 3, {"1": [0] * 3}), stiffarm.measured()),
+        "of, the tool": lambda x: stiffarm.Cell.of("fanuc-m20ia", x, stiffarm.measured()),
+        "of, the load": lambda x: stiffarm.Cell.of("fanuc-m20ia", stiffarm.tool([0] * 3, {"1": [0] * 3}), x),
+        "rope": lambda x: stiffarm.rope(x, 500),
+        "weight": lambda x: stiffarm.weight(mass_kg=x),
+        "wrench": lambda x: stiffarm.wrench(x),
+        "cases": lambda x: stiffarm.cases(a=x),
+        "tool": lambda x: stiffarm.tool(x, {"1": [0] * 3}),
+        "tool, a point": lambda x: stiffarm.tool([0] * 3, {"1": x}),
+        "save": lambda x: cell.save(x),
+        "Robot": lambda x: stiffarm.Robot(x),
+        "catalogue": lambda x: stiffarm.Robot.catalogue(x),
+        "dh": lambda x: stiffarm.Robot.dh(x),
+        "dh, limits": lambda x: stiffarm.Robot.dh([[0, 0, 0, 0]], limits_deg=x),
+        "urdf": lambda x: stiffarm.Robot.urdf(x),
+        "of_axes, points": lambda x: stiffarm.Robot.of_axes(x, [[0, 0, 1.0]], np.eye(4)),
+        "of_axes, flange": lambda x: stiffarm.Robot.of_axes([[0, 0, 0.0]], [[0, 0, 1.0]], x),
+        "pose": lambda x: cell.robot.pose(x),
+        "jacobian": lambda x: cell.robot.jacobian(np.zeros(6), x),
+        "inverse": lambda x: cell.robot.inverse(x),
+        "nearest": lambda x: cell.robot.nearest(np.eye(4), x),
+        "Postures": lambda x: stiffarm.Postures(x),
+        "Postures, names": lambda x: stiffarm.Postures([[0.0]], x),
+        "read": lambda x: stiffarm.Postures.read(x, cell),
+        "load": lambda x: stiffarm.Result.load(x),
+        "Objective": lambda x: stiffarm.Objective(x),
+        "Objective, index": lambda x: stiffarm.Objective(cell, x),
+        "Objective, angles": lambda x: stiffarm.Objective(cell, postures=3)(x),
+        "Objective, postures": lambda x: stiffarm.Objective(cell, postures=x),
+    }
+    monkeypatch.chdir(tmp_path)
+    faults = []
+    for name, call in built.items():
+        count = 0
+        for kind, value in JUNK.items():
+            try:
+                call(value)
+            except StiffarmError as error:
+                count += 1
+                try:
+                    readable(error)
+                except AssertionError as wrong:
+                    faults.append(f"{name} = {kind}: {wrong}"[:250])
+            except BaseException as error:  # noqa: BLE001
+                faults.append(f"{name} = {kind}: {type(error).__name__}: {error}"[:250])
+        if count < 20:
+            faults.append(f"{name}: only {count} of {len(JUNK)} values are refused")
+    assert not faults, "\n".join(faults)

@@ -1,0 +1,384 @@
+"""Postures, tables, results, cells and robots as values: attributes, pickles, equality, pages in notebooks."""
+
+from __future__ import annotations
+
+import copy
+import json
+import multiprocessing
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+import types
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas
+import polars
+import pyarrow
+import pytest
+
+import stiffarm
+
+HOSTILE = '<script>alert("1")</script>&amp;<b>'
+
+
+@pytest.fixture(scope="module")
+def cell() -> stiffarm.Cell:
+    return stiffarm.Cell.built_in("comau-reference")
+
+
+@pytest.fixture(scope="module")
+def group(cell: stiffarm.Cell) -> stiffarm.Postures:
+    return stiffarm.Postures.read("builtin:comau-group1", cell)
+
+
+@pytest.fixture(scope="module")
+def found(cell: stiffarm.Cell, group: stiffarm.Postures) -> stiffarm.results.Identified:
+    return stiffarm.identify(cell, stiffarm.simulate_measurements(cell, group))
+
+
+def test_postures(group: stiffarm.Postures) -> None:
+    assert (len(group), group.angles.shape, group.name) == (6, (6, 6), "builtin:comau-group1")
+    assert group.names == ["1", "2", "3", "4", "5", "6"]
+    assert group[1].names == ["2"] and np.array_equal(group[1].angles, group.angles[1:2])
+    assert group[-1].names == ["6"]
+    assert group[[0, 2]].names == ["1", "3"]
+    assert group[1:3].names == ["2", "3"]
+    assert group[np.array([True, False] * 3)].names == ["1", "3", "5"]
+    assert [row.shape for row in group] == [(6,)] * 6
+    assert np.array_equal(np.asarray(group), group.angles)
+    assert np.asarray(group, dtype=np.float32).dtype == np.float32
+    assert group == stiffarm.Postures(group.angles, group.names)
+    assert group != stiffarm.Postures(group.angles, ["x", *group.names[1:]])
+    assert group != stiffarm.Postures(group.angles + 1e-16, group.names) or np.array_equal(group.angles, group.angles + 1e-16)
+    assert group != "postures"
+    assert "6 postures of 6 joints" in repr(group)
+    frame = group.to_frame("pandas")
+    assert list(frame.columns) == ["posture", *(f"q{j}_deg" for j in range(1, 7))]
+    assert frame["posture"].tolist() == group.names
+
+
+def test_degrees_and_radians_round_trip(cell: stiffarm.Cell, tmp_path: Path) -> None:
+    """Angles in radians survive a file to the last bit, angles in degrees come back as they were typed."""
+    random_numbers = np.random.default_rng(1)
+    radians = random_numbers.uniform(-1, 0, (500, 6)) * np.array([1.5, 0.5, 0.6, 3.0, 1.5, 3.0]) - [0, 0, 1, 0, 0, 0]
+    own = stiffarm.Postures(radians)
+    assert np.array_equal(own.angles, radians)
+    assert np.array_equal(stiffarm.Postures(own.degrees, degrees=True).angles, radians)
+    own.save(tmp_path / "own.csv")
+    assert stiffarm.Postures.read(tmp_path / "own.csv", cell) == own
+    degrees = np.round(random_numbers.uniform(-179, 179, (500, 6)), 2)
+    assert np.array_equal(stiffarm.Postures(degrees, degrees=True).degrees, degrees)
+
+
+def test_arrays_are_read_only_and_ones_own(group: stiffarm.Postures) -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        group.angles[0, 0] = 1.0
+    mine = np.zeros((2, 6))
+    own = stiffarm.Postures(mine)
+    mine[0, 0] = 5.0
+    assert own.angles[0, 0] == 0.0
+    assert not pickle.loads(pickle.dumps(group)).angles.flags.writeable
+
+
+def test_tables() -> None:
+    table = stiffarm.Table({"name": ["a", "b"], "x_mm": [1.5, None], "n": [1, 2], "good": [True, False]})
+    assert list(table) == ["name", "x_mm", "n", "good"] and len(table) == 4 and table.row_count == 2
+    assert np.isnan(table["x_mm"][1]) and table["n"].dtype.kind == "i" and table["good"].dtype == bool
+    assert table.to_csv() == "name,x_mm,n,good\na,1.5,1,true\nb,,2,false\n"
+    assert stiffarm.Table.from_csv(table.to_csv()).to_csv() == table.to_csv()
+    with pytest.raises(KeyError):
+        table["y"]
+    for frame in (table.to_frame("pandas"), table.to_frame("polars"), pyarrow.table(table), polars.DataFrame(table)):
+        again = stiffarm.Table.of(frame)
+        assert again.to_csv() == table.to_csv(), type(frame)
+    assert polars.DataFrame(table)["x_mm"].null_count() == 1
+    assert isinstance(table.to_frame(), pandas.DataFrame)
+    assert pickle.loads(pickle.dumps(table)) == table == copy.deepcopy(table)
+    assert stiffarm.Table({}).to_csv() == "\n" and stiffarm.Table({}).row_count == 0
+    numbers = [1e-7, 1e300, 0.1, -0.0, 123456789.123, 5e-324, 1e22]
+    again = stiffarm.Table.from_csv(stiffarm.Table({"x_m": numbers}).to_csv())
+    assert again["x_m"].tobytes() == np.array(numbers).tobytes()
+    quoted = stiffarm.Table({"name": ['a,"b"', "c\nd", "", " e "]})
+    assert stiffarm.Table.from_csv(quoted.to_csv())["name"] == quoted["name"]
+    assert stiffarm.Table.of(pyarrow.table(quoted))["name"] == quoted["name"]
+
+
+def test_results(found: stiffarm.results.Identified, tmp_path: Path) -> None:
+    document = json.loads(found.to_json())
+    assert found.to_dict() == document["result"]
+    assert set(found) == set(document["result"]) and len(found) == len(document["result"])
+    assert found.command == "identify" and found.seed == 1 and found.version == stiffarm.__version__
+    assert set(found.inputs) == {"cell", "measurements"}
+    assert found.options.to_dict() == document["options"]
+    joint = found.joints[0]
+    assert isinstance(joint, stiffarm.Record) and joint.stiffness == found["joints"][0]["stiffness"] == found.stiffness[0]
+    assert joint.interval.shape == (2,) and isinstance(joint.interval, np.ndarray)
+    with pytest.raises(AttributeError, match="there are: .*joints"):
+        found.nothing  # noqa: B018
+    with pytest.raises(KeyError):
+        found["nothing"]
+    assert "joints" in dir(found)
+    changed = found.to_dict()
+    changed["joints"].clear()
+    assert found.joints
+    frame = found.to_frame("pandas")
+    assert len(frame) == 6 and {"interval_low", "interval_high"} <= set(frame.columns)
+    assert [f.sentence for f in found.findings] == [f["sentence"] for f in document["result"]["findings"]]
+    assert repr(found).startswith("<Identified: k = ")
+    with pytest.raises(stiffarm.StiffarmError, match="exists"):
+        found.save(found.save(tmp_path / "found.json"))
+    assert found.save(tmp_path / "found.json", overwrite=True).read_text(encoding="utf-8") == found.to_json()
+    assert (tmp_path / "found.json").stat().st_mode & 0o044 == 0o044 & ~umask()
+
+
+def umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def test_null_is_nan(cell: stiffarm.Cell) -> None:
+    """What a result leaves out is NaN in arrays and numbers, None elsewhere."""
+    assert np.isnan(stiffarm.Record({"x": [1.0, None]}).x[1])
+    assert stiffarm.Record({"x": [1, 2]}).x.dtype.kind == "i"
+    assert stiffarm.Record({"x": [[1, 2], [3, None]]}).x.shape == (2, 2)
+    assert stiffarm.Record({"x": [[1], [2, 3]]}).x[1].tolist() == [2, 3]
+    assert stiffarm.Record({"x": None}).x is None
+    assert stiffarm.Record({"x": ["a", None]}).x == ["a", None]
+    few = stiffarm.Postures(np.zeros((1, 6)) - [0, 0, 1.5, 0, 0, 0])
+    values = stiffarm.indices(cell, few.angles)
+    assert np.isnan(values["expected_error"])
+    assert stiffarm.evaluate(cell, few).table()["expected_error"].tolist() == [pytest.approx(np.nan, nan_ok=True)]
+
+
+def test_cells(cell: stiffarm.Cell, tmp_path: Path) -> None:
+    assert cell.joint_count == 6 and len(cell.joint_names) == 6 and cell.spring_names == cell.joint_names
+    assert cell.limits.shape == cell.bounds.shape == (6, 2)
+    assert np.array_equal(np.degrees(cell.bounds[1]).round(12), [-60, 40])
+    assert cell.prior_stiffness is not None and cell.prior_stiffness.tolist() == [95e4, 3e6, 9e5, 25e4, 2e5, 15e4]
+    assert cell.noise_std == pytest.approx(np.sqrt(9.23e-11), rel=1e-12)
+    assert cell.characteristic_length == 0.773
+    assert cell.loading_point.tolist() == [0.2, 0.0, 0.25]
+    assert {name: at.tolist() for name, at in cell.measuring_points.items()}["2"] == [0.0, 0.15, 0.2]
+    assert stiffarm.Cell.built_in("fanuc-r2000ic").prior_stiffness is None
+    assert cell.file == "builtin:comau-reference" and repr(cell).startswith("<Cell ")
+
+    more = cell.with_changes({"load": {"magnitude_n": 600}, "name": "more"})
+    assert more.name == "more" and more.to_dict()["load"] == {**cell.to_dict()["load"], "magnitude_n": 600}
+    assert cell.to_dict()["load"]["magnitude_n"] == 500
+    assert more.with_changes({"load": {"magnitude_n": 500}, "name": cell.name}).to_dict() == cell.to_dict()
+    hung = cell.with_changes({"load": stiffarm.weight(mass_kg=30)})
+    assert hung.to_dict()["load"] == {"kind": "weight", "mass_kg": 30.0}
+    assert cell.with_changes({"stiffness": None}).prior_stiffness is None
+
+    again = stiffarm.Cell.from_dict(cell.to_dict())
+    assert again.to_dict() == cell.to_dict()
+    kept = stiffarm.evaluate(again, "builtin:comau-group1").to_dict()
+    assert kept == stiffarm.evaluate(cell, "builtin:comau-group1").to_dict()
+    saved = stiffarm.Cell(cell.save(tmp_path / "cell.toml"))
+    assert saved == cell and hash(saved) == hash(cell) and saved != more
+    assert stiffarm.Cell.from_toml("\ufeff" + cell.to_toml()).to_toml() == cell.to_toml()
+    assert len({cell, saved, more}) == 2
+
+
+def test_robots(cell: stiffarm.Cell) -> None:
+    robot = cell.robot
+    assert robot.name.startswith("COMAU") and robot.joint_count == 6 and robot.limits.shape == (6, 2)
+    rows = [[0, 0, 400, 0], [-90, 150, 0, -90], [0, 700, 0, 0]]
+    own = stiffarm.Robot.dh(rows, limits_deg=[[-180, 180]] * 3, name="three")
+    assert own == pickle.loads(pickle.dumps(own)) and own != robot and own.name == "three"
+    q = np.array([0.3, -0.4, 0.9])
+    step = 1e-6
+    for j in range(3):
+        moved = (own.pose(q + step * np.eye(3)[j]) - own.pose(q - step * np.eye(3)[j]))[:3, 3] / (2 * step)
+        assert np.allclose(own.jacobian(q)[:3, j], moved, atol=1e-8)
+    at = robot.pose(np.radians([10, -20, -100, 30, 40, 50]))
+    branches = robot.inverse(at)
+    assert any(np.allclose(branch.angles, np.radians([10, -20, -100, 30, 40, 50])) for branch in branches)
+    for branch in branches:
+        assert np.allclose(robot.pose(branch.angles), at, atol=1e-9)
+    assert np.allclose(robot.pose(robot.nearest(at, np.zeros(6))), at, atol=1e-9)
+
+
+VALUES = """
+import pickle, sys, stiffarm
+values = pickle.load(open(sys.argv[1], "rb"))
+pickle.dump(values, open(sys.argv[2], "wb"))
+cell = values[0]
+print(stiffarm.select(cell, 3, rounds=1, certificate=False).to_json(), end="")
+"""
+
+
+def in_process(cell: stiffarm.Cell) -> str:
+    return stiffarm.select(cell, 3, rounds=1, certificate=False).to_json()
+
+
+def test_pickles(found: stiffarm.results.Identified, group: stiffarm.Postures, tmp_path: Path) -> None:
+    """Cells with their meshes, robots, results and errors live on in another process."""
+    shapes = stiffarm.Cell.built_in("comau-shapes")
+    assert any("mesh" in role for role in shapes.inputs)
+    mesh = tmp_path / "spindle.obj"
+    mesh.write_text("v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", encoding="utf-8")
+    text = stiffarm.Cell.built_in("comau-shapes").to_toml().replace("builtin:spindle.obj", "spindle.obj")
+    own = stiffarm.Cell.from_toml(text, folder=tmp_path)
+    mesh.unlink()
+    objective = stiffarm.Objective(shapes, "d", postures=3, given=group)
+    values: list[Any] = [shapes, own, own.robot, group, found, found.joints[0], group.table(), objective]
+    values.append(stiffarm.StiffarmError("No.", "usage", {"key": "x"}, "yes"))
+    with (tmp_path / "in").open("wb") as file:
+        pickle.dump(values, file)
+    words = [sys.executable, "-c", VALUES, str(tmp_path / "in"), str(tmp_path / "out")]
+    printed = subprocess.run(words, stdout=subprocess.PIPE, check=True, encoding="utf-8").stdout
+    assert printed == in_process(shapes)
+    with (tmp_path / "out").open("rb") as file:
+        again = pickle.load(file)
+    for before, after in zip(values[:5], again[:5], strict=True):
+        assert after == before and type(after) is type(before)
+    assert again[1].inputs == own.inputs and again[5].to_dict() == values[5].to_dict() and again[6] == values[6]
+    q = group.angles[:3]
+    assert again[7](q) == objective(q)
+    assert str(again[8]) == str(values[8])
+
+
+def test_pickles_in_a_spawned_process() -> None:
+    shapes = stiffarm.Cell.built_in("comau-shapes")
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.apply(in_process, (shapes,)) == in_process(shapes)
+
+
+def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
+    """What notebooks show: names are text, whatever they are."""
+    named = stiffarm.Postures(np.zeros((2, 6)) - [0, 0, 1.5, 0, 0, 0], [HOSTILE, "2"])
+    shown = [named._repr_html_(), stiffarm.Table({HOSTILE: [1.0], "x": [HOSTILE]})._repr_html_()]
+    measured = stiffarm.simulate_measurements(cell, "builtin:comau-group1").to_frame("pandas")
+    measured["posture"] = HOSTILE + measured["posture"].astype(str)
+    shown.append(stiffarm.identify(cell, measured)._repr_html_())
+    shown.append(stiffarm.evaluate(cell, {HOSTILE: named})._repr_html_())
+    for page in shown:
+        assert "<script" not in page and "<b>" not in page.replace("<b>Identified</b>", "").replace("<b>Evaluated</b>", "").replace("<b>serious</b>", "").replace("<b>remark</b>", "").replace("<b>warning</b>", "").replace("<b>note</b>", ""), page
+    assert "&lt;script&gt;" in shown[0]
+    for page in (found._repr_html_(), stiffarm.select(cell, 3, rounds=1)._repr_html_()):
+        assert page.count("<table>") == page.count("</table>") == 1
+    many = stiffarm.Table({"x": list(range(100))})._repr_html_()
+    assert "80 further rows" in many and many.count("<tr>") == 21
+
+
+def test_progress(cell: stiffarm.Cell) -> None:
+    told: list[tuple[str, int, int]] = []
+    main = threading.get_ident()
+
+    def tell(what: str, done: int, of: int) -> None:
+        assert threading.get_ident() == main
+        told.append((what, done, of))
+
+    stiffarm.simulate(cell, "builtin:comau-group1", runs=20_000, progress=tell)
+    assert told and all(isinstance(what, str) and 0 <= done <= max(of, done) for what, done, of in told)
+    assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
+
+
+def test_an_exception_of_the_callback_ends_the_work(cell: stiffarm.Cell) -> None:
+    class Enough(Exception):
+        pass
+
+    def tell(*_: Any) -> None:
+        raise Enough
+
+    began = time.monotonic()
+    with pytest.raises(Enough):
+        stiffarm.select(cell, 6, rounds=100_000, progress=tell)
+    assert time.monotonic() - began < 20
+
+    def wrong(what: str) -> None:
+        """Takes too few arguments."""
+
+    with pytest.raises(TypeError, match="positional"):
+        stiffarm.select(cell, 6, rounds=100_000, progress=wrong)
+
+
+def test_a_bar_of_tqdm(cell: stiffarm.Cell, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    stiffarm.simulate(cell, "builtin:comau-group1", runs=20_000, progress=True)
+    assert "%" in capsys.readouterr().err
+    # Without tqdm there is no bar, and no error.
+    monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    stiffarm.simulate(cell, "builtin:comau-group1", runs=5_000, progress=True)
+
+
+def test_the_interpreter_goes_on(cell: stiffarm.Cell) -> None:
+    """Another thread counts on while a search runs."""
+    counted = 0
+    stop = threading.Event()
+
+    def count() -> None:
+        nonlocal counted
+        while not stop.is_set():
+            counted += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    began = time.monotonic()
+    stiffarm.select(cell, 6, rounds=4, certificate=False)
+    took = time.monotonic() - began
+    stop.set()
+    thread.join()
+    assert took > 0.05 and counted > 50 * took, (counted, took)
+
+
+INTERRUPTED = """
+import stiffarm, warnings
+cell = stiffarm.Cell.built_in("comau-reference")
+told = []
+def tell(what, done, of):
+    if not told:
+        print("working", flush=True)
+    told.append(what)
+with warnings.catch_warnings(record=True) as caught:
+    warnings.simplefilter("always")
+    plan = stiffarm.select(cell, 6, rounds=10_000_000, progress=tell)
+assert plan.interrupted and len(plan.postures) == 6 and plan.value > 0, plan
+assert [w.category for w in caught] == [stiffarm.StiffarmWarning], caught
+assert caught[0].filename == "<string>", caught[0].filename
+import pickle
+assert pickle.loads(pickle.dumps(plan)).interrupted
+print("done", plan.value, flush=True)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGINT of another process")
+def test_control_c_returns_the_best_so_far() -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "working\n"
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0 and out.startswith("done "), err
+
+
+NOTHING_YET = """
+import stiffarm
+cell = stiffarm.Cell.built_in("comau-reference")
+try:
+    stiffarm.simulate(cell, "builtin:comau-group1", runs=10**9, progress=lambda *_: print("working", flush=True))
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGINT of another process")
+def test_control_c_without_a_result_is_keyboard_interrupt() -> None:
+    process = subprocess.Popen([sys.executable, "-c", NOTHING_YET], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "working\n"
+    process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=60)
+    assert process.returncode == 0 and out.endswith("stopped\n")
