@@ -275,7 +275,7 @@ def stiffness(
                 x, k = at + _side(g, len(results)), joint["stiffness"]
                 k = None if k is None else k / 1e3
                 low, high = (None if end is None else end / 1e3 for end in joint.get("interval") or (None, None))
-                look = {"color": _look.colour(g)}
+                look: dict[str, Any] = {"color": _look.colour(g)}
                 if low is not None and high is not None:
                     into.vlines(x, low, high, linewidth=1.2, **look)
                     into.plot([x, x], [low, high], "_", markersize=5, **look)
