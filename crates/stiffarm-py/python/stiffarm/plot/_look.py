@@ -97,19 +97,20 @@ def colour(i: int) -> str:
 
 
 def marker(i: int) -> str:
-    """Marker of the i-th series."""
-    return MARKERS[i % len(MARKERS)]
+    """Marker of the i-th series; where a colour comes again, it has another marker."""
+    return MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]
 
 
 def dashes(i: int) -> Any:
     """Line style of the i-th series."""
-    return DASHES[i % len(DASHES)]
+    return DASHES[(i + i // len(COLOURS)) % len(DASHES)]
 
 
 def short(name: object, most: int = 28) -> str:
-    """A name on one line, with an end where it is long."""
+    """A name on one line; of a long one the beginning and the end, where such names differ."""
     text = " ".join("".join(c if c.isprintable() else " " for c in str(name)).split())
-    return text if len(text) <= most else f"{text[: most - 1]}…"
+    tail = (most - 1) // 2
+    return text if len(text) <= most else f"{text[: most - 1 - tail]}…{text[-tail:]}"
 
 
 def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **keys: Any) -> None:
@@ -167,7 +168,7 @@ def names_below(ax: Axes, names: Sequence[str]) -> None:
         names = [name.removeprefix("joint ") for name in names]
     width = _width(ax) * ax.get_position().width
     step = -(-len(names) // max(2, int(width / 0.15)))
-    shown = [short(name) for name in names[::step]]
+    shown = [short(name, 16) for name in names[::step]]
     letter = 0.53 * rcParams["font.size"] / 72
     turned = letter * sum(len(name) + 1 for name in shown) > width
     look: dict[str, Any] = {}

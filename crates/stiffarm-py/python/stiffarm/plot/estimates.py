@@ -231,7 +231,7 @@ def residuals(result: Identified, *, ax: Axes | None = None, width_in: float = 3
                         x += [names.index(row["posture"]) + _side(number, len(points))] * 3
                         y += [1e3 * component for component in one["residual_m"]]
             (line,) = into.plot(
-                x, y, _look.marker(number), color=_look.colour(number), markersize=3.5,
+                x, y, _look.marker(number), color=_look.colour(number), markersize=3.5 if len(names) <= 30 else 2,
                 markerfacecolor="none", markeredgewidth=0.8, linestyle="none",
             )  # fmt: skip
             entries.append((line, f"point {point}"))

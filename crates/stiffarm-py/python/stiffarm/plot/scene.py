@@ -39,8 +39,9 @@ def cell(
 ) -> Axes3D:
     """The arm in each posture, with loading point, load, measuring points and what stands around it, to scale [mm].
 
-    One posture is drawn as an arm, the others as lines. Links run along the joints' axes and the perpendiculars
-    between them; castings are not drawn. Meshes, walls and what a measurement alone knows (its wrench) are left out.
+    One posture is drawn as an arm with the tool's shapes, the others as lines. Links run along the joints' axes and the
+    perpendiculars between them; castings and the capsules around links are not drawn. Meshes, walls, floors and what a
+    measurement alone knows (its wrench) are left out.
 
     Args:
         cell: The cell.
@@ -80,7 +81,7 @@ def cell(
         _arm(into, arms[front])
         robot = cell.robot
         poses = [robot.pose(angles) for angles in own.angles]
-        extent += _tool(into, cell, poses, front, entries)
+        extent += _tool(into, cell, keys["tool"], poses, front, entries)
         extent += _loads(into, cell, keys.get("load", {}), poses, reach, front, entries)
         extent += _around(into, keys, limits, entries)
         _frame(into, np.concatenate(extent))
@@ -134,13 +135,22 @@ def _arm(ax: Axes3D, arm: NDArray[np.float64]) -> None:
 
 
 def _tool(
-    ax: Axes3D, cell: Cell, poses: list[NDArray[np.float64]], front: int, entries: list[tuple[Any, str]]
+    ax: Axes3D,
+    cell: Cell,
+    tool: dict[str, Any],
+    poses: list[NDArray[np.float64]],
+    front: int,
+    entries: list[tuple[Any, str]],
 ) -> list[NDArray[np.float64]]:
-    """Measuring points of every posture, with struts to the flange of the one in front."""
+    """Measuring points of every posture; the tool's shapes, or struts to the points, of the one in front."""
     points = np.array(list(cell.measuring_points.values()))
     placed = [1e3 * (points @ pose[:3, :3].T + pose[:3, 3]) for pose in poses]
-    for at in placed[front]:
-        ax.plot(*np.array([1e3 * poses[front][:3, 3], at]).T, color="#3f4f63", linewidth=0.7, zorder=9)
+    turn, at_mm = poses[front][:3, :3], 1e3 * poses[front][:3, 3]
+    shapes = [line for shape in tool.get("shape", []) for line in _solids.edges(shape)]
+    for line in shapes:
+        ax.plot(*(line @ turn.T + at_mm).T, color="#3f4f63", linewidth=0.6, zorder=9, gid="tool")
+    for at in placed[front] if not shapes else []:
+        ax.plot(*np.array([at_mm, at]).T, color="#3f4f63", linewidth=0.7, zorder=9)
     every = np.concatenate(placed)
     (mark,) = ax.plot(*every.T, "o", color=_look.colour(0), markersize=2.6, linestyle="none", zorder=10)
     entries.append((mark, "measuring points"))
