@@ -97,19 +97,20 @@ def colour(i: int) -> str:
 
 
 def marker(i: int) -> str:
-    """Marker of the i-th series."""
-    return MARKERS[i % len(MARKERS)]
+    """Marker of the i-th series; where a colour comes again, it has another marker."""
+    return MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]
 
 
 def dashes(i: int) -> Any:
     """Line style of the i-th series."""
-    return DASHES[i % len(DASHES)]
+    return DASHES[(i + i // len(COLOURS)) % len(DASHES)]
 
 
 def short(name: object, most: int = 28) -> str:
-    """A name on one line, with an end where it is long."""
+    """A name on one line; of a long one the beginning and the end, where such names differ."""
     text = " ".join("".join(c if c.isprintable() else " " for c in str(name)).split())
-    return text if len(text) <= most else f"{text[: most - 1]}…"
+    tail = (most - 1) // 2
+    return text if len(text) <= most else f"{text[: most - 1 - tail]}…{text[-tail:]}"
 
 
 def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **keys: Any) -> None:
@@ -130,9 +131,9 @@ def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **k
 def legend_above(ax: Axes, entries: Sequence[tuple[Any, str]], *, own: bool) -> None:
     """A legend above the axes, where it hides nothing; of a figure of one's own over its whole width."""
     if own:
-        legend(ax.figure, entries, ax.figure.get_figwidth() - 0.1, loc="outside upper left")
+        legend(ax.figure, entries, _width(ax) - 0.1, loc="outside upper left")
         return
-    width = ax.figure.get_figwidth() * ax.get_position().width
+    width = _width(ax) * ax.get_position().width
     legend(ax, entries, width, loc="lower left", bbox_to_anchor=(0.0, 1.0))
 
 
@@ -165,9 +166,9 @@ def names_below(ax: Axes, names: Sequence[str]) -> None:
     if all(name.startswith("joint ") and len(name) > 6 for name in names):
         ax.set_xlabel("joint")
         names = [name.removeprefix("joint ") for name in names]
-    width = ax.figure.get_figwidth() * ax.get_position().width
+    width = _width(ax) * ax.get_position().width
     step = -(-len(names) // max(2, int(width / 0.15)))
-    shown = [short(name) for name in names[::step]]
+    shown = [short(name, 16) for name in names[::step]]
     letter = 0.53 * rcParams["font.size"] / 72
     turned = letter * sum(len(name) + 1 for name in shown) > width
     look: dict[str, Any] = {}
@@ -176,6 +177,13 @@ def names_below(ax: Axes, names: Sequence[str]) -> None:
         look = {"rotation": 90} if many else {"rotation": 35, "ha": "right", "rotation_mode": "anchor"}
     ax.set_xticks(np.arange(0, len(names), step), labels=shown, parse_math=False, **look)
     ax.set_xlim(-0.6, len(names) - 0.4)
+
+
+def _width(ax: Axes) -> float:
+    """Width of the figure that axes are in [in]."""
+    # Of a figure within a figure, the outer one.
+    figure: Any = ax.figure.figure
+    return float(figure.get_figwidth())
 
 
 def light_grid(ax: Axes, axis: str = "both") -> None:

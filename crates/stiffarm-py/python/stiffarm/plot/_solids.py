@@ -20,11 +20,6 @@ def edges(shape: dict[str, Any]) -> Iterator[Line]:
         yield from _round(shape)
 
 
-def floor_of(shape: dict[str, Any]) -> float | None:
-    """Height of a floor or ceiling [mm]."""
-    return float(shape.get("z_mm", 0.0)) if shape.get("kind") in ("floor", "ceiling") else None
-
-
 def box_edges(low: Any, high: Any) -> Iterator[Line]:
     """The twelve edges of an upright box."""
     corners = [np.asarray(low, dtype=float), np.asarray(high, dtype=float)]
@@ -72,4 +67,4 @@ def _turn(axis: int, angle: float) -> Line:
     return out
 
 
-__all__ = ["box_edges", "edges", "floor_of"]
+__all__ = ["box_edges", "edges"]

@@ -231,7 +231,7 @@ def residuals(result: Identified, *, ax: Axes | None = None, width_in: float = 3
                         x += [names.index(row["posture"]) + _side(number, len(points))] * 3
                         y += [1e3 * component for component in one["residual_m"]]
             (line,) = into.plot(
-                x, y, _look.marker(number), color=_look.colour(number), markersize=3.5,
+                x, y, _look.marker(number), color=_look.colour(number), markersize=3.5 if len(names) <= 30 else 2,
                 markerfacecolor="none", markeredgewidth=0.8, linestyle="none",
             )  # fmt: skip
             entries.append((line, f"point {point}"))
@@ -275,7 +275,7 @@ def stiffness(
                 x, k = at + _side(g, len(results)), joint["stiffness"]
                 k = None if k is None else k / 1e3
                 low, high = (None if end is None else end / 1e3 for end in joint.get("interval") or (None, None))
-                look = {"color": _look.colour(g)}
+                look: dict[str, Any] = {"color": _look.colour(g)}
                 if low is not None and high is not None:
                     into.vlines(x, low, high, linewidth=1.2, **look)
                     into.plot([x, x], [low, high], "_", markersize=5, **look)

@@ -15,7 +15,7 @@ from ..postures import Postures
 from . import _chain, _look, _solids
 
 if TYPE_CHECKING:
-    from mpl_toolkits.mplot3d.axes3d import Axes3D
+    from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
 
     from .._inputs import PosturesLike
 
@@ -39,8 +39,9 @@ def cell(
 ) -> Axes3D:
     """The arm in each posture, with loading point, load, measuring points and what stands around it, to scale [mm].
 
-    One posture is drawn as an arm, the others as lines. Links run along the joints' axes and the perpendiculars
-    between them; castings are not drawn. Meshes, walls and what a measurement alone knows (its wrench) are left out.
+    One posture is drawn as an arm with the tool's shapes, the others as lines. Links run along the joints' axes and the
+    perpendiculars between them; castings and the capsules around links are not drawn. Meshes, walls, floors and what a
+    measurement alone knows (its wrench) are left out.
 
     Args:
         cell: The cell.
@@ -80,12 +81,13 @@ def cell(
         _arm(into, arms[front])
         robot = cell.robot
         poses = [robot.pose(angles) for angles in own.angles]
-        extent += _tool(into, cell, poses, front, entries)
+        extent += _tool(into, cell, keys["tool"], poses, front, entries)
         extent += _loads(into, cell, keys.get("load", {}), poses, reach, front, entries)
         extent += _around(into, keys, limits, entries)
         _frame(into, np.concatenate(extent))
         into.view_init(elev=elevation_deg, azim=azimuth_deg)
         if ax is None:
+            _fit(into, 0.65 if width_in < 5 else 0.35)
             _look.legend(into.figure, entries, width_in, loc="upper left")
         else:
             _look.legend(into, entries, 3.0, loc="upper left")
@@ -103,9 +105,9 @@ def _axes(ax: Axes3D | None, width_in: float) -> Iterator[Axes3D]:
     height = 0.74 * width_in + above
     with _look.settings(True):
         figure = plt.figure(figsize=(width_in, height))
-        made = figure.add_axes((-0.06, 0.06, 1.0, 0.97 - above / height), projection="3d")
+        made = figure.add_axes((0.0, 0.05, 1.0, 0.95 - above / height), projection="3d")
         _look.fix_ticks(made)
-        yield made  # type: ignore[misc]
+        yield made
 
 
 def _postures(cell: Cell, postures: PosturesLike | None, *, degrees: bool) -> Postures:
@@ -133,13 +135,22 @@ def _arm(ax: Axes3D, arm: NDArray[np.float64]) -> None:
 
 
 def _tool(
-    ax: Axes3D, cell: Cell, poses: list[NDArray[np.float64]], front: int, entries: list[tuple[Any, str]]
+    ax: Axes3D,
+    cell: Cell,
+    tool: dict[str, Any],
+    poses: list[NDArray[np.float64]],
+    front: int,
+    entries: list[tuple[Any, str]],
 ) -> list[NDArray[np.float64]]:
-    """Measuring points of every posture, with struts to the flange of the one in front."""
+    """Measuring points of every posture; the tool's shapes, or struts to the points, of the one in front."""
     points = np.array(list(cell.measuring_points.values()))
     placed = [1e3 * (points @ pose[:3, :3].T + pose[:3, 3]) for pose in poses]
-    for at in placed[front]:
-        ax.plot(*np.array([1e3 * poses[front][:3, 3], at]).T, color="#3f4f63", linewidth=0.7, zorder=9)
+    turn, at_mm = poses[front][:3, :3], 1e3 * poses[front][:3, 3]
+    shapes = [line for shape in tool.get("shape", []) for line in _solids.edges(shape)]
+    for line in shapes:
+        ax.plot(*(line @ turn.T + at_mm).T, color="#3f4f63", linewidth=0.6, zorder=9, gid="tool")
+    for at in placed[front] if not shapes else []:
+        ax.plot(*np.array([at_mm, at]).T, color="#3f4f63", linewidth=0.7, zorder=9)
     every = np.concatenate(placed)
     (mark,) = ax.plot(*every.T, "o", color=_look.colour(0), markersize=2.6, linestyle="none", zorder=10)
     entries.append((mark, "measuring points"))
@@ -253,7 +264,7 @@ def _frame(ax: Axes3D, seen: NDArray[np.float64]) -> None:
     ax.set_xlim(low[0], high[0])
     ax.set_ylim(low[1], high[1])
     ax.set_zlim(low[2], high[2])
-    ax.set_box_aspect(tuple(high - low), zoom=0.98)
+    ax.set_box_aspect(tuple(high - low))
     step = _step(float((high - low).max()), 4 if ax.figure.get_figwidth() < 5 else 7)
     for i, (axis, name) in enumerate(((ax.xaxis, "x"), (ax.yaxis, "y"), (ax.zaxis, "z"))):
         axis.set_label_text(f"{name} [mm]")
@@ -266,6 +277,43 @@ def _frame(ax: Axes3D, seen: NDArray[np.float64]) -> None:
         axis.labelpad = 1
     ax.tick_params(pad=-1)
     ax.tick_params(axis="z", pad=2)
+
+
+def _fit(ax: Axes3D, above_in: float) -> None:
+    """As large as fits with all labels: how large axes come out depends on the view and on the shape of the cell."""
+    figure: Any = ax.figure
+    for artist in (*ax.lines, *ax.collections):
+        artist.set_clip_on(False)
+    low, high = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()]).T
+    right, top = figure.get_figwidth(), figure.get_figheight() - above_in
+    zoom = 1.0
+    # Labels do not grow with the zoom, hence several steps.
+    for _ in range(4):
+        ax.set_box_aspect(tuple(high - low), zoom=zoom)
+        # They get their places when they are drawn.
+        figure.draw_without_rendering()
+        start, end = _drawn(ax, low, high) / figure.dpi
+        wide, tall = end - start
+        zoom *= min((right - 0.15) / wide, (top - 0.12) / tall)
+    place = ax.get_position()
+    left = place.x0 + (right / 2 - (start[0] + end[0]) / 2) / figure.get_figwidth()
+    bottom = place.y0 + (top / 2 - (start[1] + end[1]) / 2) / figure.get_figheight()
+    ax.set_position((left, bottom, place.width, place.height))
+
+
+def _drawn(ax: Axes3D, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lowest and highest corner of what is drawn, the labels of the axes included [dots]."""
+    from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
+
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8)
+    x, y, _ = proj3d.proj_transform(*corners, ax.get_proj())
+    ends = [ax.transData.transform(np.column_stack([x, y]))]
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        for box in (axis.label.get_window_extent(), axis.get_tightbbox()):
+            if box is not None:
+                ends.append(np.array([box.min, box.max]))
+    every = np.concatenate(ends)
+    return np.array([every.min(axis=0), every.max(axis=0)])
 
 
 def _step(span: float, most: int) -> float:

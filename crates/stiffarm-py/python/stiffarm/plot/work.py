@@ -171,10 +171,10 @@ def map(
                 )
         extremes = data.get("extremes") or {}
         for which, mark in (("best", "^"), ("worst", "v")):
-            number = extremes.get(which)
-            if quantity in ("stiffness_n_per_m", "deflection_per_newton_m", "deflection_m") and number in inside:
+            extreme = extremes.get(which)
+            if quantity in ("stiffness_n_per_m", "deflection_per_newton_m", "deflection_m") and extreme in inside:
                 (point,) = into.plot(
-                    *inside[number], mark, color="white", markeredgecolor="black", markersize=6, linestyle="none"
+                    *inside[extreme], mark, color="white", markeredgecolor="black", markersize=6, linestyle="none"
                 )
                 entries.append((point, f"{which} node"))
         bar = into.figure.colorbar(mesh, ax=into, pad=0.02, fraction=0.06)
