@@ -3,6 +3,7 @@
 Run it with every Python that has such a file, then `cargo xtask python`, and keep both in one commit.
 """
 
+import json
 import subprocess
 import sys
 import tempfile
@@ -22,7 +23,7 @@ def where(pin: str) -> str:
 
 
 def main() -> None:
-    """Installs everything into a folder that is thrown away, and lists what came."""
+    """Asks pip what it would install into an empty environment."""
     folder = Path(__file__).resolve().parent
     version = "{}.{}".format(*sys.version_info)
     with tempfile.TemporaryDirectory() as scratch:
@@ -30,9 +31,11 @@ def main() -> None:
         pip = [Path(scratch) / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python"), "-m", "pip"]
         # The pip that a Python brings may need very long to find versions that suit each other.
         subprocess.run([*pip, "install", "--quiet", "--upgrade", "pip"], check=True)
-        subprocess.run([*pip, "install", "--quiet", "--requirement", folder / "wanted.txt"], check=True)
-        frozen = subprocess.run([*pip, "freeze"], check=True, stdout=subprocess.PIPE, text=True).stdout
-    write(folder / f"python{version}.txt", version, frozen.splitlines())
+        ask = [*pip, "install", "--quiet", "--dry-run", "--ignore-installed", "--report", "-"]
+        said = subprocess.run([*ask, "--requirement", folder / "wanted.txt"], check=True, stdout=subprocess.PIPE)
+    chosen = [item["metadata"] for item in json.loads(said.stdout)["install"]]
+    pins = sorted((f"{of['name']}=={of['version']}" for of in chosen), key=str.lower)
+    write(folder / f"python{version}.txt", version, pins)
 
 
 def write(path: Path, version: str, pins: list[str]) -> None:
