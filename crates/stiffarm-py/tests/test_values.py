@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 import types
+from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -64,14 +65,18 @@ def test_postures(group: stiffarm.Postures) -> None:
 
 
 def test_degrees_and_radians_round_trip(cell: stiffarm.Cell, tmp_path: Path) -> None:
-    """Angles in radians survive a file to the last bit, angles in degrees come back as they were typed."""
+    """Angles in degrees come back as they were typed; what was read once does not change any more."""
     random_numbers = np.random.default_rng(1)
     radians = random_numbers.uniform(-1, 0, (500, 6)) * np.array([1.5, 0.5, 0.6, 3.0, 1.5, 3.0]) - [0, 0, 1, 0, 0, 0]
     own = stiffarm.Postures(radians)
     assert np.array_equal(own.angles, radians)
-    assert np.array_equal(stiffarm.Postures(own.degrees, degrees=True).angles, radians)
+    # Some angles lie between those that numbers of degrees reach: these are off by the last bit, once and for all.
+    again = stiffarm.Postures(own.degrees, degrees=True)
+    assert np.abs(again.angles - radians).max() <= np.spacing(3.0)
+    assert np.array_equal(again.degrees, own.degrees)
+    assert stiffarm.Postures(again.degrees, degrees=True) == again
     own.save(tmp_path / "own.csv")
-    assert stiffarm.Postures.read(tmp_path / "own.csv", cell) == own
+    assert stiffarm.Postures.read(tmp_path / "own.csv", cell) == again
     degrees = np.round(random_numbers.uniform(-179, 179, (500, 6)), 2)
     assert np.array_equal(stiffarm.Postures(degrees, degrees=True).degrees, degrees)
 
@@ -97,14 +102,14 @@ def test_tables() -> None:
     for frame in (table.to_frame("pandas"), table.to_frame("polars"), pyarrow.table(table), polars.DataFrame(table)):
         again = stiffarm.Table.of(frame)
         assert again.to_csv() == table.to_csv(), type(frame)
-    assert polars.DataFrame(table)["x_mm"].null_count() == 1
+    assert pyarrow.table(table)["x_mm"].null_count == 1 == table.to_frame("polars")["x_mm"].null_count()
     assert isinstance(table.to_frame(), pandas.DataFrame)
     assert pickle.loads(pickle.dumps(table)) == table == copy.deepcopy(table)
     assert stiffarm.Table({}).to_csv() == "\n" and stiffarm.Table({}).row_count == 0
     numbers = [1e-7, 1e300, 0.1, -0.0, 123456789.123, 5e-324, 1e22]
     again = stiffarm.Table.from_csv(stiffarm.Table({"x_m": numbers}).to_csv())
     assert again["x_m"].tobytes() == np.array(numbers).tobytes()
-    quoted = stiffarm.Table({"name": ['a,"b"', "c\nd", "", " e "]})
+    quoted = stiffarm.Table({"name": ['a,"b"', "c\nd", "", " e "], "x_mm": [1.0, 2.0, 3.0, 4.0]})
     assert stiffarm.Table.from_csv(quoted.to_csv())["name"] == quoted["name"]
     assert stiffarm.Table.of(pyarrow.table(quoted))["name"] == quoted["name"]
 
@@ -129,7 +134,8 @@ def test_results(found: stiffarm.results.Identified, tmp_path: Path) -> None:
     assert found.joints
     frame = found.to_frame("pandas")
     assert len(frame) == 6 and {"interval_low", "interval_high"} <= set(frame.columns)
-    assert [f.sentence for f in found.findings] == [f["sentence"] for f in document["result"]["findings"]]
+    parts = document["result"]["diagnosis"], document["result"]["budget"]
+    assert [f.sentence for f in found.findings] == [f["sentence"] for part in parts for f in part["findings"]]
     assert repr(found).startswith("<Identified: k = ")
     with pytest.raises(stiffarm.StiffarmError, match="exists"):
         found.save(found.save(tmp_path / "found.json"))
@@ -175,7 +181,7 @@ def test_cells(cell: stiffarm.Cell, tmp_path: Path) -> None:
     assert more.with_changes({"load": {"magnitude_n": 500}, "name": cell.name}).to_dict() == cell.to_dict()
     hung = cell.with_changes({"load": stiffarm.weight(mass_kg=30)})
     assert hung.to_dict()["load"] == {"kind": "weight", "mass_kg": 30.0}
-    assert cell.with_changes({"stiffness": None}).prior_stiffness is None
+    assert "stiffness" not in cell.with_changes({"stiffness": None}).to_dict()
 
     again = stiffarm.Cell.from_dict(cell.to_dict())
     assert again.to_dict() == cell.to_dict()
@@ -222,11 +228,12 @@ def in_process(cell: stiffarm.Cell) -> str:
 def test_pickles(found: stiffarm.results.Identified, group: stiffarm.Postures, tmp_path: Path) -> None:
     """Cells with their meshes, robots, results and errors live on in another process."""
     shapes = stiffarm.Cell.built_in("comau-shapes")
-    assert any("mesh" in role for role in shapes.inputs)
-    mesh = tmp_path / "spindle.obj"
-    mesh.write_text("v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", encoding="utf-8")
-    text = stiffarm.Cell.built_in("comau-shapes").to_toml().replace("builtin:spindle.obj", "spindle.obj")
-    own = stiffarm.Cell.from_toml(text, folder=tmp_path)
+    # An obstacle of a mesh beside the cell file, which is gone when the cell comes back.
+    mesh = tmp_path / "table.obj"
+    mesh.write_text("v 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", encoding="utf-8")
+    obstacle = {"name": "table", "kind": "mesh", "file": "table.obj", "unit": "m"}
+    own = stiffarm.Cell.from_dict({**shapes.to_dict(), "obstacle": [obstacle]}, folder=tmp_path)
+    assert list(own.inputs) == ["cell", "cell mesh table.obj"]
     mesh.unlink()
     objective = stiffarm.Objective(shapes, "d", postures=3, given=group)
     values: list[Any] = [shapes, own, own.robot, group, found, found.joints[0], group.table(), objective]
@@ -252,6 +259,18 @@ def test_pickles_in_a_spawned_process() -> None:
         assert pool.apply(in_process, (shapes,)) == in_process(shapes)
 
 
+def tags(page: str) -> set[str]:
+    """Kinds of elements of a page; an attribute anywhere counts as one."""
+    found: set[str] = set()
+
+    class Reader(HTMLParser):
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            found.update([tag, *(f"{tag} {name}" for name, _ in attrs)])
+
+    Reader().feed(page)
+    return found
+
+
 def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
     """What notebooks show: names are text, whatever they are."""
     named = stiffarm.Postures(np.zeros((2, 6)) - [0, 0, 1.5, 0, 0, 0], [HOSTILE, "2"])
@@ -261,7 +280,7 @@ def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
     shown.append(stiffarm.identify(cell, measured)._repr_html_())
     shown.append(stiffarm.evaluate(cell, {HOSTILE: named})._repr_html_())
     for page in shown:
-        assert "<script" not in page and "<b>" not in page.replace("<b>Identified</b>", "").replace("<b>Evaluated</b>", "").replace("<b>serious</b>", "").replace("<b>remark</b>", "").replace("<b>warning</b>", "").replace("<b>note</b>", ""), page
+        assert tags(page) <= {"p", "b", "table", "thead", "tbody", "tr", "th", "td"}, page
     assert "&lt;script&gt;" in shown[0]
     for page in (found._repr_html_(), stiffarm.select(cell, 3, rounds=1)._repr_html_()):
         assert page.count("<table>") == page.count("</table>") == 1
@@ -368,7 +387,8 @@ NOTHING_YET = """
 import stiffarm
 cell = stiffarm.Cell.built_in("comau-reference")
 try:
-    stiffarm.simulate(cell, "builtin:comau-group1", runs=10**9, progress=lambda *_: print("working", flush=True))
+    stiffarm.coverage(cell, "builtin:comau-group1", runs=5_000_000, progress=lambda *_: print("working", flush=True))
+    print("ended", flush=True)
 except KeyboardInterrupt:
     print("stopped", flush=True)
 """

@@ -8,7 +8,7 @@ import operator
 import os
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, ParamSpec, TypeVar, cast
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,15 +121,14 @@ def mapping(value: Any, key: str) -> dict[str, Any]:
     """Keys of a cell file."""
     if not isinstance(value, Mapping):
         raise StiffarmError(f"This must be a dictionary, got {shown(value)}.", "wrong-type", {"key": key})
-    return {str(name): one for name, one in cast("Mapping[Any, Any]", value).items()}
+    keys: Mapping[Any, Any] = value
+    return {str(name): one for name, one in keys.items()}
 
 
 def path(value: Any, what: str = "path") -> str:
     """The name of a file."""
     try:
-        found = os.fspath(value)
-        if isinstance(found, bytes):
-            found = os.fsdecode(found)
+        found = os.fsdecode(value)
     except (TypeError, ValueError):
         raise StiffarmError(f"This must be the name of a file, got {shown(value)}.", "wrong-type", {"key": what}) from None
     if "\0" in found:

@@ -104,11 +104,12 @@ def groups(
 
     if isinstance(value, Mapping) and not isinstance(value, (Result, Table)) and not _is_columns(value):
         return [(str(name), postures(one, str(name), degrees=degrees)) for name, one in value.items()]
-    several = isinstance(value, (list, tuple)) and any(
-        isinstance(one, (str, os.PathLike, Postures, Result)) or (is_table(one)) or np.ndim(one) == 2
-        for one in value
+    listed: Sequence[Any] = value if isinstance(value, (list, tuple)) else ()
+    several = any(
+        isinstance(one, (str, os.PathLike, Postures, Result)) or is_table(one) or _dimensions(one) == 2
+        for one in listed
     )
-    members: list[Any] = list(value) if several else [value]  # type: ignore[arg-type]
+    members: list[Any] = [*listed] if several else [value]
     out: list[tuple[str, Given]] = []
     for number, one in enumerate(members, 1):
         own = one.name if isinstance(one, Postures) and one.name else ""
@@ -116,6 +117,10 @@ def groups(
         is_file = isinstance(one, (str, os.PathLike))
         out.append(("" if is_file else own or fallback, postures(one, own or fallback, degrees=degrees)))
     return out
+
+
+def _dimensions(value: Any) -> int:
+    return int(np.ndim(value))
 
 
 def _is_columns(value: Mapping[Any, Any]) -> bool:

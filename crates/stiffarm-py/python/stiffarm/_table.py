@@ -21,8 +21,7 @@ class Table(Mapping[str, Any]):
     """Columns of one length by name; units stand in the names, as in the files.
 
     It is a mapping from names to columns (NumPy arrays of numbers, lists of text), has the Arrow C interface
-    (``__arrow_c_stream__``), and so becomes a frame of any library: ``polars.DataFrame(table)``,
-    ``pyarrow.table(table)``, ``table.to_frame()``.
+    (``__arrow_c_stream__``), and so becomes a frame of any library: ``pyarrow.table(table)``, ``table.to_frame()``.
     """
 
     def __init__(self, columns: Mapping[str, Sequence[Any] | np.ndarray]) -> None:
@@ -58,7 +57,7 @@ class Table(Mapping[str, Any]):
     @classmethod
     def from_csv(cls, text: str) -> Table:
         """A table of the text of one of our CSV files; columns with a unit in their heading are numbers."""
-        rows = list(csv.reader(io.StringIO(_checks.text(text, "text"))))
+        rows = [row for row in csv.reader(io.StringIO(_checks.text(text, "text"))) if row]
         if not rows:
             return cls({})
         columns: dict[str, Any] = {}
@@ -96,7 +95,7 @@ class Table(Mapping[str, Any]):
                 module = __import__(name)
             except ImportError:
                 continue
-            return module.DataFrame(dict(self._columns) if name == "pandas" else self)
+            return module.DataFrame(dict(self._columns) if name == "pandas" else _Stream(self))
         raise StiffarmError(
             f"{library or 'Neither pandas nor polars'} is not installed."
             if library
@@ -138,6 +137,13 @@ class Table(Mapping[str, Any]):
         from ._html import table
 
         return table(self)
+
+
+class _Stream:
+    """The Arrow interface alone: polars takes a mapping column by column, and has no nulls then."""
+
+    def __init__(self, table: Table) -> None:
+        self.__arrow_c_stream__ = table.__arrow_c_stream__
 
 
 def _numbers(texts: list[str]) -> list[Any]:

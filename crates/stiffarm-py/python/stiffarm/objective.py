@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _inputs, _stiffarm
+from . import _stiffarm
 from ._checks import cell as checked_cell
 from ._checks import count as count_of
 from ._checks import number, text
@@ -146,9 +146,10 @@ def for_jax(objective: Objective) -> Any:
         shapes = (jax.ShapeDtypeStruct((), jnp.float64), jax.ShapeDtypeStruct(angles.shape, jnp.float64))
         return jax.pure_callback(both, shapes, angles, vmap_method="sequential")
 
-    @jax.custom_vjp
-    def log_index(angles: Any) -> Any:
+    def value(angles: Any) -> Any:
         return callback(angles)[0]
+
+    log_index: Any = jax.custom_vjp(value)
 
     def forward(angles: Any) -> Any:
         return callback(angles)
@@ -217,6 +218,3 @@ def for_casadi(objective: Objective, name: str = "log_index") -> Any:
             return self._jacobian
 
     return Value(name)
-
-
-__all__ = ["Objective", "for_casadi", "for_jax", "_inputs"]

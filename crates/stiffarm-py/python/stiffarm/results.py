@@ -174,6 +174,13 @@ class Identified(Result):
         found = self._data.get("diagnosis")
         return None if found is None else Record(found)
 
+    @property
+    def findings(self) -> list[Record]:
+        """What residuals and budget say: each with ``code``, ``severity``, ``subject``, ``sentence``."""
+        budget = (self._data.get("elastic") or {}).get("budget") or self._data.get("budget") or {}
+        parts = [self._data.get("diagnosis") or {}, budget]
+        return [Record(finding) for part in parts for finding in part.get("findings", [])]
+
     def _estimates(self) -> dict[str, Any]:
         estimates: dict[str, Any] = self._data.get("estimates", self._data)
         return estimates

@@ -1,0 +1,169 @@
+"""Indices and their gradients for optimisers of one's own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+import stiffarm
+
+INDICES = list(stiffarm.index_names())
+
+
+@pytest.fixture(scope="module")
+def cell() -> stiffarm.Cell:
+    """Bounds only: no floor, no column, no rope that is too short."""
+    return stiffarm.Cell.built_in("comau-reference")
+
+
+@pytest.fixture(scope="module")
+def full() -> stiffarm.Cell:
+    """A cell with tasks and a prior."""
+    return stiffarm.Cell.built_in("comau")
+
+
+def drawn(cell: stiffarm.Cell, count: int, seed: int) -> np.ndarray:
+    """Angles within the bounds, well inside."""
+    low, high = cell.bounds.T
+    return low + (high - low) * np.random.default_rng(seed).uniform(0.1, 0.9, (count, cell.joint_count))
+
+
+def well_conditioned(cell: stiffarm.Cell, count: int) -> list[int]:
+    """Seeds of groups whose postures are not close to singular ones, where differences say something."""
+    seeds = [seed for seed in range(100) if stiffarm.indices(cell, drawn(cell, 5, seed))["classical"] < 60]
+    return seeds[:count]
+
+
+@pytest.mark.parametrize("index", INDICES)
+def test_gradient(full: stiffarm.Cell, index: str) -> None:
+    """Against central differences of the value, at four groups of five postures each."""
+    objective = stiffarm.Objective(full, index, postures=5)
+    for seed in well_conditioned(full, 4):
+        q = drawn(full, 5, seed)
+        value, gradient = objective.value_and_gradient(q)
+        assert gradient.shape == q.shape == objective.shape
+        step = 1e-5
+        differences = np.empty_like(q)
+        for at in np.ndindex(*q.shape):
+            change = np.zeros_like(q)
+            change[at] = step
+            near = objective(q + change) - objective(q - change)
+            far = objective(q + 2 * change) - objective(q - 2 * change)
+            differences[at] = (8 * near - far) / (12 * step)
+        # What is left is rounding in the value, divided by the step.
+        assert np.abs(gradient - differences).max() < 2e-6 * max(np.abs(differences).max(), value), index
+
+
+@pytest.mark.parametrize("index", INDICES)
+def test_log_and_value(full: stiffarm.Cell, index: str) -> None:
+    """The logarithm, the value and the indices of `indices` are of one number."""
+    objective = stiffarm.Objective(full, index, postures=4)
+    q = drawn(full, 4, 11)
+    value, gradient = objective.value_and_gradient(q)
+    log, log_gradient = objective.log_and_gradient(q)
+    assert value == objective(q) == pytest.approx(stiffarm.indices(full, q, [index])[index], rel=1e-9)
+    sign = 1 if np.isclose(np.exp(log), value, rtol=1e-12) else -1
+    assert np.exp(sign * log) == pytest.approx(value, rel=1e-12)
+    assert np.allclose(gradient, sign * value * log_gradient, rtol=1e-12, atol=0)
+    flat, flat_gradient = objective.log_and_gradient(q.ravel())
+    assert flat == log and np.array_equal(flat_gradient, log_gradient.ravel())
+    assert np.array_equal(objective.gradient(q), gradient)
+
+
+def test_smoothed(full: stiffarm.Cell) -> None:
+    """Off by at most ln(n)/sharpness, and differentiable where the maximum is not."""
+    objective = stiffarm.Objective(full, "worst_joint", postures=4)
+    q = drawn(full, 4, 3)
+    exact, _ = objective.log_and_gradient(q)
+    for sharpness in (10.0, 100.0, 1000.0):
+        smooth, gradient = objective.smoothed(q, sharpness)
+        assert abs(smooth - exact) <= np.log(6) / sharpness + 1e-12
+        step = 1e-5 * np.eye(q.size)[7].reshape(q.shape)
+        difference = (objective.smoothed(q + step, sharpness)[0] - objective.smoothed(q - step, sharpness)[0]) / 2e-5
+        assert gradient[1, 1] == pytest.approx(difference, rel=1e-4, abs=1e-7)
+
+
+def test_beside_given_postures(cell: stiffarm.Cell) -> None:
+    """What the index is of both together."""
+    given = stiffarm.Postures(drawn(cell, 4, 1))
+    more = drawn(cell, 2, 2)
+    objective = stiffarm.Objective(cell, "expected_error", postures=2, given=given)
+    together = stiffarm.indices(cell, np.vstack([given.angles, more]), ["expected_error"])
+    assert objective(more) == pytest.approx(together["expected_error"], rel=1e-12)
+
+
+def test_many_groups_are_those_of_evaluate(full: stiffarm.Cell) -> None:
+    groups = np.stack([drawn(full, 5, seed) for seed in range(40)])
+    many = stiffarm.indices(full, groups, INDICES)
+    evaluated = stiffarm.evaluate(full, {str(i): group for i, group in enumerate(groups)}).to_dict()["groups"]
+    for i, group in enumerate(evaluated):
+        values = group.get("evaluation", group)["indices"]
+        for name in INDICES:
+            expected = np.nan if values[name] is None else values[name]
+            assert np.array_equal(many[name][i], expected, equal_nan=True), (i, name)
+    one = stiffarm.indices(full, groups[3], INDICES)
+    assert all(one[name] == many[name][3] for name in INDICES)
+    degrees = stiffarm.indices(full, np.degrees(groups), ["d"], degrees=True)["d"]
+    assert np.allclose(degrees, many["d"], rtol=1e-9, atol=0)
+    assert set(stiffarm.indices(full, groups[0])) == set(INDICES) - {"prediction"}
+
+
+def test_observation_matrix(cell: stiffarm.Cell) -> None:
+    """Ψ k⁻¹ are the displacements: the expected error follows from it alone."""
+    q = drawn(cell, 6, 5)
+    psi = stiffarm.observation_matrix(cell, q)
+    assert psi.shape == (3 * len(cell.measuring_points) * 6, 6)
+    assert stiffarm.observation_matrix(cell, q, rotation_length=0.773).shape == (2 * psi.shape[0], 6)
+    assert cell.prior_stiffness is not None
+    covariance = np.linalg.inv(psi.T @ psi) * cell.noise_std**2
+    relative = np.sqrt(np.diag(covariance)) * cell.prior_stiffness
+    expected = stiffarm.indices(cell, q, ["worst_joint"])["worst_joint"]
+    assert expected == pytest.approx(relative.max(), rel=1e-9)
+
+
+@pytest.mark.parametrize("index", ["expected_error", "d"])
+def test_scipy_reaches_our_optimum(cell: stiffarm.Cell, index: str) -> None:
+    """L-BFGS-B on our gradients from several starts, against the search of `select`, on the same cell."""
+    count = 3
+    plan = stiffarm.select(cell, count, index=index, rounds=30, angle_step_deg=0, certificate=False)
+    objective = stiffarm.Objective(cell, index, postures=count)
+    low, high = np.array(objective.bounds).T
+    random_numbers = np.random.default_rng(2)
+    inside = {"jac": True, "method": "L-BFGS-B", "bounds": objective.bounds}
+    ends = []
+    for _ in range(40):
+        start = random_numbers.uniform(low, high)
+        found = scipy.optimize.minimize(objective.log_and_gradient, start, options={"maxiter": 200}, **inside)
+        ends.append((found.fun, found.x))
+    # The best three once more, each searched about in steps of random size.
+    values = []
+    for number, (_, at) in enumerate(sorted(ends, key=lambda end: end[0])[:3]):
+        found = scipy.optimize.basinhopping(
+            objective.log_and_gradient,
+            at,
+            niter=60,
+            stepsize=1.0,
+            T=0.02,
+            minimizer_kwargs={**inside, "options": {"maxiter": 300}},
+            rng=number,
+        )
+        fine = {"maxiter": 3000, "maxfun": 20_000, "maxcor": 40, "ftol": 0.0, "gtol": 1e-10}
+        at = scipy.optimize.minimize(objective.log_and_gradient, found.x, options=fine, **inside).x
+        assert (at >= low).all() and (at <= high).all()
+        values.append(objective(at))
+    best = min(values)
+    assert best <= plan.value * (1 + 1e-6)
+
+
+def test_callable_from_jax_and_casadi_is_tested_where_they_are() -> None:
+    casadi = pytest.importorskip("casadi", reason="casadi is not installed")
+    from stiffarm.objective import for_casadi
+
+    cell = stiffarm.Cell.built_in("comau-reference")
+    objective = stiffarm.Objective(cell, "d", postures=3)
+    function = for_casadi(objective)
+    q = drawn(cell, 3, 1).ravel()
+    x = casadi.MX.sym("x", q.size)
+    jacobian = casadi.Function("j", [x], [casadi.jacobian(function(x), x)])
+    assert np.allclose(np.array(jacobian(q)).ravel(), objective.log_and_gradient(q)[1])
