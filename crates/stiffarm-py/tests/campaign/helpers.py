@@ -85,8 +85,9 @@ def _start(arguments: list[str], begun: Path | None) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
-        # Ctrl-C in these tests is for the command alone.
+        # Ctrl-C in these tests is for the command alone, and it hears it where the tests do not.
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 
