@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import sys
 from pathlib import Path
@@ -14,15 +13,6 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 # Workers import the tasks of the tests, wherever they run.
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
-
-needs_ray = pytest.mark.skipif(
-    importlib.util.find_spec("ray") is None,
-    reason="Ray is not installed",
-)
-needs_library = pytest.mark.skipif(
-    importlib.util.find_spec("stiffarm._stiffarm") is None,
-    reason="the compiled library is not installed",
-)
 
 
 @pytest.fixture

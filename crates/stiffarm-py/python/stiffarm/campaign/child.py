@@ -13,7 +13,6 @@ import os
 import pickle
 import queue
 import re
-import struct
 import sys
 import threading
 import time
@@ -22,35 +21,12 @@ from collections.abc import Mapping
 from typing import IO, Any
 
 from .built_in import BadResult
+from .frames import receive, send
 from .tasks import Task, task_of
 
-HEADER = struct.Struct(">Q")
 _ADDRESS = re.compile(r"0x[0-9a-fA-F]+")
 #: Address space beyond the memory limit, for stacks and heaps of threads [MB].
 _SPARE_MB = 256
-
-
-def send(stream: IO[bytes], message: Any) -> None:
-    """Writes one frame: eight bytes of length, then the pickled message."""
-    data = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
-    stream.write(HEADER.pack(len(data)) + data)
-    stream.flush()
-
-
-def receive(stream: IO[bytes]) -> Any:
-    """Reads one frame.
-
-    Raises:
-        EOFError: The other end is gone, also in the middle of a frame.
-    """
-    head = stream.read(HEADER.size)
-    if len(head) < HEADER.size:
-        raise EOFError
-    (length,) = HEADER.unpack(head)
-    data = stream.read(length)
-    if len(data) < length:
-        raise EOFError
-    return pickle.loads(data)
 
 
 def limit_address_space(limit_mb: float) -> None:

@@ -99,11 +99,10 @@ def _band(panel: Any, group: dict[Any, list[float]]) -> None:
     panel.fill_between(keys, low, high, color=_BAND, alpha=0.5, linewidth=0, label="5 % to 95 %")
     median = [f["median"] for f in found]
     panel.plot(keys, median, color=_LINE, marker="o", markersize=3.5, label="median")
-    if all(type(key) is int for key in keys):
-        if len(keys) <= 10:
-            panel.set_xticks(keys)
-        else:
-            panel.xaxis.get_major_locator().set_params(integer=True)
+    if len(keys) <= 8:
+        panel.set_xticks(keys)
+    elif all(type(key) is int for key in keys):
+        panel.xaxis.get_major_locator().set_params(integer=True)
     panel.legend(
         frameon=False, fontsize=8, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderpad=0
     )

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
-from .child import receive, send
 from .errors import CampaignError
+from .frames import receive, send
 from .items import Item
 
 #: Tries of an item whose worker dies without a limit of ours having ended it.

@@ -5,9 +5,9 @@ serial engine, so limits, errors and results are the same too. An actor that die
 memory monitor of Ray, somebody's SIGKILL) takes its child along; its items are given to another
 one, each a bounded number of times.
 
-Short items are handed over in batches of about half a second, which is what a call costs Ray
-several hundred times over; two batches are under way for each worker, so none waits for the
-driver. While Ray starts on this machine, the first items run in processes of the driver.
+Short items are handed over in batches of about half a second, more where there are more than a
+hundred workers: a call costs the driver the same however many items it carries. Two batches are
+under way for each worker, so none waits for the driver. While Ray starts on this machine, the first items run in processes of the driver.
 """
 
 from __future__ import annotations

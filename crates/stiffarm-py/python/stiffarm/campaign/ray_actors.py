@@ -11,9 +11,6 @@ from .errors import CampaignError
 from .items import Item
 from .limits import Result, Setup, Worker
 
-#: Time after which a worker hands back what is left of a batch [s].
-LONGEST_S = 2.0
-
 #: Items, each with the number of times it was begun before.
 Batch = list[tuple[Item, int]]
 
@@ -28,18 +25,20 @@ class Supervisor:
         """Process id, once the actor is there."""
         return os.getpid()
 
-    def run(self, batch: Batch) -> list[Result] | CampaignError:
+    def run(self, batch: Batch, longest_s: float) -> list[Result] | CampaignError:
         """Results of the first items of a batch.
 
-        Fewer than all where they take longer than those before: then the others go back, so that
-        results come in and other workers can take them.
+        Args:
+            batch: The items.
+            longest_s: Time after which the others go back, so that results come in and other
+                workers can take them [s].
         """
         begun = time.monotonic()
         results: list[Result] = []
         try:
             for item, tries in batch:
                 results.append(self._worker.run(item, tries))
-                if time.monotonic() - begun > LONGEST_S:
+                if time.monotonic() - begun > longest_s:
                     break
         except CampaignError as error:
             return error

@@ -14,10 +14,13 @@ from .items import Item
 from .limits import TRIES, Result, died
 from .ray_actors import Actor, Actors, Batch
 
-#: Own time of the items of a batch [s].
+#: Own time of the items of a batch, at least [s].
 BATCH_S = 0.5
+#: The same for each worker: a call costs the driver 1.5 ms, however many items it carries, and
+#: there is one driver for all workers [s].
+BATCH_EACH_S = 0.004
 #: Most items of a batch.
-MOST = 64
+MOST = 256
 #: Batches under way for each worker, the running one included.
 DEPTH = 2
 #: Deaths of workers, one after the other without any result, after which the run ends.
@@ -168,16 +171,20 @@ class Run:
             batch = self._batch()
             if not batch:
                 return
-            call = actor.handle.run.remote(batch)
+            # Longer than planned where items take longer than those before.
+            call = actor.handle.run.remote(batch, 4 * self._batch_s())
             actor.calls.append(call)
             self._calls[call] = (actor, batch)
+
+    def _batch_s(self) -> float:
+        return max(BATCH_S, BATCH_EACH_S * len(self._actors.all))
 
     def _batch(self) -> Batch:
         # What came back goes alone: an item that a worker died with takes no other with it again.
         if self._again:
             return [self._again.popleft()]
         mean = self._mean_s
-        size = 1 if mean is None else int(BATCH_S / max(mean, 1e-6))
+        size = 1 if mean is None else int(self._batch_s() / max(mean, 1e-6))
         # Towards the end smaller ones, so that the workers end together.
         share = self._source.left // (DEPTH * max(1, len(self._actors.all)))
         size = max(1, min(size, MOST, share))

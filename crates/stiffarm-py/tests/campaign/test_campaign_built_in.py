@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import needs_library, needs_ray
-from helpers import rows, sha
+from campaign_helpers import needs_library, needs_ray, rows, sha
 
 from stiffarm.campaign import Campaign, CampaignError
 from stiffarm.campaign.errors import StiffarmError

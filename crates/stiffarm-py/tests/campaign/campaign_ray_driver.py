@@ -1,4 +1,4 @@
-"""Runs a campaign on a Ray that is there before: python ray_driver.py CAMPAIGN FOLDER."""
+"""Runs a campaign on a Ray that is there before: python campaign_ray_driver.py CAMPAIGN FOLDER."""
 
 from __future__ import annotations
 

@@ -10,7 +10,10 @@ from typing import Any
 
 import pyarrow.parquet as parquet
 import pytest
-from helpers import (
+from campaign_helpers import (
+    LIMITS,
+    WAYS,
+    WILD,
     alive,
     begun_items,
     command,
@@ -28,12 +31,6 @@ from helpers import (
 from stiffarm.campaign import Campaign, CampaignError, Progress
 from stiffarm.campaign.journal import Journal
 from stiffarm.campaign.table import write_results
-
-WAYS = ["raises", "refuses", "exits", "dies", "hangs", "eats", "asks", "prints", "no_dict",
-        "takes_a_column", "an_object", "fine"]  # fmt: skip
-WILD = {"name": "wild", "task": "campaign_tasks:wild", "axes": {"way": WAYS, "seed": [1, 2]}}
-LIMITS = {"time_limit_s": 2.0, "memory_limit_mb": 300.0}
-
 
 def test_the_table_has_axes_status_and_figures(grid: dict[str, Any], tmp_path: Path) -> None:
     campaign = Campaign.from_dict(grid)

@@ -8,8 +8,9 @@ from typing import Any
 
 import pyarrow.parquet as parquet
 import pytest
-from conftest import needs_ray
-from helpers import (
+from campaign_helpers import (
+    LIMITS,
+    WILD,
     alive,
     begun_items,
     command,
@@ -17,6 +18,7 @@ from helpers import (
     journal_numbers,
     kill,
     lines,
+    needs_ray,
     ray_driver,
     rows,
     serially,
@@ -24,7 +26,6 @@ from helpers import (
     slow,
     wait_until,
 )
-from test_serial import LIMITS, WILD
 
 from stiffarm.campaign import Campaign
 

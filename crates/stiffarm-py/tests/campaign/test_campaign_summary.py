@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers import finish, rows, toml
+from campaign_helpers import finish, rows, toml
 
 from stiffarm.campaign import Campaign, CampaignError, open_folder
 from stiffarm.campaign.spread import statistics_of

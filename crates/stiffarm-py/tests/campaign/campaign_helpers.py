@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib.util
 import json
 import os
 import signal
@@ -15,10 +16,26 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as parquet
+import pytest
 
 from stiffarm.campaign import Campaign
 
 HERE = Path(__file__).parent
+
+needs_ray = pytest.mark.skipif(
+    importlib.util.find_spec("ray") is None,
+    reason="Ray is not installed",
+)
+needs_library = pytest.mark.skipif(
+    importlib.util.find_spec("stiffarm._stiffarm") is None,
+    reason="the compiled library is not installed",
+)
+
+#: Every way in which an item can go wrong, and two in which it does not.
+WAYS = ["raises", "refuses", "exits", "dies", "hangs", "eats", "asks", "prints", "no_dict",
+        "takes_a_column", "an_object", "fine"]  # fmt: skip
+WILD = {"name": "wild", "task": "campaign_tasks:wild", "axes": {"way": WAYS, "seed": [1, 2]}}
+LIMITS = {"time_limit_s": 2.0, "memory_limit_mb": 300.0}
 
 
 def rows(folder: Path) -> list[dict[str, Any]]:
@@ -72,7 +89,7 @@ def command(*arguments: object, begun: Path | None = None) -> subprocess.Popen[s
 
 def ray_driver(campaign: Path, folder: Path, begun: Path) -> subprocess.Popen[str]:
     """Starts a run with two workers of a Ray that is there before, so that they begin at once."""
-    return _start([str(HERE / "ray_driver.py"), str(campaign), str(folder)], begun)
+    return _start([str(HERE / "campaign_ray_driver.py"), str(campaign), str(folder)], begun)
 
 
 def _start(arguments: list[str], begun: Path | None) -> subprocess.Popen[str]:
@@ -85,8 +102,9 @@ def _start(arguments: list[str], begun: Path | None) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
-        # Ctrl-C in these tests is for the command alone.
+        # Ctrl-C in these tests is for the command alone, and it hears it where the tests do not.
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 
