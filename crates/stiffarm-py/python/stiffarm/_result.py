@@ -264,7 +264,16 @@ def _table_of(rows: list[dict[str, Any]]) -> Table:
     flat = [dict(_cells("", row)) for row in rows]
     for row in flat:
         names.update(dict.fromkeys(row))
-    return Table({name: [row.get(name) for row in flat] for name in names})
+    columns = {name: [row.get(name) for row in flat] for name in names}
+    # A record that some rows lack has its columns; the empty one under its own name says nothing.
+    is_record = {name for name in columns if any(other.startswith(f"{name}_") for other in columns)}
+    return Table(
+        {
+            name: values
+            for name, values in columns.items()
+            if name not in is_record or any(value is not None for value in values)
+        }
+    )
 
 
 def _cells(prefix: str, row: dict[str, Any]) -> Iterator[tuple[str, Any]]:

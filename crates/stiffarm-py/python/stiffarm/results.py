@@ -65,12 +65,19 @@ class SpaceFilling(_WithPostures):
     __slots__ = ()
     _command: ClassVar[str] = "select"
 
+    def _headline(self) -> str:
+        return f"{len(self._data['postures_deg'])} postures"
+
 
 class Dropped(_WithPostures):
     """What each given posture is worth, and which ones stay: :func:`stiffarm.drop`."""
 
     __slots__ = ()
     _command: ClassVar[str] = "select"
+
+    def _headline(self) -> str:
+        names = self._data["posture_names"]
+        return f"without {', '.join(names[p] for p in self._data['dropped'])}: index {self._data['value']:.4g}"
 
     @property
     def kept_postures(self) -> Postures:
@@ -104,6 +111,9 @@ class Evaluated(Result):
     __slots__ = ()
     _command: ClassVar[str] = "evaluate"
 
+    def _headline(self) -> str:
+        return ", ".join(group["name"] for group in self._data["groups"])
+
     def table(self) -> Table:
         """A row per group: its name, number of postures, and every index."""
         rows = [group["evaluation"] if "evaluation" in group else group for group in self._data["groups"]]
@@ -121,6 +131,10 @@ class Simulation(Result):
 
     __slots__ = ()
     _command: ClassVar[str] = "simulate"
+
+    def _headline(self) -> str:
+        groups = ", ".join(group["name"] for group in self._data["groups"])
+        return f"{self._data['runs']} runs of {groups}"
 
     def table(self) -> Table:
         """A row per group, noise level and joint: simulated and expected deviation (fractions)."""
@@ -209,6 +223,9 @@ class Validated(Result):
     _command: ClassVar[str] = "validate"
     _rows: ClassVar[tuple[str, ...]] = ("points",)
 
+    def _headline(self) -> str:
+        return f"deviation RMS {1e3 * self._data['deviation_rms_m']:.3g} mm of {len(self._data['points'])} displacements"
+
     @property
     def findings(self) -> list[Record]:
         """What the result says about itself, its readings and its stiffness."""
@@ -221,6 +238,9 @@ class Registered(Result):
 
     __slots__ = ()
     _command: ClassVar[str] = "register"
+
+    def _headline(self) -> str:
+        return f"{len(self._data['pairs'])} pairs, residual RMS {1e3 * self._data['rms_m']:.3g} mm"
 
 
 class Predicted(Result):
@@ -241,6 +261,10 @@ class Compensated(Result):
     _command: ClassVar[str] = "compensate"
     _rows: ClassVar[tuple[str, ...]] = ("points",)
 
+    def _headline(self) -> str:
+        before, left = self._data["uncompensated_max_m"], self._data["residual_max_m"]
+        return f"{len(self._data['points'])} points, at most {1e3 * before:.4g} mm without, {1e3 * left:.2g} mm left by the model"
+
 
 class StiffnessMap(Result):
     """Stiffness over a region of the workspace: :func:`stiffarm.map`."""
@@ -249,6 +273,10 @@ class StiffnessMap(Result):
     _command: ClassVar[str] = "map"
     _rows: ClassVar[tuple[str, ...]] = ("nodes",)
 
+    def _headline(self) -> str:
+        counts = self._data["counts"]
+        return f"{counts['reachable']} of {len(self._data['nodes'])} nodes are reachable"
+
 
 class Placement(Result):
     """The best place of a workpiece: :func:`stiffarm.place`."""
@@ -256,6 +284,10 @@ class Placement(Result):
     __slots__ = ()
     _command: ClassVar[str] = "map"
     _rows: ClassVar[tuple[str, ...]] = ("candidates",)
+
+    def _headline(self) -> str:
+        gain = self._data.get("gain")
+        return "no better place" if gain is None else f"the best place bends {gain:.3g} times less"
 
 
 __all__ = [

@@ -69,7 +69,7 @@ def predict(
         path: Joint angles or poses with their loads: a table with the columns of a path file; the tasks of the cell
             unless given.
         axes: Axes of the path's forces and of ``force_n``: ``base``, ``tool``, ``workpiece`` or ``path``.
-        force_n: Force on the robot's tip where the path has none [N].
+        force_n: Force on the robot's tip where the path has none [N]; ``axes`` says in which axes.
         moment_nm: Moment about the tip, with ``force_n`` [N·m].
         load_uncertainty_percent: Standard uncertainty of the load [%].
         start_deg: Posture that the first one should be near [deg].
