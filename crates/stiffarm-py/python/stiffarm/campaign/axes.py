@@ -81,7 +81,7 @@ def _scalar(value: Any) -> Value:
 #: Axes of the built-in tasks.
 KINDS: Mapping[str, AxisKind] = {
     "cell": AxisKind(
-        "a cell: a file, builtin:NAME, robot:NAME or a name of [cells]", _text
+        "a cell: a file, builtin:NAME or a name of [cells]", _text
     ),
     "tool": AxisKind("a name of [tools]", _text, names_of="tools"),
     "load": AxisKind("a name of [loads]", _text, names_of="loads"),
