@@ -303,16 +303,18 @@ def signature(name: str, one: Any) -> str:
     """How it is called."""
     found = inspect.signature(one)
     kept = [p for p in found.parameters.values() if p.name not in ("self", "cls")]
-    text = f"{name}{found.replace(parameters=kept)}".replace("'", "")
-    if len(text) <= 100:
-        return text
-    words = [str(p).replace("'", "") for p in kept]
-    for number, parameter in enumerate(kept):
-        if parameter.kind is parameter.KEYWORD_ONLY:
-            words.insert(number, "*")
-            break
-    returned = str(found.return_annotation).replace("'", "")
-    return f"{name}(\n" + "".join(f"    {word},\n" for word in words) + f") -> {returned}"
+    words: list[str] = []
+    for parameter in kept:
+        if parameter.kind is parameter.KEYWORD_ONLY and "*" not in words:
+            words.append("*")
+        stars = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
+        kind = "" if parameter.annotation is parameter.empty else f": {parameter.annotation}"
+        default = parameter.default
+        shown = json.dumps(default) if isinstance(default, str) else repr(default)
+        words.append(f"{stars}{parameter.name}{kind}{'' if default is parameter.empty else f' = {shown}'}")
+    end = "" if found.return_annotation is found.empty else f" -> {found.return_annotation}"
+    text = f"{name}({', '.join(words)}){end}"
+    return text if len(text) <= 100 else f"{name}(\n" + "".join(f"    {word},\n" for word in words) + f"){end}"
 
 
 def flat(text: str) -> str:
@@ -346,7 +348,7 @@ def marked(text: str) -> str:
             continue
         if line.startswith(("    ", ">>> ")):
             code = []
-            while number < len(lines) and (lines[number].startswith(("    ", ">>> ", "... ")) or lines[number].strip()):
+            while number < len(lines) and (lines[number].strip() or lines[number + 1 :][:1] and lines[number + 1].startswith("    ")):
                 code.append(lines[number])
                 number += 1
             out += ["```python", *textwrap.dedent("\n".join(code)).splitlines(), "```"]

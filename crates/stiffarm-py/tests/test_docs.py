@@ -42,7 +42,7 @@ def test_everything_public_is_documented() -> None:
         if inspect.isfunction(one) and "Args:" in text:
             for parameter in inspect.signature(one).parameters.values():
                 if parameter.kind is not parameter.VAR_KEYWORD:
-                    assert f"{parameter.name}: " in text, f"{name}: {parameter.name}"
+                    assert f"{parameter.name}: " in text or f"``{parameter.name}``" in text, f"{name}: {parameter.name}"
         if inspect.isclass(one):
             for key, member in vars(one).items():
                 if not key.startswith("_") and (callable(member) or isinstance(member, (property, classmethod))):
