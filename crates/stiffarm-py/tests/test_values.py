@@ -143,6 +143,70 @@ def test_results(found: stiffarm.results.Identified, tmp_path: Path) -> None:
     assert (tmp_path / "found.json").stat().st_mode & 0o044 == 0o044 & ~umask()
 
 
+def properties(record: stiffarm.Record, path: str) -> int:
+    """Reads every property of a result, and of its parts, and holds it against what it says it returns."""
+    count = 0
+    for key in dir(type(record)):
+        member = getattr(type(record), key)
+        if key.startswith("_") or not isinstance(member, property) or "_typed" not in str(member.fget.__module__):
+            continue
+        try:
+            value = getattr(record, key)
+        except AttributeError:
+            # A key that the command leaves out where there is nothing to say.
+            assert key not in record, f"{path}.{key}"
+            continue
+        count += 1
+        said = member.fget.__annotations__["return"]
+        if value is None:
+            assert said.endswith("| None") or said == "Any", f"{path}.{key} is None, not {said}"
+            continue
+        plain = said.removesuffix(" | None")
+        kinds: dict[str, Any] = {"float": (float, int), "int": int, "str": str, "bool": bool, "NDArray[Any]": np.ndarray}
+        if plain in kinds:
+            assert isinstance(value, kinds[plain]), f"{path}.{key} is {value!r}, not {said}"
+        elif plain == "list[str]":
+            assert all(isinstance(one, str) for one in value), f"{path}.{key}"
+        elif plain != "Any":
+            parts = value if isinstance(value, list) else [value]
+            for one in parts:
+                assert type(one).__name__ == plain.removeprefix("list[").removesuffix("]"), f"{path}.{key}: {type(one)}"
+                count += properties(one, f"{path}.{key}")
+    return count
+
+
+def test_keys_are_properties(cell: stiffarm.Cell, group: stiffarm.Postures, found: stiffarm.results.Identified) -> None:
+    """Every key of every result has a property with its documentation and its type."""
+    full = stiffarm.Cell.built_in("comau")
+    measured = stiffarm.simulate_measurements(cell, group)
+    mixed = stiffarm.identify(cell, measured, elastic="mixed", bootstrap=200)
+    results = [
+        stiffarm.compensate(full, "prior", "builtin:contour"),
+        stiffarm.curve(cell, 4, rounds=1),
+        stiffarm.drop(cell, group),
+        stiffarm.evaluate(full, group),
+        stiffarm.map(full, "prior", plane=("z", 1200.0), steps=4),
+        stiffarm.place(full, "prior", "builtin:contour", steps=2),
+        stiffarm.predict(full, found, "builtin:contour", matrix=True),
+        stiffarm.register("builtin:example-pairs"),
+        stiffarm.select(cell, 3, rounds=1, sensitivity=True),
+        stiffarm.select(full, 3, rounds=1, prices=True, largest_load_n=700),
+        stiffarm.select(cell, 4, candidates=group),
+        stiffarm.simulate(cell, group, runs=3),
+        stiffarm.simulate(cell, group, runs=2, elastic="auto"),
+        stiffarm.space_filling(full, 3),
+        stiffarm.validate(cell, found, measured),
+        stiffarm.validate(cell, None, measured, folds=3),
+        found,
+        mixed,
+    ]
+    for one in results:
+        assert properties(one, type(one).__name__) >= 2
+        known = set(dir(type(one)))
+        left = {key for key in one if key not in known}
+        assert not left, f"{type(one).__name__}: {left}"
+
+
 def umask() -> int:
     mask = os.umask(0)
     os.umask(mask)

@@ -8,6 +8,13 @@ from typing import Any
 class StiffarmError(ValueError):
     """What is wrong, where, and what to do.
 
+    >>> import stiffarm
+    >>> try:
+    ...     stiffarm.Cell.built_in("comauu")
+    ... except stiffarm.StiffarmError as error:
+    ...     print(error.code, "|", error.message)
+    unknown-name | There is no built-in cell "comauu".
+
     Attributes:
         message: One sentence, without place and hint.
         code: Stable name of the kind of error, as ``docs/errors.md`` lists them: ``"missing-key"``,

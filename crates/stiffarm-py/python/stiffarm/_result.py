@@ -13,12 +13,14 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _checks
 from ._errors import StiffarmError, StiffarmWarning
 from ._table import Table
 
 _R = TypeVar("_R", bound="Result")
+_Part = TypeVar("_Part", bound="Record")
 
 
 class Record(Mapping[str, Any]):
@@ -57,7 +59,39 @@ class Record(Mapping[str, Any]):
         return f"{type(self).__name__}({', '.join(f'{k}={_short(v)}' for k, v in self._data.items())})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Record, (self._data,)
+        return type(self), (self._data,)
+
+    # What the properties of _typed.py are made of. A key that is not there is an AttributeError: then __getattr__ says
+    # which there are.
+
+    def _value(self, name: str) -> Any:
+        try:
+            return wrapped(self._data[name])
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def _raw(self, name: str) -> Any:
+        try:
+            return self._data[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def _one(self, name: str, kind: type[_Part]) -> _Part:
+        return kind(self._raw(name))
+
+    def _maybe(self, name: str, kind: type[_Part]) -> _Part | None:
+        found = self._raw(name)
+        return None if found is None else kind(found)
+
+    def _many(self, name: str, kind: type[_Part]) -> list[_Part]:
+        return [kind(one) for one in self._raw(name)]
+
+    def _numbers(self, name: str) -> NDArray[Any]:
+        found = self._raw(name)
+        return np.zeros(0) if not found else np.asarray(wrapped(found))
+
+    def _maybe_numbers(self, name: str) -> NDArray[Any] | None:
+        return None if self._raw(name) is None else self._numbers(name)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries, lists and numbers: a copy of one's own."""

@@ -67,6 +67,13 @@ def measured() -> dict[str, Any]:
 class Cell:
     """A robot cell.
 
+    >>> import stiffarm
+    >>> cell = stiffarm.Cell.built_in("comau")
+    >>> cell.joint_count, cell.loading_point.tolist()
+    (6, [0.2, 0.0, 0.25])
+    >>> cell.with_changes({"load": {"magnitude_n": 600}}).to_dict()["load"]["magnitude_n"]
+    600
+
     Read it from a cell file (``Cell("cell.toml")``), take a built-in one (``Cell.built_in("comau")``), or put it
     together (``Cell.of(robot, tool, load, ...)``, ``Cell.from_dict({...})``). Cells do not change;
     :meth:`with_changes` makes another. They can be pickled, meshes included.

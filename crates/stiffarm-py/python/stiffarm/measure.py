@@ -61,13 +61,22 @@ def identify(
 ) -> Identified:
     """Joint stiffness from measured displacements or raw readings, and how far to trust it (``stiffarm identify``).
 
+    >>> import stiffarm
+    >>> cell = stiffarm.Cell.built_in("comau")
+    >>> readings = stiffarm.simulate_measurements(cell, "builtin:comau-group1")
+    >>> found = stiffarm.identify(cell, readings)
+    >>> found.stiffness.shape, found.joints[0].interval.shape
+    ((6,), (2,))
+    >>> [joint.name for joint in found.joints] == cell.spring_names
+    True
+
     Args:
         cell: The cell.
         measurements: One table or several, with the columns of a measurement file: a path, or a frame.
         postures: Controller angles by posture name, where the measurements have none.
         registration: What places raw readings in the base frame.
         exclude: Postures to leave out, for example those kept for validation.
-        estimator: ``two-variance`` unless given; ``least-squares``, ``huber``, ``nonnegative``, ``prior``, ...
+        estimator: ``two-variance`` unless given; ``ordinary``, ``weighted``, ``huber``, ``non-negative`` or ``prior``.
         terms: Further terms: ``tilt``, ``base``, ``lost``, ... as the command takes them.
         elastic: What gives way: ``axes`` alone, ``mixed`` as far as the data show, ``auto`` what they call for.
         weights: ``readings`` or ``tracker``.
@@ -217,6 +226,11 @@ def register(
     exclude: Sequence[str] = (),
 ) -> Registered:
     """The transform from tracker to base axes from pairs of points (``stiffarm register``).
+
+    >>> import stiffarm
+    >>> found = stiffarm.register("builtin:example-pairs")
+    >>> found.command
+    'register'
 
     Args:
         pairs: Columns ``name``, ``tracker_x_mm`` to ``tracker_z_mm``, ``base_x_mm`` to ``base_z_mm``.

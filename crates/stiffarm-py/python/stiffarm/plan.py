@@ -53,6 +53,14 @@ def select(
     Without more it searches the whole joint space for the best group; ``start`` improves a group locally as the paper
     does (Section III.B), ``given`` adds postures to ones that stay, ``candidates`` chooses out of a list.
 
+    >>> import stiffarm
+    >>> cell = stiffarm.Cell.built_in("comau-reference")
+    >>> plan = stiffarm.select(cell, 3, rounds=1, certificate=False)
+    >>> plan.postures
+    <3 postures of 6 joints: 1, 2, 3>
+    >>> print(f"{100 * plan.value:.1f} % expected error of a joint stiffness")
+    1.3 % expected error of a joint stiffness
+
     Args:
         cell: The cell.
         postures: How many to select; 6 unless given.
@@ -259,6 +267,12 @@ def evaluate(
 ) -> Evaluated:
     """Every index and the expected errors of groups of postures (``stiffarm evaluate``).
 
+    >>> import stiffarm
+    >>> cell = stiffarm.Cell.built_in("comau")
+    >>> found = stiffarm.evaluate(cell, "builtin:comau-group1")
+    >>> [group.posture_count for group in found.groups]
+    [6]
+
     Args:
         cell: The cell.
         groups: One group, several, or several by name.
@@ -278,6 +292,13 @@ def indices(
     degrees: bool = False,
 ) -> dict[str, Any]:
     """Indices of a group of postures, or of many groups at once on all cores.
+
+    >>> import numpy as np, stiffarm
+    >>> cell = stiffarm.Cell.built_in("comau")
+    >>> group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    >>> many = np.stack([group.angles, group.angles + 0.1])
+    >>> stiffarm.indices(cell, many, ["expected_error", "d"])["d"].shape
+    (2,)
 
     Args:
         cell: The cell.
@@ -318,6 +339,11 @@ def observation_matrix(
     degrees: bool = False,
 ) -> NDArray[np.float64]:
     """Ψ of Ψ H = Δ, Eqs. (9)–(11).
+
+    >>> import stiffarm
+    >>> cell = stiffarm.Cell.built_in("comau")
+    >>> stiffarm.observation_matrix(cell, [[0, 0, -90, 0, 45, 0], [30, 10, -120, 0, 20, 60]], degrees=True).shape
+    (24, 6)
 
     Args:
         cell: The cell; its load gives the wrench at each posture.

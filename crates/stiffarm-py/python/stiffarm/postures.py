@@ -23,6 +23,15 @@ if TYPE_CHECKING:
 class Postures:
     """Postures of an arm, in the order they are measured.
 
+    >>> import stiffarm
+    >>> group = stiffarm.Postures([[0, 0, -90, 0, 45, 0], [30, 10, -120, 0, 20, 60]], degrees=True)
+    >>> group.angles.shape, group.degrees[1].tolist()
+    ((2, 6), [30.0, 10.0, -120.0, 0.0, 20.0, 60.0])
+    >>> print(group.to_csv(), end="")
+    posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg
+    1,0,0,-90,0,45,0
+    2,30,10,-120,0,20,60
+
     Attributes:
         angles: Controller angles, one row per posture, one column per joint [rad]; not to be written to.
         names: A name for each posture.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from . import _typed
 from ._errors import StiffarmError
 from ._result import Record, Result
 from ._table import Table
@@ -34,7 +35,7 @@ class _WithPostures(Result):
         return self.postures.table()
 
 
-class Plan(_WithPostures):
+class Plan(_WithPostures, _typed.PlanKeys):
     """Postures to measure, and what they are worth: :func:`stiffarm.select`."""
 
     __slots__ = ()
@@ -49,7 +50,7 @@ class Plan(_WithPostures):
         return out
 
 
-class Chosen(_WithPostures):
+class Chosen(_WithPostures, _typed.ChosenKeys):
     """The best postures of a list: :func:`stiffarm.select` with ``candidates``."""
 
     __slots__ = ()
@@ -59,7 +60,7 @@ class Chosen(_WithPostures):
         return f"{', '.join(self._data['posture_names'])}: {self._data['index']} = {self._data['value']:.4g}"
 
 
-class SpaceFilling(_WithPostures):
+class SpaceFilling(_WithPostures, _typed.SpaceFillingKeys):
     """Postures that cover the joint space evenly: :func:`stiffarm.space_filling`."""
 
     __slots__ = ()
@@ -69,7 +70,7 @@ class SpaceFilling(_WithPostures):
         return f"{len(self._data['postures_deg'])} postures"
 
 
-class Dropped(_WithPostures):
+class Dropped(_WithPostures, _typed.DroppedKeys):
     """What each given posture is worth, and which ones stay: :func:`stiffarm.drop`."""
 
     __slots__ = ()
@@ -85,7 +86,7 @@ class Dropped(_WithPostures):
         return self.postures[list(self._data["kept"])]
 
 
-class Curve(Result):
+class Curve(Result, _typed.CurveKeys):
     """The best value for each number of postures: :func:`stiffarm.curve`."""
 
     __slots__ = ()
@@ -105,7 +106,7 @@ class Certificate(Result):
         return f"{self._data['index']} not below {self._data['bound']:.4g}{share}"
 
 
-class Evaluated(Result):
+class Evaluated(Result, _typed.EvaluatedKeys):
     """Every index of groups of postures: :func:`stiffarm.evaluate`."""
 
     __slots__ = ()
@@ -126,7 +127,7 @@ class Evaluated(Result):
         return Table(columns)
 
 
-class Simulation(Result):
+class Simulation(Result, _typed.SimulationKeys):
     """Monte Carlo of identifications with tracker noise: :func:`stiffarm.simulate`."""
 
     __slots__ = ()
@@ -170,7 +171,7 @@ class Coverage(Result):
     _rows: ClassVar[tuple[str, ...]] = ("joints",)
 
 
-class Identified(Result):
+class Identified(Result, _typed.IdentifiedKeys):
     """Joint stiffness and how far to trust it: :func:`stiffarm.identify`."""
 
     __slots__ = ()
@@ -216,7 +217,7 @@ class Identified(Result):
         return f"k = {shown} N·m/rad"
 
 
-class Validated(Result):
+class Validated(Result, _typed.ValidatedKeys):
     """Calculated against measured displacements: :func:`stiffarm.validate`."""
 
     __slots__ = ()
@@ -233,7 +234,7 @@ class Validated(Result):
         return [Record(f) for f in own]
 
 
-class Registered(Result):
+class Registered(Result, _typed.RegisteredKeys):
     """The transform from tracker to base axes: :func:`stiffarm.register`."""
 
     __slots__ = ()
@@ -243,7 +244,7 @@ class Registered(Result):
         return f"{len(self._data['pairs'])} pairs, residual RMS {1e3 * self._data['rms_m']:.3g} mm"
 
 
-class Predicted(Result):
+class Predicted(Result, _typed.PredictedKeys):
     """How far the loaded tool bends away along a path: :func:`stiffarm.predict`."""
 
     __slots__ = ()
@@ -254,7 +255,7 @@ class Predicted(Result):
         return f"{len(self._data['points'])} points, deflection at most {1e3 * self._data['deflection_max_m']:.4g} mm"
 
 
-class Compensated(Result):
+class Compensated(Result, _typed.CompensatedKeys):
     """The commands that make up for the deflection: :func:`stiffarm.compensate`."""
 
     __slots__ = ()
@@ -266,7 +267,7 @@ class Compensated(Result):
         return f"{len(self._data['points'])} points, at most {1e3 * before:.4g} mm without, {1e3 * left:.2g} mm left by the model"
 
 
-class StiffnessMap(Result):
+class StiffnessMap(Result, _typed.StiffnessMapKeys):
     """Stiffness over a region of the workspace: :func:`stiffarm.map`."""
 
     __slots__ = ()
@@ -278,7 +279,7 @@ class StiffnessMap(Result):
         return f"{counts['reachable']} of {len(self._data['nodes'])} nodes are reachable"
 
 
-class Placement(Result):
+class Placement(Result, _typed.PlacementKeys):
     """The best place of a workpiece: :func:`stiffarm.place`."""
 
     __slots__ = ()

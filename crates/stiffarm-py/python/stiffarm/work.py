@@ -63,6 +63,12 @@ def predict(
 ) -> Predicted:
     """How far the loaded tool bends away along a path, and how sure that is (``stiffarm predict``).
 
+    >>> import stiffarm
+    >>> cell = stiffarm.Cell.built_in("comau")
+    >>> bend = stiffarm.predict(cell, "prior", "builtin:contour")
+    >>> len(bend.points), bend.deflection_max_m < 0.01
+    (61, True)
+
     Args:
         cell: The cell.
         stiffness: What :func:`identify` found or the name of its file, a list [N·m/rad], or ``"prior"``.

@@ -1,0 +1,57 @@
+"""Docstrings: their examples run, everything public has one, and what is generated of them is current."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import inspect
+import os
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import stiffarm
+
+ROOT = Path(__file__).parents[1]
+OPTIONAL = {"stiffarm.campaign", "stiffarm.plot"}
+MODULES = [one.name for one in pkgutil.iter_modules(stiffarm.__path__, "stiffarm.") if one.name not in OPTIONAL]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples(name: str) -> None:
+    module = importlib.import_module(name)
+    found = doctest.testmod(module, optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
+    assert found.failed == 0
+
+
+def test_the_main_functions_have_examples() -> None:
+    for name in ("select", "identify", "predict", "indices", "observation_matrix", "Cell", "Postures"):
+        assert ">>> " in (inspect.getdoc(getattr(stiffarm, name)) or ""), name
+
+
+def test_everything_public_is_documented() -> None:
+    for name in stiffarm.__all__:
+        one = getattr(stiffarm, name)
+        if not inspect.isroutine(one) and not inspect.isclass(one):
+            continue
+        text = inspect.getdoc(one)
+        assert text, name
+        if inspect.isfunction(one) and "Args:" in text:
+            for parameter in inspect.signature(one).parameters.values():
+                if parameter.kind is not parameter.VAR_KEYWORD:
+                    assert f"{parameter.name}: " in text or f"``{parameter.name}``" in text, f"{name}: {parameter.name}"
+        if inspect.isclass(one):
+            for key, member in vars(one).items():
+                if not key.startswith("_") and (callable(member) or isinstance(member, (property, classmethod))):
+                    assert inspect.getdoc(member), f"{name}.{key}"
+
+
+@pytest.mark.skipif(not os.environ.get("STIFFARM_COMMAND"), reason="STIFFARM_COMMAND names no command")
+def test_what_is_generated_is_current() -> None:
+    done = subprocess.run(
+        [sys.executable, str(ROOT / "generate.py"), "--check"], stderr=subprocess.PIPE, text=True, env=os.environ
+    )
+    assert done.returncode == 0, done.stderr
