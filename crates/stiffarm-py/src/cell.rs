@@ -76,6 +76,12 @@ impl PyCell {
     }
 }
 
+/// The class and the arguments that make a cell again.
+type Reduced<'py> = (
+    Bound<'py, PyAny>,
+    (String, Bound<'py, PyBytes>, Bound<'py, PyDict>),
+);
+
 /// The bytes of a mesh that a cell names.
 fn mesh(cell: &str, file: &str, folder: Option<&Path>) -> Result<Vec<u8>> {
     if cell.starts_with(builtin::PREFIX) || file.starts_with(builtin::PREFIX) {
@@ -118,15 +124,9 @@ impl PyCell {
         PyCell::read(&name, text.as_bytes().to_vec(), BTreeMap::new(), None).raised(py)
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(
-        Bound<'py, PyAny>,
-        (&str, Bound<'py, PyBytes>, Bound<'py, PyDict>),
-    )> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let class = py.get_type::<PyCell>().into_any();
-        let arguments = (self.name.as_str(), self.text(py), self.files(py)?);
+        let arguments = (self.name.clone(), self.text(py), self.files(py)?);
         Ok((class, arguments))
     }
 

@@ -195,10 +195,11 @@ pub fn validate(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, bool)> {
     let data = Data::new(py, measurements, postures, registration)?;
-    let mut request = Request::default();
-    request.model = choice("model", model).raised(py)?;
-    request.tolerance_mm = tolerance_mm;
-    request.only = only;
+    let request = Request {
+        model: choice("model", model).raised(py)?,
+        tolerance_mm,
+        only,
+    };
     watched(py, progress, |watched| {
         let inputs = Inputs::of(cell);
         request.check()?;

@@ -70,16 +70,17 @@ pub fn simulate(
     let groups = owned(py, groups)?;
     watched(py, progress, |watched| {
         let inputs = Inputs::of(cell);
-        let mut request = Request::default();
-        request.levels = levels.unwrap_or_default();
-        request.runs = runs;
-        request.seed = seed;
-        request.errors = ErrorRequest {
-            force_scale_percent: errors.force_scale_percent,
-            force_percent: errors.force_percent,
-            joint_angle_deg: errors.joint_angle_deg,
-            loading_point_mm: errors.loading_point_mm,
-            anchor_mm: errors.anchor_mm,
+        let request = Request {
+            levels: levels.unwrap_or_default(),
+            runs,
+            seed,
+            errors: ErrorRequest {
+                force_scale_percent: errors.force_scale_percent,
+                force_percent: errors.force_percent,
+                joint_angle_deg: errors.joint_angle_deg,
+                loading_point_mm: errors.loading_point_mm,
+                anchor_mm: errors.anchor_mm,
+            },
         };
         let elastic = elastic.as_ref().map(|name| choice("elastic", name));
         let cell = &cell.cell;

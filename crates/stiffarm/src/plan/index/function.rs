@@ -260,25 +260,10 @@ impl IndexFunction {
         value
     }
 
-    /// ln of the index (of its reciprocal for O1 to O5) at all controller angles `q`, posture by
-    /// posture \[rad\], and its gradient \[1/rad\]. Where several postures or joints share the largest value,
-    /// and where singular values coalesce, it is the gradient of one of them: an element of the
-    /// subdifferential. Zero where the index does not exist and the value is infinite.
-    ///
-    /// # Panics
-    /// If `q` does not have postures × joints entries.
+    /// ln of the index (of its reciprocal for O1 to O5) at `q` \[rad\] and its gradient \[1/rad\]: at kinks that
+    /// of one side, zeros where the value is infinite. Panics as [`value`](Self::value).
     pub fn log_and_gradient(&mut self, q: &[f64]) -> (f64, Vec<f64>) {
-        let found = self.evaluate(q);
-        let value = found.value();
-        let mut gradient = found.smooth_gradient;
-        let components = found.components.iter().enumerate();
-        let largest = components.reduce(|a, b| if b.1 > a.1 { b } else { a });
-        if let (Some((at, _)), true) = (largest, value.is_finite()) {
-            let size = q.len();
-            let own = &found.component_gradients[at * size..(at + 1) * size];
-            gradient.iter_mut().zip(own).for_each(|(g, own)| *g += own);
-        }
-        (value, gradient)
+        self.evaluate(q).value_and_gradient()
     }
 
     /// One smooth function with its gradient \[1/rad\]: the maximum of the

@@ -27,6 +27,20 @@ impl Minimax {
         let largest = self.components.iter().copied().reduce(f64::max);
         self.exact + largest.unwrap_or(0.0)
     }
+
+    /// The value with the gradient \[1/rad\] of the first of the largest components; zeros where it is infinite.
+    pub(super) fn value_and_gradient(self) -> (f64, Vec<f64>) {
+        let value = self.value();
+        let mut gradient = self.smooth_gradient;
+        let components = self.components.iter().enumerate();
+        let largest = components.reduce(|a, b| if b.1 > a.1 { b } else { a });
+        if let (Some((at, _)), true) = (largest, value.is_finite()) {
+            let size = gradient.len();
+            let own = &self.component_gradients[at * size..(at + 1) * size];
+            gradient.iter_mut().zip(own).for_each(|(g, own)| *g += own);
+        }
+        (value, gradient)
+    }
 }
 
 /// ln of an index at one group, as one smooth function and exactly.
