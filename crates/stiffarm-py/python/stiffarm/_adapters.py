@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,7 +21,7 @@ _ROUNDING = 1e-9
 def of_pinocchio(model: Any, frame: str | None) -> Robot:
     """See :meth:`stiffarm.Robot.of_pinocchio`."""
     try:
-        import pinocchio
+        pinocchio: Any = importlib.import_module("pinocchio")
     except ImportError:
         raise StiffarmError("Pinocchio is not installed.", "unsupported", hint="pip install pin") from None
     names = [one.name for one in model.frames]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 import numpy as np
@@ -135,8 +136,8 @@ def for_jax(objective: Objective) -> Any:
 
     The function takes angles of :attr:`Objective.shape`, or flat, in 64-bit numbers (``jax_enable_x64``).
     """
-    import jax
-    import jax.numpy as jnp
+    jax: Any = importlib.import_module("jax")
+    jnp: Any = importlib.import_module("jax.numpy")
 
     def both(angles: Any) -> tuple[Any, Any]:
         value, gradient = objective.log_and_gradient(np.asarray(angles))
@@ -166,8 +167,7 @@ def for_casadi(objective: Objective, name: str = "log_index") -> Any:
 
     Keep a reference to it as long as expressions use it, as CasADi asks of callbacks.
     """
-    import casadi
-
+    casadi: Any = importlib.import_module("casadi")
     size = objective.postures * objective.cell.joint_count
 
     class Jacobian(casadi.Callback):  # type: ignore[misc]

@@ -189,7 +189,8 @@ class Worker:
             took = time.monotonic() - begun
             return Result(item.number, code=code, message=message, own_s=took)
         self._tidy(process)
-        return Result(item.number, **answer)
+        found: Any = answer
+        return Result(item.number, **found)
 
     def _answer(self, process: _Process, begun: float) -> tuple[str | None, Any]:
         """The limit that was passed and the answer; neither where the child died."""

@@ -65,10 +65,12 @@ def read_options(
             isinstance(value, bool) and bool not in kind.types
         )
         if kind.each is not None and not wrong:
-            wrong = any(isinstance(x, bool) or not isinstance(x, kind.each) for x in value)
+            several: Any = value
+            wrong = any(isinstance(x, bool) or not isinstance(x, kind.each) for x in several)
         if wrong:
             raise CampaignError("wrong-type", f"{value!r} is not {kind.says}.", place=here)
         if kind.inner is not None:
-            value = read_options(value, kind.inner, place, f"{above}.{name}")
+            inner: Any = value
+            value = read_options(inner, kind.inner, place, f"{above}.{name}")
         result[name] = value
     return result

@@ -55,8 +55,9 @@ def plain(value: Any) -> Any:
         return {str(key): plain(part) for key, part in value.items()}
     if isinstance(value, (Sequence, range)) and not isinstance(value, (bytes, bytearray)):
         return [plain(part) for part in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
+    tolist = getattr(value, "tolist", None)
+    if tolist is not None:
+        return plain(tolist())
     raise TypeError(f"{type(value).__name__} is neither text, number, list nor table")
 
 

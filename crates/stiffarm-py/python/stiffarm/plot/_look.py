@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -57,7 +57,7 @@ def pyplot() -> Any:
 
 
 @contextmanager
-def settings(own: bool) -> Iterator[None]:
+def settings(own: bool) -> Generator[None, None, None]:
     """:data:`SIZES` for a figure of one's own, else the caller's settings.
 
     Not ``rc_context``: where the first figure of a notebook is made within it, it would undo what the notebook's backend
@@ -73,7 +73,9 @@ def settings(own: bool) -> Iterator[None]:
 
 
 @contextmanager
-def axes(ax: Axes | None, width_in: float, height_in: float, layout: str = "constrained") -> Iterator[Axes]:
+def axes(
+    ax: Axes | None, width_in: float, height_in: float, layout: str = "constrained"
+) -> Generator[Axes, None, None]:
     """The given axes as they are, or new ones in a figure of this size."""
     plt = pyplot()
     if ax is not None:
@@ -202,7 +204,10 @@ def plain_log(ax: Axes, axis: str = "y") -> None:
     decades = np.log10(high / low) if low > 0 else 9.0
     steps = (1.0, 2.0, 5.0) if decades < 2.2 else (1.0,)
     which.set_major_locator(LogLocator(subs=steps))
-    which.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
+    def tick(value: float, _: object) -> str:
+        return number(value)
+
+    which.set_major_formatter(FuncFormatter(tick))
     which.set_minor_formatter(NullFormatter())
 
 

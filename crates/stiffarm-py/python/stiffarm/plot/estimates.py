@@ -44,11 +44,11 @@ def simulation(result: Simulation, *, figure: Figure | None = None, width_in: fl
         width_in = width_in if figure is None else figure.get_figwidth()
         columns = 2 if width_in < 5 else min(3, len(joints))
         rows = -(-len(joints) // columns)
-        if figure is None:
-            figure = plt.figure(figsize=(width_in, 1.35 * rows + 0.75), layout="constrained")
-        elif figure.get_layout_engine() is None:
-            figure.set_layout_engine("constrained")
-        panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        size = (width_in, 1.35 * rows + 0.75)
+        drawn: Figure = plt.figure(figsize=size, layout="constrained") if figure is None else figure
+        if drawn.get_layout_engine() is None:
+            drawn.set_layout_engine("constrained")
+        panels = drawn.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         lows, highs = [], []
         for j, (joint, ax) in enumerate(zip(joints, panels.flat, strict=False)):
             if own:
@@ -84,10 +84,10 @@ def simulation(result: Simulation, *, figure: Figure | None = None, width_in: fl
         # The lowest panel of each column has the numbers, also where the last row is not full.
         for ax in panels.flat[max(0, len(joints) - columns) : len(joints)]:
             ax.tick_params(labelbottom=True)
-        figure.supxlabel("variance of the noise [× the cell's]", fontsize=plt.rcParams["axes.labelsize"])
-        figure.supylabel("deviation |k̂ − k| / k [%]", fontsize=plt.rcParams["axes.labelsize"])
-        _look.legend(figure, _simulation_entries(groups), width_in - 0.1, loc="outside upper left")
-    return figure
+        drawn.supxlabel("variance of the noise [× the cell's]", fontsize=plt.rcParams["axes.labelsize"])
+        drawn.supylabel("deviation |k̂ − k| / k [%]", fontsize=plt.rcParams["axes.labelsize"])
+        _look.legend(drawn, _simulation_entries(groups), width_in - 0.1, loc="outside upper left")
+    return drawn
 
 
 def _simulation_entries(groups: list[dict[str, Any]]) -> list[tuple[Any, str]]:

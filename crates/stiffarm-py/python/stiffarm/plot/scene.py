@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import importlib
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +16,6 @@ from ..postures import Postures
 from . import _chain, _look, _solids
 
 if TYPE_CHECKING:
-    from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
-
     from .._inputs import PosturesLike
 
 #: Length of a load's arrow, as a share of the arm's reach.
@@ -32,16 +31,18 @@ def cell(
     front: int = 0,
     limits: bool = True,
     degrees: bool = False,
-    ax: Axes3D | None = None,
+    ax: Any = None,
     width_in: float = 3.5,
     elevation_deg: float = 22.0,
     azimuth_deg: float = -58.0,
-) -> Axes3D:
+) -> Any:
     """The arm in each posture, with loading point, load, measuring points and what stands around it, to scale [mm].
 
     One posture is drawn as an arm with the tool's shapes, the others as lines. Links run along the joints' axes and the
     perpendiculars between them; castings and the capsules around links are not drawn. Meshes, walls, floors and what a
     measurement alone knows (its wrench) are left out.
+
+    It returns the axes, an ``Axes3D`` of matplotlib.
 
     Args:
         cell: The cell.
@@ -95,7 +96,7 @@ def cell(
 
 
 @contextmanager
-def _axes(ax: Axes3D | None, width_in: float) -> Iterator[Axes3D]:
+def _axes(ax: Any, width_in: float) -> Generator[Any, None, None]:
     """The given axes, or new ones below the room for a legend; layouts of matplotlib do not know the labels of such axes."""
     plt = _look.pyplot()
     if ax is not None:
@@ -124,7 +125,7 @@ def _postures(cell: Cell, postures: PosturesLike | None, *, degrees: bool) -> Po
     return own
 
 
-def _arm(ax: Axes3D, arm: NDArray[np.float64]) -> None:
+def _arm(ax: Any, arm: NDArray[np.float64]) -> None:
     """Links as thick lines with round ends, thinner towards the flange, and a mark where each bends."""
     count = len(arm) - 1
     for i in range(count):
@@ -135,7 +136,7 @@ def _arm(ax: Axes3D, arm: NDArray[np.float64]) -> None:
 
 
 def _tool(
-    ax: Axes3D,
+    ax: Any,
     cell: Cell,
     tool: dict[str, Any],
     poses: list[NDArray[np.float64]],
@@ -158,7 +159,7 @@ def _tool(
 
 
 def _loads(
-    ax: Axes3D,
+    ax: Any,
     cell: Cell,
     load: dict[str, Any],
     poses: list[NDArray[np.float64]],
@@ -190,12 +191,13 @@ def _loads(
         from matplotlib.lines import Line2D
 
         entries.append((Line2D([], [], color=red, linewidth=1.2, marker=">", markevery=[1]), "load"))
+    end: Any = None
     for anchor in anchors:
         place = np.array(anchor, dtype=float)
         ax.plot(*np.array([at[front], place]).T, color=red, linewidth=0.8, linestyle=(0, (3, 2)), zorder=8)
         (end,) = ax.plot(*place[:, np.newaxis], "X", color=red, markersize=5, linestyle="none", zorder=8)
         seen.append(place[np.newaxis])
-    if anchors:
+    if end is not None:
         entries.append((end, "anchor"))
     return seen
 
@@ -222,7 +224,7 @@ def _directions(
 
 
 def _around(
-    ax: Axes3D, keys: dict[str, Any], limits: bool, entries: list[tuple[Any, str]]
+    ax: Any, keys: dict[str, Any], limits: bool, entries: list[tuple[Any, str]]
 ) -> list[NDArray[np.float64]]:
     """Obstacles, tracker stations, and the limits that the cell file gives."""
     seen: list[NDArray[np.float64]] = []
@@ -253,7 +255,7 @@ def _around(
     return seen
 
 
-def _frame(ax: Axes3D, seen: NDArray[np.float64]) -> None:
+def _frame(ax: Any, seen: NDArray[np.float64]) -> None:
     """Equal axes around all of it, few ticks, light panes."""
     low, high = seen.min(axis=0), seen.max(axis=0)
     most = float((high - low).max())
@@ -279,7 +281,7 @@ def _frame(ax: Axes3D, seen: NDArray[np.float64]) -> None:
     ax.tick_params(axis="z", pad=2)
 
 
-def _fit(ax: Axes3D, above_in: float) -> None:
+def _fit(ax: Any, above_in: float) -> None:
     """As large as fits with all labels: how large axes come out depends on the view and on the shape of the cell."""
     figure: Any = ax.figure
     for artist in (*ax.lines, *ax.collections):
@@ -287,6 +289,7 @@ def _fit(ax: Axes3D, above_in: float) -> None:
     low, high = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()]).T
     right, top = figure.get_figwidth(), figure.get_figheight() - above_in
     zoom = 1.0
+    start, end = np.zeros(2), np.zeros(2)
     # Labels do not grow with the zoom, hence several steps.
     for _ in range(4):
         ax.set_box_aspect(tuple(high - low), zoom=zoom)
@@ -301,9 +304,9 @@ def _fit(ax: Axes3D, above_in: float) -> None:
     ax.set_position((left, bottom, place.width, place.height))
 
 
-def _drawn(ax: Axes3D, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
+def _drawn(ax: Any, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
     """Lowest and highest corner of what is drawn, the labels of the axes included [dots]."""
-    from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
+    proj3d: Any = importlib.import_module("mpl_toolkits.mplot3d.proj3d")
 
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8)
     x, y, _ = proj3d.proj_transform(*corners, ax.get_proj())
