@@ -216,6 +216,7 @@ def select(
     certificate: bool,
     sensitivity: bool,
     prices: bool,
+    accept: Callable[[_Floats], Any] | None,
     progress: _Progress,
 ) -> _Found: ...
 def select_candidates(
