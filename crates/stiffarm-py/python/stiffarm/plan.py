@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _inputs, _stiffarm
 from ._checks import checked
 from ._checks import count as count_of
-from ._checks import native, number, texts, truth, vector
+from ._checks import native, number, shown, texts, truth, vector
 from ._errors import StiffarmError
 from ._inputs import PosturesLike, Progress, TableLike
 from .cell import Cell
@@ -93,6 +93,8 @@ def select(
         StiffarmError: Options that exclude each other; a cell without what the index needs; postures that cannot
             determine every joint (``not-identifiable``).
     """
+    if accept is not None and not callable(accept):
+        raise StiffarmError(f"This must be a function, got {shown(accept)}.", "wrong-type", {"key": "accept"})
     for key, value in (("postures", postures), ("add", add)):
         if value is not None:
             count_of(value, key)
