@@ -791,7 +791,6 @@ for one in found:
     assert len(printed[0].splitlines()) == 7
 
 
-@pytest.mark.xfail(strict=True, reason="rounding puts a correlation of the sizes above 1, which the reader refuses")
 def test_mixed_is_read_again() -> None:
     """Whatever is identified can be used: 6 simulated experiments with the mixed model."""
     cell = stiffarm.Cell.built_in("comau-shapes")

@@ -60,8 +60,12 @@ def is_table(value: object) -> bool:
 
 def table(value: TableLike, role: str) -> str | tuple[str, bytes]:
     """A table as the library reads it."""
+    from .postures import Postures
+
     if isinstance(value, (str, os.PathLike)):
         return checked_path(value, role)
+    if isinstance(value, (Postures, Result)):
+        return f"<{role}>", Postures.of(value).to_csv().encode()
     return f"<{role}>", Table.of(value).to_csv().encode()
 
 

@@ -353,19 +353,20 @@ fn covariance(found: &Estimates, errors: &[Option<f64>], key: &str) -> Result<()
             same(variance.sqrt(), *error, &key)?;
         }
     }
-    not_negative(count, |i, j| rows[i][j], key)
+    not_negative(count, |i, j| rows[i][j], SOFTEST, key)
 }
 
-/// A covariance that is symmetric and gives no combination a variance below zero.
+/// A covariance that is symmetric, gives no combination a variance below zero, and has none above `largest`.
 pub(super) fn not_negative(
     count: usize,
     entry: impl Fn(usize, usize) -> Option<f64>,
+    largest: f64,
     key: &str,
 ) -> Result<()> {
     let mut scale = Vec::with_capacity(count);
     for j in 0..count {
         let variance = entry(j, j);
-        non_negative(variance, SOFTEST, || format!("{key}[{j}][{j}]"))?;
+        non_negative(variance, largest, || format!("{key}[{j}][{j}]"))?;
         scale.push(variance.map(f64::sqrt));
     }
     let mut correlation = DMatrix::zeros(count, count);

@@ -13,6 +13,9 @@ use crate::model::cell::Cell;
 use crate::model::elastic::ElasticClass;
 use serde_json::Value;
 
+/// Largest variance of the logarithm of a size; that before any reading is 1, which rounding may pass.
+const LEAST_KNOWN: f64 = 1e3;
+
 /// What predicts, where the file says that it is the mixed model.
 ///
 /// # Errors
@@ -49,7 +52,7 @@ pub(super) fn mixed(
     let count = compliance.values.len();
     checks::triangle(&mixed.covariance, count, &below(&key, "covariance"))?;
     let entry = |i: usize, j: usize| Some(mixed.covariance[i.max(j)][i.min(j)]);
-    checks::not_negative(count, entry, &below(&key, "covariance"))?;
+    checks::not_negative(count, entry, SOFTEST, &below(&key, "covariance"))?;
     checks::quantile(&compliance, &key)?;
     let budget = &value["budget"];
     if budget.is_null() {
@@ -134,7 +137,7 @@ fn scatter(mixed: &MixedResult, key: &str, estimates: &Estimates) -> Result<()> 
         let count = 1 + ElasticClass::ALL.len();
         checks::triangle(rows, count, &at("size_covariance"))?;
         let entry = |i: usize, j: usize| Some(rows[i.max(j)][i.min(j)]);
-        checks::not_negative(count, entry, &at("size_covariance"))?;
+        checks::not_negative(count, entry, LEAST_KNOWN, &at("size_covariance"))?;
     }
     match mixed.interval_degrees_of_freedom {
         Some(dof) if dof == 0 || dof > most => {

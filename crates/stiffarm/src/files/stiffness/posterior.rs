@@ -108,7 +108,7 @@ fn moments(found: &SystematicPosterior, count: usize, key: &str) -> Result<()> {
         non_negative(Some(row[i]), MOST_TIMES, key)?;
     }
     let entry = |i: usize, k: usize| Some(rows[i.max(k)][i.min(k)] / MOST_TIMES);
-    checks::not_negative(count, entry, &at("covariance"))
+    checks::not_negative(count, entry, SOFTEST, &at("covariance"))
 }
 
 /// The sum over all sources is that of the moments.
