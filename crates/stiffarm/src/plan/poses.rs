@@ -34,7 +34,7 @@ pub enum PosePoint {
     /// The flange
     #[default]
     Flange,
-    /// The tip of [work], else the first measuring point in the flange's axes
+    /// The tip of \[work\], else the first measuring point in the flange's axes
     Tip,
 }
 
