@@ -24,6 +24,7 @@ PAGE = HERE.parents[1] / "docs" / "python.md"
 
 #: Results by class, with the schemas of the commands that print them.
 RESULTS = {
+    "Checked": ["check"],
     "Chosen": ["select-candidates"],
     "Compensated": ["compensate"],
     "Curve": ["select-curve"],
@@ -219,7 +220,7 @@ def typed() -> str:
 
 #: What stands on the page, in this order.
 SECTIONS = {
-    "Cell and robot": ["Cell", "tool", "rope", "weight", "wrench", "cases", "measured", "Robot", "Branch"],
+    "Cell and robot": ["Cell", "tool", "rope", "weight", "wrench", "cases", "measured", "Robot", "Branch", "robots"],
     "Postures and tables": ["Postures", "Table"],
     "Plans": [
         "select",
@@ -227,6 +228,7 @@ SECTIONS = {
         "drop",
         "curve",
         "certificate",
+        "check",
         "evaluate",
         "indices",
         "index_names",

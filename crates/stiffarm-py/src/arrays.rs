@@ -1,6 +1,7 @@
 //! Functions from arrays to arrays: nothing between NumPy and the library's kernels.
 
 use crate::cell::PyCell;
+use crate::cores::on_cores;
 use crate::error::{Raised, to_python};
 use nalgebra::DMatrix;
 use numpy::{
@@ -75,7 +76,7 @@ pub fn indices<'py>(
             .chunks_exact(size)
             .map(|group| group.chunks_exact(joints).collect())
             .collect();
-        evaluate_groups(cell.complete(), &groups, &wanted)
+        on_cores(|| evaluate_groups(cell.complete(), &groups, &wanted))
     });
     let found = found.raised(py)?;
     debug_assert_eq!(found.len(), count);

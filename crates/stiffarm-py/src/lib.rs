@@ -4,6 +4,7 @@
 mod arrays;
 mod arrow;
 mod cell;
+mod cores;
 mod error;
 mod identify;
 mod inputs;
@@ -27,6 +28,8 @@ mod _stiffarm {
     #[pymodule_export]
     use crate::cell::PyCell;
     #[pymodule_export]
+    use crate::cores::set_threads;
+    #[pymodule_export]
     use crate::identify::{identify, identify_with_flange_fixed, validate};
     #[pymodule_export]
     use crate::kinematics::{axes_table, flange_pose, inverse, jacobian, nearest, urdf_table};
@@ -40,7 +43,7 @@ mod _stiffarm {
     use crate::simulate::{coverage, evaluate, register, simulate, simulate_measurements};
     #[pymodule_export]
     use crate::values::{
-        degrees, json_of_toml, posture_text, radians, read_postures, set_threads, toml_of_json,
+        check, degrees, json_of_toml, posture_text, radians, read_postures, robots, toml_of_json,
     };
     #[pymodule_export]
     use crate::work::{compensate, map, place_workpiece, predict};
@@ -49,6 +52,7 @@ mod _stiffarm {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::cores::begin();
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -9,6 +9,7 @@ use std::time::Duration;
 use stiffarm::plan::select::Accept;
 use stiffarm::{Code, Control, Error, Result, Watch};
 
+use crate::cores::on_cores;
 use crate::error::Raised;
 
 /// How long Python's signals and the progress wait.
@@ -115,7 +116,7 @@ pub fn watched<T: Send>(
         let worker = {
             let watched = Watched(Arc::clone(&shared));
             scope.spawn(move || {
-                let result = work(&watched);
+                let result = on_cores(|| work(&watched));
                 drop(done);
                 result
             })

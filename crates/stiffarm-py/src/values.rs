@@ -3,10 +3,14 @@
 use crate::cell::{PyCell, rows};
 use crate::error::Raised;
 use crate::inputs::{GivenPostures, Inputs, Postures};
+use crate::long::watched;
 use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use serde::Serialize;
 use stiffarm::files::source::Source;
 use stiffarm::files::table::write_postures;
+use stiffarm::model::robot::{CatalogueEntry, catalogue};
+use stiffarm::plan::check::check as check_cell;
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::{Code, Error};
 
@@ -108,19 +112,22 @@ pub fn json_of_toml(py: Python<'_>, text: &str) -> PyResult<String> {
     made().raised(py)
 }
 
-/// Limits the work to so many threads; before the first call that uses several.
+/// Key, name, reach \[m\] and payload \[kg\] of every robot of the catalogue.
 #[pyfunction]
-pub fn set_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    pool.build_global()
-        .map_err(|_| {
-            Error::new(
-                Code::Conflict,
-                "The threads of this process are chosen already.",
-            )
-            .hint(
-                "set them before the first call, or by the environment variable RAYON_NUM_THREADS",
-            )
-        })
-        .raised(py)
+pub fn robots() -> Vec<(&'static str, &'static str, Option<f64>, Option<f64>)> {
+    let row = |robot: &CatalogueEntry| (robot.key, robot.name, robot.reach_m(), robot.payload_kg());
+    catalogue().iter().map(row).collect()
+}
+
+/// A check has no options.
+#[derive(Serialize)]
+struct NoOptions {}
+
+/// `check`.
+#[pyfunction]
+pub fn check(py: Python<'_>, cell: &PyCell) -> PyResult<(String, bool)> {
+    watched(py, None, |_| {
+        let found = check_cell(&cell.cell)?;
+        Inputs::of(cell).document("check", None, NoOptions {}, found)
+    })
 }

@@ -205,6 +205,7 @@ REGION: dict[str, Sequence[Any]] = {"plane": [("z", 800.0), ("x", 1800.0)], "ste
 QUICK = {"rounds": [1], "certificate": [False, False, True], "seed": [1, 7, 123456789]}
 
 LINES = [
+    Line("check", stiffarm.check, "check"),
     Line("evaluate", stiffarm.evaluate, "evaluate", [[["plan.csv"], ["other.csv", "few.csv"], ["plan.csv"] * 2]]),
     Line(
         "select, global",
@@ -609,6 +610,7 @@ def test_every_option_is_drawn() -> None:
     known = {
         "progress": "tells how far the work is",
         "degrees": "of arrays only",
+        "accept": "no command has it: test_accept.py",
         "time_limit_s": "depends on the machine",
         "loading_point_box_mm": "as anchor_box_mm",
         "start_deg": "in test_options_of_paths",

@@ -466,3 +466,56 @@ def test_control_c_without_a_result_is_keyboard_interrupt() -> None:
     process.send_signal(signal.SIGINT)
     out, _ = process.communicate(timeout=60)
     assert process.returncode == 0 and out.endswith("stopped\n")
+
+
+def test_degrees_that_are_taken_for_radians_are_refused() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    degrees = stiffarm.space_filling(cell, 4).postures.degrees
+    calls = [
+        lambda: stiffarm.Postures(degrees),
+        lambda: stiffarm.indices(cell, degrees),
+        lambda: stiffarm.indices(cell, [degrees]),
+        lambda: stiffarm.observation_matrix(cell, degrees),
+        lambda: stiffarm.simulate(cell, degrees, runs=10),
+    ]
+    for call in calls:
+        with pytest.raises(stiffarm.StiffarmError) as error:
+            call()
+        assert error.value.hint is not None and "degrees=True" in error.value.hint
+    assert stiffarm.indices(cell, degrees, degrees=True)["condition"] > 1
+
+
+def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    own = stiffarm.space_filling(cell, 4).postures
+    frame = own.to_frame()
+    assert stiffarm.Postures.of(frame) == own
+    assert stiffarm.Postures.of(frame.drop(columns="posture")) == own
+    found = stiffarm.indices(cell, own.angles, ["d"])
+    assert stiffarm.indices(cell, frame, ["d"]) == stiffarm.indices(cell, own, ["d"]) == found
+    assert np.array_equal(stiffarm.observation_matrix(cell, frame), stiffarm.observation_matrix(cell, own.angles))
+    with pytest.raises(stiffarm.StiffarmError, match="not those of postures"):
+        stiffarm.Postures.of(frame.rename(columns={"q2_deg": "q2"}))
+
+
+def test_a_stiffness_of_another_cell_is_said() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    plan = stiffarm.space_filling(cell, 8)
+    found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan), brief=True)
+    other = cell.with_changes({"load": {"magnitude_n": 500}})
+    with pytest.warns(stiffarm.StiffarmWarning, match="another version of this cell"):
+        stiffarm.predict(other, found, "builtin:contour")
+
+
+def test_serious_findings_of_readings_are_counted() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    plan = stiffarm.space_filling(cell, 8)
+    table = stiffarm.simulate_measurements(cell, plan, readings=True)
+    sound = stiffarm.identify(cell, table, brief=True)
+    assert "serious" not in repr(sound)
+    frame = table.to_frame()
+    exchanged = (frame.posture == "3") & frame.point.isin(["1", "2"])
+    frame.loc[exchanged, "point"] = frame.loc[exchanged, "point"].map({"1": "2", "2": "1"})
+    wrong = stiffarm.identify(cell, frame, brief=True)
+    assert [finding.code for finding in wrong.findings if finding.severity == "serious"] == ["exchanged-points"]
+    assert repr(wrong).endswith("; 1 serious finding>")

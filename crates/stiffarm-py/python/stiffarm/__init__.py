@@ -33,6 +33,7 @@ from .measure import (
 from .objective import Objective
 from .plan import (
     certificate,
+    check,
     curve,
     drop,
     evaluate,
@@ -43,7 +44,7 @@ from .plan import (
     space_filling,
 )
 from .postures import Postures
-from .robot import Branch, Robot
+from .robot import Branch, Robot, robots
 from .work import compensate, map, place, predict
 
 __all__ = [
@@ -60,6 +61,7 @@ __all__ = [
     "__version__",
     "cases",
     "certificate",
+    "check",
     "compensate",
     "coverage",
     "curve",
@@ -76,6 +78,7 @@ __all__ = [
     "plot",
     "predict",
     "register",
+    "robots",
     "rope",
     "select",
     "set_threads",

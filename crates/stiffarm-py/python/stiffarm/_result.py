@@ -132,7 +132,7 @@ def _array(values: list[Any]) -> np.ndarray | None:
 class Result(Record):
     """What a function found: the same values as the command prints with ``--json``, to the last bit.
 
-    Keys of the result are attributes: ``plan.value``, ``identified.estimates.joints[0].stiffness_nm_per_rad``. Lists
+    Keys of the result are attributes: ``plan.value``, ``identified.joints[0].stiffness``. Lists
     of numbers are NumPy arrays (``null`` is NaN), objects are records of the same kind.
     """
 
@@ -243,7 +243,12 @@ class Result(Record):
         return self.table().to_frame(library)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {self._headline()}>"
+        return f"<{type(self).__name__}: {self._headline()}{self._weight()}>"
+
+    def _weight(self) -> str:
+        """How many findings are serious, where any is."""
+        serious = sum(finding.severity == "serious" for finding in self.findings)
+        return "" if serious == 0 else f"; {serious} serious finding{'s' if serious > 1 else ''}"
 
     def _headline(self) -> str:
         return ", ".join(list(self._data)[:6])

@@ -13,6 +13,7 @@ __all__ = [
     "__version__",
     "axes_table",
     "certificate",
+    "check",
     "compensate",
     "coverage",
     "csv_of_stream",
@@ -35,6 +36,7 @@ __all__ = [
     "radians",
     "read_postures",
     "register",
+    "robots",
     "select",
     "select_candidates",
     "select_curve",
@@ -229,6 +231,8 @@ def select_drop(cell: Cell, index: str, given: _GivenPostures, drop: int, progre
 def select_space_filling(
     cell: Cell, count: int, seed: int | None, angle_step_deg: float, progress: _Progress
 ) -> _Found: ...
+def check(cell: Cell) -> _Found: ...
+def robots() -> list[tuple[str, str, float | None, float | None]]: ...
 def set_threads(threads: int) -> None: ...
 def simulate(
     cell: Cell,

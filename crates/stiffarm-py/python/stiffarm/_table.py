@@ -45,6 +45,9 @@ class Table(Mapping[str, Any]):
             return cls(value)
         # A frame of pandas without pyarrow has no Arrow stream to give.
         if hasattr(value, "columns") and hasattr(value, "iloc"):
+            twice = [str(name) for name in value.columns if list(value.columns).count(name) > 1]
+            if twice:
+                raise StiffarmError(f'The column "{twice[0]}" is there twice.', "duplicate", {"column": twice[0]})
             return cls({str(name): value[name].tolist() for name in value.columns})
         if hasattr(value, "__arrow_c_stream__"):
             return cls.from_csv(_stiffarm.csv_of_stream(value))

@@ -1283,6 +1283,34 @@ class JointEstimate(Record):
         return self._value("verdict")
 
 
+class JointExcitation(Record):
+    """What a check found out about one joint, over all sampled postures."""
+
+    __slots__ = ()
+
+    @property
+    def determined(self) -> bool:
+        """False when no group of postures in the bounds can determine this joint."""
+        return self._value("determined")
+
+    @property
+    def largest_displacement_m(self) -> float | None:
+        """Largest displacement of a measuring point that this joint alone causes, by the prior stiffness [m];
+        ``None`` without prior or for a measured load.
+        """
+        return self._value("largest_displacement_m")
+
+    @property
+    def largest_torque_nm(self) -> float | None:
+        """Largest |torque| of the load about it [N·m]; ``None`` for a measured load."""
+        return self._value("largest_torque_nm")
+
+    @property
+    def name(self) -> str:
+        """Name of the joint."""
+        return self._value("name")
+
+
 class JointFriction(Record):
     """What loads going up and down differ by at one joint (spring)."""
 
@@ -3784,6 +3812,27 @@ class WrenchCheck(Record):
     def directions(self) -> list[ForceDirection]:
         """Directions, where the cell has a rope or weight."""
         return self._many("directions", ForceDirection)
+
+
+class CheckedKeys(Record):
+    """Keys of :class:`stiffarm.results.Checked`."""
+
+    __slots__ = ()
+
+    @property
+    def joints(self) -> list[JointExcitation]:
+        """The joints, base to flange."""
+        return self._many("joints", JointExcitation)
+
+    @property
+    def postures_sampled(self) -> int:
+        """Postures sampled within the bounds."""
+        return self._value("postures_sampled")
+
+    @property
+    def postures_within_limits(self) -> int:
+        """How many of them meet the cell's limits."""
+        return self._value("postures_within_limits")
 
 
 class ChosenKeys(Record):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from . import _inputs, _stiffarm
 from ._checks import checked, vector, whole
-from ._errors import StiffarmError
+from ._errors import StiffarmError, StiffarmWarning
 from ._inputs import PosturesLike, Progress, TableLike
 from ._result import Record, Result
 from ._table import Table
@@ -204,7 +205,7 @@ def validate(
         return Validated._of(
             _stiffarm.validate(
                 cell._native,
-                None if stiffness is None else _stiffness(stiffness),
+                None if stiffness is None else _stiffness(cell, stiffness),
                 _inputs.tables(measurements, "measurements"),
                 None if postures is None else _inputs.postures(postures),
                 None if registration is None else _inputs.result(registration, "registration"),
@@ -379,9 +380,12 @@ def coverage(
 
 
 def _stiffness(
-    value: Identified | str | os.PathLike[str] | Sequence[float],
+    cell: Cell, value: Identified | str | os.PathLike[str] | Sequence[float]
 ) -> str | tuple[str, bytes]:
-    """A saved stiffness, one in memory, or a bare list."""
+    """A saved stiffness, one in memory, or a bare list; a word where it is one of another cell."""
+    if isinstance(value, Result) and value.inputs.get("cell", "") not in ("", cell.inputs["cell"]):
+        message = "The stiffness was identified with another version of this cell."
+        warnings.warn(message, StiffarmWarning, stacklevel=4)
     if isinstance(value, (Result, str, os.PathLike)):
         return _inputs.result(value, "stiffness")
     bare = vector(value, "stiffness")

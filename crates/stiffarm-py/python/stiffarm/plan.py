@@ -16,7 +16,7 @@ from ._checks import native, number, shown, texts, truth, vector
 from ._errors import StiffarmError
 from ._inputs import PosturesLike, Progress, TableLike
 from .cell import Cell
-from .results import Certificate, Chosen, Curve, Dropped, Evaluated, Plan, SpaceFilling
+from .results import Certificate, Checked, Chosen, Curve, Dropped, Evaluated, Plan, SpaceFilling
 
 #: Indices that :func:`indices` gives unless others are named: all but ``prediction``, which takes longer than all others
 #: together.
@@ -261,6 +261,17 @@ def certificate(
 
 
 @checked
+def check(cell: Cell) -> Checked:
+    """What to know about a cell before anybody measures: units that look wrong, what its postures can tell of each joint
+    (``stiffarm check``).
+
+    Raises:
+        StiffarmError: A cell whose postures cannot be calculated.
+    """
+    return Checked._of(_stiffarm.check(native(cell)))
+
+
+@checked
 def evaluate(
     cell: Cell,
     groups: PosturesLike | Mapping[str, PosturesLike] | Iterable[PosturesLike],
@@ -316,16 +327,14 @@ def indices(
         StiffarmError: An unknown index, angles of the wrong number or not finite.
     """
     own = native(cell)
-    try:
-        array = np.ascontiguousarray(postures, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise StiffarmError(f"Postures must be numbers: {error}.", "wrong-type") from None
-    if array.ndim not in (2, 3):
-        raise StiffarmError(
-            f"Postures are an array of 2 or 3 dimensions, got {array.ndim}.", "dimension"
-        )
-    if truth(degrees, "degrees") and array.size:
-        array = _stiffarm.radians(array.reshape(-1, array.shape[-1])).reshape(array.shape)
+    in_degrees = truth(degrees, "degrees")
+    if isinstance(postures, (list, np.ndarray)) and np.ndim(postures) == 3:
+        array = _inputs.floats(postures, 3, "Groups")
+        if in_degrees and array.size:
+            array = _stiffarm.radians(array.reshape(-1, array.shape[-1])).reshape(array.shape)
+        array = _inputs.radians(array)
+    else:
+        array = _inputs.angles(postures, in_degrees)
     wanted = list(USUAL) if names is None else texts(names, "names")
     if array.ndim == 3:
         return _stiffarm.indices(own, array, wanted)
@@ -361,9 +370,7 @@ def observation_matrix(
         StiffarmError: Angles of the wrong number or not finite; a load that only a measurement gives.
     """
     own = native(cell)
-    array = _inputs.floats(postures, 2, "Postures")
-    if truth(degrees, "degrees"):
-        array = _stiffarm.radians(array)
+    array = _inputs.angles(postures, truth(degrees, "degrees"))
     length = None if rotation_length is None else number(rotation_length, "rotation_length")
     return _stiffarm.observation_matrix(own, array, length)
 

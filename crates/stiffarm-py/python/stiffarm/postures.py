@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,7 +51,7 @@ class Postures:
         Raises:
             StiffarmError: Angles that are no numbers, not finite, or not in rows; names of another number.
         """
-        from ._inputs import floats
+        from ._inputs import floats, radians
 
         array = floats(angles, 2, "Postures")
         if not np.isfinite(array).all():
@@ -59,7 +59,7 @@ class Postures:
             raise StiffarmError(
                 f"The angle of joint {joint + 1} of posture {row + 1} is not a finite number.", "not-finite"
             )
-        array = _stiffarm.radians(array) if degrees else np.array(array, copy=True)
+        array = _stiffarm.radians(array) if degrees else np.array(radians(array), copy=True)
         array.flags.writeable = False
         own = [str(i) for i in range(1, len(array) + 1)] if names is None else _checks.texts(names, "names")
         if len(own) != len(array):
@@ -70,7 +70,8 @@ class Postures:
 
     @classmethod
     def of(cls, value: Any, *, degrees: bool = False) -> Postures:
-        """Postures of an array, of a result that has postures, or of postures.
+        """Postures of an array, of a result that has postures, of a frame with the columns of a posture file, or of
+        postures.
 
         Raises:
             StiffarmError: It has none.
@@ -82,7 +83,25 @@ class Postures:
             if "postures_deg" not in data or "posture_names" not in data:
                 raise StiffarmError(f"A {type(value).__name__} has no postures.", "wrong-type")
             return cls(data["postures_deg"], data["posture_names"], degrees=True)
+        if isinstance(value, (Table, Mapping)) or hasattr(value, "columns") or hasattr(value, "__arrow_c_stream__"):
+            return cls._of_table(Table.of(value))
         return cls(value, degrees=degrees)
+
+    @classmethod
+    def _of_table(cls, table: Table) -> Postures:
+        """Postures of columns ``q1_deg``, ``q2_deg``, ... and, where there is one, ``posture``; others are refused."""
+        columns = [f"q{j}_deg" for j in range(1, len(table) + 1)]
+        columns = [name for name in columns if name in table]
+        others = [name for name in table if name not in (*columns, "posture")]
+        if others or not columns:
+            raise StiffarmError(
+                f"These columns are not those of postures: {', '.join(others) or 'there are none'}.",
+                "table-heading",
+                {"column": others[0]} if others else {},
+                hint="posture, q1_deg, q2_deg, ...; angles without names as an array, in radians or with degrees=True",
+            )
+        names = [str(name) for name in table["posture"]] if "posture" in table else None
+        return cls(np.column_stack([table[name] for name in columns]), names, degrees=True)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], cell: Cell) -> Postures:

@@ -35,6 +35,18 @@ class _WithPostures(Result):
         return self.postures.table()
 
 
+class Checked(Result, _typed.CheckedKeys):
+    """What to know about a cell before anybody measures: :func:`stiffarm.check`."""
+
+    __slots__ = ()
+    _command: ClassVar[str] = "check"
+    _rows: ClassVar[tuple[str, ...]] = ("findings",)
+
+    def _headline(self) -> str:
+        within, sampled = self._data["postures_within_limits"], self._data["postures_sampled"]
+        return f"{len(self._data['findings'])} findings; {within} of {sampled} random postures are within the limits"
+
+
 class Plan(_WithPostures, _typed.PlanKeys):
     """Postures to measure, and what they are worth: :func:`stiffarm.select`."""
 
@@ -191,9 +203,11 @@ class Identified(Result, _typed.IdentifiedKeys):
 
     @property
     def findings(self) -> list[Record]:
-        """What residuals and budget say: each with ``code``, ``severity``, ``subject``, ``sentence``."""
+        """What readings, residuals and budget say: each with ``code``, ``severity``, ``subject``, ``sentence``."""
         budget = (self._data.get("elastic") or {}).get("budget") or self._data.get("budget") or {}
-        parts = [self._data.get("diagnosis") or {}, budget]
+        readings = self._data.get("readings") or {}
+        of_readings = [readings.get("reduction") or {}, readings.get("sanity") or {}, self._data.get("sanity") or {}]
+        parts = [*of_readings, self._data.get("diagnosis") or {}, budget, self._data]
         return [Record(finding) for part in parts for finding in part.get("findings", [])]
 
     def _estimates(self) -> dict[str, Any]:
@@ -293,6 +307,7 @@ class Placement(Result, _typed.PlacementKeys):
 
 __all__ = [
     "Certificate",
+    "Checked",
     "Chosen",
     "Compensated",
     "Coverage",

@@ -13,6 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _checks, _stiffarm
 from ._errors import StiffarmError
+from ._table import Table
+
+
+def robots() -> Table:
+    """The robots of the catalogue: ``key``, which :meth:`Robot.catalogue` takes, ``name``, ``reach_m``, ``payload_kg``."""
+    rows = _stiffarm.robots()
+    return Table(dict(zip(("key", "name", "reach_m", "payload_kg"), zip(*rows, strict=True), strict=True)))
 
 
 class Branch(NamedTuple):
@@ -59,7 +66,7 @@ class Robot:
 
     @classmethod
     def catalogue(cls, name: str) -> Robot:
-        """A robot of the catalogue, for example ``"comau-nj165-3.0"``; the command ``stiffarm robots`` lists them.
+        """A robot of the catalogue, for example ``"comau-nj165-3.0"``; :func:`robots` lists them.
 
         Raises:
             StiffarmError: The catalogue has no robot of this name.

@@ -95,7 +95,7 @@ def predict(
         return Predicted._of(
             _stiffarm.predict(
                 cell._native,
-                _stiffness(stiffness),
+                _stiffness(cell, stiffness),
                 None if path is None else _inputs.table(path, "path"),
                 along,
                 model,
@@ -133,7 +133,7 @@ def compensate(
     with _inputs.Watching(progress) as told:
         return Compensated._of(
             _stiffarm.compensate(
-                cell._native, _stiffness(stiffness), _inputs.table(path, "path"), along, told
+                cell._native, _stiffness(cell, stiffness), _inputs.table(path, "path"), along, told
             )
         )
 
@@ -195,7 +195,7 @@ def map(
         return StiffnessMap._of(
             _stiffarm.map(
                 cell._native,
-                _stiffness(stiffness),
+                _stiffness(cell, stiffness),
                 _region(plane, from_mm, to_mm, steps),
                 _triple(rpy_deg, "rpy_deg"),
                 free_turn,
@@ -246,7 +246,7 @@ def place(
         return Placement._of(
             _stiffarm.place_workpiece(
                 cell._native,
-                _stiffness(stiffness),
+                _stiffness(cell, stiffness),
                 _inputs.table(path, "path"),
                 axes,
                 _region(plane, from_mm, to_mm, steps),

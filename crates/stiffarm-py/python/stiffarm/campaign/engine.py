@@ -70,8 +70,8 @@ def choose(engine: str, workers: int | None, address: str | None) -> str:
         raise CampaignError(
             "unknown-name", f"There is no engine {engine!r}.", hint=f"Known: {', '.join(ENGINES)}."
         )
-    if workers is not None and (isinstance(workers, bool) or workers < 1):
-        raise CampaignError("invalid-value", f"There must be 1 worker or more, not {workers}.")
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise CampaignError("invalid-value", f"There must be 1 worker or more, not {workers!r}.")
     if engine == "serial" and (address is not None or (workers or 1) > 1):
         given = "an address" if address is not None else f"{workers} workers"
         raise CampaignError(
