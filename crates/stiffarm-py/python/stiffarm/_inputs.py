@@ -63,12 +63,23 @@ def angles(values: Any, degrees: bool) -> Floats:
     return _stiffarm.radians(array) if degrees else radians(array)
 
 
+def depth(values: Any) -> int:
+    """How deep lists or arrays of numbers are nested; 0 for what is neither, or not even."""
+    try:
+        return np.ndim(values) if isinstance(values, (list, tuple, np.ndarray)) else 0
+    except ValueError:
+        return 0
+
+
 def floats(values: ArrayLike, dimensions: int, what: str) -> Floats:
     """An array of so many dimensions, as the library reads it; a copy only where it must be one."""
-    if np.iscomplexobj(values) or (isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values)):
-        raise StiffarmError(f"{what} must be real numbers, all of them there.", "wrong-type")
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise StiffarmError(f"{what} must be numbers, all of them there: some are masked.", "wrong-type")
     try:
-        array = np.ascontiguousarray(values, dtype=np.float64)
+        given = np.asarray(values)
+        if given.dtype.kind == "c":
+            raise TypeError("they are complex")
+        array = np.ascontiguousarray(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise StiffarmError(f"{what} must be numbers: {error}.", "wrong-type") from None
     if array.ndim != dimensions:

@@ -328,7 +328,7 @@ def indices(
     """
     own = native(cell)
     in_degrees = truth(degrees, "degrees")
-    if isinstance(postures, (list, np.ndarray)) and np.ndim(postures) == 3:
+    if _inputs.depth(postures) == 3:
         array = _inputs.floats(postures, 3, "Groups")
         if in_degrees and array.size:
             array = _stiffarm.radians(array.reshape(-1, array.shape[-1])).reshape(array.shape)
