@@ -1,12 +1,17 @@
-"""What several tests use: the command of the same state, and files of a day's work."""
+"""What several tests use: the command of the same state, and grids and workers of campaigns.
+
+One file for all folders: pytest reads the package's doctests in the same run, and two modules of one name are one too many.
+"""
 
 from __future__ import annotations
 
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -29,3 +34,42 @@ def command() -> Command:
         )
 
     return run
+
+
+# What the tests of campaigns share.
+HERE = Path(__file__).parent / "campaign"
+sys.path.insert(0, str(HERE))
+# Workers import the tasks of the tests, wherever they run.
+os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
+
+
+@pytest.fixture
+def grid() -> dict[str, Any]:
+    """A campaign of 24 quick items."""
+    return {
+        "name": "quick",
+        "task": "campaign_tasks:smooth",
+        "axes": {
+            "n": [3, 4, 6],
+            "index": ["novel", "expected_error"],
+            "seed": {"first": 1, "last": 4},
+        },
+        "options": {"scale": 2.0},
+    }
+
+
+@pytest.fixture(scope="session")
+def ray_here() -> Any:
+    """Ray on this machine with two processors, for all tests that may share it."""
+    ray = pytest.importorskip("ray", reason="Ray is not installed")
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    ray.init(
+        address="local",
+        num_cpus=2,
+        include_dashboard=False,
+        log_to_driver=False,
+        logging_level="ERROR",
+        object_store_memory=100_000_000,
+    )
+    yield ray
+    ray.shutdown()
