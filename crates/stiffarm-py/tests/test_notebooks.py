@@ -38,6 +38,8 @@ def run(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, data: str | No
     package = str(Path(stiffarm.__file__).parent.parent)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([package, os.environ.get("PYTHONPATH", "")]))
     monkeypatch.delenv("STIFFARM_REFERENCE_DATA", raising=False)
+    # Figures come by the notebook's own backend.
+    monkeypatch.delenv("MPLBACKEND", raising=False)
     if data is not None:
         monkeypatch.setenv("STIFFARM_REFERENCE_DATA", data)
     notebook = nbformat.read(path, as_version=4)

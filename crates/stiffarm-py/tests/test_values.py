@@ -360,7 +360,7 @@ def test_progress(cell: stiffarm.Cell) -> None:
         assert threading.get_ident() == main
         told.append((what, done, of))
 
-    stiffarm.simulate(cell, "builtin:comau-group1", runs=20_000, progress=tell)
+    stiffarm.select(cell, 6, rounds=60, certificate=False, progress=tell)
     assert told and all(isinstance(what, str) and 0 <= done <= max(of, done) for what, done, of in told)
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
 
@@ -385,7 +385,7 @@ def test_an_exception_of_the_callback_ends_the_work(cell: stiffarm.Cell) -> None
 
 
 def test_a_bar_of_tqdm(cell: stiffarm.Cell, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    stiffarm.simulate(cell, "builtin:comau-group1", runs=20_000, progress=True)
+    stiffarm.select(cell, 6, rounds=60, certificate=False, progress=True)
     assert "%" in capsys.readouterr().err
     # Without tqdm there is no bar, and no error.
     monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
@@ -407,7 +407,7 @@ def test_the_interpreter_goes_on(cell: stiffarm.Cell) -> None:
     thread = threading.Thread(target=count)
     thread.start()
     began = time.monotonic()
-    stiffarm.select(cell, 6, rounds=4, certificate=False)
+    stiffarm.select(cell, 6, rounds=100, certificate=False)
     took = time.monotonic() - began
     stop.set()
     thread.join()
