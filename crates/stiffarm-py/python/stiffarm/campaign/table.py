@@ -196,4 +196,6 @@ def read(path: Path) -> Any:
         )
     # Through a file of Python's own, without the folder being taken for a data set.
     with open(path, "rb") as file:
-        return parquet.read_table(file)
+        # Threads that pyarrow leaves behind can end a short process by an abort when it exits.
+        with parquet.ParquetFile(file, pre_buffer=False) as reader:
+            return reader.read(use_threads=False)
