@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell_bytes_with;
 use stiffarm::files::table::sha256_hex;
-use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::{Cell, Code, Error, Result};
 
 /// A robot cell, ready to be used.
@@ -28,6 +28,7 @@ pub struct PyCell {
     pub files: BTreeMap<String, Vec<u8>>,
     /// The cell with its characteristic length, once somebody needs that.
     complete: OnceLock<Cell>,
+    hashes: OnceLock<BTreeMap<String, String>>,
 }
 
 impl PyCell {
@@ -53,26 +54,25 @@ impl PyCell {
             text,
             files: files.into_inner(),
             complete: OnceLock::new(),
+            hashes: OnceLock::new(),
         })
     }
 
     /// The cell with the characteristic length of Eq. (20), where the robot has one.
     pub fn complete(&self) -> &Cell {
-        let complete = || {
-            let cell = self.cell.clone();
-            with_characteristic_length(cell).unwrap_or_else(|_| self.cell.clone())
-        };
-        self.complete.get_or_init(complete)
+        self.complete
+            .get_or_init(|| with_length(self.cell.clone()).0)
     }
 
-    /// SHA-256 of the text and of each mesh, by its role.
-    pub fn hashes(&self) -> BTreeMap<String, String> {
-        let meshes = self
-            .files
-            .iter()
-            .map(|(file, bytes)| (format!("cell mesh {file}"), sha256_hex(bytes)));
-        let text = ("cell".to_string(), sha256_hex(&self.text));
-        meshes.chain([text]).collect()
+    /// SHA-256 of the text and of each mesh, by its role; meshes are large, and every call asks.
+    pub fn hashes(&self) -> &BTreeMap<String, String> {
+        self.hashes.get_or_init(|| {
+            let meshes = self.files.iter();
+            let meshes =
+                meshes.map(|(file, bytes)| (format!("cell mesh {file}"), sha256_hex(bytes)));
+            let text = ("cell".to_string(), sha256_hex(&self.text));
+            meshes.chain([text]).collect()
+        })
     }
 }
 
@@ -156,7 +156,7 @@ impl PyCell {
 
     #[getter]
     fn inputs(&self) -> BTreeMap<String, String> {
-        self.hashes()
+        self.hashes().clone()
     }
 
     #[getter]

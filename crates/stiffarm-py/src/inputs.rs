@@ -10,7 +10,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use stiffarm::files::builtin;
 use stiffarm::files::envelope::{Envelope, to_json};
-use stiffarm::files::source::{Source, group_name};
+use stiffarm::files::source::{Source, distinct, group_name};
 use stiffarm::files::table::{sha256_hex, write_postures};
 use stiffarm::model::observation::check_angles;
 use stiffarm::model::posture::{Posture, PostureGroup};
@@ -78,7 +78,7 @@ impl Inputs {
     pub fn of(cell: &PyCell) -> Self {
         Inputs {
             memory: RefCell::default(),
-            hashes: RefCell::new(cell.hashes()),
+            hashes: RefCell::new(cell.hashes().clone()),
         }
     }
 
@@ -135,19 +135,14 @@ impl Inputs {
         given: Vec<(String, Postures)>,
         robot: &Robot,
     ) -> Result<Vec<PostureGroup>> {
-        let mut groups: Vec<PostureGroup> = Vec::with_capacity(given.len());
-        let mut stems: Vec<String> = Vec::with_capacity(given.len());
-        for (number, (name, postures)) in (1..).zip(given) {
-            let stem = match &postures {
-                Postures::Table(Given::File(file)) if name.is_empty() => group_name(file),
-                _ => name,
-            };
+        let stem = |(name, postures): &(String, Postures)| match postures {
+            Postures::Table(Given::File(file)) if name.is_empty() => group_name(file),
+            _ => name.clone(),
+        };
+        let names = distinct(&given.iter().map(stem).collect::<Vec<_>>());
+        let mut groups = Vec::with_capacity(given.len());
+        for (number, (name, (_, postures))) in (1..).zip(names.into_iter().zip(given)) {
             let postures = self.postures(&format!("postures_{number}"), postures, robot)?;
-            let name = match stems.iter().filter(|other| **other == stem).count() {
-                0 => stem.clone(),
-                same => format!("{stem} ({})", same + 1),
-            };
-            stems.push(stem);
             groups.push(PostureGroup { name, postures });
         }
         match groups.is_empty() {

@@ -4,9 +4,10 @@ use super::PageArgs;
 use super::values::{above_zero, angle_step, count, numbers};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::time::Duration;
+use stiffarm::plan::planned;
 
-/// Most postures of one plan: more is a slip.
-const MOST_POSTURES: u64 = 1000;
+/// Most postures of one plan.
+const MOST_POSTURES: u64 = planned::MOST_POSTURES as u64;
 
 #[derive(Debug, Args)]
 pub struct SelectArgs {

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import StiffarmError
+from ._stiffarm import MOST_POSTURES
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -33,10 +34,6 @@ def whole(value: Any, key: str) -> int:
     if not 0 <= number <= LARGEST:
         raise StiffarmError(f"This must be a whole number from 0, got {number}.", "invalid-value", {"key": key})
     return number
-
-
-#: Most postures of a plan, as the command has it.
-MOST_POSTURES = 1000
 
 
 def count(value: int, key: str) -> int:

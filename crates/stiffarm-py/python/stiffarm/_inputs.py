@@ -14,7 +14,7 @@ from ._checks import path as checked_path
 from ._checks import shown
 from ._errors import StiffarmError
 from ._result import Result
-from ._table import Table
+from ._table import Table, has_columns
 
 if TYPE_CHECKING:
     from .postures import Postures
@@ -56,7 +56,7 @@ def angles(values: Any, degrees: bool) -> Floats:
     """Angles of postures [rad]: of an array, or of what has postures under names."""
     from .postures import Postures
 
-    if isinstance(values, (Postures, Result)) or (is_table(values) and not isinstance(values, (str, os.PathLike))):
+    if isinstance(values, Postures) or has_columns(values):
         return Postures.of(values).angles
     of_array: Any = values
     array = floats(of_array, 2, "Postures")
@@ -64,9 +64,9 @@ def angles(values: Any, degrees: bool) -> Floats:
 
 
 def depth(values: Any) -> int:
-    """How deep lists or arrays of numbers are nested; 0 for what is neither, or not even."""
+    """How deep lists or arrays are nested; 0 for what is neither, or not even."""
     try:
-        return np.ndim(values) if isinstance(values, (list, tuple, np.ndarray)) else 0
+        return int(np.ndim(values))
     except ValueError:
         return 0
 
@@ -90,12 +90,8 @@ def floats(values: ArrayLike, dimensions: int, what: str) -> Floats:
 
 
 def is_table(value: object) -> bool:
-    """True for what has columns."""
-    return (
-        isinstance(value, (str, os.PathLike, Table, Mapping))
-        or hasattr(value, "__arrow_c_stream__")
-        or hasattr(value, "columns")
-    )
+    """True for the name of a file, and for what has columns."""
+    return isinstance(value, (str, os.PathLike)) or has_columns(value)
 
 
 def table(value: TableLike, role: str) -> str | tuple[str, bytes]:
@@ -150,7 +146,7 @@ def groups(
         return [(str(name), postures(one, str(name), degrees=degrees)) for name, one in value.items()]
     listed: Sequence[Any] = value if isinstance(value, (list, tuple)) else ()
     several = any(
-        isinstance(one, (str, os.PathLike, Postures, Result)) or is_table(one) or _dimensions(one) == 2
+        isinstance(one, (str, os.PathLike, Postures, Result)) or is_table(one) or depth(one) == 2
         for one in listed
     )
     members: list[Any] = [*listed] if several else [value]
@@ -161,10 +157,6 @@ def groups(
         is_file = isinstance(one, (str, os.PathLike))
         out.append(("" if is_file else own or fallback, postures(one, own or fallback, degrees=degrees)))
     return out
-
-
-def _dimensions(value: Any) -> int:
-    return int(np.ndim(value))
 
 
 def _is_columns(value: Mapping[Any, Any]) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "MOST_POSTURES",
     "Cell",
     "Objective",
     "__version__",
@@ -51,6 +52,7 @@ __all__ = [
     "validate",
 ]
 
+MOST_POSTURES: int
 __version__: str
 
 _Floats: TypeAlias = NDArray[np.float64]

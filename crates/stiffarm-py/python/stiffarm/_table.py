@@ -45,9 +45,8 @@ class Table(Mapping[str, Any]):
             return cls(value)
         # A frame of pandas without pyarrow has no Arrow stream to give.
         if hasattr(value, "columns") and hasattr(value, "iloc"):
-            twice = [str(name) for name in value.columns if list(value.columns).count(name) > 1]
-            if twice:
-                raise StiffarmError(f'The column "{twice[0]}" is there twice.', "duplicate", {"column": twice[0]})
+            for name in value.columns[value.columns.duplicated()]:
+                raise StiffarmError(f'The column "{name}" is there twice.', "duplicate", {"key": str(name)})
             return cls({str(name): value[name].tolist() for name in value.columns})
         if hasattr(value, "__arrow_c_stream__"):
             return cls.from_csv(_stiffarm.csv_of_stream(value))
@@ -140,6 +139,11 @@ class Table(Mapping[str, Any]):
         from ._html import table
 
         return table(self)
+
+
+def has_columns(value: object) -> bool:
+    """True for what :meth:`Table.of` makes a table of."""
+    return isinstance(value, Mapping) or hasattr(value, "__arrow_c_stream__") or hasattr(value, "columns")
 
 
 class _Stream:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from . import _checks, _stiffarm
 from ._errors import StiffarmError
 from ._result import Result, write_text
-from ._table import Table
+from ._table import Table, has_columns
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -83,7 +83,7 @@ class Postures:
             if "postures_deg" not in data or "posture_names" not in data:
                 raise StiffarmError(f"A {type(value).__name__} has no postures.", "wrong-type")
             return cls(data["postures_deg"], data["posture_names"], degrees=True)
-        if isinstance(value, (Table, Mapping)) or hasattr(value, "columns") or hasattr(value, "__arrow_c_stream__"):
+        if has_columns(value):
             return cls._of_table(Table.of(value))
         return cls(value, degrees=degrees)
 
@@ -97,7 +97,7 @@ class Postures:
             raise StiffarmError(
                 f"These columns are not those of postures: {', '.join(others) or 'there are none'}.",
                 "table-heading",
-                {"column": others[0]} if others else {},
+                {"key": others[0]} if others else {},
                 hint="posture, q1_deg, q2_deg, ...; angles without names as an array, in radians or with degrees=True",
             )
         names = [str(name) for name in table["posture"]] if "posture" in table else None

@@ -110,15 +110,8 @@ pub trait Source {
     fn read_groups(&self, from: &[String], robot: &Robot) -> Result<Vec<PostureGroup>> {
         let stems: Vec<String> = from.iter().map(|from| group_name(from)).collect();
         let mut groups = Vec::with_capacity(from.len());
-        for (i, (from, stem)) in from.iter().zip(&stems).enumerate() {
-            let postures = self.read_postures(&format!("postures_{}", i + 1), from, robot)?;
-            // Two files of one name in different folders stay apart.
-            let same = stems[..i].iter().filter(|other| *other == stem).count();
-            let name = if same == 0 {
-                stem.clone()
-            } else {
-                format!("{stem} ({})", same + 1)
-            };
+        for (number, (from, name)) in (1..).zip(from.iter().zip(distinct(&stems))) {
+            let postures = self.read_postures(&format!("postures_{number}"), from, robot)?;
             groups.push(PostureGroup { name, postures });
         }
         Ok(groups)
@@ -267,6 +260,18 @@ fn beside(cell: &str, file: &str) -> String {
         _ => Path::new("."),
     };
     folder.join(file).to_string_lossy().into_owned()
+}
+
+/// Names of groups that stay apart, where two files of one name lie in different folders: `plan`, `plan (2)`.
+pub fn distinct(names: &[String]) -> Vec<String> {
+    let apart = |(i, name): (usize, &String)| {
+        let same = names[..i].iter().filter(|other| *other == name).count();
+        match same {
+            0 => name.clone(),
+            _ => format!("{name} ({})", same + 1),
+        }
+    };
+    names.iter().enumerate().map(apart).collect()
 }
 
 /// Name of a group: the file's without folder and extension.

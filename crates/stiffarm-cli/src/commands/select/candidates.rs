@@ -31,14 +31,8 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
     let planned =
         progress.watch(|control| plan_candidates(job.cell(), &candidates, &request, control))?;
     drop(progress);
-    let chosen = &planned.postures;
-    job.outputs
-        .write_postures(job.session, &planned.cell, chosen)?;
-    let (options, result) = (&planned.options, &planned.result);
-    let envelope = job
-        .session
-        .envelope("select", planned.seed, options, result);
-    job.show(&envelope, || table(job, &candidates, chosen, result))
+    let (chosen, result) = (&planned.postures, &planned.result);
+    job.deliver(&planned, || table(job, &candidates, chosen, result))
 }
 
 fn table(job: &Job<'_>, candidates: &[Candidate], chosen: &[Posture], result: &Chosen) -> String {

@@ -26,10 +26,9 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         plan_curve(job.cell(), &request, &mut watch, control)
     })?;
     drop(progress);
-    let (options, curve) = (&planned.options, &planned.result);
+    let curve = &planned.result;
     job.outputs.write_text(job.session, || csv(curve))?;
-    let envelope = job.session.envelope("select", planned.seed, options, curve);
-    job.show(&envelope, || table(job, curve, request.postures))
+    job.show(&planned, || table(job, curve, request.postures))
 }
 
 /// The curve as CSV: fractions as in JSON, the task index in metres.

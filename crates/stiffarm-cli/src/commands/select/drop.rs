@@ -27,13 +27,7 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
     let progress = Progress::new(job.session, "leaving postures out");
     let planned = progress.watch(|control| plan_drop(job.cell(), &given, &request, control))?;
     drop(progress);
-    job.outputs
-        .write_postures(job.session, &planned.cell, &planned.postures)?;
-    let (options, result) = (&planned.options, &planned.result);
-    let envelope = job
-        .session
-        .envelope("select", planned.seed, options, result);
-    job.show(&envelope, || table(job, &given, &result.dropped))
+    job.deliver(&planned, || table(job, &given, &planned.result.dropped))
 }
 
 fn table(job: &Job<'_>, postures: &[Posture], dropped: &Dropped) -> String {

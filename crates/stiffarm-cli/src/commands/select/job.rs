@@ -10,7 +10,6 @@ use crate::session::Session;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::check_name;
-use stiffarm::files::envelope::Envelope;
 use stiffarm::files::source::NamedCell;
 use stiffarm::files::table::{
     SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
@@ -21,7 +20,7 @@ use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::Stage;
+use stiffarm::plan::planned::{Planned, Stage};
 use stiffarm::plan::select::RoundReport;
 use stiffarm::units::m_to_mm;
 use stiffarm::{Code, Error, Result};
@@ -61,19 +60,37 @@ impl Job<'_> {
         robot_doubts(&self.cell().setup.robot)
     }
 
-    /// Prints the result; where a file goes to standard output, the table for
-    /// people goes to standard error.
-    pub fn show<O: Serialize, R: Serialize>(
+    /// Writes the postures as plan, sheet and pictures where these are wanted, and prints the result.
+    pub fn deliver<R: Serialize, O: Serialize>(
         &self,
-        envelope: &Envelope<O, R>,
+        planned: &Planned<R, O>,
         table: impl FnOnce() -> String,
     ) -> Result<()> {
+        self.outputs
+            .write_postures(self.session, &planned.cell, &planned.postures)?;
+        self.show(planned, table)
+    }
+
+    /// Prints the result; where a file goes to standard output, the table for
+    /// people goes to standard error.
+    pub fn show<R: Serialize, O: Serialize>(
+        &self,
+        planned: &Planned<R, O>,
+        table: impl FnOnce() -> String,
+    ) -> Result<()> {
+        let Planned {
+            seed,
+            options,
+            result,
+            ..
+        } = planned;
+        let envelope = self.session.envelope("select", *seed, options, result);
         if self.outputs.use_stdout() {
-            self.session.write_page(envelope)?;
+            self.session.write_page(&envelope)?;
             self.session.remark(&table());
             return Ok(());
         }
-        self.session.show(envelope, table)
+        self.session.show(&envelope, table)
     }
 
     /// Shows what the work is at.

@@ -16,14 +16,8 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
         plan(job.cell(), &request, &mut watch, control)
     })?;
     drop(progress);
-    job.outputs
-        .write_postures(job.session, &planned.cell, &planned.postures)?;
-    let (options, result) = (&planned.options, &planned.result);
-    let envelope = job
-        .session
-        .envelope("select", planned.seed, options, result);
-    job.show(&envelope, || table::plan(job, &request, &planned))?;
-    Ok(result.is_blocked())
+    job.deliver(&planned, || table::plan(job, &request, &planned))?;
+    Ok(planned.result.is_blocked())
 }
 
 /// What the command line asks for.

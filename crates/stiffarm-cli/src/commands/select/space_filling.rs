@@ -19,13 +19,8 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
     let progress = Progress::new(job.session, "spreading postures");
     let planned = progress.watch(|control| plan_space_filling(job.cell(), &request, control))?;
     drop(progress);
-    job.outputs
-        .write_postures(job.session, &planned.cell, &planned.postures)?;
-    let (options, result) = (&planned.options, &planned.result);
-    let envelope = job
-        .session
-        .envelope("select", planned.seed, options, result);
-    job.show(&envelope, || table(job, &planned.postures, result))?;
+    let result = &planned.result;
+    job.deliver(&planned, || table(job, &planned.postures, result))?;
     Ok(result.is_blocked())
 }
 

@@ -15,7 +15,7 @@ pub(super) const ANGLE_STEP_DEG: f64 = 0.01;
 pub(super) const SEED: u64 = 1;
 
 /// Most postures of one plan: more is a slip.
-const MOST_POSTURES: usize = 1000;
+pub const MOST_POSTURES: usize = 1000;
 
 /// Refuses numbers of postures that nobody can mean.
 pub(super) fn check_count(postures: usize) -> Result<()> {

@@ -26,7 +26,7 @@ mod space_filling;
 pub use candidates::{CandidateRequest, Chosen, ChosenOptions, plan_candidates};
 pub use curve::{Curve, CurveOptions, CurveRequest, CurveSize, plan_curve};
 pub use drop::{DropOptions, DropRequest, DropResult, plan_drop};
-pub use kinds::{Mode, Planned, Stage};
+pub use kinds::{MOST_POSTURES, Mode, Planned, Stage};
 pub use plan::plan;
 pub use request::PlanRequest;
 pub use result::{LoadOptions, Plan, PlanOptions};
