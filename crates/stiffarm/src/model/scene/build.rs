@@ -75,7 +75,7 @@ impl SceneParts {
                 if !wanted(a, b) {
                     continue;
                 }
-                // The one with fewer capsules moves against the other's solids; what stands has none.
+                // What stands does not move, and links are lines against the tool's solids.
                 let a_moves =
                     b.carrier == Carrier::World || (a.carrier != Carrier::World && b.is_tool());
                 pairs.push(match a_moves {

@@ -3,8 +3,8 @@
 //! may move the measuring points.
 //!
 //! Each is a margin with its derivative by the joint angles, as the limits on points are
-//! ([`Limits`](crate::model::cell::Limits)), so every search respects it. Parts that move are capsules there
-//! (a box or a cylinder of the tool becomes capsules that contain it); what they meet is the solid itself.
+//! ([`Limits`](crate::model::cell::Limits)), so every search respects it. Shapes are judged as they are drawn:
+//! a cylinder has flat ends.
 
 mod build;
 mod closest;

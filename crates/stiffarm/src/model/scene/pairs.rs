@@ -2,14 +2,14 @@
 
 use super::placed::{Bounded, Placed};
 use super::slope::Touch;
-use crate::model::shape::{Capsule, nearest_within};
+use crate::model::shape::{Capsule, Nearest, Solid, between, nearest_within};
 
 /// Two parts that are kept apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Pair {
-    /// The part that moves, as capsules.
+    /// The part that moves.
     pub mover: usize,
-    /// The other, as solids.
+    /// The other.
     pub solid: usize,
 }
 
@@ -48,16 +48,19 @@ pub(super) fn line_to_solid(
 impl Pair {
     /// Distance between both parts, or a lower bound not below `enough`.
     pub fn distance(&self, placed: &Placed<'_>, enough: f64) -> (f64, Option<Touch>) {
+        let (moved, solid_moved) = (placed.moved_by(self.mover), placed.moved_by(self.solid));
+        let moved_by = [moved, moved];
         let mut best = (f64::INFINITY, None);
-        for capsule in placed.capsules(self.mover) {
-            let moved = placed.moved_by(self.mover);
-            let line = Line {
-                capsule: *capsule,
-                moved_by: [moved, moved],
-            };
+        for mover in placed.solids(self.mover) {
             for solid in placed.solids(self.solid) {
                 let enough = best.0.min(enough);
-                let found = line_to_solid(&line, solid, placed.moved_by(self.solid), enough);
+                let found = match mover.solid {
+                    Solid::Capsule(capsule) => {
+                        let line = Line { capsule, moved_by };
+                        line_to_solid(&line, solid, solid_moved, enough)
+                    }
+                    _ => solid_to_solid(mover, moved_by, solid, solid_moved, enough),
+                };
                 if found.0 < best.0 {
                     best = found;
                 }
@@ -65,4 +68,32 @@ impl Pair {
         }
         best
     }
+}
+
+/// The same of two solids.
+fn solid_to_solid(
+    mover: &Bounded,
+    moved_by: [usize; 2],
+    solid: &Bounded,
+    solid_moved_by: usize,
+    enough: f64,
+) -> (f64, Option<Touch>) {
+    let bound = solid.solid.signed_distance(&mover.centre).0 - mover.radius;
+    if bound >= enough {
+        return (bound, None);
+    }
+    let Some(at) = between(&mover.solid, &solid.solid, enough) else {
+        return (enough, None);
+    };
+    let touch = Touch {
+        ends: [at.point; 2],
+        moved_by,
+        solid_moved_by,
+        at: Nearest {
+            distance: at.distance,
+            t: 0.0,
+            direction: at.direction,
+        },
+    };
+    (at.distance, Some(touch))
 }

@@ -2,7 +2,7 @@
 
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
-use crate::model::shape::{Capsule, Solid, capsules_around};
+use crate::model::shape::Solid;
 use nalgebra::Isometry3;
 
 /// What a part moves with.
@@ -45,22 +45,15 @@ pub struct Part {
     pub carrier: Carrier,
     /// Its solids in the carrier's frame \[m\].
     pub solids: Vec<Solid>,
-    /// Capsules that contain the solids, where it moves.
-    pub(super) capsules: Vec<Capsule>,
 }
 
 impl Part {
     /// A part of these solids in the frame of `carrier` \[m\].
     pub fn new(name: impl Into<String>, carrier: Carrier, solids: Vec<Solid>) -> Self {
-        let capsules = match carrier {
-            Carrier::World => Vec::new(),
-            _ => solids.iter().flat_map(capsules_around).collect(),
-        };
         Part {
             name: name.into(),
             carrier,
             solids,
-            capsules,
         }
     }
 
@@ -87,11 +80,6 @@ impl Part {
             .filter(|(i, j)| known(*i) && known(*j))
             .map(|(i, j)| (link_name(*i), link_name(*j)))
             .collect()
-    }
-
-    /// Capsules that contain the solids, in the carrier's frame; none for what stands.
-    pub fn capsules(&self) -> &[Capsule] {
-        &self.capsules
     }
 
     pub(super) fn is_tool(&self) -> bool {

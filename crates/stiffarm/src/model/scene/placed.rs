@@ -2,15 +2,15 @@
 
 use super::part::{Carrier, Part};
 use crate::model::kinematics::Frames;
-use crate::model::shape::{Capsule, Solid};
+use crate::model::shape::Solid;
 use nalgebra::Vector3;
 
 /// A solid in a ball.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounded {
     pub solid: Solid,
-    centre: Vector3<f64>,
-    radius: f64,
+    pub centre: Vector3<f64>,
+    pub radius: f64,
 }
 
 impl Bounded {
@@ -36,49 +36,40 @@ impl Bounded {
     }
 }
 
-/// Capsules and solids of all parts in the base frame.
+/// Solids of all parts in the base frame.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shapes {
-    capsules: Vec<Capsule>,
     solids: Vec<Bounded>,
-    /// Where the capsules and solids of each part begin.
-    starts: Vec<(usize, usize)>,
+    /// Where the solids of each part begin.
+    starts: Vec<usize>,
 }
 
 /// The parts where they are at one posture.
 pub(super) struct Placed<'a> {
     pub frames: &'a Frames,
     parts: &'a [Part],
-    capsules: &'a [Capsule],
     solids: &'a [Bounded],
-    starts: &'a [(usize, usize)],
+    starts: &'a [usize],
 }
 
 impl<'a> Placed<'a> {
     pub fn new(parts: &'a [Part], frames: &'a Frames, shapes: &'a mut Shapes) -> Self {
-        let Shapes {
-            capsules,
-            solids,
-            starts,
-        } = shapes;
-        capsules.clear();
+        let Shapes { solids, starts } = shapes;
         solids.clear();
         starts.clear();
         for part in parts {
-            starts.push((capsules.len(), solids.len()));
+            starts.push(solids.len());
             if part.carrier == Carrier::World {
                 solids.extend(part.solids.iter().map(|s| Bounded::new(*s)));
             } else {
                 let pose = part.carrier.pose(frames);
-                capsules.extend(part.capsules.iter().map(|c| c.placed(&pose)));
                 solids.extend(part.solids.iter().map(|s| Bounded::new(s.placed(&pose))));
             }
         }
-        starts.push((capsules.len(), solids.len()));
+        starts.push(solids.len());
         Placed {
             frames,
             parts,
-            capsules,
             solids,
             starts,
         }
@@ -88,12 +79,8 @@ impl<'a> Placed<'a> {
         self.parts.len()
     }
 
-    pub fn capsules(&self, part: usize) -> &[Capsule] {
-        &self.capsules[self.starts[part].0..self.starts[part + 1].0]
-    }
-
     pub fn solids(&self, part: usize) -> &[Bounded] {
-        &self.solids[self.starts[part].1..self.starts[part + 1].1]
+        &self.solids[self.starts[part]..self.starts[part + 1]]
     }
 
     pub fn is_tool(&self, part: usize) -> bool {

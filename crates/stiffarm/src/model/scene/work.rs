@@ -159,8 +159,8 @@ pub(super) fn reach(scene: &Scene, setup: &Setup) -> Vec<f64> {
     }
     let zero = Frames::new(robot, &vec![0.0; n]);
     for part in scene.parts() {
-        for capsule in part.capsules() {
-            let size = capsule.a.norm().max(capsule.b.norm()) + capsule.radius;
+        for solid in &part.solids {
+            let size = solid.farthest();
             match part.carrier.moved_by(zero.joint_count()) {
                 0 => {}
                 _ if part.is_tool() => on_flange = on_flange.max(size),

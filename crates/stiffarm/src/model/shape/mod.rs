@@ -1,11 +1,13 @@
 //! Shapes of links, tools and obstacles, and how far a line segment is from them.
 //!
-//! What moves is made of capsules, each a segment with a radius; what it must not touch
-//! is a convex solid with a signed distance: positive outside, minus the depth
+//! The links of an arm are capsules, each a segment with a radius; tools and what stands around are
+//! convex solids with a signed distance: positive outside, minus the depth
 //! below the surface inside. The signed distance of a convex solid is a convex
 //! function, so the smallest one along a segment is a convex problem of one
-//! variable, inside the solid too: [`nearest`] solves it, in closed form where there is one.
+//! variable, inside the solid too: [`nearest`] solves it, in closed form where there is one. [`between`] is
+//! the distance of two solids.
 
+mod between;
 mod capsule;
 mod cover;
 mod fit;
@@ -15,6 +17,7 @@ mod mesh_distance;
 mod nearest;
 mod signed_distance;
 
+pub use between::{Between, between};
 pub use capsule::Capsule;
 pub use cover::{capsules_around, solids_around};
 pub use fit::capsules_of_mesh;

@@ -42,7 +42,7 @@ impl Checker<'_> {
                 "sight" => own.min(FREE),
                 _ => *own,
             };
-            let differs = match self.is_drawn_larger(what) {
+            let differs = match self.is_drawn_smaller(what) {
                 true => *theirs > own + most,
                 false => (theirs - own).abs() > most,
             };
