@@ -12,6 +12,7 @@ use stiffarm::Termination;
 use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
 use stiffarm::plan::index::{GroupEvaluation, Index, expected_deviation};
 use stiffarm::plan::planned::{Plan, PlanOptions, PlanRequest, Planned};
 use stiffarm::plan::route::MOVE_BLOCKED;
@@ -41,8 +42,12 @@ pub fn plan(job: &Job<'_>, request: &PlanRequest, planned: &Planned<Plan, PlanOp
         out += &format!("{what}: none; {why}\n");
     }
     out += &remarks(cell, given, selected, plan);
-    let blocked = plan.findings.iter().filter(|f| f.code == MOVE_BLOCKED);
-    out += &blocked.map(|f| wrapped_line(f) + "\n").collect::<String>();
+    let told = [MOVE_BLOCKED, ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE];
+    let told = plan
+        .findings
+        .iter()
+        .filter(|f| told.contains(&f.code.as_str()));
+    out += &told.map(|f| wrapped_line(f) + "\n").collect::<String>();
     if let Some(chosen) = &selection.load {
         out += &title("Load chosen with the postures");
         out +=
@@ -142,7 +147,7 @@ fn remarks(cell: &Cell, given: &[Posture], selected: &[Posture], plan: &Plan) ->
         out += &format!("prediction takes {}\n", sizes.in_words());
     }
     let several = cell.setup.load.has_cases();
-    out += &repeated(&plan.repeats, several);
+    out += &repeated(&plan.repeats, selected.len(), several);
     for remark in cell.posture_remarks(given) {
         out += &format!("{}: given {remark}\n", yellow("note"));
     }
@@ -165,7 +170,7 @@ fn remarks(cell: &Cell, given: &[Posture], selected: &[Posture], plan: &Plan) ->
 }
 
 /// What to measure more than once.
-fn repeated(repeats: &[Vec<String>], several_loads: bool) -> String {
+fn repeated(repeats: &[Vec<String>], count: usize, several_loads: bool) -> String {
     let Some(first) = repeats.first() else {
         return String::new();
     };
@@ -185,9 +190,14 @@ fn repeated(repeats: &[Vec<String>], several_loads: bool) -> String {
         })
         .collect();
     let said = format!(
-        "{}: measure {}: drive away in between. Against noise alone posture {} is worth more a second time than any \
+        "{}: {} different postures; measure {}: drive away in between. Against noise alone posture {} is worth more a second time than any \
          other once; what else may be wrong shows better at another posture{}",
         yellow("note"),
+        count
+            - repeats
+                .iter()
+                .map(|same| same.len().saturating_sub(1))
+                .sum::<usize>(),
         list(&each),
         first[0],
         match several_loads {

@@ -76,7 +76,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let heading = match (plan.given_names.is_empty(), count) {
         (false, _) => "Further postures to measure".to_string(),
         (true, 1) => "Plan of one posture".to_string(),
-        (true, count) => format!("Plan of {count} postures"),
+        (true, _) => format!("Plan of {}", story::counted(&plan)),
     };
     let mut part = context.part(heading, story::verdict(context, &plan), Some(key), sections);
     if let Some(cell) = context.cell {

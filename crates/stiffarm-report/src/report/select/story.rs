@@ -7,7 +7,8 @@ use super::super::worth::{
 use super::planned::Plan;
 use crate::page::Text;
 use stiffarm::Termination;
-use stiffarm::findings::Severity;
+use stiffarm::findings::{Severity, visible};
+use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
 use stiffarm::plan::index::Index;
 
 /// Below this share of what is possible a longer search is worth its time.
@@ -22,11 +23,27 @@ pub(super) fn verdict(context: &Context<'_>, plan: &Plan) -> [Text; 3] {
     ]
 }
 
-fn counted(count: usize) -> String {
-    match count {
-        1 => "One posture".to_string(),
-        count => format!("{count} postures"),
+/// `12 postures (11 different)`.
+pub(super) fn counted(plan: &Plan) -> String {
+    let again: usize = plan
+        .repeats
+        .iter()
+        .map(|same| same.len().saturating_sub(1))
+        .sum();
+    match (plan.selection.group.len(), again) {
+        (1, _) => "One posture".to_string(),
+        (count, 0) => format!("{count} postures"),
+        (count, again) => format!("{count} postures ({} different)", count - again),
     }
+}
+
+/// What of the plan sits on a limit.
+fn on_limits(context: &Context<'_>) -> String {
+    let findings = context.saved.findings();
+    let own = findings
+        .iter()
+        .filter(|f| [ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE].contains(&f.code.as_str()));
+    own.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
 
 fn done(context: &Context<'_>, plan: &Plan) -> Text {
@@ -61,7 +78,7 @@ fn done(context: &Context<'_>, plan: &Plan) -> Text {
     };
     Text::new(format!(
         "{}{beside} {were} chosen inside the cell's limits by {searches}{ended}.",
-        counted(count)
+        counted(plan)
     ))
 }
 
@@ -119,7 +136,7 @@ fn came(context: &Context<'_>, plan: &Plan) -> Text {
             .number(error)
             .words(".");
     }
-    text
+    text.words(on_limits(context))
 }
 
 /// What to do depends on what is worst about the plan.

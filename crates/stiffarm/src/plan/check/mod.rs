@@ -13,14 +13,14 @@ pub use excitation::JointExcitation;
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
-use crate::model::cell::{Cell, LimitKind, LimitMargin};
+use crate::model::cell::{Cell, LimitMargin};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::robot::{DoubtAbout, Robot};
+use crate::plan::feasibility::{obstruction_among, spread};
 use crate::units::rad_to_shortest_deg;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use sobol_burley::sample;
 
 /// Postures that [`check`] spreads over the bounds.
 pub const SAMPLES: u32 = 256;
@@ -73,9 +73,9 @@ impl CellCheck {
 pub fn check(cell: &Cell) -> Result<CellCheck> {
     let mut findings = Vec::new();
     let sampled = sampled_terms(cell)?;
-    let within: Vec<&Sample> = sampled.iter().filter(|s| s.violated.is_none()).collect();
+    let within: Vec<&Sample> = sampled.iter().filter(|s| s.is_allowed).collect();
     let postures_within_limits = within.len();
-    reach(cell, &sampled, postures_within_limits, &mut findings);
+    reach(cell, postures_within_limits, &mut findings)?;
     // Where nothing is reachable, the load is still worth a word.
     let looked_at = if within.is_empty() {
         sampled.iter().collect()
@@ -135,8 +135,8 @@ struct Sample {
     /// Its terms under each load; three of them, under unit forces along x, y and z, where the
     /// force is only known once it is measured.
     terms: Vec<PostureTerms>,
-    /// The limit it violates most.
-    violated: Option<LimitKind>,
+    /// Whether it meets the cell's limits.
+    is_allowed: bool,
 }
 
 fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
@@ -152,23 +152,19 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
     let mut margins = cell.posture_margins()?;
     (0..SAMPLES)
         .map(|i| {
-            let q: Vec<f64> = (0..)
-                .zip(&cell.bounds)
-                .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(i, j, 0)))
-                .collect();
+            let q = spread(cell, i);
             let terms = forces
                 .iter()
                 .map(|(setup, wrench)| PostureTerms::new(setup, &q, wrench.as_ref()))
                 .collect::<Result<Vec<_>>>()?;
-            let smallest = margins.smallest(&q)?;
-            let violated = smallest.filter(LimitMargin::is_violated).map(|m| m.kind);
-            Ok(Sample { terms, violated })
+            let is_allowed = margins.are_met(&q)?;
+            Ok(Sample { terms, is_allowed })
         })
         .collect()
 }
 
 /// How many of the postures the limits leave.
-fn reach(cell: &Cell, sampled: &[Sample], within: usize, findings: &mut Vec<Finding>) {
+fn reach(cell: &Cell, within: usize, findings: &mut Vec<Finding>) -> Result<()> {
     if cell.is_unlimited() {
         if cell.setup.load != Load::Measured {
             findings.push(Finding::new(
@@ -179,37 +175,29 @@ fn reach(cell: &Cell, sampled: &[Sample], within: usize, findings: &mut Vec<Find
                  into the robot's own column or onto the load's anchor.",
             ));
         }
-        return;
+        return Ok(());
     }
-    let count = sampled.len();
-    let times = |kind: LimitKind| sampled.iter().filter(|s| s.violated == Some(kind)).count();
-    let worst = LimitKind::ALL
-        .into_iter()
-        .max_by_key(|kind| times(*kind))
-        .unwrap_or(LimitKind::ToolBox);
-    let mostly = format!(
-        "violated most often: {}, by {} of them",
-        worst.describe(),
-        times(worst)
-    );
+    if within as f64 >= CRAMPED * f64::from(SAMPLES) {
+        return Ok(());
+    }
+    // What a selection says that finds nothing.
+    let found = obstruction_among(cell, SAMPLES)?.words();
     if within == 0 {
         findings.push(Finding::new(
             "unreachable-limits",
             Severity::Serious,
             "limits",
-            format!(
-                "None of {count} postures spread over the bounds meets the cell's limits ({mostly}). Check \
-                 the limits' frame (robot base) and unit (mm)."
-            ),
+            format!("{found} Check the limits' frame (robot base) and unit (mm)."),
         ));
-    } else if (within as f64) < CRAMPED * count as f64 {
+    } else {
         findings.push(Finding::new(
             "cramped-limits",
             Severity::Caution,
             "limits",
-            format!("Only {within} of {count} postures spread over the bounds meet the cell's limits ({mostly})."),
+            found,
         ));
     }
+    Ok(())
 }
 
 /// Validation postures: the machine's limits bind them, the cell's limits warn.

@@ -1,9 +1,11 @@
 //! How near postures come to the limits of a cell, and what leaves none.
 
 mod obstruction;
+mod on_limits;
 
-pub(crate) use obstruction::nothing_meets;
 pub use obstruction::{Obstruction, obstruction};
+pub(crate) use obstruction::{nothing_meets, obstruction_among, spread};
+pub use on_limits::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, on_limits};
 
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};

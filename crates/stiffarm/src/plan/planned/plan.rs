@@ -11,6 +11,7 @@ use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::characteristic_length::with_length;
 use crate::plan::check::robot_doubts;
+use crate::plan::feasibility::on_limits;
 use crate::plan::index::{EvaluatedGroup, GroupEvaluation};
 use crate::plan::route::blocked_moves;
 use crate::plan::select::{
@@ -93,6 +94,7 @@ pub fn plan(
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(cell.posture_findings(known));
     findings.extend(blocked_moves(&postures, &route));
+    findings.extend(on_limits(&cell, &postures, &selection.limits));
     let result = Plan {
         posture_names: names(&postures),
         repeats: route.repeats.iter().map(same).collect(),

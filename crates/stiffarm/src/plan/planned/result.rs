@@ -99,8 +99,8 @@ pub struct Plan {
     pub prices: Option<Vec<LimitPrice>>,
     /// The moves between the selected postures, in their order, each given posture aside.
     pub route: Route,
-    /// What to distrust about the robot of the catalogue, initial or given postures outside bounds or limits, and
-    /// moves without a free way.
+    /// What to distrust about the robot of the catalogue, initial or given postures outside bounds or limits, moves
+    /// without a free way, and postures on limits.
     pub findings: Vec<Finding>,
 }
 

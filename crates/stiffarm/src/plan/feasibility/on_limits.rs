@@ -1,0 +1,87 @@
+//! Which postures of a plan sit on a limit.
+
+use super::PostureLimits;
+use crate::findings::{Finding, Severity, list};
+use crate::model::cell::{Cell, LimitKind};
+use crate::model::posture::Posture;
+use crate::units::{deg_to_rad, m_to_mm, rad_to_shortest_deg};
+
+/// Code of the finding about postures on the machine's limit of a joint.
+pub const ON_MACHINE_LIMIT: &str = "on-machine-limit";
+/// Code of the finding about postures with no more room than the cell asks for.
+pub const NO_ROOM_TO_SPARE: &str = "no-room-to-spare";
+
+/// Nearer than this to a machine's limit is on it \[deg\].
+const NEAR_DEG: f64 = 0.1;
+/// More room than this beyond the distance that is asked is room to spare \[m\].
+const TO_SPARE: f64 = 1e-4;
+/// Most postures that a sentence names.
+const MOST_NAMES: usize = 12;
+
+/// What to know of postures that sit on limits: the machine's limit of a joint, which it may refuse to reach, and
+/// distances of shapes and rope, which a tool or table that is not quite where the cell says uses up. `limits` are
+/// those of the postures.
+pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let robot = &cell.setup.robot;
+    let known = robot
+        .joints()
+        .iter()
+        .enumerate()
+        .filter(|_| !robot.limits_are_unknown());
+    for (j, joint) in known {
+        for limit in joint.limits {
+            let is_near = |p: &&Posture| (p.q[j] - limit).abs() <= deg_to_rad(NEAR_DEG);
+            let near: Vec<&Posture> = postures.iter().filter(is_near).collect();
+            if near.is_empty() {
+                continue;
+            }
+            let sentence = format!(
+                "{} {} on the machine's limit, {}°, which the robot may refuse to reach: let bounds.q_deg end a degree \
+                 before it.",
+                have(&near, postures.len()),
+                joint.name,
+                rad_to_shortest_deg(limit),
+            );
+            let subject = format!("bounds.q_deg[{}]", j + 1);
+            findings.push(Finding::new(
+                ON_MACHINE_LIMIT,
+                Severity::Caution,
+                subject,
+                sentence,
+            ));
+        }
+    }
+    let has_none = |own: &PostureLimits| {
+        let kinds = [LimitKind::Shapes, LimitKind::RopeClearance];
+        let mut rooms = kinds.into_iter().filter_map(|kind| own.of(kind)?.margin_m);
+        rooms.any(|room| room <= TO_SPARE)
+    };
+    let tight = postures.iter().zip(limits).filter(|(_, own)| has_none(own));
+    let tight: Vec<&Posture> = tight.map(|(posture, _)| posture).collect();
+    if !tight.is_empty() {
+        let sentence = format!(
+            "{} at most {} mm to spare beyond the distances that [clearance] asks for: how exactly tool, table and rope \
+             are where the cell has them is what these distances have to cover.",
+            have(&tight, postures.len()),
+            m_to_mm(TO_SPARE),
+        );
+        findings.push(Finding::new(
+            NO_ROOM_TO_SPARE,
+            Severity::Note,
+            "clearance",
+            sentence,
+        ));
+    }
+    findings
+}
+
+/// `Posture 3 has`, `4 of 12 postures (1, 2, 3 and 4) have`.
+fn have(some: &[&Posture], of: usize) -> String {
+    let names: Vec<&str> = some.iter().map(|p| p.name.as_str()).collect();
+    match names.as_slice() {
+        [name] => format!("Posture {name} has"),
+        names if names.len() > MOST_NAMES => format!("{} of {of} postures have", names.len()),
+        names => format!("{} of {of} postures ({}) have", names.len(), list(names)),
+    }
+}
