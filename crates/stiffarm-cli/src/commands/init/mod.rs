@@ -12,9 +12,12 @@ use crate::session::Session;
 use robot::{Chain, Options, start};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::files::cell::{measurements_template, parse_cell, postures_template};
-use stiffarm::findings::Finding;
+use stiffarm::files::cell::{
+    BOUNDS_MARGIN_DEG, joints_kept_inside, measurements_template, parse_cell, postures_template,
+};
+use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::plan::check::robot_doubts;
+use stiffarm::units::rad_to_shortest_deg;
 
 #[derive(Serialize)]
 struct Written {
@@ -35,6 +38,24 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
     let robot = cell.setup.robot.name().to_string();
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(start.findings);
+    let bounds: Vec<[f64; 2]> = cell
+        .bounds
+        .iter()
+        .map(|b| b.map(rad_to_shortest_deg))
+        .collect();
+    let kept = joints_kept_inside(&cell.setup.robot, &bounds);
+    if !kept.is_empty() {
+        let sentence = format!(
+            "bounds.q_deg end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.",
+            list(&kept)
+        );
+        findings.push(Finding::new(
+            "bounds-margin",
+            Severity::Note,
+            "bounds.q_deg",
+            sentence,
+        ));
+    }
     let files = [
         ("cell.toml", text),
         ("postures.csv", postures_template(&cell.setup.robot)),

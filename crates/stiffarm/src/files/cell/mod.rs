@@ -6,6 +6,7 @@
 //! list entries count from 1, so `tool.measuring_point[2]` is the second
 //! measuring point.
 
+mod bounds;
 mod columns;
 mod convert;
 mod elastic;
@@ -29,6 +30,7 @@ mod task;
 mod template;
 mod work;
 
+pub use bounds::{BOUNDS_MARGIN_DEG, joints_kept_inside};
 #[cfg(feature = "schema")]
 pub use schema::cell_schema;
 pub use sheets::{measurements_template, postures_template};

@@ -1,5 +1,6 @@
 //! Commented files to start from: what `stiffarm init` writes.
 
+use super::bounds::{kept, middle, narrowed, start_bounds};
 use super::convert::PAPER_VARIANCE_MM2;
 use super::example::{Example, comment, doubts, pendant};
 use super::lists::{degrees, quoted, rows};
@@ -43,13 +44,15 @@ pub fn template(robot_key: &str) -> Result<String> {
         entry.key,
         limits_comment(&robot, entry)
     );
+    let bounds = start_bounds(entry, &robot);
     Ok(text(&Start {
         name: entry.name,
         frames,
         doubts: doubts(&robot),
         keys,
         shapes: String::new(),
-        bounds: start_bounds(entry, &robot),
+        kept: kept(&robot, &bounds),
+        bounds,
         stiffness: entry.stiffness,
         is_upright: true,
         joints: robot.joint_count(),
@@ -83,6 +86,7 @@ pub fn template_with_shapes(
     let axis = chain.joints()[0].placement.rotation * nalgebra::Vector3::z();
     let is_upright = axis.z.abs() > 0.999;
     let out = example.outward();
+    let bounds = narrowed(&chain);
     let frames = format!(
         "{}# Flange axes: {out} out of the flange. Forces act on the robot.\n{}",
         comment(&visible(origin)),
@@ -94,7 +98,8 @@ pub fn template_with_shapes(
         doubts: String::new(),
         keys: keys(robot),
         shapes: shapes(&chain, capsules),
-        bounds: narrowed(&chain),
+        kept: kept(&chain, &bounds),
+        bounds,
         stiffness: &[],
         is_upright,
         joints: chain.joint_count(),
@@ -113,8 +118,9 @@ struct Start<'a> {
     keys: String,
     /// Shapes of the links.
     shapes: String,
-    /// Bounds to start from \[deg\].
+    /// Bounds to start from \[deg\], and a comment on what they keep off the machine's limits.
     bounds: Vec<[f64; 2]>,
+    kept: String,
     stiffness: &'a [JointStiffness],
     /// Axis 1 stands upright in the base frame, as the example's limits have it.
     is_upright: bool,
@@ -142,7 +148,7 @@ down = [0, 0, -1]
 [bounds]
 # Controller angles between which postures are chosen: [low, high] per joint.
 # Narrow them to what is safe and visible in your cell. EDIT
-q_deg = [
+{kept}q_deg = [
 {bounds}]
 
 [tool]
@@ -339,55 +345,11 @@ posture_common_mm = 0
         piece = length(1500),
         piece_height = length(600),
         bounds = rows(&start.bounds),
+        kept = start.kept,
         variance = PAPER_VARIANCE_MM2,
         stiffness = stiffness(start),
         middle = degrees(&middle(&start.bounds)),
     )
-}
-
-/// Bounds to start from \[deg\]: the paper's Table 1 for its robot, else the
-/// machine's limits within a quarter turn of joint 1 to each side (the box lies
-/// in front of the robot) and half a turn of the others.
-fn start_bounds(entry: &CatalogueEntry, robot: &Robot) -> Vec<[f64; 2]> {
-    if entry.key == "comau-nj165-3.0" {
-        let table_1 = [
-            [-90, 90],
-            [-60, 40],
-            [-180, -40],
-            [-180, 180],
-            [-90, 90],
-            [-180, 180],
-        ];
-        return table_1.map(|range| range.map(f64::from)).to_vec();
-    }
-    narrowed(robot)
-}
-
-fn narrowed(robot: &Robot) -> Vec<[f64; 2]> {
-    let joints = robot.joints().iter().enumerate();
-    joints
-        .map(|(j, joint)| {
-            let [low, high] = joint.limits.map(rad_to_shortest_deg);
-            let turn: f64 = if j == 0 { 90.0 } else { 180.0 };
-            let inside = [low.max(-turn), high.min(turn)];
-            // A joint may have its range elsewhere.
-            if inside[0] < inside[1] {
-                inside
-            } else {
-                [low, high]
-            }
-        })
-        .collect()
-}
-
-fn middle(bounds: &[[f64; 2]]) -> Vec<f64> {
-    let middles = bounds.iter().map(|[low, high]| {
-        let middle = (low + high) / 2.0;
-        Some(middle.round())
-            .filter(|m| (low..=high).contains(&m))
-            .unwrap_or(middle)
-    });
-    middles.collect()
 }
 
 /// A name for the cell that is no longer than names may be.
