@@ -59,7 +59,13 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     let progress = Progress::new(session, "finding the route");
     let found = progress.watch(|control| {
         let angles: Vec<Vec<f64>> = match step_deg {
-            Some(step) => rounded(cell, &plan, step)?,
+            Some(step) => {
+                let each = plan.iter().map(|posture| {
+                    control.check()?;
+                    rounded(cell, std::slice::from_ref(posture), step)
+                });
+                each.collect::<Result<Vec<_>>>()?.concat()
+            }
             None => plan.iter().map(|posture| posture.q.clone()).collect(),
         };
         route(cell, &angles, &options, control)
@@ -173,7 +179,7 @@ pub(super) fn sentence(cell: &Cell, route: &Route) -> String {
     let kinds = kinds_in_words(&route.checked);
     if !kinds.is_empty() && blocked == 0 {
         out += &format!(
-            "; every move keeps clear of {}",
+            "; every move is free, checked against {}",
             stiffarm::findings::list(&kinds)
         );
     }
@@ -194,6 +200,9 @@ pub(super) fn kinds_in_words(checked: &[LimitKind]) -> Vec<&'static str> {
         LimitKind::Shapes => "shapes",
         LimitKind::Floor => "floor",
         LimitKind::KeepOut => "keep-out cylinder",
+        LimitKind::ToolBox => "tool box",
+        LimitKind::WristHeight => "lowest height of the wrist",
+        LimitKind::RopeLength => "length of the rope",
         _ => "rope",
     };
     checked.iter().map(word).collect()

@@ -1,11 +1,14 @@
 //! Rounding, equivalent postures and the route on cells whose answers are known.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use stiffarm::Control;
 use stiffarm::files::builtin;
-use stiffarm::model::cell::Cell;
+use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::route::{Route, RouteOptions, rounded, route};
-use stiffarm::plan::select::{GlobalOptions, LocalOptions, select, select_from};
+use stiffarm::plan::select::{
+    GlobalOptions, LocalOptions, StartKind, random_group, select, select_from,
+};
 
 fn routed(cell: &Cell, plan: &[Vec<f64>], keep_angles: bool) -> Route {
     let mut options = RouteOptions::default();
@@ -170,6 +173,110 @@ fn what_stands_in_the_way_is_driven_around() {
             "{angle}"
         );
     }
+}
+
+/// Every kind of limit on points is kept on the way to a millimetre, and what is told as nearest is never more than
+/// what a dense look finds.
+#[test]
+fn boxes_hold_between_the_postures_and_nearest_is_never_too_far() {
+    for name in ["comau", "comau-shapes"] {
+        let cell = builtin::cell(name).unwrap();
+        let plan = random_group(&cell, StartKind::Uniform, 6, 3, 1).unwrap();
+        let found = routed(&cell, &plan, true);
+        for kind in [
+            LimitKind::ToolBox,
+            LimitKind::WristHeight,
+            LimitKind::KeepOut,
+        ] {
+            assert!(found.checked.contains(&kind), "{:?}", found.checked);
+        }
+        let mut margins = cell.posture_margins().unwrap();
+        let mut free = 0;
+        for each in found.moves.iter().filter(|each| each.free) {
+            free += 1;
+            let ends = [each.from, each.to].map(|stop| found.postures[stop.unwrap()].clone());
+            let legs = [
+                vec![ends[0].clone()],
+                each.via.clone(),
+                vec![ends[1].clone()],
+            ]
+            .concat();
+            let mut nearest = f64::INFINITY;
+            for leg in legs.windows(2) {
+                for i in 0..=2000 {
+                    let share = f64::from(i) / 2000.0;
+                    let joints = leg[0].iter().zip(&leg[1]);
+                    let q: Vec<f64> = joints.map(|(a, b)| a + (b - a) * share).collect();
+                    for margin in margins.named(&q).unwrap() {
+                        match margin.kind {
+                            LimitKind::ToolBox | LimitKind::WristHeight => {
+                                assert!(margin.margin > -1.2e-3, "{name}: {margin:?}");
+                            }
+                            LimitKind::KeepOut => nearest = nearest.min(margin.margin),
+                            LimitKind::Shapes => {
+                                nearest = nearest.min(margin.margin + cell.scene.clearance());
+                            }
+                            _ => {}
+                        }
+                    }
+                }
+            }
+            let told = each.nearest.as_ref().unwrap().distance_m;
+            assert!(told <= nearest, "{name}: {told} {nearest}");
+            assert!(told > nearest - 1e-3, "{name}: {told} {nearest}");
+        }
+        assert!(free > 2, "{name}: {free}");
+    }
+}
+
+/// Postures that touch something have no way, and none is looked for; who asks to stop is heard.
+#[test]
+fn postures_in_the_way_are_not_searched_for() {
+    let cell = builtin::cell("comau-shapes").unwrap();
+    let mut margins = cell.posture_margins().unwrap();
+    let mut unlimited = cell.clone();
+    unlimited.scene = Default::default();
+    unlimited.limits = Default::default();
+    let random = random_group(&unlimited, StartKind::Uniform, 40, 5, 1).unwrap();
+    let touches = |q: &Vec<f64>| {
+        let named = margins.named(q).unwrap();
+        let shapes = named.iter().filter(|m| m.kind == LimitKind::Shapes);
+        shapes
+            .map(|m| m.margin + cell.scene.clearance())
+            .fold(f64::INFINITY, f64::min)
+            < 0.0
+    };
+    let bad: Vec<Vec<f64>> = random.into_iter().filter(touches).take(12).collect();
+    assert_eq!(bad.len(), 12);
+    let looked_at = AtomicUsize::new(0);
+    let progress = |_: &str, _: usize, _: usize| {
+        looked_at.fetch_add(1, Ordering::Relaxed);
+    };
+    let control = Control {
+        stop: None,
+        progress: Some(&progress),
+    };
+    let mut options = RouteOptions::default();
+    options.keep_angles = true;
+    let found = route(&cell, &bad, &options, control).unwrap();
+    assert!(
+        found
+            .moves
+            .iter()
+            .all(|each| !each.free && each.via.is_empty())
+    );
+    // No other order is tried: none would spare a posture.
+    assert_eq!(looked_at.into_inner(), found.moves.len());
+    // The question is asked at every look, so that a stop is heard at once.
+    let count = AtomicUsize::new(0);
+    let stop = || count.fetch_add(1, Ordering::Relaxed) >= 20;
+    let control = Control {
+        stop: Some(&stop),
+        progress: None,
+    };
+    let error = route(&cell, &bad, &options, control).unwrap_err();
+    assert_eq!(error.code(), stiffarm::Code::Interrupted);
+    assert!(count.into_inner() < 30);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Moves without a free way, in words.
 
 use super::found::{Route, RouteMove};
+use super::moves::can_be_touched;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::LimitKind;
 use crate::model::posture::Posture;
@@ -38,6 +39,9 @@ pub fn blocked_moves(stops: &[Posture], route: &Route) -> Vec<Finding> {
             let near = match nearest.kind {
                 LimitKind::Shapes | LimitKind::RopeClearance => {
                     format!("{} come too near each other", nearest.subject)
+                }
+                kind if !can_be_touched(kind) => {
+                    format!("the {} goes beyond {}", nearest.subject, kind.describe())
                 }
                 kind => format!("the {} comes too near {}", nearest.subject, kind.describe()),
             };

@@ -102,6 +102,7 @@ pub struct NearestOnTheWay {
     pub kind: LimitKind,
     /// What comes nearest: two shapes, a point.
     pub subject: String,
-    /// Distance \[m\]: of shapes from each other, of a point from the limit; looked at every half degree.
+    /// Distance \[m\]: of shapes from each other, of a point from the limit. Never more than the truth: a bound that is
+    /// proved, mostly to 0.01 mm.
     pub distance_m: f64,
 }

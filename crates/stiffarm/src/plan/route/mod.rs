@@ -93,8 +93,8 @@ pub fn route<Q: AsRef<[f64]>>(
     let way_cell = on_the_way(cell);
     let speeds = cell.route.joint_speeds.clone();
     let speeds = speeds.unwrap_or_else(|| vec![1.0; cell.setup.robot.joint_count()]);
-    let mut ways = Moves::new(&way_cell, speeds, options.seed)?;
-    let (stands, of) = standing_places(cell, &plan, options)?;
+    let mut ways = Moves::new(&way_cell, speeds, options.seed, control)?;
+    let (stands, of) = standing_places(cell, &plan, options, control)?;
     let alike = alike(&stands, &of);
     let places = places(&ways, cell, plan.len(), &stands, of, &alike);
     let mut tour = Tour::new(places, stands, cell.route.start.as_deref());
@@ -109,11 +109,13 @@ fn standing_places(
     cell: &Cell,
     plan: &[Vec<f64>],
     options: &RouteOptions,
+    control: Control<'_>,
 ) -> Result<(Vec<Vec<f64>>, Vec<usize>)> {
     let most = (MOST_PLACES / plan.len().max(1)).clamp(1, MOST_EQUIVALENTS);
     let mut equivalents = Equivalents::new(cell, options.step_deg, most)?;
     let (mut stands, mut of) = (Vec::new(), Vec::new());
     for (posture, q) in plan.iter().enumerate() {
+        control.check()?;
         let own = match options.keep_angles {
             true => vec![q.clone()],
             false => equivalents.of(q)?,

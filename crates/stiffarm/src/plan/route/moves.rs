@@ -5,11 +5,12 @@
 //! stretch is proved or a posture without room is found. Nothing is left between samples.
 
 use crate::error::Result;
-use crate::model::cell::{Cell, LimitMargin, Limits, PostureMargins};
+use crate::model::cell::{Cell, LimitKind, LimitMargin, Limits, PostureMargins};
 use crate::model::load::Load;
+use crate::numerics::control::Control;
 use std::collections::VecDeque;
 
-/// What a move may lack of floor and keep-out cylinder \[m\]: postures may lie on them, and a straight
+/// What a move may lack of limits on points \[m\]: postures may lie on them, and a straight
 /// joint move between two such postures dips a little.
 const DIP: f64 = 1e-3;
 /// Stretches this short are not halved further \[m\].
@@ -19,7 +20,7 @@ const MOST_LOOKS: usize = 20_000;
 /// Distances are told up to here \[m\].
 const FAR: f64 = 0.5;
 
-/// The cell as moves see it: shapes keep half their distance, floor and keep-out cylinder are
+/// The cell as moves see it: shapes keep half their distance, limits on points are
 /// respected, and the rope where it stays on. What asks for a good reading does not count.
 pub(super) fn on_the_way(cell: &Cell) -> Cell {
     let stays_on = cell.route.load_stays_on;
@@ -28,7 +29,8 @@ pub(super) fn on_the_way(cell: &Cell) -> Cell {
     way.limits = Limits {
         floor: cell.limits.floor.map(|z| z - DIP),
         keep_out_radius: cell.limits.keep_out_radius.map(|r| r - DIP),
-        ..Limits::default()
+        rope_length: cell.limits.rope_length.filter(|_| stays_on),
+        ..cell.limits.clone()
     };
     if !stays_on {
         // Without a rope: its limits do not count, and no wrench is needed.
@@ -38,20 +40,40 @@ pub(super) fn on_the_way(cell: &Cell) -> Cell {
     way
 }
 
+/// Whether a limit keeps the arm off something. Boxes, heights and lengths say where a posture may be measured, so on
+/// the way from a place outside of them, such as a safe start, no more is asked than that it gets no worse.
+pub(super) fn can_be_touched(kind: LimitKind) -> bool {
+    !matches!(
+        kind,
+        LimitKind::ToolBox | LimitKind::WristHeight | LimitKind::RopeLength
+    )
+}
+
 /// Looks at joint moves of a cell made by [`on_the_way`].
 pub(super) struct Moves<'a> {
     pub cell: &'a Cell,
     margins: PostureMargins<'a>,
     values: Vec<f64>,
+    /// The kind of each margin, once it was asked for.
+    kinds: Vec<LimitKind>,
+    /// What each margin may lack on the move that is looked at \[m\].
+    leeway: Vec<f64>,
     /// Most that any point moves by a turn of each serial joint \[m/rad\].
     reach: Vec<f64>,
     /// Speeds that joint turns are weighed by \[rad/s\].
     pub speeds: Vec<f64>,
     pub seed: u64,
+    /// Asked at every posture that is looked at.
+    pub control: Control<'a>,
 }
 
 impl<'a> Moves<'a> {
-    pub fn new(way_cell: &'a Cell, speeds: Vec<f64>, seed: u64) -> Result<Self> {
+    pub fn new(
+        way_cell: &'a Cell,
+        speeds: Vec<f64>,
+        seed: u64,
+        control: Control<'a>,
+    ) -> Result<Self> {
         let margins = way_cell.posture_margins()?;
         // Both ends of the rope's distances move.
         let both = if way_cell.route.load_stays_on {
@@ -62,11 +84,14 @@ impl<'a> Moves<'a> {
         let reach = way_cell.scene.reach(&way_cell.setup);
         Ok(Moves {
             values: vec![0.0; margins.count()],
+            leeway: vec![0.0; margins.count()],
+            kinds: Vec::new(),
             margins,
             reach: reach.iter().map(|r| r * both).collect(),
             cell: way_cell,
             speeds,
             seed,
+            control,
         })
     }
 
@@ -90,28 +115,54 @@ impl<'a> Moves<'a> {
             .sum()
     }
 
-    /// What is nearest at a posture; `None` where there is nothing to touch.
-    pub fn smallest(&mut self, q: &[f64]) -> Result<Option<LimitMargin>> {
-        self.margins.smallest(q)
+    /// What each margin at a posture is about.
+    pub fn named(&mut self, q: &[f64]) -> Result<Vec<LimitMargin>> {
+        self.margins.named(q)
     }
 
-    /// Whether a posture touches nothing.
+    /// The margins at a posture \[m\]; those of `enough` and more may be told too small, but not below it.
+    pub fn margins(&mut self, q: &[f64], enough: f64) -> Result<&[f64]> {
+        self.control.check()?;
+        self.margins.evaluate(q, enough, &mut self.values, None)?;
+        Ok(&self.values)
+    }
+
+    /// What margins may lack on the move that was begun \[m\].
+    pub fn leeway(&self) -> &[f64] {
+        &self.leeway
+    }
+
+    /// Begins to look at ways between two postures.
+    pub fn begin(&mut self, from: &[f64], to: &[f64]) -> Result<()> {
+        if self.kinds.is_empty() {
+            self.kinds = self.margins.named(from)?.iter().map(|m| m.kind).collect();
+        }
+        let each = self.kinds.iter().zip(&mut self.leeway);
+        each.for_each(|(kind, leeway)| *leeway = if can_be_touched(*kind) { 0.0 } else { DIP });
+        for end in [from, to] {
+            self.margins(end, FAR)?;
+            let each = self.leeway.iter_mut().zip(&self.values).zip(&self.kinds);
+            for ((leeway, value), _) in each.filter(|(_, kind)| !can_be_touched(**kind)) {
+                *leeway = leeway.max(-value);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a posture touches nothing and is where the move that was begun may be.
     pub fn is_clear(&mut self, q: &[f64]) -> Result<bool> {
         Ok(self.room(q, 0.0)? >= 0.0)
     }
 
     /// The room of a posture \[m\], or a part of it that is `enough`; negative where it touches.
     fn room(&mut self, q: &[f64], enough: f64) -> Result<f64> {
-        self.margins
-            .evaluate(q, enough.min(FAR), &mut self.values, None)?;
-        Ok(self
-            .values
-            .iter()
-            .fold(f64::INFINITY, |least, v| least.min(*v)))
+        self.margins(q, enough.min(FAR))?;
+        let each = self.values.iter().zip(&self.leeway);
+        Ok(each.fold(f64::INFINITY, |least, (v, leeway)| least.min(v + leeway)))
     }
 
     /// Farthest that any point may move from one posture to another \[m\].
-    fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
+    pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
         let robot = &self.cell.setup.robot;
         let (a, b) = (robot.serial_angles(from), robot.serial_angles(to));
         let turns = a.iter().zip(&b).zip(&self.reach);

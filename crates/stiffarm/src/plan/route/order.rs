@@ -6,6 +6,7 @@
 //! ordered by exchanges: stretches turned round, short stretches moved elsewhere, another equivalent
 //! taken, from many starts.
 
+use crate::numerics::control::Control;
 use crate::numerics::streams::route_rng;
 use rand::RngExt;
 
@@ -49,11 +50,12 @@ impl Places {
         self.count <= 16 && 2_f64.powi(self.count as i32) * places * places <= MOST_STEPS
     }
 
-    /// The shortest order, place by place, for certain where [`is_small`](Self::is_small).
-    pub fn shortest(&self, seed: u64) -> Vec<usize> {
+    /// The shortest order, place by place, for certain where [`is_small`](Self::is_small); a stop ends the
+    /// exchanges with the best so far.
+    pub fn shortest(&self, seed: u64, control: Control<'_>) -> Vec<usize> {
         match self.is_small() {
             true => self.by_recursion(),
-            false => self.by_exchanges(seed),
+            false => self.by_exchanges(seed, control),
         }
     }
 
@@ -106,12 +108,13 @@ impl Places {
     }
 
     /// A short order, by exchanges from many starts.
-    pub fn by_exchanges(&self, seed: u64) -> Vec<usize> {
+    pub fn by_exchanges(&self, seed: u64, control: Control<'_>) -> Vec<usize> {
         let mut rng = route_rng(seed, 1);
-        let mut best = self.improved(self.nearest_first(0));
+        let mut best = self.improved(self.nearest_first(0), control);
         let mut length = self.length(&best);
         for first in 1..self.count.min(8) {
-            let order = self.improved(self.nearest_first(first * self.count / self.count.min(8)));
+            let first = self.nearest_first(first * self.count / self.count.min(8));
+            let order = self.improved(first, control);
             let other = self.length(&order);
             if other < length - LEAST {
                 (best, length) = (order, other);
@@ -119,7 +122,10 @@ impl Places {
         }
         let each = self.count * self.count * 4;
         for _ in 0..(EXCHANGES / each.max(1)).clamp(1, MOST_KICKS) {
-            let order = self.improved(self.kicked(&best, &mut rng));
+            if control.stopped() {
+                break;
+            }
+            let order = self.improved(self.kicked(&best, &mut rng), control);
             let other = self.length(&order);
             if other < length - LEAST {
                 (best, length) = (order, other);
@@ -148,12 +154,12 @@ impl Places {
     }
 
     /// Exchanges while one shortens the order.
-    fn improved(&self, mut order: Vec<usize>) -> Vec<usize> {
+    fn improved(&self, mut order: Vec<usize>, control: Control<'_>) -> Vec<usize> {
         loop {
             let turned = self.turn_stretches(&mut order);
-            let moved = self.move_stretches(&mut order);
+            let moved = self.move_stretches(&mut order, control);
             let taken = self.take_equivalents(&mut order);
-            if !(turned || moved || taken) {
+            if !(turned || moved || taken) || control.stopped() {
                 return order;
             }
         }
@@ -210,11 +216,11 @@ impl Places {
     }
 
     /// Moves stretches of up to three postures elsewhere, either way round (or-opt).
-    fn move_stretches(&self, order: &mut Vec<usize>) -> bool {
+    fn move_stretches(&self, order: &mut Vec<usize>, control: Control<'_>) -> bool {
         let mut any = false;
         for size in 1..=3.min(order.len().saturating_sub(1)) {
             let mut i = 0;
-            while i + size <= order.len() {
+            while i + size <= order.len() && !control.stopped() {
                 if let Some((to, reversed)) = self.better_place(order, i, size) {
                     let mut stretch: Vec<usize> = order.drain(i..i + size).collect();
                     if reversed {
@@ -388,7 +394,7 @@ mod tests {
         for case in 0..200 {
             let places = random(&mut rng, 4 + case % 7, 1 + case % 3, case % 2 == 0);
             let best = places.length(&places.by_recursion());
-            let found = places.length(&places.by_exchanges(1));
+            let found = places.length(&places.by_exchanges(1, Control::default()));
             let excess = found / best - 1.0;
             worst = worst.max(excess);
             sum += excess;

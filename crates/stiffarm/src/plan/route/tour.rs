@@ -28,6 +28,8 @@ pub(super) struct Tour<'a> {
     known: HashMap<Pair, Option<Way>>,
     /// Pairs between which a search found none.
     apart: Vec<Pair>,
+    /// Places at which something is touched, the start among them: no way leads there.
+    touching: Vec<Option<usize>>,
 }
 
 impl<'a> Tour<'a> {
@@ -39,6 +41,7 @@ impl<'a> Tour<'a> {
             start,
             known: HashMap::new(),
             apart: Vec::new(),
+            touching: Vec::new(),
         }
     }
 
@@ -72,12 +75,14 @@ impl<'a> Tour<'a> {
         if count == 0 {
             return Ok(Vec::new());
         }
+        self.find_touching(ways)?;
         for round in 0..MOST_ORDERS {
             control.check()?;
             let order = match options.keep_order {
                 true => self.places.best_equivalents((0..count).collect()),
-                false => self.places.shortest(options.seed),
+                false => self.places.shortest(options.seed, control),
             };
+            control.check()?;
             let mut as_thought = true;
             let pairs = self.pairs(&order);
             for (done, pair) in pairs.iter().enumerate() {
@@ -91,10 +96,43 @@ impl<'a> Tour<'a> {
         Ok(Vec::new())
     }
 
+    /// Finds the places at which something is touched; an equivalent that touches nothing is cheaper.
+    fn find_touching(&mut self, ways: &mut Moves<'_>) -> Result<()> {
+        let dearest = self
+            .places
+            .cost
+            .iter()
+            .flatten()
+            .fold(1.0, |most: f64, c| most.max(*c));
+        let start = self.start.map(|_| None);
+        for place in (0..self.stands.len()).map(Some).chain(start) {
+            let q = self.at(place).to_vec();
+            ways.begin(&q, &q)?;
+            if ways.is_clear(&q)? {
+                continue;
+            }
+            self.touching.push(place);
+            let Some(place) = place else { continue };
+            for other in 0..self.stands.len() {
+                self.places.cost[place][other] += BLOCKED * dearest;
+                self.places.cost[other][place] += BLOCKED * dearest;
+            }
+            if let Some(start) = &mut self.places.start {
+                start[place] += BLOCKED * dearest;
+            }
+        }
+        Ok(())
+    }
+
     /// Looks for the way between two places; false where it is longer than was thought.
     fn look(&mut self, ways: &mut Moves<'_>, (a, b): Pair) -> Result<bool> {
         let pair = (a.min(b), a.max(b));
         if self.known.contains_key(&pair) {
+            return Ok(true);
+        }
+        if self.touching.contains(&a) || self.touching.contains(&b) {
+            // No other order would spare it.
+            self.known.insert(pair, None);
             return Ok(true);
         }
         let (from, to) = (self.at(pair.0).to_vec(), self.at(pair.1).to_vec());
@@ -189,7 +227,7 @@ impl<'a> Tour<'a> {
                     .windows(2)
                     .map(|leg| largest_change(&leg[0], &leg[1]))
                     .sum(),
-                nearest: nearest(cell, ways, &legs)?,
+                nearest: nearest(cell, ways, &legs, known.is_some())?,
                 via,
             });
         }

@@ -23,11 +23,9 @@ impl Moves<'_> {
     /// The shortest way that was found, `None` where none was: the joint move itself, else over a via
     /// posture, else, where that is wanted, one that is searched for.
     pub fn way(&mut self, from: &[f64], to: &[f64], search: bool) -> Result<Option<Way>> {
+        self.begin(from, to)?;
         if self.is_free(from, to)? {
             return Ok(Some(self.along(from, to, Vec::new())));
-        }
-        if !self.is_clear(from)? || !self.is_clear(to)? {
-            return Ok(None);
         }
         let over_one = self.over_one(from, to)?;
         if over_one.is_some() || !search {

@@ -176,8 +176,8 @@ impl<'a> Checker<'a> {
         out
     }
 
-    /// True where the library puts capsules around a shape of the tool: what stands may be farther than it says.
-    pub fn is_drawn_larger(&self, names: &str) -> bool {
+    /// True where a cylinder of one of them stands as a prism inside it: they may be nearer than the checker says.
+    pub fn is_drawn_smaller(&self, names: &str) -> bool {
         let named = |carried| {
             let own = self.pieces.iter();
             own.filter(move |p| p.carried == carried && names.split(" and ").any(|n| n == p.name))
@@ -426,8 +426,17 @@ impl<'a> Checker<'a> {
             let low = points.iter().map(|p| p.z - floor * 1e-3 + 1e-3);
             least = low.fold(least, f64::min);
         }
+        if let Some([low, high]) = self.case.limits.corners {
+            let side = |p: &V, i: usize| (p[i] - low[i] * 1e-3).min(high[i] * 1e-3 - p[i]) + 1e-3;
+            let sides = points.iter().flat_map(|p| (0..3).map(move |i| side(p, i)));
+            least = sides.fold(least, f64::min);
+        }
+        let wrist = at.axes[at.axes.len() - 2].0;
+        if let Some(height) = self.case.limits.wrist {
+            least = least.min(wrist.z - height * 1e-3 + 1e-3);
+        }
         if let Some(radius) = self.case.limits.keep_out {
-            points.push(at.axes[at.axes.len() - 2].0);
+            points.push(wrist);
             let (foot, axis) = at.axes[0];
             let far = |p: &V| (p - foot).cross(&axis).norm() - radius * 1e-3 + 1e-3;
             least = points.iter().map(far).fold(least, f64::min);
