@@ -6,6 +6,9 @@ use crate::model::load::Load;
 use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
 
+/// Remarks after which no more postures are looked at.
+const MOST_REMARKS: usize = 1000;
+
 impl Cell {
     /// The remarks about postures outside bounds or limits as findings.
     pub fn posture_findings(&self, postures: &[Posture]) -> Vec<Finding> {
@@ -18,12 +21,21 @@ impl Cell {
         findings.collect()
     }
 
-    /// Where postures leave the cell's bounds or limits, one sentence each.
+    /// Where postures leave the cell's bounds or limits, one sentence each; of very many the first ones and how many
+    /// postures were not looked at any more.
     pub fn posture_remarks(&self, postures: &[Posture]) -> Vec<String> {
         let mut remarks = Vec::new();
         let known = self.setup.load != Load::Measured;
         let mut margins = self.posture_margins().ok().filter(|_| known);
-        for posture in postures {
+        for (number, posture) in postures.iter().enumerate() {
+            if remarks.len() >= MOST_REMARKS {
+                remarks.push(format!(
+                    "posture {} and those after it, {} in all, were not compared with bounds and limits: too many are outside",
+                    posture.name,
+                    postures.len() - number
+                ));
+                break;
+            }
             for (j, angle) in self.outside_bounds(&posture.q) {
                 let [low, high] = self.bounds[j].map(rad_to_shortest_deg);
                 remarks.push(format!(

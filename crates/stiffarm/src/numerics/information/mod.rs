@@ -4,8 +4,10 @@
 //! QR and an SVD of Ψ, which do not square the condition number.
 
 pub(crate) mod small;
+mod stack;
 pub(crate) mod svd;
 
+pub(crate) use stack::Stack;
 pub(crate) use svd::{Svd, svd, tall_svd};
 
 use crate::error::{Code, Error, Result};

@@ -1,5 +1,6 @@
 //! All indices and the expected errors of one group of postures.
 
+use super::drop_one::{Each, relative_errors, rms};
 use super::kinds::Index;
 use super::prediction::PredictionModel;
 use crate::error::{Code, Error, Result};
@@ -7,10 +8,11 @@ use crate::model::cell::{Cell, task_rows};
 use crate::model::dexterity;
 use crate::model::elastic::ElasticSource;
 use crate::model::observation::PostureTerms;
-use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen, whiten_posture};
-use nalgebra::DMatrix;
+use crate::numerics::information::{Factor, Stack, whiten_posture};
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
+
+/// Rows that are kept as they are; of more postures what a decomposition leaves of them.
+const MOST_ROWS: usize = 1 << 14;
 
 /// Values of every index; `None` where an index does not exist: a joint is
 /// undetermined, J_N is singular, or the cell has no prior or no tasks.
@@ -173,7 +175,8 @@ pub fn evaluate<Q: AsRef<[f64]>>(
 ) -> Result<GroupEvaluation> {
     // The cell may lack what the index prediction needs.
     let model = PredictionModel::of_cell(cell).ok();
-    evaluate_terms(cell, name, &posture_terms(cell, postures)?, model.as_ref())
+    let terms = terms_of_each(cell, postures);
+    evaluate_each(cell, name, postures.len(), terms, model.as_ref())
 }
 
 /// [`evaluate`] for those who look at `index` alone, or at none: the index `prediction`,
@@ -188,7 +191,8 @@ pub(crate) fn evaluate_for<Q: AsRef<[f64]>>(
     index: Option<Index>,
 ) -> Result<GroupEvaluation> {
     let model = PredictionModel::for_index(cell, index);
-    evaluate_terms(cell, name, &posture_terms(cell, postures)?, model.as_ref())
+    let terms = terms_of_each(cell, postures);
+    evaluate_each(cell, name, postures.len(), terms, model.as_ref())
 }
 
 /// Terms of postures (controller angles, rad), of each under every load of the cell.
@@ -199,14 +203,19 @@ pub(crate) fn posture_terms<Q: AsRef<[f64]>>(
     cell: &Cell,
     postures: &[Q],
 ) -> Result<Vec<Vec<PostureTerms>>> {
+    terms_of_each(cell, postures).collect()
+}
+
+/// The same one after the other: they are large.
+fn terms_of_each<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    postures: &[Q],
+) -> impl Iterator<Item = Result<Vec<PostureTerms>>> {
     let setups = cell.setup.cases();
-    postures
-        .iter()
-        .map(|q| {
-            let under = |setup| PostureTerms::new(setup, q.as_ref(), None);
-            setups.iter().map(under).collect()
-        })
-        .collect()
+    postures.iter().map(move |q| {
+        let under = |setup| PostureTerms::new(setup, q.as_ref(), None);
+        setups.iter().map(under).collect()
+    })
 }
 
 /// [`evaluate`] of postures whose terms are known, under each of as many loads, which may be
@@ -220,7 +229,24 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
     postures: &[T],
     prediction: Option<&PredictionModel>,
 ) -> Result<GroupEvaluation> {
-    if postures.is_empty() {
+    evaluate_each(
+        cell,
+        name,
+        postures.len(),
+        postures.iter().map(Ok),
+        prediction,
+    )
+}
+
+/// The same of `count` postures whose terms are looked at once, one after the other.
+fn evaluate_each<T: AsRef<[PostureTerms]>>(
+    cell: &Cell,
+    name: &str,
+    count: usize,
+    postures: impl Iterator<Item = Result<T>>,
+    prediction: Option<&PredictionModel>,
+) -> Result<GroupEvaluation> {
+    if count == 0 {
         return Err(Error::new(
             Code::TooFewData,
             format!("The group \"{name}\" has no postures."),
@@ -231,28 +257,32 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
     let n = robot.spring_count();
     let m = setup.tool.point_count();
     let rho = cell.noise.common_weight(m);
-    let states: Vec<&PostureTerms> = postures.iter().flat_map(AsRef::as_ref).collect();
-    // Rows of a posture: load by load.
-    let rows = 3 * m;
-    let mut psi = DMatrix::zeros(rows * states.len(), n);
-    let mut whitened = psi.clone();
-    for (s, terms) in states.iter().enumerate() {
-        let mut block = terms.block(robot);
-        psi.rows_mut(rows * s, rows).copy_from(&block);
-        whiten_posture(&mut block, rho);
-        whitened.rows_mut(rows * s, rows).copy_from(&block);
-    }
-    let mut ranges = Vec::with_capacity(postures.len());
-    for posture in postures {
-        let start = ranges.last().map_or(0, |range: &Range<usize>| range.end);
-        ranges.push(start..start + rows * posture.as_ref().len());
-    }
-    let mut k_jn = Vec::with_capacity(postures.len());
-    for terms in postures.iter().map(|own| &own.as_ref()[0]) {
+    let (mut psi, mut whitened) = (Stack::new(n, MOST_ROWS), Stack::new(n, MOST_ROWS));
+    let mut predicting = prediction.map(|model| (model, model.stack()));
+    let mut each = Each::new(cell, count * setup.cases().len() * 3 * m > MOST_ROWS);
+    let mut k_jn = Vec::with_capacity(count);
+    for own in postures {
+        let own = own?;
+        // Rows of a posture: load by load.
+        let mut rows = Stack::new(n, usize::MAX);
+        for terms in own.as_ref() {
+            let mut block = terms.block(robot);
+            psi.push(block.clone());
+            whiten_posture(&mut block, rho);
+            rows.push(block);
+            if let Some((model, stack)) = &mut predicting {
+                stack.push(model.readings(terms));
+            }
+        }
+        let rows = rows.into_matrix();
+        each.add(&rows);
+        whitened.push(rows);
+        let terms = &own.as_ref()[0];
         k_jn.push(cell.characteristic_length.and_then(|length| {
             dexterity::condition_number(terms.frames(), &terms.measuring_points()[0], length)
         }));
     }
+    let (psi, whitened) = (psi.into_matrix(), whitened.into_matrix());
     let factor = Factor::new(&psi)?;
     let full = factor.undetermined().is_empty();
     let sigma = factor.singular_values(|_| 1.0)?;
@@ -282,7 +312,7 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
             d = Some(std * (-s.iter().map(|v| v.ln()).sum::<f64>() / n as f64).exp());
         }
         scaled_sigma = s.iter().copied().collect();
-        drop_one = drop_one_error(&whitened, &ranges, prior, std)?;
+        drop_one = each.drop_one_error(&whitened, prior, std)?;
     }
     let task = match cell.tasks.is_empty() {
         true => None,
@@ -297,12 +327,12 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
     let observability = |f: &dyn Fn() -> f64| full.then(f).filter(|v| v.is_finite());
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
     let predicted = match full {
-        true => prediction.and_then(|model| model.value(&states)),
+        true => predicting.and_then(|(model, stack)| model.value_of(stack)),
         false => None,
     };
     Ok(GroupEvaluation {
         name: name.to_string(),
-        posture_count: postures.len(),
+        posture_count: count,
         indices: Indices {
             classical,
             condition,
@@ -316,7 +346,7 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
             task,
             prediction: predicted,
             prediction_sizes: predicted.and_then(|_| prediction?.source()),
-            o1: observability(&|| (log_sum() / n as f64).exp() / (postures.len() as f64).sqrt()),
+            o1: observability(&|| (log_sum() / n as f64).exp() / (count as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),
             o3: observability(&|| sigma[n - 1]),
             o4: observability(&|| sigma[n - 1].powi(2) / sigma[0]),
@@ -341,16 +371,6 @@ pub fn expected_deviation(std: f64) -> f64 {
     std * std::f64::consts::FRAC_2_PI.sqrt()
 }
 
-/// σ k_j sqrt([(ΨᵀΨ)⁻¹]_jj) per joint.
-fn relative_errors(factor: &Factor, prior: &[f64], std: f64) -> Vec<Option<f64>> {
-    factor
-        .standard_errors()
-        .iter()
-        .zip(prior)
-        .map(|(e, k)| e.map(|e| std * k * e))
-        .collect()
-}
-
 /// Correlation of the errors of the estimated unknowns; empty where one is undetermined.
 fn correlation(factor: &Factor) -> Vec<Vec<f64>> {
     if !factor.undetermined().is_empty() {
@@ -368,60 +388,4 @@ fn correlation(factor: &Factor) -> Vec<Vec<f64>> {
     (0..n)
         .map(|i| (0..n).map(|j| one(i, j)).collect())
         .collect()
-}
-
-fn rms(values: &[Option<f64>]) -> Option<f64> {
-    let sum: Option<f64> = values.iter().map(|e| e.map(|e| e * e)).sum();
-    sum.map(|s| (s / values.len() as f64).sqrt())
-}
-
-/// Groups up to this size have a decomposition for each posture left out.
-const EXACT_DROP_ONE: usize = 60;
-
-/// As [`drop_one_error`] for large groups, where one posture more or less hardly
-/// changes the information, from the information matrices.
-fn drop_one_by_information(
-    whitened: &DMatrix<f64>,
-    postures: &[Range<usize>],
-    prior: &[f64],
-    std: f64,
-) -> Option<f64> {
-    let mut scaled = whitened.clone();
-    for (j, k) in prior.iter().enumerate() {
-        scaled.column_mut(j).scale_mut(1.0 / k);
-    }
-    let total = scaled.tr_mul(&scaled);
-    let mut worst = 0.0_f64;
-    for rows in postures {
-        let block = scaled.rows(rows.start, rows.len());
-        let (values, _) = symmetric_eigen(&total - block.tr_mul(&block))?;
-        let n = values.len();
-        if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
-            return None;
-        }
-        let trace: f64 = values.iter().map(|v| 1.0 / v).sum();
-        worst = worst.max((trace / n as f64).sqrt());
-    }
-    Some(std * worst)
-}
-
-fn drop_one_error(
-    whitened: &DMatrix<f64>,
-    postures: &[Range<usize>],
-    prior: &[f64],
-    std: f64,
-) -> Result<Option<f64>> {
-    if postures.len() < 2 {
-        return Ok(None);
-    }
-    if postures.len() > EXACT_DROP_ONE {
-        return Ok(drop_one_by_information(whitened, postures, prior, std));
-    }
-    let mut worst = Some(0.0_f64);
-    for rows in postures {
-        let rest = whitened.clone().remove_rows(rows.start, rows.len());
-        let error = rms(&relative_errors(&Factor::new(&rest)?, prior, std));
-        worst = worst.zip(error).map(|(a, b)| a.max(b));
-    }
-    Ok(worst)
 }

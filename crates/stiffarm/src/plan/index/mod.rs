@@ -2,6 +2,7 @@
 
 pub(crate) mod criterion;
 
+mod drop_one;
 mod error_bound;
 mod evaluate;
 mod evaluated;

@@ -22,7 +22,7 @@ use crate::model::measurement::Candidate;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::robot::Robot;
 use crate::model::tool::Tool;
-use crate::numerics::information::{symmetric_eigen, whiten_posture};
+use crate::numerics::information::{Stack, symmetric_eigen, whiten_posture};
 use crate::plan::index::kinds::Index;
 use crate::plan::random::{StartKind, random_group};
 use motion::ArmMotion;
@@ -33,6 +33,8 @@ use std::borrow::Borrow;
 const STATED: usize = 20;
 /// Seed and stream of their draw.
 const STATED_DRAW: (u64, u64) = (1, 0x5747);
+/// Rows of readings that are kept as they are: their covariance is a matrix of as many rows and columns.
+const MOST_ROWS: usize = 1 << 10;
 /// Directions of the flange in which the points move less than this share of the one in
 /// which they move most (squared) are not seen.
 const UNSEEN: f64 = 1e-13;
@@ -240,9 +242,24 @@ impl PredictionModel {
     /// RMS error of the predicted deflections after `postures` were measured \[m\];
     /// `None` where they do not determine every joint.
     pub(crate) fn value<T: Borrow<PostureTerms>>(&self, postures: &[T]) -> Option<f64> {
-        let each = postures.iter().map(Borrow::borrow);
-        let rows: Vec<DMatrix<f64>> = each.map(|terms| self.readings(terms)).collect();
-        let rows = self.stacked(&rows);
+        let mut stack = self.stack();
+        for terms in postures {
+            stack.push(self.readings(terms.borrow()));
+        }
+        self.value_of(stack)
+    }
+
+    /// Room for the readings of postures.
+    pub(crate) fn stack(&self) -> Stack {
+        Stack::new(self.unknowns(), MOST_ROWS)
+    }
+
+    /// [`value`](Self::value) of postures whose readings these are.
+    pub(crate) fn value_of(&self, readings: Stack) -> Option<f64> {
+        let rows = Rows {
+            all: readings.into_matrix(),
+            fixed: self.units.len(),
+        };
         let error = Posterior::new(&rows)?.error(&self.targets)?;
         Some(error.sqrt()).filter(|e| e.is_finite())
     }
