@@ -34,6 +34,7 @@ use std::rc::Rc;
 /// Runs the command line of this process.
 pub fn run_process() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
+    interrupt::listen();
     let code = error::without_panic_text(|| run_words(&words, None));
     ExitCode::from(code)
 }

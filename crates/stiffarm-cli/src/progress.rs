@@ -76,7 +76,7 @@ impl Progress {
 
     /// This bar and Ctrl-C for a value whose later questions can take long.
     pub fn shared(&self) -> Watch {
-        interrupt::listen();
+        interrupt::look_out();
         let bar = self.bar.clone();
         let report = move |what: &str, done: usize, of: usize| report(&bar, what, done, of);
         Watch::new(interrupt::stopped, report)
@@ -84,7 +84,7 @@ impl Progress {
 
     /// Runs `work` with this bar and Ctrl-C.
     pub fn watch<T>(&self, work: impl FnOnce(Control<'_>) -> T) -> T {
-        interrupt::listen();
+        interrupt::look_out();
         let stop = interrupt::stopped;
         let progress = |what: &str, done: usize, of: usize| self.report(what, done, of);
         work(Control {

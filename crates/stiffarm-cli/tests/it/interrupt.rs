@@ -22,7 +22,7 @@ fn stopped(folder: &Folder, line: &str, signal: &str) -> Output {
         assert!(sent.success(), "{line} ended by itself");
         let output = child.wait_with_output().unwrap();
         // A busy machine had not come as far as the work: nothing was there to keep.
-        if output.status.code().is_some() || wait > Duration::from_secs(20) {
+        if !output.stdout.is_empty() || wait > Duration::from_secs(20) {
             return output;
         }
         wait *= 2;
@@ -65,6 +65,75 @@ fn a_stopped_identification_keeps_its_estimates() {
     let text = String::from_utf8(table.stdout).unwrap();
     assert!(text.contains("Stopped: the bootstrap intervals"), "{text}");
     assert!(text.contains("joint 6"), "{text}");
+}
+
+/// A table of random postures.
+fn random_postures(count: usize, seed: u64) -> String {
+    let mut state = seed;
+    let mut next = || {
+        // An own generator: the table is the same everywhere.
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let bounds = [
+        [-90.0, 90.0],
+        [-60.0, 40.0],
+        [-180.0, -40.0],
+        [-180.0, 180.0],
+        [-90.0, 90.0],
+        [-180.0, 180.0],
+    ];
+    let mut text = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n".to_string();
+    for row in 0..count {
+        let angles = bounds.map(|b: [f64; 2]| format!("{:.2}", b[0] + (b[1] - b[0]) * next()));
+        text += &format!("{row},{}\n", angles.join(","));
+    }
+    text
+}
+
+/// Commands that do not look out for a stop end at once, and every one says so.
+#[test]
+fn every_command_ends_with_130_and_a_word() {
+    let folder = Folder::new();
+    folder.write("many.csv", random_postures(200_000, 5));
+    folder.write("plan.csv", random_postures(3_000, 7));
+    let lines = [
+        "evaluate builtin:comau many.csv",
+        "pose builtin:comau --postures many.csv",
+        "export builtin:comau many.csv --language krl",
+        "route builtin:comau plan.csv",
+    ];
+    for line in lines {
+        let mut child = command(&folder.path(""))
+            .args(line.split(' '))
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(300));
+        let id = child.id().to_string();
+        assert!(
+            Command::new("kill")
+                .args(["-INT", &id])
+                .status()
+                .unwrap()
+                .success()
+        );
+        let sent = std::time::Instant::now();
+        while child.try_wait().unwrap().is_none() {
+            assert!(sent.elapsed() < Duration::from_secs(60), "{line} goes on");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let output = child.wait_with_output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{line}: {errors}");
+        assert!(
+            errors.to_lowercase().contains("interrupted"),
+            "{line}: {errors}"
+        );
+    }
 }
 
 #[test]
