@@ -28,7 +28,7 @@ pub(super) fn watch(session: &Session, args: &MeasureArgs) -> Result<Exit> {
         let message = "Standard input cannot be waited for.";
         return Err(Error::new(Code::Usage, message).hint("give a file, or add --once"));
     }
-    interrupt::listen();
+    interrupt::look_out();
     let named = session.read_cell(&args.cell)?;
     let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;

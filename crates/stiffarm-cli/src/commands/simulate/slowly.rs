@@ -27,7 +27,7 @@ pub(super) fn write_slowly(
             .key("--slowly")
             .hint("give --readings the name of a file"));
     }
-    interrupt::listen();
+    interrupt::look_out();
     let mut lines = table.split_inclusive('\n');
     let mut so_far = lines.next().unwrap_or_default().to_string();
     let mut last = None;
