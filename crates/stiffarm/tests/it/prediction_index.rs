@@ -312,3 +312,23 @@ fn wrenches_of_their_own_count() {
     );
     assert_eq!(none.unwrap_err().code(), Code::TooFewData);
 }
+
+/// Very many postures: the covariance of all their readings would be a hundred gigabytes.
+#[test]
+fn very_many_postures_take_no_more_room_than_their_unknowns() {
+    let cell = Cell::built_in("comau").unwrap();
+    let all = random_group(&cell, StartKind::Uniform, 20_000, 3, 1).unwrap();
+    let of = |count: usize| evaluate(&cell, "many", &all[..count]).unwrap().indices;
+    let value = |count: usize| of(count).prediction.unwrap();
+    // 170 are the last of which all rows are kept.
+    let (below, above) = (value(170), value(171));
+    assert!(above <= below && above > 0.98 * below, "{above} {below}");
+    let many = of(20_000);
+    assert!(many.prediction.unwrap() < 0.2 * below);
+    // What is expected of the joints falls with the root of the number.
+    let few = of(1_000);
+    let ratio = few.expected_error.unwrap() / many.expected_error.unwrap();
+    assert!((ratio / 20.0_f64.sqrt() - 1.0).abs() < 0.1, "{ratio}");
+    let (a, b) = (many.drop_one.unwrap(), many.expected_error.unwrap());
+    assert!(a >= b && a < 1.001 * b, "{a} {b}");
+}
