@@ -33,7 +33,7 @@ needs_library = pytest.mark.skipif(
 
 #: Every way in which an item can go wrong, and two in which it does not.
 WAYS = ["raises", "refuses", "exits", "dies", "hangs", "eats", "asks", "prints", "no_dict",
-        "takes_a_column", "an_object", "fine"]  # fmt: skip
+        "takes_a_column", "an_object", "not_a_number", "infinite", "fine"]  # fmt: skip
 WILD = {"name": "wild", "task": "campaign_tasks:wild", "axes": {"way": WAYS, "seed": [1, 2]}}
 LIMITS = {"time_limit_s": 2.0, "memory_limit_mb": 300.0}
 

@@ -141,7 +141,7 @@ class Campaign:
     def run(
         self,
         folder: str | os.PathLike[str],
-        workers: int | None = None,
+        workers: int | str = 1,
         address: str | None = None,
         engine: str = "auto",
         time_limit_s: float | None = None,
@@ -157,10 +157,11 @@ class Campaign:
         Args:
             folder: Folder of this campaign; made if missing. What it has of the same campaign is
                 kept, whatever ended that run.
-            workers: Worker processes, each with one thread; all processors by default.
+            workers: Worker processes, each with one thread and so one processor: 1 unless more are
+                asked for; ``"all"`` takes every processor of the machine or cluster.
             address: Address of a Ray cluster.
-            engine: ``serial``, ``ray``, or ``auto``: Ray where it is installed and more than one
-                worker is wanted.
+            engine: ``serial``, ``ray``, or ``auto``: Ray where there is an address or more than one
+                worker is asked for.
             time_limit_s: Longest time of an item [s]; then its worker is ended.
             memory_limit_mb: Most memory of a worker process [MB]; then it is ended.
             progress: A function that gets a :class:`Progress`; None shows a line on a terminal;
@@ -180,7 +181,7 @@ class Campaign:
                 raise CampaignError(
                     "invalid-value", f"A limit must be above 0, not {limit}.", place={"key": name}
                 )
-        chosen = engines.choose(engine, workers, address)
+        chosen, count = engines.choose(engine, workers, address)
         # Better before the first item than after the last.
         load("pyarrow.parquet", "The table of results")
         resources = read_resources(self.declaration)
