@@ -92,6 +92,18 @@ def ray_driver(campaign: Path, folder: Path, begun: Path) -> subprocess.Popen[st
     return _start([str(HERE / "campaign_ray_driver.py"), str(campaign), str(folder)], begun)
 
 
+def cluster_driver(campaign: Path, folder: Path, alone: bool) -> tuple[str, str]:
+    """Output and error output of a run on a cluster whose second node goes."""
+    which = "alone" if alone else "beside"
+    driver = _start([str(HERE / "campaign_cluster_driver.py"), str(campaign), str(folder), which], None)
+    try:
+        return driver.communicate(timeout=180)
+    finally:
+        # It has a session of its own.
+        with contextlib.suppress(OSError):
+            os.killpg(driver.pid, signal.SIGKILL)
+
+
 def _start(arguments: list[str], begun: Path | None) -> subprocess.Popen[str]:
     environment = dict(os.environ)
     if begun is not None:

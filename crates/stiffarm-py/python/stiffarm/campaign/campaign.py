@@ -152,7 +152,8 @@ class Campaign:
         """Runs the items that are not done yet, and writes the tables.
 
         An item that raises, passes a limit or kills its worker is a row with its error, and the
-        others go on. Ctrl-C ends the run with the tables of what is done.
+        others go on. Ctrl-C ends the run with the tables of what is done, and so does a cluster
+        that gives no worker any more: with an error.
 
         Args:
             folder: Folder of this campaign; made if missing. What it has of the same campaign is
@@ -173,8 +174,8 @@ class Campaign:
 
         Raises:
             CampaignError: ``other-campaign`` where the folder belongs to another one, ``in-use``
-                where another run writes to it, ``no-ray``, ``missing-package``, and what is wrong
-                with the files the campaign names.
+                where another run writes to it, ``no-ray``, ``no-cluster``, ``missing-package``, and
+                what is wrong with the files the campaign names.
         """
         for limit, name in ((time_limit_s, "time_limit_s"), (memory_limit_mb, "memory_limit_mb")):
             if limit is not None and not limit > 0:
@@ -202,8 +203,12 @@ class Campaign:
             with Journal(target / JOURNAL, len(self)) as journal, ExitStack() as ending:
                 again = journal.failed if retry_failed else frozenset()
                 todo = [n for n in range(len(self)) if n not in journal or n in again]
-                make = partial(engines.make, chosen, setup, workers, address)
-                interrupted = self._work(journal, todo, make, progress, ending)
+                make = partial(engines.make, chosen, setup, count, address)
+                try:
+                    interrupted = self._work(journal, todo, make, progress, ending)
+                except CampaignError:
+                    self._write_tables(target, journal)
+                    raise
                 self._write_tables(target, journal)
                 return Outcome(
                     folder=target,
