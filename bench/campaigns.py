@@ -153,7 +153,7 @@ def measure(data: dict[str, Any], engine: str, workers: int, folder: Path) -> di
         outcome = campaign.run(
             folder,
             engine=engine,
-            workers=workers if engine == "ray" else None,
+            workers=workers if engine == "ray" else 1,
             progress=lambda p: stamps.append((time.monotonic(), p.done)),
         )
     wall = time.monotonic() - begun

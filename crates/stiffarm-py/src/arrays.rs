@@ -14,6 +14,27 @@ use stiffarm::model::observation::{Rows, observation_matrix as matrix};
 use stiffarm::plan::index::{Index, evaluate_groups};
 use stiffarm::{Code, Error};
 
+/// No joint turns so far \[rad\]: two turns either way.
+const FARTHEST: f64 = 4.0 * std::f64::consts::PI;
+
+/// Refuses angles that are so large that they must be degrees.
+///
+/// # Errors
+/// An angle beyond two turns, either way.
+pub fn check_radians(angles: &[f64]) -> stiffarm::Result<()> {
+    let is_far = |angle: &f64| angle.is_finite() && angle.abs() > FARTHEST;
+    let far = angles.iter().copied().filter(is_far);
+    match far.max_by(|a, b| a.abs().total_cmp(&b.abs())) {
+        None => Ok(()),
+        Some(angle) => {
+            let degrees = angle.to_degrees();
+            let message = format!("An angle is {angle} rad, which is {degrees:.0}°.");
+            Err(Error::new(Code::InvalidValue, message)
+                .hint("degrees=True, if the angles are in degrees; numpy.radians(...) where there is no such option"))
+        }
+    }
+}
+
 /// Rows of angles \[rad\], one posture each.
 pub fn postures<'a>(angles: &'a PyReadonlyArray2<'_, f64>) -> PyResult<Vec<&'a [f64]>> {
     let joints = angles.shape()[1];

@@ -1,5 +1,6 @@
 //! An index as a function of all controller angles, with its gradient.
 
+use crate::arrays::check_radians;
 use crate::cell::PyCell;
 use crate::error::{Raised, to_python};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -22,7 +23,7 @@ impl Objective {
         } else if q.as_slice()?.iter().any(|q| !q.is_finite()) {
             "An angle is not a finite number.".to_string()
         } else {
-            return Ok(());
+            return check_radians(q.as_slice()?).raised(py);
         };
         let code = match q.len() == self.size {
             true => Code::NotFinite,

@@ -1,10 +1,14 @@
 //! Small conversions: degrees, posture tables, cell files as dictionaries.
 
+use crate::arrays::check_radians;
 use crate::cell::{PyCell, rows};
 use crate::error::Raised;
 use crate::inputs::{GivenPostures, Inputs, Postures};
 use crate::long::watched;
-use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{
+    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use serde::Serialize;
 use stiffarm::files::source::Source;
@@ -14,22 +18,21 @@ use stiffarm::plan::check::check as check_cell;
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::{Code, Error};
 
-fn mapped<'py>(
-    py: Python<'py>,
-    angles: &PyReadonlyArray2<'py, f64>,
-    of: fn(f64) -> f64,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let values = angles.as_slice()?.iter().map(|v| of(*v));
-    rows(py, angles.shape()[1], values)
-}
-
-/// Radians of degrees, as files are read.
+/// The door of all angles that come as arrays: radians of degrees, as files are read, or the array itself, unless its
+/// angles are so large that they must be degrees.
 #[pyfunction]
 pub fn radians<'py>(
     py: Python<'py>,
-    angles: PyReadonlyArray2<'py, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    mapped(py, &angles, deg_to_rad)
+    angles: PyReadonlyArrayDyn<'py, f64>,
+    degrees: bool,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let values = angles.as_slice()?;
+    if !degrees {
+        check_radians(values).raised(py)?;
+        return Ok((*angles).clone());
+    }
+    let values = values.iter().map(|v| deg_to_rad(*v));
+    PyArray1::from_iter(py, values).reshape(angles.shape().to_vec())
 }
 
 /// Degrees of radians, in the fewest digits that are read back as the same.
@@ -38,7 +41,8 @@ pub fn degrees<'py>(
     py: Python<'py>,
     angles: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    mapped(py, &angles, rad_to_shortest_deg)
+    let values = angles.as_slice()?.iter().map(|v| rad_to_shortest_deg(*v));
+    rows(py, angles.shape()[1], values)
 }
 
 /// Names and angles \[rad\] of a posture table.

@@ -2,7 +2,7 @@
 
 A table names each function with the options it takes and their values; a seeded generator draws from it. What is drawn
 is given to the function as keywords and to the command as words; the two texts must be the same but for ``arguments``,
-which only a command line has.
+which are the words of a command line, or the call.
 """
 
 from __future__ import annotations
@@ -591,6 +591,25 @@ def test_json(command: Any, work: dict[str, dict[str, str]], line: Line) -> None
     refused = [equal(command, one, work[one.cell]) for one in drawn]
     # Drawn options may exclude each other; most must not.
     assert refused.count(None) >= DRAWS - 1, refused
+
+
+@pytest.mark.parametrize("line", LINES, ids=lambda line: line.name)
+def test_options_and_calls_make_results_again(work: dict[str, dict[str, str]], line: Line) -> None:
+    for number in range(DRAWS):
+        drawn = draw(line, number, list(work))
+        files = work[drawn.cell]
+        cells = [stiffarm.Cell(drawn.cell)] if line.has_cell else []
+        try:
+            found = drawn.call(files, cells[0] if cells else None)
+        except stiffarm.StiffarmError:
+            continue
+        inputs = [drawn._path(one, files) for one in drawn.inputs]
+        named = {key: drawn._path(value, files) for key, value in drawn.options.items() if key in line.files}
+        assert line.function(*cells, *inputs, **named, **found.options) == found
+        given = inspect.signature(line.function).bind_partial(*cells, *inputs, **named).arguments
+        assert eval(found.call, {"stiffarm": stiffarm, **given}) == found
+        return
+    pytest.fail("No draw gives a result.")
 
 
 def test_every_function_that_returns_a_result_is_in_the_table() -> None:

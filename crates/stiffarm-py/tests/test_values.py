@@ -120,7 +120,8 @@ def test_results(found: stiffarm.results.Identified, tmp_path: Path) -> None:
     assert set(found) == set(document["result"]) and len(found) == len(document["result"])
     assert found.command == "identify" and found.seed == 1 and found.version == stiffarm.__version__
     assert set(found.inputs) == {"cell", "measurements"}
-    assert found.options.to_dict() == document["options"]
+    assert document["arguments"] == [found.call] and found.call.startswith("stiffarm.identify(")
+    assert found.options.seed == 1 and found.options.brief is False
     joint = found.joints[0]
     assert isinstance(joint, stiffarm.Record) and joint.stiffness == found["joints"][0]["stiffness"] == found.stiffness[0]
     assert joint.interval.shape == (2,) and isinstance(joint.interval, np.ndarray)
@@ -483,6 +484,57 @@ def test_degrees_that_are_taken_for_radians_are_refused() -> None:
             call()
         assert error.value.hint is not None and "degrees=True" in error.value.hint
     assert stiffarm.indices(cell, degrees, degrees=True)["condition"] > 1
+
+
+def test_degrees_that_a_robot_takes_for_radians_are_refused() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    robot, degrees = cell.robot, [0, 0, -90, 0, 45, 0]
+    objective = stiffarm.Objective(cell, postures=6)
+    calls = [
+        lambda: robot.pose(degrees),
+        lambda: robot.jacobian(degrees),
+        lambda: robot.nearest(robot.pose(np.radians(degrees)), degrees),
+        lambda: objective([degrees] * 6),
+        lambda: objective.log_and_gradient([degrees] * 6),
+        lambda: objective.smoothed([degrees] * 6, 10.0),
+    ]
+    for call in calls:
+        with pytest.raises(stiffarm.StiffarmError, match="An angle is -90 rad, which is -5157°") as error:
+            call()
+        assert error.value.hint is not None and "degrees=True" in error.value.hint
+    at, turned = robot.pose(degrees, degrees=True), stiffarm.Postures([degrees], degrees=True)
+    assert np.array_equal(at, robot.pose(turned)) and np.array_equal(at, robot.pose(turned, degrees=True))
+    assert np.array_equal(robot.jacobian(degrees, degrees=True), robot.jacobian(turned))
+    assert np.allclose(robot.nearest(at, degrees, degrees=True), turned.angles[0])
+
+
+def test_a_result_says_the_call_that_makes_it_again(tmp_path: Path) -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    plan = stiffarm.select(cell, 3, rounds=1, certificate=False, progress=lambda *_: None)
+    assert plan.call == "stiffarm.select(cell, postures=3, rounds=1, certificate=False)"
+    assert eval(plan.call, {"stiffarm": stiffarm, "cell": cell}) == plan
+    again = stiffarm.results.Plan.load(plan.save(tmp_path / "plan.json"))
+    assert again == plan and again.call == plan.call and again.options == plan.options
+    assert stiffarm.select(cell, **again.options) == plan
+    own = cell.with_changes({"load": {"magnitude_n": 500}})
+    found = stiffarm.evaluate(own, {"a": np.radians([[0, 0, -90, 0, 45, 0]] * 3) + np.eye(3, 6)})
+    assert found.call == "stiffarm.evaluate(cell, groups)"
+    near = stiffarm.predict(own, [1e6] * 6, "builtin:contour", force_n=np.array([1.0, 2.0, 3.5]), axes="base")
+    expected = "cell, stiffness, path='builtin:contour', axes='base', force_n=[1.0, 2.0, 3.5]"
+    assert near.call == f"stiffarm.predict({expected})"
+
+
+def test_a_wrong_keyword_is_said_with_the_function_and_the_name_that_was_meant() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    wrong: dict[str, Any] = {"indx": "d"}
+    with pytest.raises(TypeError, match=r"^select\(\) got an unexpected keyword argument 'indx'\. Did you mean 'index'\?$"):
+        stiffarm.select(cell, **wrong)
+    with pytest.raises(TypeError, match=r"^select\(\) got an unexpected keyword argument 'zzz'$"):
+        stiffarm.select(cell, **{"zzz": 1})  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"^identify\(\) missing a required argument: 'measurements'$"):
+        stiffarm.identify(cell)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"^select\(\) got too many positional arguments$"):
+        stiffarm.select(cell, 6, 7)  # type: ignore[misc]
 
 
 def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:

@@ -12,7 +12,8 @@ The steps, from a cell to a deflection::
 
 Arrays of angles are in radians unless ``degrees=True``; other numbers have their unit in their name. Every result is
 what the command ``stiffarm`` prints with ``--json``, to the last bit: keys as attributes, ``to_dict()``,
-``to_frame()``, ``save()``. Whatever is wrong raises :class:`StiffarmError` with a code, a place and a hint.
+``to_frame()``, ``save()``; ``call`` and ``options`` say how it was made. Whatever is wrong raises
+:class:`StiffarmError` with a code, a place and a hint.
 """
 
 from . import plot

@@ -13,7 +13,8 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import StiffarmError
+from . import _calls
+from ._errors import StiffarmError, nearest
 from ._stiffarm import MOST_POSTURES
 
 P = ParamSpec("P")
@@ -170,7 +171,9 @@ _CHECKS: dict[str, Callable[[Any, str], Any]] = {
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """``function`` with its plain arguments checked by their annotations."""
+    """``function`` with its plain arguments checked by their annotations, and with the call in its result."""
+    from ._result import Result
+
     signature = inspect.signature(function)
     checks: dict[str, tuple[Callable[[Any, str], Any], bool]] = {}
     for name, parameter in signature.parameters.items():
@@ -180,12 +183,15 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        bound = signature.bind(*args, **kwargs)
+        try:
+            bound = signature.bind(*args, **kwargs)
+        except TypeError as error:
+            raise TypeError(_unbound(function.__name__, signature, kwargs, str(error))) from None
         for name, value in bound.arguments.items():
             if name in checks and not (value is None and checks[name][1]):
                 bound.arguments[name] = checks[name][0](value, name)
         try:
-            return function(*bound.args, **bound.kwargs)
+            found = function(*bound.args, **bound.kwargs)
         except StiffarmError:
             raise
         except (TypeError, OverflowError) as error:
@@ -193,8 +199,20 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
             if refused is None:
                 raise
             raise refused from None
+        if isinstance(found, Result):
+            found._made_by(_calls.text(function.__name__, signature.parameters, bound.arguments))
+        return found
 
     return call
+
+
+def _unbound(name: str, signature: inspect.Signature, kwargs: Mapping[str, Any], reason: str) -> str:
+    """What is wrong with a call, as Python says it, with the name that was probably meant."""
+    unknown = next((key for key in kwargs if key not in signature.parameters), None)
+    if unknown is None:
+        return f"{name}() {'got ' if reason.startswith('too many') else ''}{reason}"
+    meant = nearest(unknown, signature.parameters)
+    return f"{name}() got an unexpected keyword argument {unknown!r}" + (f". {meant}" if meant else "")
 
 
 def _refused(error: Exception) -> StiffarmError | None:

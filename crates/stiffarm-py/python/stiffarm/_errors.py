@@ -1,7 +1,9 @@
-"""The package's one exception."""
+"""The package's one exception, and what its hints say of names."""
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -51,3 +53,9 @@ class StiffarmError(ValueError):
 
 class StiffarmWarning(UserWarning):
     """A result that is less than what was asked for: work that Ctrl-C stopped."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """A sentence with the name that was probably meant, or None."""
+    found = difflib.get_close_matches(name, list(known), n=1)
+    return f"Did you mean {found[0]!r}?" if found else None

@@ -36,31 +36,14 @@ Progress: TypeAlias = Union[Callable[[str, int, int], Any], bool, None]
 Given: TypeAlias = Union[str, tuple[str, bytes], tuple[list[str], Floats]]
 
 
-#: No joint turns so far [rad]: two turns either way.
-FARTHEST = 4 * np.pi
-
-
-def radians(angles: Floats) -> Floats:
-    """The angles, unless they are so large that they must be degrees."""
-    if angles.size and (angles.max() > FARTHEST or angles.min() < -FARTHEST):
-        largest = float(angles.flat[np.abs(angles).argmax()])
-        raise StiffarmError(
-            f"An angle is {largest:g} rad, which is {np.degrees(largest):.0f}°.",
-            "invalid-value",
-            hint="degrees=True, if the angles are in degrees",
-        )
-    return angles
-
-
-def angles(values: Any, degrees: bool) -> Floats:
+def angles(values: Any, degrees: bool, dimensions: int = 2, what: str = "Postures") -> Floats:
     """Angles of postures [rad]: of an array, or of what has postures under names."""
     from .postures import Postures
 
     if isinstance(values, Postures) or has_columns(values):
         return Postures.of(values).angles
     of_array: Any = values
-    array = floats(of_array, 2, "Postures")
-    return _stiffarm.radians(array) if degrees else radians(array)
+    return _stiffarm.radians(floats(of_array, dimensions, what), degrees)
 
 
 def depth(values: Any) -> int:

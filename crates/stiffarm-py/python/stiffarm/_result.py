@@ -15,7 +15,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _checks
+from . import _calls, _checks
 from ._errors import StiffarmError, StiffarmWarning
 from ._table import Table
 
@@ -170,9 +170,25 @@ class Result(Record):
         return None if seed is None else int(seed)
 
     @property
+    def call(self) -> str:
+        """The call that gives the same, inputs by the names of their parameters; empty where the command made it."""
+        words: list[str] = self._document["arguments"]
+        return words[0] if len(words) == 1 and words[0].startswith("stiffarm.") else ""
+
+    def _made_by(self, call: str) -> None:
+        self._document["arguments"] = [call]
+        before, _, after = self._text.partition('\n  "arguments": []')
+        self._text = f'{before}\n  "arguments": [{json.dumps(call, ensure_ascii=False)}]{after}'
+
+    @property
     def options(self) -> Record:
-        """Options that the result depends on, defaults included."""
-        return Record(self._document["options"])
+        """Options of the function that made it, defaults included: given to it again, they give the same result.
+
+        ``stiffarm.identify(cell, readings, **found.options)``. What was chosen where an option is ``None`` stands in
+        :meth:`to_json`, and so do the options of a result that the command made, which are those here.
+        """
+        options = _calls.options(self.call)
+        return Record(self._document["options"] if options is None else options)
 
     @property
     def inputs(self) -> dict[str, str]:

@@ -23,8 +23,8 @@ _LARGER_IS_BETTER = {name: larger for name, _, larger in _stiffarm.index_names()
 class Objective:
     """An index of groups of one size: value and gradient by all controller angles.
 
-    Angles are of shape (postures, joints), or flat, posture by posture [rad]; gradients have the shape of the angles
-    [1/rad]. A call takes microseconds; an objective is not to be shared among threads.
+    Angles are of shape (postures, joints), or flat, posture by posture [rad], within two turns; gradients have the shape
+    of the angles [1/rad]. A call takes microseconds; an objective is not to be shared among threads.
 
     SciPy takes it as it is::
 

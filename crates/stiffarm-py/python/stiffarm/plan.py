@@ -329,10 +329,7 @@ def indices(
     own = native(cell)
     in_degrees = truth(degrees, "degrees")
     if _inputs.depth(postures) == 3:
-        array = _inputs.floats(postures, 3, "Groups")
-        if in_degrees and array.size:
-            array = _stiffarm.radians(array.reshape(-1, array.shape[-1])).reshape(array.shape)
-        array = _inputs.radians(array)
+        array = _inputs.angles(postures, in_degrees, 3, "Groups")
     else:
         array = _inputs.angles(postures, in_degrees)
     wanted = list(USUAL) if names is None else texts(names, "names")

@@ -51,7 +51,7 @@ class Postures:
         Raises:
             StiffarmError: Angles that are no numbers, not finite, or not in rows; names of another number.
         """
-        from ._inputs import floats, radians
+        from ._inputs import floats
 
         array = floats(angles, 2, "Postures")
         if not np.isfinite(array).all():
@@ -59,7 +59,7 @@ class Postures:
             raise StiffarmError(
                 f"The angle of joint {joint + 1} of posture {row + 1} is not a finite number.", "not-finite"
             )
-        array = _stiffarm.radians(array) if degrees else np.array(radians(array), copy=True)
+        array = np.array(_stiffarm.radians(array, degrees))
         array.flags.writeable = False
         own = [str(i) for i in range(1, len(array) + 1)] if names is None else _checks.texts(names, "names")
         if len(own) != len(array):

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _checks, _stiffarm
+from . import _checks, _inputs, _stiffarm
 from ._errors import StiffarmError
 from ._table import Table
 
@@ -213,24 +213,26 @@ class Robot:
         """The machine's limits of the controller angles, a row [low, high] per joint [rad]."""
         return self._native.limits
 
-    def pose(self, angles: ArrayLike) -> NDArray[np.float64]:
-        """Pose of the flange in the base frame, 4 × 4 [m].
+    def pose(self, angles: ArrayLike, *, degrees: bool = False) -> NDArray[np.float64]:
+        """Pose of the flange in the base frame, 4 × 4 [m], at controller angles [rad], or [deg] with ``degrees=True``.
 
         Raises:
-            StiffarmError: Angles of the wrong number, or not finite.
+            StiffarmError: Angles of the wrong number, not finite, or so large that they must be degrees.
         """
-        return _stiffarm.flange_pose(self._native, _row(angles))
+        return _stiffarm.flange_pose(self._native, _row(angles, degrees))
 
-    def jacobian(self, angles: ArrayLike, point: ArrayLike | None = None) -> NDArray[np.float64]:
+    def jacobian(
+        self, angles: ArrayLike, point: ArrayLike | None = None, *, degrees: bool = False
+    ) -> NDArray[np.float64]:
         """Jacobian by the controller angles of a point in flange axes [m], by default the flange's origin.
 
-        6 × n, base axes: three rows of translation [m/rad], three of rotation.
+        6 × n, base axes: three rows of translation [m/rad], three of rotation. The angles are as :meth:`pose` has them.
 
         Raises:
-            StiffarmError: Angles of the wrong number, or not finite.
+            StiffarmError: As :meth:`pose`.
         """
         at = None if point is None else _checks.vector(point, "point", 3)
-        return _stiffarm.jacobian(self._native, _row(angles), at)
+        return _stiffarm.jacobian(self._native, _row(angles, degrees), at)
 
     def inverse(self, pose: ArrayLike) -> list[Branch]:
         """The postures that hold the flange at a pose (4 × 4, base frame [m]), inside the machine's limits or not.
@@ -243,13 +245,15 @@ class Robot:
         _, found = _stiffarm.inverse(self._native, _pose(pose))
         return [Branch(*branch) for branch in found]
 
-    def nearest(self, pose: ArrayLike, start: ArrayLike) -> NDArray[np.float64]:
-        """The posture within the machine's limits whose largest change of an angle from ``start`` [rad] is smallest.
+    def nearest(self, pose: ArrayLike, start: ArrayLike, *, degrees: bool = False) -> NDArray[np.float64]:
+        """The posture within the machine's limits whose largest change of an angle from ``start`` is smallest [rad].
+
+        ``start`` is as :meth:`pose` has its angles.
 
         Raises:
             StiffarmError: No pose; one out of reach or outside the machine's limits, with distance or joint.
         """
-        return _stiffarm.nearest(self._native, _pose(pose), _row(start))
+        return _stiffarm.nearest(self._native, _pose(pose), _row(start, degrees))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot, (self._keys,)
@@ -263,8 +267,8 @@ class Robot:
         return f"<Robot {self.name!r}, {self.joint_count} joints>"
 
 
-def _row(angles: ArrayLike) -> NDArray[np.float64]:
-    return np.ascontiguousarray(_checks.array(angles, "angles")).reshape(-1)
+def _row(angles: ArrayLike, degrees: bool) -> NDArray[np.float64]:
+    return _inputs.angles(angles, _checks.truth(degrees, "degrees"), max(1, _inputs.depth(angles)), "Angles").reshape(-1)
 
 
 def _pose(pose: ArrayLike) -> NDArray[np.float64]:

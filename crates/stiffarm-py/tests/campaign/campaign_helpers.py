@@ -33,7 +33,7 @@ needs_library = pytest.mark.skipif(
 
 #: Every way in which an item can go wrong, and two in which it does not.
 WAYS = ["raises", "refuses", "exits", "dies", "hangs", "eats", "asks", "prints", "no_dict",
-        "takes_a_column", "an_object", "fine"]  # fmt: skip
+        "takes_a_column", "an_object", "not_a_number", "infinite", "fine"]  # fmt: skip
 WILD = {"name": "wild", "task": "campaign_tasks:wild", "axes": {"way": WAYS, "seed": [1, 2]}}
 LIMITS = {"time_limit_s": 2.0, "memory_limit_mb": 300.0}
 
@@ -90,6 +90,18 @@ def command(*arguments: object, begun: Path | None = None) -> subprocess.Popen[s
 def ray_driver(campaign: Path, folder: Path, begun: Path) -> subprocess.Popen[str]:
     """Starts a run with two workers of a Ray that is there before, so that they begin at once."""
     return _start([str(HERE / "campaign_ray_driver.py"), str(campaign), str(folder)], begun)
+
+
+def cluster_driver(campaign: Path, folder: Path, alone: bool) -> tuple[str, str]:
+    """Output and error output of a run on a cluster whose second node goes."""
+    which = "alone" if alone else "beside"
+    driver = _start([str(HERE / "campaign_cluster_driver.py"), str(campaign), str(folder), which], None)
+    try:
+        return driver.communicate(timeout=180)
+    finally:
+        # It has a session of its own.
+        with contextlib.suppress(OSError):
+            os.killpg(driver.pid, signal.SIGKILL)
 
 
 def _start(arguments: list[str], begun: Path | None) -> subprocess.Popen[str]:

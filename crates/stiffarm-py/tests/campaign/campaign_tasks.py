@@ -84,4 +84,8 @@ def wild(way: str, seed: int) -> dict[str, Any]:
         return {"seed": 1}
     if way == "an_object":
         return {"value": object()}
-    return {"value": float(seed), "nothing": None, "nan": math.nan}
+    if way == "not_a_number":
+        return {"value": 1.0, "list": [1.0, math.nan]}
+    if way == "infinite":
+        return {"value": -math.inf}
+    return {"value": float(seed), "nothing": None}

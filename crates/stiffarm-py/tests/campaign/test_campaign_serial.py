@@ -71,7 +71,7 @@ def test_the_same_grid_gives_the_same_bytes(grid: dict[str, Any], tmp_path: Path
 
 def test_what_goes_wrong_is_a_row_and_the_rest_goes_on(tmp_path: Path) -> None:
     outcome = Campaign.from_dict(WILD).run(tmp_path, engine="serial", progress=False, **LIMITS)
-    assert (outcome.done, outcome.failed) == (24, 20)
+    assert (outcome.done, outcome.failed) == (28, 24)
     found = {(row["way"], row["seed"]): row for row in rows(tmp_path)}
     expected = {
         "raises": ("task-error", "ValueError: seed 2 at <object object at 0x…>"),
@@ -87,6 +87,8 @@ def test_what_goes_wrong_is_a_row_and_the_rest_goes_on(tmp_path: Path) -> None:
             "bad-result",
             "The figure value is of type object; text, numbers and lists of them can be kept.",
         ),
+        "not_a_number": ("bad-result", "The figure list is nan; a number is finite, and None where there is none."),
+        "infinite": ("bad-result", "The figure value is -inf; a number is finite, and None where there is none."),
     }
     for way in WAYS:
         row = found[way, 2]
@@ -256,6 +258,12 @@ def test_without_ray_the_engine_is_serial_and_says_so(
     assert campaign.run(tmp_path, progress=False).engine == "serial"
 
 
+def test_no_more_than_one_processor_is_taken_unasked(grid: dict[str, Any], tmp_path: Path) -> None:
+    outcome = Campaign.from_dict(grid).run(tmp_path, progress=False)
+    assert outcome.engine == "serial"
+    assert set(parquet.read_table(outcome.timings)["worker"].to_pylist()) == {0}
+
+
 def test_without_pyarrow_nothing_is_run(
     grid: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -270,6 +278,10 @@ def test_without_pyarrow_nothing_is_run(
     [
         ({"engine": "dask"}, "unknown-name"),
         ({"workers": 0}, "invalid-value"),
+        ({"workers": "some"}, "invalid-value"),
+        ({"workers": True}, "invalid-value"),
+        ({"workers": None}, "invalid-value"),
+        ({"engine": "serial", "workers": "all"}, "conflict"),
         ({"engine": "serial", "workers": 2}, "conflict"),
         ({"engine": "serial", "address": "auto"}, "conflict"),
         ({"time_limit_s": 0.0}, "invalid-value"),

@@ -81,6 +81,8 @@ def test_failures_are_counted_by_kind(tmp_path: Path) -> None:
     assert [(row["way"], row["failed"], row["values"]) for row in by_way] == [
         ("raises", 3, 0), ("fine", 0, 3), ("refuses", 3, 0),
     ]  # fmt: skip
+    heading = next(line for line in str(summary).splitlines() if line.startswith("  way "))
+    assert heading.split()[:4] == ["way", "items", "failed", "values"]
     assert "3 × invalid_value, first item 6 (way=refuses,seed=1): The load is none." in str(summary)
 
 

@@ -27,9 +27,16 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="run what is not done yet")
     run.add_argument("campaign", type=Path, help="the campaign, a TOML file")
     run.add_argument("folder", type=Path, help="folder of the results; made if missing")
-    run.add_argument("--workers", type=int, metavar="N", help="worker processes [default: all cores]")
+    run.add_argument(
+        "--workers", type=_workers, default=1, metavar="N",
+        help="worker processes, or all: one for each processor of the machine or cluster [default: 1]",
+    )  # fmt: skip
     run.add_argument("--address", metavar="HOST", help="address of a Ray cluster")
-    run.add_argument("--engine", choices=ENGINES, default="auto", help="[default: auto]")
+    run.add_argument(
+        "--engine", choices=ENGINES, default="auto",
+        help="serial: one item after the other, without Ray; auto: Ray where there are several workers "
+        "or an address [default: auto]",
+    )  # fmt: skip
     run.add_argument(
         "--time-limit-s", type=float, metavar="S", help="longest time of an item [s]"
     )
@@ -44,6 +51,10 @@ def _parser() -> argparse.ArgumentParser:
     summary.add_argument("folder", type=Path)
     summary.add_argument("--no-figures", action="store_true", help="the text alone")
     return parser
+
+
+def _workers(word: str) -> int | str:
+    return int(word) if word.lstrip("-").isdigit() else word
 
 
 def _run(arguments: argparse.Namespace) -> int:

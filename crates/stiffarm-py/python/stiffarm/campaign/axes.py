@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .errors import CampaignError
+from .errors import CampaignError, nearest
 from .values import Value
 
 #: Most values of one axis.
@@ -205,9 +204,3 @@ def unknown_key(
     return CampaignError(
         "unknown-key", f"{name!r} is not known here.", place={**place, "key": key}, hint=hint
     )
-
-
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """A sentence with the name that was probably meant, or None."""
-    found = difflib.get_close_matches(name, list(known), n=1)
-    return f"Did you mean {found[0]!r}?" if found else None

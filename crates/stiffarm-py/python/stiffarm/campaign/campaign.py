@@ -141,7 +141,7 @@ class Campaign:
     def run(
         self,
         folder: str | os.PathLike[str],
-        workers: int | None = None,
+        workers: int | str = 1,
         address: str | None = None,
         engine: str = "auto",
         time_limit_s: float | None = None,
@@ -152,15 +152,17 @@ class Campaign:
         """Runs the items that are not done yet, and writes the tables.
 
         An item that raises, passes a limit or kills its worker is a row with its error, and the
-        others go on. Ctrl-C ends the run with the tables of what is done.
+        others go on. Ctrl-C ends the run with the tables of what is done, and so does a cluster
+        that gives no worker any more: with an error.
 
         Args:
             folder: Folder of this campaign; made if missing. What it has of the same campaign is
                 kept, whatever ended that run.
-            workers: Worker processes, each with one thread; all processors by default.
+            workers: Worker processes, each with one thread and so one processor: 1 unless more are
+                asked for; ``"all"`` takes every processor of the machine or cluster.
             address: Address of a Ray cluster.
-            engine: ``serial``, ``ray``, or ``auto``: Ray where it is installed and more than one
-                worker is wanted.
+            engine: ``serial``, ``ray``, or ``auto``: Ray where there is an address or more than one
+                worker is asked for.
             time_limit_s: Longest time of an item [s]; then its worker is ended.
             memory_limit_mb: Most memory of a worker process [MB]; then it is ended.
             progress: A function that gets a :class:`Progress`; None shows a line on a terminal;
@@ -172,15 +174,15 @@ class Campaign:
 
         Raises:
             CampaignError: ``other-campaign`` where the folder belongs to another one, ``in-use``
-                where another run writes to it, ``no-ray``, ``missing-package``, and what is wrong
-                with the files the campaign names.
+                where another run writes to it, ``no-ray``, ``no-cluster``, ``missing-package``, and
+                what is wrong with the files the campaign names.
         """
         for limit, name in ((time_limit_s, "time_limit_s"), (memory_limit_mb, "memory_limit_mb")):
             if limit is not None and not limit > 0:
                 raise CampaignError(
                     "invalid-value", f"A limit must be above 0, not {limit}.", place={"key": name}
                 )
-        chosen = engines.choose(engine, workers, address)
+        chosen, count = engines.choose(engine, workers, address)
         # Better before the first item than after the last.
         load("pyarrow.parquet", "The table of results")
         resources = read_resources(self.declaration)
@@ -201,8 +203,12 @@ class Campaign:
             with Journal(target / JOURNAL, len(self)) as journal, ExitStack() as ending:
                 again = journal.failed if retry_failed else frozenset()
                 todo = [n for n in range(len(self)) if n not in journal or n in again]
-                make = partial(engines.make, chosen, setup, workers, address)
-                interrupted = self._work(journal, todo, make, progress, ending)
+                make = partial(engines.make, chosen, setup, count, address)
+                try:
+                    interrupted = self._work(journal, todo, make, progress, ending)
+                except CampaignError:
+                    self._write_tables(target, journal)
+                    raise
                 self._write_tables(target, journal)
                 return Outcome(
                     folder=target,

@@ -9,6 +9,7 @@ that items see the same surroundings under every engine.
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import pickle
 import queue
@@ -118,6 +119,8 @@ def _plain(name: str, value: Any) -> Any:
     if value is None or type(value) in (str, bool, int, float):
         if type(value) is int and not -(2**63) <= value < 2**63:
             raise BadResult(f"The figure {name} is too large for 64 bits.")
+        if type(value) is float and not math.isfinite(value):
+            raise BadResult(f"The figure {name} is {value}; a number is finite, and None where there is none.")
         return value
     if isinstance(value, (list, tuple)):
         return [_plain(name, part) for part in value]

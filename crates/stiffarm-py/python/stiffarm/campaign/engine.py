@@ -57,11 +57,10 @@ def ray_installed() -> bool:
     return importlib.util.find_spec("ray") is not None
 
 
-def choose(engine: str, workers: int | None, address: str | None) -> str:
-    """``serial`` or ``ray``.
+def choose(engine: str, workers: int | str, address: str | None) -> tuple[str, int | None]:
+    """``serial`` or ``ray``, and the number of workers, None for all processors.
 
-    ``auto`` is Ray where it is installed and there is use for it: an address, or not exactly one
-    worker.
+    ``auto`` is Ray where there is use for it: an address, or more than one worker.
 
     Raises:
         CampaignError: ``unknown-name``, ``invalid-value``, ``no-ray``, ``conflict``.
@@ -70,25 +69,28 @@ def choose(engine: str, workers: int | None, address: str | None) -> str:
         raise CampaignError(
             "unknown-name", f"There is no engine {engine!r}.", hint=f"Known: {', '.join(ENGINES)}."
         )
-    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-        raise CampaignError("invalid-value", f"There must be 1 worker or more, not {workers!r}.")
-    if engine == "serial" and (address is not None or (workers or 1) > 1):
+    count = workers if isinstance(workers, int) and not isinstance(workers, bool) else None
+    if workers != "all" and (count is None or count < 1):
+        raise CampaignError(
+            "invalid-value", f"Workers are a number from 1, or 'all'; not {workers!r}.", place={"key": "workers"}
+        )
+    several = count != 1
+    if engine == "serial" and (address is not None or several):
         given = "an address" if address is not None else f"{workers} workers"
         raise CampaignError(
             "conflict",
             f"The serial engine runs one item after the other and has no use for {given}.",
             hint='Leave it out, or take engine="ray".',
         )
-    wanted = engine == "ray" or address is not None or (workers is not None and workers > 1)
-    if wanted and not ray_installed():
+    if engine == "serial" or (engine == "auto" and address is None and not several):
+        return "serial", count
+    if not ray_installed():
         raise CampaignError(
             "no-ray",
             "Ray is not installed here, so items can only be run one after the other.",
             hint=f'{INSTALL} installs Ray; engine="serial" does without.',
         )
-    if wanted or (engine == "auto" and workers is None and ray_installed()):
-        return "ray"
-    return "serial"
+    return "ray", count
 
 
 def make(name: str, setup: Setup, workers: int | None, address: str | None) -> Engine:

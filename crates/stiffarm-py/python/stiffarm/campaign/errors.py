@@ -6,9 +6,9 @@ import importlib
 from collections.abc import Mapping
 from typing import Any
 
-from .._errors import StiffarmError
+from .._errors import StiffarmError, nearest
 
-__all__ = ["INSTALL", "CampaignError", "StiffarmError", "load"]
+__all__ = ["INSTALL", "CampaignError", "StiffarmError", "load", "nearest"]
 
 INSTALL = 'pip install "stiffarm[campaign]"'
 

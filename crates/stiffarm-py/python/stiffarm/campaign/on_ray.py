@@ -37,7 +37,7 @@ class OnRay:
 
         Args:
             setup: What the workers are told.
-            workers: Number of workers; all processors of the machine or cluster by default.
+            workers: Number of workers; None for all processors of the machine or cluster.
             address: Address of a cluster, for example ``auto`` or ``ray://head:10001``; without
                 one a Ray that this program has started already, or a new one on this machine.
 
@@ -70,9 +70,12 @@ class OnRay:
     def results(self, items: Iterable[Item], count: int) -> Iterator[Result]:
         """Results in the order in which they come."""
         source = Source(iter(items), count)
+        return source.handed_on(self._results(source))
+
+    def _results(self, source: Source) -> Iterator[Result]:
         if self._local is not None:
             cores = os.cpu_count() or 1
-            most = min(self._workers or cores, cores, count)
+            most = min(self._workers or cores, cores, source.left)
             self._head = HeadStart(self._setup, most, source.draw)
             while self._starting():
                 result = self._head.next(_LOOK_S)

@@ -63,7 +63,7 @@ class Actors:
         Args:
             ray: The package, connected.
             setup: What the workers are told.
-            count: How many are wanted; all processors by default.
+            count: How many are wanted; None for all processors.
             first: Number of the first worker.
         """
         self._ray = ray

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from .errors import CampaignError
@@ -23,20 +23,23 @@ BATCH_EACH_S = 0.004
 MOST = 256
 #: Batches under way for each worker, the running one included.
 DEPTH = 2
-#: Deaths of workers, one after the other without any result, after which the run ends.
+#: Deaths of workers, one after the other without any result, after which the run ends: so many and
+#: all workers once, since those of a machine that goes die together.
 MOST_DEATHS = 20
-#: Time after which a cluster that gives no worker at all is an error [s].
+#: Time without any living worker after which the run ends [s].
 WAIT_S = 600.0
 
 
 class Source:
-    """The items that nobody has begun, for whoever asks."""
+    """The items that nobody has begun, for whoever asks, and how many have no result yet."""
 
     def __init__(self, items: Iterator[Item], count: int) -> None:
         self._items = items
         self._lock = threading.Lock()
-        #: How many there are.
+        #: How many nobody has begun.
         self.left = count
+        #: How many have no result yet.
+        self.undone = count
 
     def draw(self) -> Item | None:
         """The next item, or None at the end."""
@@ -44,6 +47,12 @@ class Source:
             item = next(self._items, None)
             self.left = self.left - 1 if item is not None else 0
             return item
+
+    def handed_on(self, results: Iterable[Result]) -> Iterator[Result]:
+        """The results, counted: when the last item has one there is nothing to wait for."""
+        for result in results:
+            self.undone -= 1
+            yield result
 
 
 class Run:
@@ -74,27 +83,28 @@ class Run:
         self._calls[call] = (actor, [])
 
     def results(self) -> Iterator[Result]:
-        """All results, those of the head start too."""
+        """Results as they come, those of the head start too, until every item has one.
+
+        A worker that is asked for and does not come is not waited for: those that live do the work.
+        """
         for _ in range(min(self._actors.wanted, self._source.left)):
             self._new_actor()
-        while self._calls or (self._head is not None and self._head.running):
-            if self._head is not None and self._head.running:
+        while self._source.undone > 0:
+            early = self._head is not None and self._head.running
+            if self._head is not None and early:
                 first = self._head.next(0.0 if self._calls else 0.5)
                 if first is not None:
                     yield first
-            if not self._calls:
-                continue
-            # Short enough for Ctrl-C to be seen at once.
-            short = self._head is not None and self._head.running
-            calls = list(self._calls)
-            done, _ = self._ray.wait(calls, num_returns=1, timeout=0.05 if short else 0.5)
-            if not done:
-                self._check_patience()
-                continue
-            # All that are there by now: looking costs as much as there are workers.
-            done, _ = self._ray.wait(calls, num_returns=len(calls), timeout=0)
-            for call in done:
-                yield from self._finish(call)
+            if self._calls:
+                # Short enough for Ctrl-C to be seen at once.
+                done, _ = self._ray.wait(list(self._calls), num_returns=1, timeout=0.05 if early else 0.5)
+                if done:
+                    # All that are there by now: looking costs as much as there are workers.
+                    done, _ = self._ray.wait(list(self._calls), num_returns=len(self._calls), timeout=0)
+                for call in done:
+                    yield from self._finish(call)
+            self._hand_back()
+            self._check_patience()
 
     def _finish(self, call: Any) -> Iterator[Result]:
         if call not in self._calls:
@@ -136,7 +146,7 @@ class Run:
         """Takes back what a dead worker had, and starts another one."""
         self._deaths += 1
         cause = _cause_in_creation(error)
-        if cause is not None or self._deaths > MOST_DEATHS:
+        if cause is not None or self._deaths > MOST_DEATHS + self._actors.wanted:
             raise CampaignError(
                 "worker-start",
                 f"Workers cannot be started: {cause}"
@@ -166,6 +176,14 @@ class Run:
         if self._again or self._source.left > 0:
             self._new_actor()
 
+    def _hand_back(self) -> None:
+        """Gives what came back to workers that have nothing else to do."""
+        for actor in self._actors.all:
+            if not self._again:
+                return
+            if actor.ready:
+                self._fill(actor)
+
     def _fill(self, actor: Actor) -> None:
         while len(actor.calls) < DEPTH:
             batch = self._batch()
@@ -194,13 +212,14 @@ class Run:
         return batch
 
     def _check_patience(self) -> None:
-        if any(actor.ready for actor in self._actors.all):
+        early = self._head is not None and self._head.running
+        if early or any(actor.ready for actor in self._actors.all):
             self._since = time.monotonic()
         elif time.monotonic() - self._since > WAIT_S:
             raise CampaignError(
                 "no-cluster",
-                f"Ray gave no worker within {WAIT_S:g} s.",
-                hint="Are there free processors in the cluster?",
+                f"Ray gave no worker within {WAIT_S:g} s; {self._source.undone} items are left.",
+                hint="Are there free processors in the cluster? Running it again does what is left.",
             )
 
 

@@ -214,12 +214,11 @@ def _text_table(rows: Sequence[Mapping[str, Any]], axis: str) -> list[str]:
     shown = ("mean", "p05", "median", "p95")
     keys = [name for name in (rows[0] if rows else {}) if name not in (*STATISTICS, "figure")]
     keys = [name for name in keys if name not in ("items", "failed", "values")]
-    head = [axis or "all items", "items", "failed", *shown]
+    head = [axis or "all items", "items", "failed", "values", *shown]
     body = [
         [
             ", ".join(show(row[key]) for key in keys) or "",
-            str(row["items"]),
-            str(row["failed"]),
+            *(str(row[name]) for name in ("items", "failed", "values")),
             *("–" if row[name] is None else f"{row[name]:.4g}" for name in shown),
         ]
         for row in rows

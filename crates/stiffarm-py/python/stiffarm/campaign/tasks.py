@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from . import built_in
-from .axes import nearest
-from .errors import CampaignError
+from .errors import CampaignError, nearest
 from .options import read_options
 from .values import Value, digest
 
