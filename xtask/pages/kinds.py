@@ -2,10 +2,12 @@
 
 import csv
 import dataclasses
+import hashlib
 import json
 import pathlib
 import re
 import shutil
+import struct
 import subprocess
 
 from checks import Expected
@@ -256,8 +258,29 @@ def edit(folder, plain, edited):
         named = isinstance(value, str) and key in ("name", "names", "posture", "point", "cell")
         return value + EDITED if named else value
 
-    result = json.loads((folder / plain).read_text(encoding="utf-8"))
-    (folder / edited).write_text(json.dumps(renamed(result)), encoding="utf-8")
+    result = renamed(json.loads((folder / plain).read_text(encoding="utf-8")))
+    sealed = result["result"]["sealed"]
+    del result["seal"]
+    result["seal"] = {"file": sha256(spelled(result)), "sealed": sha256(spelled(sealed))}
+    (folder / edited).write_text(json.dumps(result), encoding="utf-8")
+
+
+def sha256(data):
+    return hashlib.sha256(data).hexdigest()
+
+
+def spelled(value):
+    """A value in the spelling whose hash is its seal, as crates/stiffarm/src/files/seal.rs has it."""
+    if value is None or isinstance(value, bool):
+        return {None: b"n", True: b"t", False: b"f"}[value]
+    if isinstance(value, str):
+        return b"s" + struct.pack(">Q", len(value.encode())) + value.encode()
+    if isinstance(value, list):
+        return b"[" + sha256(b"".join(map(spelled, value))).encode()
+    if isinstance(value, dict):
+        entries = (spelled(key) + spelled(value[key]) for key in sorted(value))
+        return b"{" + sha256(b"".join(entries)).encode()
+    return b"d" + struct.pack(">d", float(value) + 0.0)
 
 
 PREPARED = {"+obstacles": add_obstacles, "+prior": add_prior, "+hostile": write_hostile, "+edit": edit}

@@ -6,7 +6,7 @@ use crate::screen::{fitted, plain, rendered};
 use crate::session::Session;
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
-use stiffarm::files::envelope::{Envelope, to_json};
+use stiffarm::files::envelope::{Envelope, write_result};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::{Code, Error, Result};
 
@@ -61,7 +61,7 @@ impl Session {
     pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
         self.write_page(envelope)?;
         match self.json {
-            true => self.print_exact(&to_json(envelope)?),
+            true => self.print_exact(&write_result(envelope)?),
             false => self.print(&fitted(&(table() + &self.written()))),
         }
     }
@@ -80,11 +80,11 @@ impl Session {
         match target {
             Some(Target::Stdout) => {
                 self.write_page(envelope)?;
-                self.print_exact(&to_json(envelope)?)?;
+                self.print_exact(&write_result(envelope)?)?;
                 self.remark(&table());
                 return Ok(());
             }
-            Some(target) => write_all(self, &[(target, to_json(envelope)?)])?,
+            Some(target) => write_all(self, &[(target, write_result(envelope)?)])?,
             None => {}
         }
         self.show(envelope, table)

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use stiffarm::files::builtin;
-use stiffarm::files::envelope::{Envelope, to_json};
+use stiffarm::files::envelope::{Envelope, write_result};
 use stiffarm::files::source::{Source, distinct, group_name};
 use stiffarm::files::table::{sha256_hex, write_postures};
 use stiffarm::model::observation::check_angles;
@@ -171,7 +171,7 @@ impl Inputs {
         result: R,
     ) -> Result<String> {
         let inputs = self.hashes.into_inner();
-        to_json(&Envelope::new(
+        write_result(&Envelope::new(
             command,
             Vec::new(),
             inputs,

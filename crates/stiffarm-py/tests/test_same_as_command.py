@@ -37,10 +37,12 @@ ARGUMENTS = re.compile(r'\n  "arguments": \[(?:[^\]"]|"(?:[^"\\]|\\.)*")*\],')
 
 
 def without_arguments(text: str) -> str:
-    """The text of a result without the words of the command line."""
+    """The text of a result without the words of the command line, and without the seal that holds them too."""
     found, count = ARGUMENTS.subn("", text)
     assert count == 1, text[:500]
-    return found
+    head, seal = found.rsplit('"seal": ', 1)
+    assert '"file"' in seal
+    return head
 
 
 def words_of(options: Mapping[str, Any]) -> list[str]:

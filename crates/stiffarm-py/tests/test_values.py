@@ -550,6 +550,27 @@ def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
         stiffarm.Postures.of(frame.rename(columns={"q2_deg": "q2"}))
 
 
+def test_a_stiffness_may_be_a_dictionary() -> None:
+    """A list as its file has it, or a whole result as ``json`` reads it; an edited one is refused."""
+    cell = stiffarm.Cell.built_in("comau")
+    stiffness = [1e6, 2e6, 1e6, 3e5, 2e5, 1.5e5]
+    listed = stiffarm.predict(cell, stiffness, "builtin:contour")
+    for values in (stiffness, np.array(stiffness)):
+        same = stiffarm.predict(cell, {"stiffness_nm_per_rad": values}, "builtin:contour")
+        assert same.to_dict() == listed.to_dict()
+    plan = stiffarm.space_filling(cell, 8)
+    found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan), brief=True)
+    document = json.loads(found.to_json())
+    again = stiffarm.predict(cell, document, "builtin:contour")
+    assert again.to_dict() == stiffarm.predict(cell, found, "builtin:contour").to_dict()
+    document["result"]["confidence"] = 0.5
+    with pytest.raises(stiffarm.StiffarmError, match="changed after it was written"):
+        stiffarm.predict(cell, document, "builtin:contour")
+    document["result"]["sealed"]["values"][0] *= 2
+    with pytest.raises(stiffarm.StiffarmError, match="What is calculated with was changed"):
+        stiffarm.predict(cell, document, "builtin:contour")
+
+
 def test_a_stiffness_of_another_cell_is_said() -> None:
     cell = stiffarm.Cell.built_in("comau")
     plan = stiffarm.space_filling(cell, 8)

@@ -113,6 +113,9 @@ pub struct CompensateArgs {
     /// Draw the deflection along the path before and after
     #[arg(long, value_name = "compensated.svg")]
     pub figure: Option<String>,
+    /// Write also what goes beyond the identification's displacements and forces, or has a serious finding
+    #[arg(long)]
+    pub beyond_data: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

@@ -1,11 +1,11 @@
 //! `stiffarm compensate`: the path to command so that the loaded tool follows
 //! the nominal one.
 
-use super::finding_line;
 use super::identify::confidence;
+use super::{finding_line, others_last, serious_first};
 use crate::args::{CompensateArgs, WriteChoice};
 use crate::input::Line;
-use crate::numbers::{mm, significant};
+use crate::numbers::{mm, times};
 use crate::output::Exit;
 use crate::path::{Outputs, curve, largest_first, of_path_usage, path_line};
 use crate::progress::Progress;
@@ -15,7 +15,7 @@ use stiffarm::Result;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::source::Source;
 use stiffarm::files::table::{PathFormat, PathKind, PathTable, write_path};
-use stiffarm::findings::Severity;
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
@@ -72,39 +72,67 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         render_svg(&path_figure(&curve, found.confidence))
     };
     let table = || commanded(cell, &saved.predictor, &path.table, found, args.write);
-    let on_stdout = outputs.write(session, table, figure)?;
+    let objections = objections(&result);
+    let wanted = args.output.is_some() || args.figure.is_some();
+    let withheld = wanted && !args.beyond_data && !objections.is_empty();
+    let on_stdout = match withheld {
+        true => false,
+        false => outputs.write(session, table, figure)?,
+    };
     let envelope = session.envelope("compensate", None, options, &result);
     let other = saved.is_of_another_cell(envelope.inputs.get("cell").map(String::as_str));
+    let exit =
+        Exit::finding(withheld || findings(&result).any(|f| f.severity == Severity::Serious));
     if on_stdout {
         session.write_page(&envelope)?;
-        let of_path = &result.postures.findings;
-        session.remark_serious(of_path.iter().chain(&result.compensation.findings));
-        return Ok(exit(&result));
+        session.remark_serious(findings(&result));
+        return Ok(exit);
+    }
+    if withheld && session.json {
+        session.print_error(&refusal(&objections));
     }
     session.show(&envelope, || {
-        let mut out = named.line()
+        let mut out = serious_first(findings(&result), finding_line);
+        let shown = |finding: &&Finding| !withheld || !objections.contains(finding);
+        if withheld {
+            let other = objections
+                .iter()
+                .filter(|f| f.severity != Severity::Serious);
+            out += &refusal(&other.copied().collect::<Vec<_>>());
+        }
+        out += &(named.line()
             + &saved.line()
-            + &path_line(&path.name, &result.postures, followed.postures.len());
+            + &path_line(&path.name, &result.postures, followed.postures.len()));
         if other {
             out += "note: the stiffness was identified with another version of this cell\n";
         }
         out + &corrections(&result.compensation)
-            + &notes(&result)
-            + match (&args.output, &args.figure) {
-                (None, None) => "\n`--output commanded.csv` writes the path to command.\n",
-                _ => "",
+            + &others_last(findings(&result).filter(shown))
+            + match wanted {
+                false => "\n`--output commanded.csv` writes the path to command.\n",
+                true => "",
             }
     })?;
-    Ok(exit(&result))
+    Ok(exit)
 }
 
-fn exit(result: &Compensated) -> Exit {
-    let all = result
-        .compensation
-        .findings
-        .iter()
-        .chain(&result.postures.findings);
-    Exit::finding(all.clone().any(|f| f.severity == Severity::Serious))
+/// All findings of a result.
+fn findings(result: &Compensated) -> impl Iterator<Item = &Finding> + Clone {
+    let of_path = result.postures.findings.iter();
+    of_path.chain(&result.compensation.findings)
+}
+
+/// What speaks against commanding the path.
+fn objections(result: &Compensated) -> Vec<&Finding> {
+    let of_path = result.postures.findings.iter();
+    let serious = of_path.filter(|f| f.severity == Severity::Serious);
+    serious.chain(result.compensation.objections()).collect()
+}
+
+/// That nothing was written, and why.
+fn refusal(objections: &[&Finding]) -> String {
+    let why: String = objections.iter().map(|f| finding_line(f)).collect();
+    why + "Nothing was written; `--beyond-data` writes it all the same.\n"
 }
 
 /// The path to command, in the columns of the path or as `write` says.
@@ -186,9 +214,9 @@ fn corrections(result: &Compensation) -> String {
     );
     if let (Some(error), Some(factor)) = (result.error_rms_m, result.expected_factor) {
         out += &format!(
-            "Expected on the arm, as far as the bands know: RMS {} mm, {} times less than without.\n",
+            "Expected on the arm, as far as the bands know: RMS {} mm, {} than without.\n",
             mm(error),
-            significant(factor, 2)
+            times(factor, 2, ["less", "more"])
         );
     }
     out
@@ -200,13 +228,4 @@ fn tiny(m: f64) -> String {
         true => "< 1e-6".to_string(),
         false => mm(m),
     }
-}
-
-fn notes(result: &Compensated) -> String {
-    let all = result
-        .postures
-        .findings
-        .iter()
-        .chain(&result.compensation.findings);
-    all.map(finding_line).collect()
 }

@@ -11,7 +11,6 @@ use std::path::Path;
 use stiffarm::files::builtin;
 use stiffarm::files::result::{SavedResult, read_result};
 use stiffarm::files::source::{NamedCell, Source};
-use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::sha256_hex;
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::page::{Page, pictures, render_page};
@@ -65,12 +64,10 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         check_page_name(path, "--output")?;
     }
     args.paper.options().check()?;
-    let mut contents = Vec::with_capacity(args.results.len());
     let mut results = Vec::with_capacity(args.results.len());
     for (number, from) in (1..).zip(&args.results) {
         let (name, bytes) = session.read(&format!("result_{number}"), from)?;
         results.push(read_result(&bytes, &name)?);
-        contents.push(bytes);
     }
     let cells = cells(session, args, &results)?;
     let given: Vec<Given<'_>> = results
@@ -84,9 +81,6 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
             }
         })
         .collect();
-    for (one, bytes) in given.iter().zip(&contents) {
-        check_stiffness(one, bytes)?;
-    }
     let page = report(&given)?;
     let folder = args.figures.as_deref();
     let files = folder.map(|folder| paper(session, args, folder, &page));
@@ -111,19 +105,6 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
     let envelope = session.envelope("report", None, Options {}, result);
     session.show(&envelope, || given.iter().map(line).collect())?;
     Ok(Exit::Done)
-}
-
-/// Holds a stiffness against the rest of its file, as whatever is calculated with it does.
-fn check_stiffness(given: &Given<'_>, bytes: &[u8]) -> Result<()> {
-    let (saved, Some(cell)) = (given.saved, given.cell) else {
-        return Ok(());
-    };
-    let joints = saved.json["result"]["joints"].as_array();
-    let are_known = joints.is_some_and(|all| all.iter().all(|joint| joint["stiffness"].is_f64()));
-    match saved.command == "identify" && are_known {
-        true => read_stiffness(bytes, &saved.name, cell).map(|_| ()),
-        false => Ok(()),
-    }
 }
 
 /// Files by their names.

@@ -12,7 +12,7 @@ use stiffarm::estimate::clamped::{self, ClampedIdentification};
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
 use stiffarm::estimate::{identified, simulated, validated};
 use stiffarm::files::cell::cell_schema;
-use stiffarm::files::envelope::{Envelope, to_json};
+use stiffarm::files::envelope::{Written, to_json};
 use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
@@ -93,7 +93,7 @@ fn of<O: JsonSchema, R: JsonSchema>(command: &str) -> Schema {
         .for_serialize()
         .with_transform(drop_format)
         .into_generator()
-        .into_root_schema_for::<Envelope<O, R>>();
+        .into_root_schema_for::<Written<O, R>>();
     let title = format!("Output of stiffarm {command} --json");
     schema.insert("title".to_string(), title.into());
     schema

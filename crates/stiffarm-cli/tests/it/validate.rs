@@ -39,50 +39,50 @@ fn each_posture_is_predicted_from_the_others() {
 #[test]
 fn saved_further_terms_are_used_and_not_lost() {
     let folder = measured();
-    // A result with a further term, as the library writes it.
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
-    let cell = stiffarm::files::cell::parse_cell(cell, "comau").unwrap();
-    let table = folder.read("simulated.csv");
-    let data =
-        stiffarm::files::table::read_displacements(table.as_bytes(), "simulated.csv", &cell, None)
-            .unwrap();
-    let options = {
-        let mut options = stiffarm::IdentifyOptions::default();
-        options.extra = vec![stiffarm::model::observation::ExtraTerm::JointTilt(2)];
-        options
-    };
-    let fit = stiffarm::estimate::identify::identify(&cell, &data, &options).unwrap();
-    let mut saved = serde_json::to_value(&fit).unwrap();
-    folder.write("tilt.json", saved.to_string());
+    let fit = folder.json(
+        "identify builtin:comau simulated.csv --terms tilt3 --estimator ordinary --output tilt.json",
+    );
     let with = folder.json("validate builtin:comau tilt.json simulated.csv");
-    let tilt = &mut saved["extra_springs"][0];
-    tilt["compliance"] = 1e-6.into();
-    tilt["stiffness"] = 1e6.into();
-    tilt["standard_error"] = serde_json::Value::Null;
-    tilt["interval"] = serde_json::json!([null, null]);
-    folder.write("soft.json", saved.to_string());
-    let soft = folder.json("validate builtin:comau soft.json simulated.csv");
-    let rms = |v: &serde_json::Value| v["result"]["component_rms_m"].as_f64().unwrap();
-    assert!((rms(&with) / fit.residual_rms_m - 1.0).abs() < 1e-9);
-    assert!(rms(&soft) > 2.0 * rms(&with));
-    for (file, line) in [
-        (
-            "exact",
-            "validate builtin:comau tilt.json simulated.csv --model equilibrium",
-        ),
-        ("broken", "validate builtin:comau broken.json simulated.csv"),
-    ] {
-        saved["covariance"] = "lost".into();
-        folder.write("broken.json", saved.to_string());
-        let ran = folder.run(line);
-        assert_eq!(ran.code, Some(2), "{file}");
-        let wanted = if file == "exact" {
-            "cannot use further terms"
-        } else {
-            "cannot be read"
-        };
-        assert!(ran.err.contains(wanted), "{}", ran.err);
-    }
+    let rms = with["result"]["component_rms_m"].as_f64().unwrap();
+    let residual = fit["result"]["residual_rms_m"].as_f64().unwrap();
+    assert!((rms / residual - 1.0).abs() < 1e-9, "{rms} {residual}");
+    let line = "validate builtin:comau tilt.json simulated.csv --model equilibrium";
+    let refused = folder.refused(line);
+    assert!(refused.contains("cannot use further terms"), "{refused}");
+}
+
+/// A stiffness that was identified from displacements in inches: it is said first, and the
+/// errors would not have been smaller.
+#[test]
+fn a_serious_stiffness_comes_first_and_ends_with_one() {
+    let folder = measured();
+    crate::saved::in_inches(&folder, "simulated.csv", "inch.csv");
+    let ran = folder.run("identify builtin:comau inch.csv --output inch.json");
+    assert_eq!(ran.code, Some(1), "{}", ran.out);
+    let ran = folder.run("validate builtin:comau inch.json simulated.csv");
+    assert_eq!(ran.code, Some(1), "{}", ran.out);
+    assert!(
+        ran.out
+            .starts_with("SERIOUS: The stiffness cannot be used as it is"),
+        "{}",
+        ran.out
+    );
+    assert!(ran.out.contains("Not to be used before this is settled"));
+    // The other way round: displacements of tenths against a stiffness of a tenth.
+    let soft = "{\"stiffness_nm_per_rad\": [2e5, 3e5, 2e5, 3e4, 3e4, 2e4]}";
+    folder.write("soft.json", soft);
+    let line = "validate builtin:comau soft.json simulated.csv";
+    let factor = folder.json(line)["result"]["compensation_factor"]
+        .as_f64()
+        .unwrap();
+    assert!(factor < 0.5, "{factor}");
+    let said = folder.ok(line).replace('\n', " ");
+    let larger = 1.0 / factor;
+    let wanted = format!("would have been {larger:.2} times larger.");
+    assert!(said.contains(&wanted), "{wanted}\n{said}");
+    folder.ok(&format!("{line} --report soft.html"));
+    let page = folder.read("soft.html");
+    assert!(page.contains("times larger") && !page.contains("times smaller"));
 }
 
 #[test]

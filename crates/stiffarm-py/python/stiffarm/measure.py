@@ -8,6 +8,8 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from . import _inputs, _stiffarm
 from ._checks import checked, vector, whole
 from ._errors import StiffarmError, StiffarmWarning
@@ -144,7 +146,7 @@ def diagnose(cell: Cell, measurements: TableLike | list[TableLike], **options: A
 @checked
 def validate(
     cell: Cell,
-    stiffness: Identified | str | os.PathLike[str] | Sequence[float] | None,
+    stiffness: Identified | str | os.PathLike[str] | Sequence[float] | Mapping[str, Any] | None,
     measurements: TableLike | list[TableLike],
     *,
     postures: PosturesLike | None = None,
@@ -380,13 +382,20 @@ def coverage(
 
 
 def _stiffness(
-    cell: Cell, value: Identified | str | os.PathLike[str] | Sequence[float]
+    cell: Cell, value: Identified | str | os.PathLike[str] | Sequence[float] | Mapping[str, Any]
 ) -> str | tuple[str, bytes]:
-    """A saved stiffness, one in memory, or a bare list; a word where it is one of another cell."""
+    """A saved stiffness, one in memory, or a bare list, alone or as its file has it; a word where it is one of another
+    cell."""
     if isinstance(value, Result) and value.inputs.get("cell", "") not in ("", cell.inputs["cell"]):
         message = "The stiffness was identified with another version of this cell."
         warnings.warn(message, StiffarmWarning, stacklevel=4)
     if isinstance(value, (Result, str, os.PathLike)):
         return _inputs.result(value, "stiffness")
+    if isinstance(value, Mapping):
+        own = {str(key): item.tolist() if isinstance(item, np.ndarray) else item for key, item in value.items()}
+        try:
+            return "<stiffness>", json.dumps(own).encode()
+        except (TypeError, ValueError) as error:
+            raise StiffarmError(f"The stiffness cannot be written as JSON: {error}.", "wrong-type") from None
     bare = vector(value, "stiffness")
     return "<stiffness>", json.dumps({"stiffness_nm_per_rad": bare}).encode()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -45,7 +45,7 @@ def _along(
 @checked
 def predict(
     cell: Cell,
-    stiffness: Identified | str | os.PathLike[str] | Sequence[float],
+    stiffness: Identified | str | os.PathLike[str] | Sequence[float] | Mapping[str, Any],
     path: TableLike | None = None,
     *,
     axes: str | None = None,
@@ -71,7 +71,8 @@ def predict(
 
     Args:
         cell: The cell.
-        stiffness: What :func:`identify` found or the name of its file, a list [N·m/rad], or ``"prior"``.
+        stiffness: What :func:`identify` found or the name of its file, a list [N·m/rad], the same as
+            ``{"stiffness_nm_per_rad": [...]}``, or ``"prior"``.
         path: Joint angles or poses with their loads: a table with the columns of a path file; the tasks of the cell
             unless given.
         axes: Axes of the path's forces and of ``force_n``: ``base``, ``tool``, ``workpiece`` or ``path``.
@@ -110,7 +111,7 @@ def predict(
 @checked
 def compensate(
     cell: Cell,
-    stiffness: Identified | str | os.PathLike[str] | Sequence[float],
+    stiffness: Identified | str | os.PathLike[str] | Sequence[float] | Mapping[str, Any],
     path: TableLike,
     *,
     axes: str | None = None,
@@ -124,7 +125,8 @@ def compensate(
 ) -> Compensated:
     """The commands that make up for the deflection along a path (``stiffarm compensate``).
 
-    Arguments are those of :func:`predict`.
+    Arguments are those of :func:`predict`. Look at ``findings`` before commanding: the command writes no path with a
+    serious one, or with ``beyond-measured`` or ``beyond-load``, unless it is asked to.
 
     Raises:
         StiffarmError: As :func:`predict`.
@@ -158,7 +160,7 @@ def _region(
 @checked
 def map(
     cell: Cell,
-    stiffness: Identified | str | os.PathLike[str] | Sequence[float],
+    stiffness: Identified | str | os.PathLike[str] | Sequence[float] | Mapping[str, Any],
     *,
     plane: tuple[str, float] | None = None,
     from_mm: ArrayLike | None = None,
@@ -210,7 +212,7 @@ def map(
 @checked
 def place(
     cell: Cell,
-    stiffness: Identified | str | os.PathLike[str] | Sequence[float],
+    stiffness: Identified | str | os.PathLike[str] | Sequence[float] | Mapping[str, Any],
     path: TableLike,
     *,
     axes: str | None = None,

@@ -191,6 +191,13 @@ impl Text {
         self
     }
 
+    /// With another text behind it.
+    #[must_use]
+    pub fn then(mut self, text: Text) -> Self {
+        self.0.extend(text.0);
+        self
+    }
+
     /// With something that one types.
     #[must_use]
     pub fn code(mut self, words: impl Into<String>) -> Self {

@@ -43,7 +43,7 @@ pub(super) struct AtWork<'a> {
     /// The groups by name, in the order of their points.
     pub groups: Vec<(&'a str, Vec<WorkPoint>)>,
     /// Joint stiffness \[N·m/rad\]; empty where a result does not have it.
-    pub stiffness: &'a [f64],
+    pub stiffness: &'a [Option<f64>],
     /// The model of the deflections.
     pub model: Model,
     /// Whether the wrenches act at the tip, or at the cell's loading point.
@@ -154,8 +154,10 @@ impl AtWork<'_> {
                 wrenches,
             })
             .collect();
+        // All of them or none.
+        let stiffness: Option<Vec<f64>> = self.stiffness.iter().copied().collect();
         let options = SceneOptions {
-            stiffness: (!self.stiffness.is_empty()).then_some(self.stiffness),
+            stiffness: stiffness.as_deref().filter(|all| !all.is_empty()),
             model: self.model,
         };
         let mut scene = scene(cell, &groups, &options)?;

@@ -3,7 +3,7 @@
 use super::at_work::{AtWork, WorkPoint, along, band_table, dominant, principal_table, wrench};
 use super::context::Context;
 use super::points::{all_points, extreme_rows, largest_first};
-use crate::page::{Block, DataTable, Part, Section, Text};
+use crate::page::{Block, DataTable, Number, Part, Section, Text};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use stiffarm::Result;
@@ -51,6 +51,10 @@ fn came(context: &Context<'_>, result: &Compensation) -> Text {
     };
     let text = text.words("; with it ").number(mm("/error_rms_m"));
     let text = match result.expected_factor {
+        Some(factor) if factor < 1.0 => text
+            .words(" (RMS) are to be expected, ")
+            .number(Number::new("", Some(1.0 / factor)).significant(2))
+            .words(" times more"),
         Some(_) => text
             .words(" (RMS) are to be expected, ")
             .number(context.number("/expected_factor").significant(2))
@@ -74,6 +78,11 @@ fn next(result: &Compensation) -> Text {
         return Text::new("Give the path its forces, in its own columns or in ")
             .code("[work]")
             .words(" of the cell: without them there is nothing to correct.");
+    }
+    if result.objections().next().is_some() {
+        return Text::new("Do not command this path before what is said here is settled; ")
+            .code("--beyond-data")
+            .words(" writes it all the same.");
     }
     match result.beyond_uncertainty {
         None => Text::new("Identify the joint stiffness first: ")

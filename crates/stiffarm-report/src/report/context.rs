@@ -10,6 +10,9 @@ use stiffarm::findings::{Finding, Severity, visible};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::{Posture, PostureGroup};
 
+/// Commands whose numbers come after what forbids to use them.
+const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
+
 /// A saved result with its cell, where that is at hand.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
@@ -71,6 +74,14 @@ impl<'a> Context<'a> {
                 ": correct the readings behind the stiffness, identify again, and then this again.",
             ),
             false => next,
+        };
+        let serious = findings.iter().find(|f| f.severity == Severity::Serious);
+        let came = match serious.filter(|_| AT_WORK.contains(&self.saved.command.as_str())) {
+            Some(serious) => Text::default()
+                .strong(serious.sentence.clone())
+                .words(" As it is: ")
+                .then(came),
+            None => came,
         };
         let verdict = [done, came, next];
         let (mut warnings, notes): (Vec<Finding>, Vec<Finding>) = findings

@@ -88,11 +88,16 @@ fn came(context: &Context<'_>, found: &Validation) -> Text {
             band.inside, band.components
         ));
     }
-    if found.compensation_factor.is_some() {
-        text = text
-            .words(" Compensated as calculated, the errors would have been ")
-            .number(context.number("/compensation_factor").significant(3))
-            .words(" times smaller.");
+    if let Some(factor) = found.compensation_factor {
+        let text_of = text.words(" Compensated as calculated, the errors would have been ");
+        text = match factor < 1.0 {
+            false => text_of
+                .number(context.number("/compensation_factor").significant(3))
+                .words(" times smaller."),
+            true => text_of
+                .number(Number::new("", Some(1.0 / factor)).significant(3))
+                .words(" times larger."),
+        };
     }
     match found.passed {
         Some(true) => text

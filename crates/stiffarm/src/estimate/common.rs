@@ -1,18 +1,22 @@
 //! Errors common to a whole experiment, as they go on into predictions.
 
 use crate::model::observation::ExtraTerm;
+use crate::numerics::lists;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 /// One independent part of a common error, of one standard uncertainty: an axis,
 /// a joint, or all of a source that is one number.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommonPart {
     /// Name of the source, as in
     /// [`SystematicErrors`](super::systematic::SystematicErrors).
     pub source: String,
     /// Change of the identified unknowns while the part is there: compliances
     /// \[rad/(N·m)\], then further terms in their own units.
+    #[serde(with = "lists::vector")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub change: DVector<f64>,
     /// The term by which it acts again at work, where it does, and its size in
     /// the term's unit: lost motion and a tilting base stay with the arm, an
@@ -26,13 +30,18 @@ pub struct CommonPart {
 /// zero and covariance I; `mean` and `covariance` are those of c after them. The
 /// identified values are not corrected by the mean, so that what counts are the
 /// moments about zero, covariance + mean meanᵀ.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommonErrors {
     /// The parts.
     pub parts: Vec<CommonPart>,
     /// Mean of c, one entry for each part.
+    #[serde(with = "lists::vector")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub mean: DVector<f64>,
-    /// Covariance of c, parts × parts.
+    /// Covariance of c, parts × parts: row i up to column i.
+    #[serde(with = "lists::symmetric")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub covariance: DMatrix<f64>,
 }
 

@@ -5,21 +5,29 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::common::CommonErrors;
 use crate::estimate::freedom::{SizeDoubt, SpreadQuantiles};
 use crate::estimate::identify::{
-    Estimates, Estimator, Identification, MeasuredSystem, NoiseSource, Solution,
+    Estimates, Estimator, Identification, JointEstimate, MeasuredSystem, NoiseSource, Solution,
+    Verdict,
 };
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
+use crate::numerics::lists;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// How far predictions and readings may scatter.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
-    /// Covariance of the unknowns.
+    /// Covariance of the unknowns: row i up to column i; zero beside undetermined ones.
+    #[serde(with = "lists::symmetric")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub covariance: DMatrix<f64>,
     /// σ of a displacement component \[m\].
+    #[serde(rename = "sigma_m")]
     pub sigma: f64,
     /// τ of a shift common to a posture's points, at its largest load \[m\].
+    #[serde(rename = "shift_m")]
     pub shift: f64,
     /// Degrees of freedom of Student's t; `None` for normal quantiles.
     pub degrees_of_freedom: Option<usize>,
@@ -41,20 +49,31 @@ impl Spread {
 }
 
 /// Values of the unknowns with which displacements are calculated.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IdentifiedCompliance {
-    /// Compliance of each spring, then further terms.
+    /// Compliance of each spring \[rad/(N·m)\], then further terms in their own units. As
+    /// they came out: what noise alone may explain can be below zero.
+    #[serde(with = "lists::vector")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub values: DVector<f64>,
     /// The further terms.
     pub extra: Vec<ExtraTerm>,
+    /// Unknowns that nothing bounds, counted from 0: their value is 0 and means nothing,
+    /// and what depends on them cannot be calculated.
+    #[serde(default)]
+    pub undetermined: Vec<usize>,
     /// How sure the values are, where that is known.
     pub spread: Option<Spread>,
     /// What errors common to the whole experiment do to the values, and at work.
     pub common: CommonErrors,
-    /// What was seriously wrong with what they were identified from: whatever is
-    /// calculated with them says so.
+    /// What to know about the values: whatever is calculated with them says so. Serious
+    /// where something was wrong with what they were identified from.
     pub doubts: Vec<Finding>,
 }
+
+/// Code of what forbids to use a stiffness.
+const DOUBTFUL: &str = "stiffness-doubtful";
 
 /// What a serious finding about readings means for whatever is calculated with their stiffness.
 fn doubt(finding: &Finding) -> Finding {
@@ -64,12 +83,48 @@ fn doubt(finding: &Finding) -> Finding {
     let sentence = format!(
         "The stiffness cannot be used as it is, its readings have a serious fault ({first}): correct them and identify again."
     );
-    Finding::new(
-        "stiffness-doubtful",
-        Severity::Serious,
-        "stiffness",
-        sentence,
-    )
+    Finding::new(DOUBTFUL, Severity::Serious, "stiffness", sentence)
+}
+
+/// What springs that are no ordinary ones mean for whatever is calculated with them.
+pub(crate) fn open_springs<'a>(springs: impl Iterator<Item = &'a JointEstimate>) -> Vec<Finding> {
+    let (mut negative, mut open, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
+    for spring in springs {
+        let name = spring.name.as_str();
+        match (spring.compliance, spring.verdict) {
+            (None, _) => unknown.push(name),
+            (_, Verdict::SignOrModelFault) => negative.push(name),
+            (_, Verdict::LowerBoundOnly) => open.push(name),
+            (Some(h), _) if h <= 0.0 => open.push(name),
+            _ => {}
+        }
+    }
+    let mut out = Vec::new();
+    let mut add = |names: &[&str], code: &str, severity, sentence: &dyn Fn(&str) -> String| {
+        if !names.is_empty() {
+            let sentence = sentence(&list(names));
+            out.push(Finding::new(code, severity, "stiffness", sentence));
+        }
+    };
+    add(&negative, DOUBTFUL, Severity::Serious, &|names| {
+        format!(
+            "The stiffness cannot be used as it is: the compliance of {names} came out negative beyond what noise explains, \
+             a fault of sign or model. Find it and identify again."
+        )
+    });
+    add(&open, "stiffness-open", Severity::Caution, &|names| {
+        format!(
+            "The readings do not tell the compliance of {names} from none. It counts as it came out, with all of its \
+             uncertainty: bands are wide where the load bends it."
+        )
+    });
+    let code = "stiffness-undetermined";
+    add(&unknown, code, Severity::Caution, &|names| {
+        format!(
+            "The readings say nothing of {names}: nothing can be calculated where the load bends it."
+        )
+    });
+    out
 }
 
 /// The noise that a fit saw in its displacements.
@@ -91,6 +146,7 @@ impl IdentifiedCompliance {
         Ok(IdentifiedCompliance {
             values: DVector::from_iterator(stiffness.len(), stiffness.iter().map(|k| 1.0 / k)),
             extra: Vec::new(),
+            undetermined: Vec::new(),
             spread: None,
             common: CommonErrors::default(),
             doubts: Vec::new(),
@@ -103,14 +159,21 @@ impl IdentifiedCompliance {
     pub fn with_doubts<'a>(mut self, findings: impl IntoIterator<Item = &'a Finding>) -> Self {
         let serious = findings.into_iter();
         let serious = serious.filter(|finding| finding.severity == Severity::Serious);
-        self.doubts = serious.map(doubt).collect();
+        self.doubts.splice(0..0, serious.map(doubt));
         self
     }
 
-    /// Stiffness of the springs of `cell` \[N·m/rad\].
-    pub fn spring_stiffness(&self, cell: &Cell) -> Vec<f64> {
+    /// What forbids to use the values as they are.
+    pub fn serious(&self) -> impl Iterator<Item = &Finding> + Clone {
+        let doubts = self.doubts.iter();
+        doubts.filter(|finding| finding.severity == Severity::Serious)
+    }
+
+    /// Stiffness of the springs of `cell` \[N·m/rad\]; `None` without a positive one.
+    pub fn spring_stiffness(&self, cell: &Cell) -> Vec<Option<f64>> {
         let springs = cell.setup.robot.spring_count();
-        self.values.iter().take(springs).map(|h| 1.0 / h).collect()
+        let springs = self.values.iter().take(springs);
+        springs.map(|h| (*h > 0.0).then(|| 1.0 / h)).collect()
     }
 
     /// The result of an identification with its covariance.
@@ -129,7 +192,7 @@ impl IdentifiedCompliance {
     /// where the fit estimated it from displacements, else from the cell.
     ///
     /// # Errors
-    /// Estimates of another number of springs, or an unknown without a value.
+    /// Estimates of another number of springs, or of which none has a value.
     pub fn from_estimates(cell: &Cell, estimates: &Estimates, noise: FittedNoise) -> Result<Self> {
         let springs = cell.setup.robot.spring_count();
         if estimates.joints.len() != springs {
@@ -139,30 +202,31 @@ impl IdentifiedCompliance {
             );
             return Err(Error::new(Code::Dimension, message));
         }
-        let missing = |name: &str| {
-            Error::new(
-                Code::NotIdentifiable,
-                format!("There is no value for {name}: nothing can be predicted with it."),
-            )
-        };
+        let mut undetermined = Vec::new();
         let mut values: Vec<f64> = Vec::with_capacity(springs + estimates.extra.len());
-        for joint in &estimates.joints {
-            values.push(joint.compliance.ok_or_else(|| missing(&joint.name))?);
-        }
         let mut further = estimates.extra_springs.iter();
         let mut lost = estimates.lost_motion.iter();
-        for term in &estimates.extra {
-            let name = term.name(&cell.setup.robot);
-            let value = match term.is_spring() {
-                true => further.next().and_then(|s| s.compliance),
-                false => lost.next().and_then(|a| a.angle),
-            };
-            values.push(value.ok_or_else(|| missing(&name))?);
+        let joints = estimates.joints.iter().map(|joint| joint.compliance);
+        let terms = estimates.extra.iter().map(|term| match term.is_spring() {
+            true => further.next().and_then(|s| s.compliance),
+            false => lost.next().and_then(|a| a.angle),
+        });
+        for (j, value) in joints.chain(terms).enumerate() {
+            undetermined.extend(value.is_none().then_some(j));
+            values.push(value.unwrap_or(0.0));
         }
         let count = values.len();
+        if undetermined.len() == count {
+            let message = "The measurements determine nothing: nothing can be predicted with them.";
+            return Err(Error::new(Code::NotIdentifiable, message));
+        }
         let full = estimates.covariance.len() == count
             && estimates.covariance.iter().all(|row| row.len() == count);
-        let entry = |i: usize, j: usize| estimates.covariance[i][j];
+        let open = |i: usize, j: usize| undetermined.contains(&i) || undetermined.contains(&j);
+        let entry = |i: usize, j: usize| match open(i, j) {
+            true => Some(0.0),
+            false => estimates.covariance[i][j],
+        };
         let covariance = (full && (0..count).all(|i| (0..count).all(|j| entry(i, j).is_some())))
             .then(|| DMatrix::from_fn(count, count, |i, j| entry(i, j).unwrap_or(0.0)));
         let declared = (cell.noise.displacement_std(), cell.noise.posture_common_std);
@@ -192,7 +256,8 @@ impl IdentifiedCompliance {
                     confidence: estimates.confidence,
                 }),
             common: CommonErrors::default(),
-            doubts: Vec::new(),
+            doubts: open_springs(estimates.joints.iter().chain(&estimates.extra_springs)),
+            undetermined,
         })
     }
 
@@ -218,21 +283,22 @@ impl IdentifiedCompliance {
         IdentifiedCompliance {
             values: solution.values.clone(),
             extra: system.extra.clone(),
+            undetermined: solution.undetermined.clone(),
             spread,
             common: CommonErrors::default(),
             doubts: Vec::new(),
         }
     }
 
-    /// Stiffness of the springs, for models that are not linear in the compliance.
-    pub(crate) fn stiffness(&self, model: &str) -> Result<Vec<f64>> {
-        if !self.extra.is_empty() {
-            return Err(Error::new(
+    /// Compliance of the springs, for models that are not linear in it.
+    pub(crate) fn springs(&self, model: &str) -> Result<&[f64]> {
+        match self.extra.is_empty() {
+            true => Ok(self.values.as_slice()),
+            false => Err(Error::new(
                 Code::Unsupported,
                 format!("The {model} model cannot use further terms."),
             )
-            .hint("use the linear model, or a stiffness identified without further terms"));
+            .hint("use the linear model, or a stiffness identified without further terms")),
         }
-        Ok(self.values.iter().map(|h| 1.0 / h).collect())
     }
 }

@@ -5,7 +5,7 @@ use super::validate::{Validation, cross_validate, cross_validate_mixed};
 use crate::error::{Code, Result};
 use crate::estimate::identify::Fit;
 use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors};
-use crate::findings::{length, list, percent};
+use crate::findings::{length, percent};
 use serde::{Deserialize, Serialize};
 
 /// Twice the difference of the restricted log-likelihoods beyond which the axes alone
@@ -142,31 +142,12 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
         true => vec![NOTHING.to_string(), QUOTE.to_string()],
         false => reasons(&out, rejected, is_mixed),
     };
-    let rigid = without_compliance(&mixed);
-    if is_mixed && !rigid.is_empty() {
-        // No equilibrium has a spring that pushes back the wrong way.
-        out.reasons = vec![format!(
-            "The joint axes alone predict: with everything else allowed to give way, {} come{} out without a positive \
-             compliance, and nothing could be calculated with the mixed model. More postures would tell them apart.",
-            list(&rigid),
-            if rigid.len() == 1 { "s" } else { "" }
-        )];
-    } else if is_mixed {
+    if is_mixed {
         out.model = ElasticChoice::Mixed;
         out.mixed = Some(mixed.result()?);
         out.budget = Some(mixed_systematic_errors(&mixed)?);
     }
     Ok((out, Some(mixed)))
-}
-
-/// Joint axes whose compliance in the mixed model is not above zero.
-fn without_compliance(mixed: &MixedFit) -> Vec<&str> {
-    let names = &mixed.fit().system().unknowns;
-    let values = &mixed.compliance().values;
-    let axes = names.iter().zip(values.iter());
-    axes.filter(|(_, h)| **h <= 0.0)
-        .map(|(name, _)| name.as_str())
-        .collect()
 }
 
 fn reasons(found: &Elastic, rejected: bool, is_mixed: bool) -> Vec<String> {

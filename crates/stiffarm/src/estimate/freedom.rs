@@ -2,19 +2,26 @@
 
 use crate::error::Result;
 use crate::estimate::identify::quantile;
+use crate::numerics::lists;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// How well the sizes of a mixed model are known.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SizeDoubt {
-    /// Unknowns of each class.
+    /// Unknowns of each class, counted from 0.
     pub classes: Vec<Range<usize>>,
     /// Variance of each unknown before the data; zero for those that are no random
     /// effects.
+    #[serde(with = "lists::vector")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub prior: DVector<f64>,
     /// Covariance of ln σ² and of the logarithms of the ratios of the classes' variances
-    /// to σ², 1 + classes.
+    /// to σ², 1 + classes: row i up to column i.
+    #[serde(with = "lists::symmetric")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub covariance: DMatrix<f64>,
 }
 

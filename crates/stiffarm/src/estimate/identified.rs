@@ -1,15 +1,19 @@
 //! All that `identify` says of a measurement: estimates, and how far to trust them.
 
 use crate::error::{Code, Result};
+use crate::estimate::compliance::{IdentifiedCompliance, open_springs};
 use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use crate::estimate::diagnose::{Diagnosis, diagnose};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
     Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
-    bootstrap, profile,
+    bootstrap, implausible_scale, profile,
 };
+use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
+use crate::estimate::saved::{Sealed, once};
 use crate::estimate::systematic::{SystematicErrors, systematic_errors};
+use crate::findings::Severity;
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
 use crate::measure::screening::Screening;
@@ -153,6 +157,8 @@ pub struct Identified {
     /// they are not exact; `null` for exact ones, and below the tabulated
     /// degrees of freedom, where no coverage is claimed.
     pub measured_coverage: Option<MeasuredCoverage>,
+    /// What later commands calculate with; `null` where the readings determine nothing.
+    pub sealed: Option<Sealed>,
 }
 
 impl Identified {
@@ -190,6 +196,7 @@ impl Identified {
                 .interval_degrees_of_freedom
                 .zip(Intervals::of(identification.estimates.estimator))
                 .and_then(|(dof, kind)| measured_coverage(kind, dof)),
+            sealed: None,
             identification,
         };
         let mut left_out = Vec::new();
@@ -199,19 +206,22 @@ impl Identified {
             let found = found.map_err(|e| e.key("bootstrap"));
             out.bootstrap = unless_stopped("bootstrap", &mut left_out, found)?;
         }
-        let asked = wanted.elastic;
+        let (asked, mut mixed) = (wanted.elastic, None);
         if asked != ElasticChoice::Axes {
             let found = elastic(fit, asked).map_err(|e| e.key("elastic"));
             let found = unless_stopped("elastic", &mut left_out, found)?;
-            out.elastic = found.map(|(elastic, _)| elastic);
+            (out.elastic, mixed) = found.unzip();
         }
+        let mixed = mixed.flatten().filter(|_| out.mixed().is_some());
         if wanted.brief {
             out.not_computed = left_out;
+            out.sealed = out.seal(fit, mixed.as_ref());
             return Ok(out);
         }
         out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
         out.budget = unless_stopped("budget", &mut left_out, systematic_errors(fit))?;
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
+        out.sealed = out.seal(fit, mixed.as_ref());
         let search = GlobalOptions {
             seed: wanted.seed,
             rounds: Some(ADVICE_ROUNDS),
@@ -229,6 +239,42 @@ impl Identified {
         }
         out.not_computed = left_out;
         Ok(out)
+    }
+
+    /// What predicts, by the `mixed` model where there is one, with all that was found wrong.
+    fn seal(&self, fit: &Fit, mixed: Option<&MixedFit>) -> Option<Sealed> {
+        let cell = fit.cell();
+        let (found, budget) = match (mixed, &self.elastic) {
+            (Some(mixed), Some(elastic)) => {
+                let mut found = mixed.compliance().clone();
+                let axes = elastic.mixed.iter().flat_map(|mixed| &mixed.joints);
+                found.doubts = open_springs(axes);
+                (found, elastic.budget.as_ref())
+            }
+            _ => {
+                let found = IdentifiedCompliance::from_identification(cell, &self.identification);
+                (found.ok()?, self.budget.as_ref())
+            }
+        };
+        let found = match budget {
+            Some(budget) => found.with_systematic_errors(budget),
+            None => found,
+        };
+        let measured = fit.measured();
+        let mut scales = measured.screening.iter().flat_map(|s| s.scales());
+        // What a scale explains is no finding of its own.
+        let scaled = scales.any(|scale| scale.severity == Severity::Serious);
+        let implausible = implausible_scale(cell, &self.identification);
+        let diagnosed = self.diagnosis.iter().flat_map(|d| &d.findings);
+        let own = implausible.iter().chain(diagnosed).filter(|_| !scaled);
+        let displacements = measured.postures.iter().flat_map(|m| &m.displacements);
+        Some(Sealed {
+            springs: cell.setup.robot.spring_names(),
+            predictor: found.with_doubts(measured.findings().chain(own)),
+            postures: once(self.identification.postures.iter().map(|p| &p.posture)),
+            largest_displacement_m: displacements.map(|d| d.value.norm()).reduce(f64::max),
+            largest_force_n: fit.experiment().largest_force(),
+        })
     }
 }
 

@@ -1,12 +1,98 @@
-//! The joint stiffness that a calculation starts from: saved by `identify`, or the
-//! cell's prior.
+//! The joint stiffness that a calculation starts from: what an identification seals in its
+//! result, or the cell's prior.
 
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::identify::quantile;
 use crate::model::cell::Cell;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
 
 /// Stands for the cell's prior stiffness where a file name could stand.
 pub const PRIOR: &str = "prior";
+
+/// What later commands calculate with: all that they take from the result of an
+/// identification.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Sealed {
+    /// Names of the springs: the first of the values.
+    pub springs: Vec<String>,
+    /// What predicts.
+    #[serde(flatten)]
+    pub predictor: IdentifiedCompliance,
+    /// Postures it was identified from.
+    pub postures: Vec<String>,
+    /// Size of the largest displacement of a point that was seen \[m\]; `None` with the
+    /// flange fixed.
+    pub largest_displacement_m: Option<f64>,
+    /// Size of the largest force that was seen \[N\].
+    pub largest_force_n: Option<f64>,
+}
+
+impl Sealed {
+    /// Holds the values against the robot of `cell` and against each other.
+    ///
+    /// # Errors
+    /// Another robot's springs; numbers that do not fit each other.
+    pub fn check(&self, cell: &Cell) -> Result<()> {
+        let robot = &cell.setup.robot;
+        let names = robot.spring_names();
+        if self.springs != names {
+            let message = format!(
+                "The stiffness is that of {}, and the cell has {}: it belongs to another robot.",
+                self.springs.join(", "),
+                names.join(", ")
+            );
+            return Err(Error::new(Code::ResultFile, message).key("springs"));
+        }
+        let IdentifiedCompliance {
+            values,
+            extra,
+            undetermined,
+            spread,
+            common,
+            doubts: _,
+        } = &self.predictor;
+        let count = values.len();
+        let square = |m: &DMatrix<f64>, n: usize| m.nrows() == n;
+        let fits = count == names.len() + extra.len()
+            && extra.iter().all(|term| term.fits(robot.joint_count()))
+            && undetermined.iter().all(|j| *j < count)
+            && common.parts.iter().all(|part| part.change.len() == count)
+            && common.mean.len() == common.parts.len()
+            && square(&common.covariance, common.parts.len());
+        let known = spread.as_ref().is_none_or(|spread| {
+            let doubt = spread.doubt.as_ref();
+            square(&spread.covariance, count)
+                && quantile(spread.degrees_of_freedom, spread.confidence).is_ok()
+                && doubt.is_none_or(|doubt| {
+                    let mut classes = doubt.classes.iter();
+                    classes.all(|class| class.end <= count)
+                        && doubt.prior.len() == count
+                        && square(&doubt.covariance, 1 + doubt.classes.len())
+                })
+        });
+        match fits && known {
+            true => Ok(()),
+            false => {
+                let message = "The numbers of the sealed stiffness do not fit each other.";
+                Err(Error::new(Code::ResultFile, message))
+            }
+        }
+    }
+}
+
+/// Names, each once.
+pub(crate) fn once<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for name in names {
+        if !out.contains(name) {
+            out.push(name.clone());
+        }
+    }
+    out
+}
 
 /// A stiffness as `identify` saved it.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,25 +103,48 @@ pub struct Saved {
     pub postures: Vec<String>,
     /// SHA-256 of the cell it was identified in.
     pub cell: Option<String>,
-    /// RMS displacement of the posture that moved most in the identification \[m\].
+    /// Size of the largest displacement of a point in the identification \[m\].
     pub largest_displacement: Option<f64>,
+    /// Size of the largest force in the identification \[N\].
+    pub largest_force: Option<f64>,
     /// Name of the file, or `prior`.
     pub name: String,
 }
 
 impl Saved {
+    /// What was sealed in the file `name`, in a cell with this SHA-256.
+    pub fn new(sealed: Sealed, cell: Option<String>, name: &str) -> Self {
+        Saved {
+            predictor: sealed.predictor,
+            postures: sealed.postures,
+            cell,
+            largest_displacement: sealed.largest_displacement_m,
+            largest_force: sealed.largest_force_n,
+            name: name.to_string(),
+        }
+    }
+
+    /// Joint stiffness without anything else \[N·m/rad\].
+    ///
+    /// # Errors
+    /// As [`IdentifiedCompliance::from_stiffness`].
+    pub fn bare(cell: &Cell, stiffness: &[f64], name: &str) -> Result<Self> {
+        Ok(Saved {
+            predictor: IdentifiedCompliance::from_stiffness(cell, stiffness)?,
+            postures: Vec::new(),
+            cell: None,
+            largest_displacement: None,
+            largest_force: None,
+            name: name.to_string(),
+        })
+    }
+
     /// The cell's prior stiffness, without covariance.
     ///
     /// # Errors
     /// A cell without prior.
     pub fn prior(cell: &Cell) -> Result<Self> {
-        Ok(Saved {
-            predictor: IdentifiedCompliance::from_stiffness(cell, cell.require_prior()?)?,
-            postures: Vec::new(),
-            cell: None,
-            largest_displacement: None,
-            name: PRIOR.to_string(),
-        })
+        Saved::bare(cell, cell.require_prior()?, PRIOR)
     }
 
     /// True where the stiffness was identified in another version of the cell

@@ -133,11 +133,12 @@ impl Request {
     ) -> Result<Validated> {
         self.check()?;
         self.keep_only(&mut measured)?;
-        let mut remarks: Vec<Finding> = measured.findings().cloned().collect();
+        let of_readings: Vec<Finding> = measured.findings().cloned().collect();
         let tolerance = self.tolerance_mm.map(mm_to_m);
         let validation = validate_with(cell, &saved.predictor, measured, self.model, tolerance)?;
         let same_cell = !saved.is_of_another_cell(cell_hash);
-        remarks.extend(notes(saved, same_cell, &validation));
+        let mut remarks = notes(saved, same_cell, &validation);
+        remarks.extend(of_readings);
         Ok(Validated {
             validation,
             remarks,
@@ -234,13 +235,10 @@ fn crossed(
 
 /// What to know about the stiffness before reading on.
 pub fn notes(saved: &Saved, same_cell: bool, result: &Validation) -> Vec<Finding> {
-    let mut out = Vec::new();
+    let mut out = saved.predictor.doubts.clone();
     let mut add = |code: &str, sentence: String| {
         out.push(Finding::new(code, Severity::Caution, "stiffness", sentence));
     };
-    for doubt in &saved.predictor.doubts {
-        add(&doubt.code, doubt.sentence.clone());
-    }
     if !same_cell {
         let sentence = "The stiffness was identified with another version of this cell.";
         add("other-cell", sentence.to_string());

@@ -1,12 +1,13 @@
 //! A result with what made it, and its text: what commands print with `--json` and
 //! result files hold.
 
+use super::seal::Seal;
 use crate::error::{Code, Error, Result};
 use crate::findings::is_hidden;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What `--json` prints and result files hold: the result with what made it.
+/// The result with what made it; [`write_result`] seals it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Envelope<O, R> {
@@ -51,6 +52,29 @@ impl<O, R> Envelope<O, R> {
             result,
         }
     }
+}
+
+/// What a result file holds: the [`Envelope`] and its seal.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+pub struct Written<O, R> {
+    /// The result with what made it.
+    #[serde(flatten)]
+    pub envelope: Envelope<O, R>,
+    /// Says that nothing of it was changed.
+    pub seal: Seal,
+}
+
+/// The text of a result with its seal: what `--json` prints and result files hold.
+///
+/// # Errors
+/// A value that JSON cannot hold.
+pub fn write_result(envelope: &impl Serialize) -> Result<String> {
+    let text = to_json(envelope)?;
+    let seal = to_json(&Seal::of_text(&text)?)?;
+    let (body, seal) = (text.trim_end(), seal.trim_end().replace('\n', "\n  "));
+    let body = body.strip_suffix('}').unwrap_or(body).trim_end();
+    Ok(format!("{body},\n  \"seal\": {seal}\n}}\n"))
 }
 
 /// `value` as indented JSON, lists of plain values on one line, with a line

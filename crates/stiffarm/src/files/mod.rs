@@ -22,6 +22,7 @@ mod names;
 pub mod program;
 pub mod registration;
 pub mod result;
+pub mod seal;
 pub mod source;
 pub mod stiffness;
 pub mod table;

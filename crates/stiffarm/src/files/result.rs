@@ -1,6 +1,6 @@
 //! Any saved result: what a command printed with `--json`, or wrote with `--output`.
 
-use super::json;
+use super::{json, seal};
 use crate::error::{Code, Error, Result};
 use crate::findings::Finding;
 use serde::de::DeserializeOwned;
@@ -22,7 +22,7 @@ pub struct SavedResult {
     pub arguments: Vec<String>,
     /// Inputs by role with their SHA-256.
     pub inputs: Vec<(String, String)>,
-    /// The whole file.
+    /// The whole file but its seal.
     pub json: Value,
 }
 
@@ -126,8 +126,18 @@ impl SavedResult {
     }
 }
 
+/// A result as its file holds it, its seal unbroken and taken off.
+///
+/// # Errors
+/// No result, or one that was changed after it was written.
+pub(super) fn sealed_result(json: Value, file_name: &str) -> Result<SavedResult> {
+    let mut saved = SavedResult::from_json(json, file_name)?;
+    seal::unseal(&mut saved.json).map_err(|e| e.file(file_name))?;
+    Ok(saved)
+}
+
 /// Every finding in `value`, each once, in the order in which they stand.
-pub(super) fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
+fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
     match value {
         Value::Array(items) => items.iter().for_each(|item| collect_findings(item, found)),
         Value::Object(map) if map.contains_key("severity") && map.contains_key("sentence") => {
@@ -137,7 +147,11 @@ pub(super) fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
                 found.push(finding);
             }
         }
-        Value::Object(map) => map.values().for_each(|item| collect_findings(item, found)),
+        Value::Object(map) => {
+            // What is sealed says again what stands elsewhere.
+            let own = map.iter().filter(|(key, _)| *key != "sealed");
+            own.for_each(|(_, item)| collect_findings(item, found));
+        }
         _ => {}
     }
 }
@@ -145,7 +159,8 @@ pub(super) fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
 /// Reads a saved result; `file_name` is for messages.
 ///
 /// # Errors
-/// Text that is not JSON, with line and column; a file that holds no result.
+/// Text that is not JSON, with line and column; a file that holds no result, or one that was
+/// changed after it was written.
 pub fn read_result(bytes: &[u8], file_name: &str) -> Result<SavedResult> {
     let json = json::parse(bytes).map_err(|error| {
         let error = error.file(file_name);
@@ -154,5 +169,5 @@ pub fn read_result(bytes: &[u8], file_name: &str) -> Result<SavedResult> {
             None => error.hint("give what a command printed with --json, or what `stiffarm identify --output` wrote"),
         }
     })?;
-    SavedResult::from_json(json, file_name)
+    sealed_result(json, file_name)
 }

@@ -197,14 +197,7 @@ pub trait Source {
             return Saved::prior(cell);
         }
         let (name, bytes) = self.read("stiffness", from)?;
-        let saved = read_stiffness(&bytes, &name, cell)?;
-        Ok(Saved {
-            predictor: saved.compliance,
-            postures: saved.postures,
-            cell: saved.cell,
-            largest_displacement: saved.largest_displacement,
-            name,
-        })
+        read_stiffness(&bytes, &name, cell)
     }
 
     /// Reads a path of the tool's tip; `axes` are those of its forces where no column says so.

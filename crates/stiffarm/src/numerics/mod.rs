@@ -6,6 +6,7 @@ pub mod control;
 pub(crate) mod half_width;
 pub mod information;
 pub mod jobs;
+pub(crate) mod lists;
 pub(crate) mod nelder_mead;
 pub mod optimise;
 pub mod sample;

@@ -38,6 +38,7 @@ impl Options {
         Ok(CompensateOptions {
             load_uncertainty: self.path.load_uncertainty()?,
             measured_up_to: saved.largest_displacement,
+            loaded_up_to: saved.largest_force,
         })
     }
 

@@ -377,6 +377,13 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
         options
     });
     assert_eq!(codes, ["correction-within-uncertainty", "beyond-measured"]);
+    let (forced, codes) = run(&model, {
+        let mut options = CompensateOptions::default();
+        options.loaded_up_to = Some(1.0);
+        options
+    });
+    assert_eq!(codes[1], "beyond-load");
+    assert!(forced.objections().any(|f| f.code == "beyond-load"));
     model.spread = None;
     let (alone, codes) = run(&model, CompensateOptions::default());
     assert_eq!(codes, ["no-band"]);

@@ -3,6 +3,7 @@
 
 use serde_json::{Value, json};
 use stiffarm::files::builtin;
+use stiffarm::files::envelope::write_result;
 use stiffarm::files::result::{SavedResult, read_result};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
@@ -41,7 +42,7 @@ fn small_study() -> Study {
 fn a_study_is_read_back_to_the_last_bit() {
     let written = small_study();
     let value = wrapped(serde_json::to_value(&written).unwrap());
-    let text = serde_json::to_string_pretty(&value).unwrap();
+    let text = write_result(&value).unwrap();
     let saved = read_result(text.as_bytes(), "study.json").unwrap();
     assert_eq!(saved.command, "study");
     assert_eq!((saved.seed, saved.input("cell")), (Some(7), Some("ab12")));
@@ -136,6 +137,25 @@ fn what_is_no_result_is_refused() {
         assert!(error.message().contains(said), "{}", error.message());
         assert_eq!(error.place().file.as_deref(), Some("x.json"), "{text}");
     }
+    // One number more or less, and a seal that was taken off.
+    let text = write_result(&wrapped(json!({"a": [1.0, 2.5], "b": "c"}))).unwrap();
+    assert!(read_result(text.as_bytes(), "x.json").is_ok());
+    for (old, new) in [
+        ("2.5", "2.6"),
+        ("\"c\"", "\"d\""),
+        ("\"seed\": 7", "\"seed\": 8"),
+    ] {
+        let edited = text.replacen(old, new, 1);
+        assert_ne!(edited, text);
+        let error = refused(&edited);
+        assert!(
+            error.message().contains("changed after it was written"),
+            "{error}"
+        );
+    }
+    let bare = serde_json::to_string(&wrapped(json!({}))).unwrap();
+    let error = refused(&bare);
+    assert_eq!(error.place().key.as_deref(), Some("seal"), "{error}");
     // A result of another shape names its version.
     let value = wrapped(json!({"cell": 3}));
     let saved = SavedResult::of(&value, "result").unwrap();

@@ -326,6 +326,7 @@ fn further_terms_and_servo_give_are_predicted() {
         common: Default::default(),
         values: DVector::from_vec(values),
         extra: extra.clone(),
+        undetermined: Vec::new(),
         spread: None,
         doubts: Vec::new(),
     };

@@ -1,6 +1,7 @@
 //! What `map` and `map --place` share.
 
 use crate::args::MapArgs;
+use crate::commands::{finding_line, serious_first};
 use crate::files;
 use crate::input::Line;
 use crate::numbers::coarse_mm;
@@ -9,13 +10,19 @@ use crate::table::yellow;
 use stiffarm::Result;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::files::source::NamedCell;
+use stiffarm::findings::Finding;
 
 /// From so many postures to find on, their number is said before.
 pub const MANY: usize = 100_000;
 
-/// Cell, stiffness, and whether they belong together.
-pub fn head(named: &NamedCell, saved: &Saved, hash: Option<&String>) -> String {
-    let mut out = named.line() + &saved.line();
+/// What is serious; then cell, stiffness, and whether they belong together.
+pub fn head(
+    findings: &[Finding],
+    named: &NamedCell,
+    saved: &Saved,
+    hash: Option<&String>,
+) -> String {
+    let mut out = serious_first(findings.iter(), finding_line) + &named.line() + &saved.line();
     if saved.is_of_another_cell(hash.map(String::as_str)) {
         out += &format!(
             "{}: the stiffness was identified with another version of this cell\n",

@@ -4,7 +4,7 @@
 mod common;
 pub mod place;
 
-use super::{finding_line, with_length};
+use super::{others_last, with_length};
 use crate::args::MapArgs;
 use crate::error::of_usage;
 use crate::files::check_folder;
@@ -71,8 +71,12 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];
     let written = write_folder(session, args, FILES, pictures)?;
     session.show(&envelope, || {
-        head(&named, &saved, envelope.inputs.get("cell"))
-            + &table(&result, words(source))
+        head(
+            &result.findings,
+            &named,
+            &saved,
+            envelope.inputs.get("cell"),
+        ) + &table(&result, words(source))
             + &written
     })?;
     Ok(match result.interrupted {
@@ -154,11 +158,7 @@ fn table(map: &StiffnessMap, load: &str) -> String {
         out += &ranges(map).to_string();
         out += &extremes(map);
     }
-    out += "\n";
-    for finding in &map.findings {
-        out += &finding_line(finding);
-    }
-    out
+    out + "\n" + &others_last(map.findings.iter())
 }
 
 fn ranges(map: &StiffnessMap) -> Table {

@@ -2,7 +2,7 @@
 
 use super::common::{MANY, head, sides, write_folder};
 use crate::args::MapArgs;
-use crate::commands::finding_line;
+use crate::commands::others_last;
 use crate::error::of_usage;
 use crate::files::check_folder;
 use crate::numbers::{coarse_mm, optional, percent};
@@ -79,8 +79,12 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
             1 => &places[axis][..1],
             _ => &places[axis][..],
         });
-        head(&named, &saved, envelope.inputs.get("cell"))
-            + &format!("places: {}\n", sides(shown))
+        head(
+            &result.findings,
+            &named,
+            &saved,
+            envelope.inputs.get("cell"),
+        ) + &format!("places: {}\n", sides(shown))
             + &words(&result)
             + &written
     })?;
@@ -166,9 +170,5 @@ fn words(result: &Placement) -> String {
             "\nfor the cell:\n[work]\nworkpiece_mm = [{x}, {y}, {z}]\nworkpiece_rpy_deg = [{roll}, {pitch}, {yaw}]\n"
         );
     }
-    out += "\n";
-    for finding in &result.findings {
-        out += &finding_line(finding);
-    }
-    out
+    out + "\n" + &others_last(result.findings.iter())
 }

@@ -2,7 +2,7 @@
 
 mod tables;
 
-use super::finding_line;
+use super::{finding_line, others_last, serious_first};
 use crate::args::PredictArgs;
 use crate::error::{of_option, of_usage};
 use crate::files::Rows;
@@ -107,7 +107,9 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         return Ok(exit);
     }
     session.show(&envelope, || {
-        let mut out = named.line() + &saved.line() + &line;
+        let findings = || of_path().chain(&result.prediction.findings);
+        let mut out = serious_first(findings(), finding_line);
+        out += &(named.line() + &saved.line() + &line);
         if other {
             out += "note: the stiffness was identified with another version of this cell\n";
         }
@@ -121,10 +123,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         {
             out += &matrices(point);
         }
-        for finding in of_path().chain(&result.prediction.findings) {
-            out += &finding_line(finding);
-        }
-        out
+        out + &others_last(findings())
     })?;
     Ok(exit)
 }

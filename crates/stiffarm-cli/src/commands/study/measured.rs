@@ -15,7 +15,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::files::envelope::to_json;
+use stiffarm::files::envelope::write_result;
 use stiffarm::files::source::Source;
 use stiffarm::findings::Finding;
 use stiffarm::measure::{NOT_MEASURED_YET, prepare};
@@ -82,7 +82,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
     );
     let command = repeat_command(args, from, interrupted);
     let texts = [
-        to_json(&envelope)?,
+        write_result(&envelope)?,
         measured_page(study, env!("CARGO_PKG_VERSION"), &command),
         render_svg(&measured_figure(study)),
         measured_table(study).csv(),

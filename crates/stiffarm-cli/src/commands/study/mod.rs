@@ -16,7 +16,7 @@ use serde::Serialize;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::SimulationOptions;
 use stiffarm::files::builtin;
-use stiffarm::files::envelope::to_json;
+use stiffarm::files::envelope::write_result;
 use stiffarm::files::source::Source;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
@@ -115,7 +115,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         },
         &result,
     );
-    files.insert(0, ("study.json".to_string(), to_json(&envelope)?));
+    files.insert(0, ("study.json".to_string(), write_result(&envelope)?));
     files.extend(
         session
             .page_of(&envelope, Some(&named.cell))?

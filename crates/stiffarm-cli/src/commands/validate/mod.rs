@@ -5,14 +5,14 @@ mod remarks;
 
 use super::identify::confidence;
 use super::identify::readings::{done, marked};
+use super::serious_first;
 use crate::args::ValidateArgs;
 use crate::error::{of_option, of_usage};
 use crate::files::ends_in;
 use crate::input::Line;
-use crate::numbers::{NONE, mm, percent, significant};
+use crate::numbers::{NONE, mm, percent, significant, times};
 use crate::output::Exit;
 use crate::progress::Progress;
-use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{Align, Table, green, red, serious, title, weight};
 use remarks::said;
@@ -78,21 +78,21 @@ fn held_out(
     let saved = session.read_stiffness(stiffness, &named.cell)?;
     let measured = measured(session, args, request, &args.measurements, &named.cell)?;
     let cell = &named.cell;
-    let unsettled = unsettled(&measured);
+    let serious = saved.predictor.serious();
+    let unsettled = serious_first(serious.chain(measured.findings()), marked);
     let hashes = session.hashes();
     let hash = hashes.get("cell").map(String::as_str);
     let result = request.held_out(cell, hash, &saved, measured)?;
     let envelope = session.envelope("validate", None, request.options(None), &result);
     let result = &result.validation;
     let same_cell = !saved.is_of_another_cell(hash);
+    let mut notes = notes(&saved, same_cell, result);
+    notes.retain(|note| note.severity != Severity::Serious);
     session.show(&envelope, || {
-        unsettled.clone()
-            + &named.line()
-            + &said(&notes(&saved, same_cell, result))
-            + &table(result)
+        unsettled.clone() + &named.line() + &said(&notes) + &table(result)
     })?;
     Ok(Exit::finding(
-        result.passed == Some(false) || !unsettled.is_empty(),
+        result.passed == Some(false) || !result.unpredicted.is_empty() || !unsettled.is_empty(),
     ))
 }
 
@@ -115,7 +115,7 @@ fn cross(
     let fit = args.fit.options(&named.cell.setup.robot)?;
     let measured = measured(session, args, request, from, &named.cell)?;
     let cell = &named.cell;
-    let unsettled = unsettled(&measured);
+    let unsettled = serious_first(measured.findings(), marked);
     let progress = Progress::new(session, "predicting each posture");
     let asked = args.fit.elastic.map(Into::into);
     let (result, described) = Fit::watched(cell, measured, &fit, progress.shared())
@@ -184,29 +184,16 @@ fn measured(
     Ok(measured)
 }
 
-/// Serious findings about the readings, which stand before any number; empty without one.
-fn unsettled(measured: &Measured) -> String {
-    let serious = measured
-        .findings()
-        .filter(|f| f.severity == Severity::Serious);
-    let said: Vec<String> = serious
-        .map(|f| wrapped(marked(f).trim_end(), columns()))
-        .collect();
-    match said.is_empty() {
-        true => String::new(),
-        false => format!(
-            "{}\nNot to be used before this is settled; from the readings as they are:\n",
-            said.join("\n")
-        ),
-    }
-}
-
 fn table(result: &Validation) -> String {
     let mut out = String::new();
     if !result.unpredicted.is_empty() {
         let said = format!(
-            "{} cannot be predicted: the others do not determine every joint that moves there.",
-            list(&result.unpredicted)
+            "{} cannot be predicted: {} determine every joint that moves there.",
+            list(&result.unpredicted),
+            match result.folds {
+                Some(_) => "the others do not",
+                None => "the identification did not",
+            }
         );
         out += &format!("{}\n", serious(&said));
     }
@@ -270,8 +257,8 @@ fn table(result: &Validation) -> String {
     );
     if let Some(factor) = result.compensation_factor {
         out += &format!(
-            "Had these displacements been compensated as calculated, the errors would have been {} times smaller.\n",
-            significant(factor, 3)
+            "Had these displacements been compensated as calculated, the errors would have been {}.\n",
+            times(factor, 3, ["smaller", "larger"])
         );
     }
     if result.folds.is_some() {

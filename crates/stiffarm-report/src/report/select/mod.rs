@@ -1,6 +1,5 @@
 //! The pages of `select`, a file for each way to work.
 
-mod agreement;
 mod candidates;
 mod curve;
 mod details;

@@ -3,7 +3,6 @@
 use super::super::context::Context;
 use super::super::postures::{FEW, limit_table, posture_table, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_names, worth_sections};
-use super::agreement::disagreement;
 use super::planned::Plan;
 use super::{details, story};
 use crate::page::{Block, DataTable, Part, Section, Text};
@@ -80,10 +79,6 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     };
     let mut part = context.part(heading, story::verdict(context, &plan), Some(key), sections);
     if let Some(cell) = context.cell {
-        if let Some(finding) = disagreement(cell, &plan) {
-            part.verdict[2] = "Do not drive to these postures: choose them anew.".into();
-            part.add_warnings([finding]);
-        }
         part.add_warnings(cell.posture_findings(&plan.postures()));
     }
     let unsure = plan.evaluation.as_ref().is_some_and(is_beyond_first_order);

@@ -7,10 +7,12 @@
 use super::friction::{JointFriction, friction};
 use super::{ClampedPosture, LoopClosure, closures, system};
 use crate::error::{Code, Error, Result};
+use crate::estimate::compliance::{FittedNoise, IdentifiedCompliance};
 use crate::estimate::identify::{
     Assumptions, Estimates, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared, Scale,
     Solution, Verdict, Weights, check, prior_knowledge, rms,
 };
+use crate::estimate::saved::{Sealed, once};
 use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
@@ -91,6 +93,8 @@ pub struct ClampedIdentification {
     pub friction: Vec<JointFriction>,
     /// What to know before relying on the result.
     pub findings: Vec<Finding>,
+    /// What later commands calculate with; `None` where the readings determine nothing.
+    pub sealed: Option<Sealed>,
 }
 
 /// Identifies the joint stiffness from clamped postures. `angle_std` is σ of an
@@ -140,9 +144,21 @@ pub fn identify_clamped(
         weights: weights(clamped, &system, &solution),
         friction,
         findings: Vec::new(),
+        sealed: None,
         estimates,
     };
     result.findings = findings(clamped, &closures, &result);
+    // Angles say nothing of the noise of displacements.
+    let noise = FittedNoise::default();
+    let found = IdentifiedCompliance::from_estimates(cell, &result.estimates, noise).ok();
+    let forces = clamped.iter().map(|c| c.wrench.force.norm());
+    result.sealed = found.map(|found| Sealed {
+        springs: cell.setup.robot.spring_names(),
+        predictor: found.with_doubts(&result.findings),
+        postures: once(result.postures.iter().map(|p| &p.posture)),
+        largest_displacement_m: None,
+        largest_force_n: forces.reduce(f64::max),
+    });
     Ok(result)
 }
 

@@ -45,6 +45,13 @@ pub fn measured_system(
 }
 
 impl Experiment {
+    /// Size of the largest force that was measured under \[N\].
+    pub(crate) fn largest_force(&self) -> Option<f64> {
+        let terms = self.terms.iter().flatten();
+        let forces = terms.map(|terms| terms.wrench().force.norm());
+        forces.reduce(f64::max)
+    }
+
     /// Columns of Ψ of further terms, rows as in `system`.
     pub(super) fn columns(&self, system: &MeasuredSystem, terms: &[ExtraTerm]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(system.delta.len(), terms.len());

@@ -133,11 +133,21 @@ pub(crate) fn prediction_error(
     solution: &Solution,
     rounding: f64,
 ) -> Option<DVector<f64>> {
+    let seen = sees_only_known(system, block, &solution.undetermined, rounding);
+    seen.then(|| missed(system, block, &solution.values))
+}
+
+/// True where a posture sees none of these unknowns.
+pub(crate) fn sees_only_known(
+    system: &MeasuredSystem,
+    block: usize,
+    undetermined: &[usize],
+    rounding: f64,
+) -> bool {
     let rows = &system.blocks[block].rows;
     let psi = system.psi.rows(rows.start, rows.len());
     let blind = |j: &usize| psi.column(*j).norm() <= rounding;
-    let seen = solution.undetermined.iter().all(blind);
-    seen.then(|| missed(system, block, &solution.values))
+    undetermined.iter().all(blind)
 }
 
 /// Measured minus calculated displacements of one posture.

@@ -38,7 +38,7 @@ pub(crate) use experiment::Experiment;
 pub use fit::Fit;
 pub(crate) use labels::RowLabel;
 pub use labels::Weights;
-pub(crate) use leave_out::{Fold, missed, prediction_error, rounding};
+pub(crate) use leave_out::{Fold, missed, prediction_error, rounding, sees_only_known};
 pub use leave_out::{Influence, LeaveOneOut};
 pub use plausibility::implausible_scale;
 pub use profile::{JointProfile, Profile, profile};

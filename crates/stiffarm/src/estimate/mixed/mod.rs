@@ -346,6 +346,7 @@ fn compliance(
             doubt: Some(size_doubt(effects, fixed, std, of_sizes)),
             confidence: fit.options().confidence,
         }),
+        undetermined: Vec::new(),
         common: Default::default(),
         doubts: Vec::new(),
     })

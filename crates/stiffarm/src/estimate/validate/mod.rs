@@ -11,7 +11,9 @@ pub use folds::{cross_validate, cross_validate_mixed};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{Experiment, Weights, known_displacement, rms};
+use crate::estimate::identify::{
+    Experiment, Weights, known_displacement, rms, rounding, sees_only_known,
+};
 use crate::estimate::simulate::draw_noise;
 use crate::findings::Finding;
 use crate::measure::Measured;
@@ -21,10 +23,10 @@ use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
 use crate::model::stiffness::{
-    displacement_between, equilibrium, joint_compliance, linear_displacement,
+    compliance_of_springs, displacement_between, equilibrium_from, joint_compliance,
 };
 use crate::numerics::streams::run_rng;
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
 /// Eq. (22) at one measuring point of one posture.
@@ -104,8 +106,8 @@ pub struct Validation {
     pub passed: Option<bool>,
     /// Folds of a cross-validation; `None` where the postures took no part.
     pub folds: Option<usize>,
-    /// Postures that a cross-validation could not predict: the others do not
-    /// determine all that moves them.
+    /// Postures that could not be predicted: what was identified, in a cross-validation from
+    /// the others, does not determine all that moves them.
     pub unpredicted: Vec<String>,
     /// How many components lie inside their bands, where there are bands.
     pub band: Option<BandShare>,
@@ -124,31 +126,42 @@ pub fn calculated_displacements(
     stiffness: &[f64],
     model: Model,
 ) -> Result<Vec<Vector3<f64>>> {
-    joint_compliance(&cell.setup.robot, stiffness)?;
-    let q = &measured.posture.q;
+    let compliance = joint_compliance(&cell.setup.robot, stiffness)?;
+    displacements(cell, measured, &compliance, model)
+}
+
+/// The same from K_θ⁻¹, n × n, which need not be invertible.
+fn displacements(
+    cell: &Cell,
+    measured: &MeasuredPosture,
+    compliance: &DMatrix<f64>,
+    model: Model,
+) -> Result<Vec<Vector3<f64>>> {
+    let robot = &cell.setup.robot;
+    let (q, wrench) = (&measured.posture.q, measured.wrench.as_ref());
     let setup = &*cell.setup.of_state(&measured.state)?;
-    let terms = PostureTerms::new(setup, q, measured.wrench.as_ref())?;
+    let terms = PostureTerms::new(setup, q, wrench)?;
     let known = known_displacement(cell, &terms, measured)?;
     let tool = &cell.setup.tool;
     // One equilibrium per posture moves all its points.
     let after = match model {
         Model::Linear => None,
-        Model::Equilibrium => Some(
-            equilibrium(setup, q, stiffness, measured.wrench.as_ref())?
-                .frames()
-                .clone(),
-        ),
+        Model::Equilibrium => {
+            let start = robot.serial_angles(q);
+            let moved = equilibrium_from(setup, compliance, &start, terms.clone(), wrench)?;
+            Some(moved.frames().clone())
+        }
     };
+    // Δq = K_θ⁻¹ Γ, Eq. (5).
+    let deflection = compliance * DVector::from_column_slice(terms.torque());
     (0..tool.point_count())
         .map(|a| {
             let twist = match &after {
-                None => linear_displacement(
-                    setup,
-                    &terms,
-                    &terms.measuring_points()[a],
-                    stiffness,
-                    None,
-                )?,
+                None => {
+                    // Δ = J^m Δq, Eq. (6).
+                    let moved = terms.frames().jacobian(&terms.measuring_points()[a]) * &deflection;
+                    Vector6::from_iterator(moved.iter().copied())
+                }
                 Some(after) => {
                     let point = &tool.measuring_points[a].position;
                     displacement_between(terms.frames(), after, point)
@@ -227,16 +240,23 @@ pub fn validate_with(
     let exact = match model {
         Model::Linear => None,
         Model::Equilibrium => {
-            let stiffness = predictor.stiffness(model.as_str())?;
-            let of = |m| calculated_displacements(cell, m, &stiffness, model);
+            let springs = predictor.springs(model.as_str())?;
+            let compliance = compliance_of_springs(&cell.setup.robot, springs);
+            let of = |m| displacements(cell, m, &compliance, model);
             Some(measured.iter().map(of).collect::<Result<Vec<_>>>()?)
         }
     };
     let system = experiment.system(&predictor.extra, Weights::Readings)?;
     let errors = &system.delta - &system.psi * &predictor.values;
     let bands = PointBands::new(predictor, &system)?;
+    let rounding = rounding(&system);
+    let mut unpredicted = Vec::new();
     let mut points = Vec::with_capacity(system.labels.len());
-    for block in &system.blocks {
+    for (b, block) in system.blocks.iter().enumerate() {
+        if !sees_only_known(&system, b, &predictor.undetermined, rounding) {
+            unpredicted.push(block.posture.clone());
+            continue;
+        }
         for label in system.labels_of(block) {
             let posture = &measured[label.measured];
             let displacement = &posture.displacements[label.displacement];
@@ -253,8 +273,17 @@ pub fn validate_with(
             });
         }
     }
+    if points.is_empty() {
+        return Err(Error::new(
+            Code::NotIdentifiable,
+            "No posture can be predicted: the identification did not determine every joint that moves there.",
+        )
+        .hint("identify again with more postures, or with --estimator prior"));
+    }
     points.sort_by_key(|p| (p.measured, p.displacement));
     let mut result = summarise(cell, measured, points, model, tolerance_m);
+    result.passed = result.passed.map(|passed| passed && unpredicted.is_empty());
+    result.unpredicted = unpredicted;
     if let Some(spread) = &predictor.spread {
         result.band = band::share(&result.points, spread.confidence);
         result.findings = band::findings(&result);

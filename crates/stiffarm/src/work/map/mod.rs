@@ -72,6 +72,7 @@ pub fn stiffness_map(
 ) -> Result<StiffnessMap> {
     let axes = options.axes()?;
     let arm = LoadedArm::new(cell, predictor)?;
+    arm.check_all_determined("a map shows all that gives way")?;
     let bands = Bands::new(predictor, 0.0)?;
     let reach = Reach::new(cell, &arm);
     let mut positions = Vec::with_capacity(axes.iter().map(Vec::len).product());

@@ -39,9 +39,10 @@ pub struct Placement {
     /// RMS of the deflections at the given place over that at the best one; `None`
     /// where one of them does not exist or nothing bends.
     pub gain: Option<f64>,
-    /// Joint stiffness that the search was made with \[N·m/rad\], one per spring.
+    /// Joint stiffness that the search was made with \[N·m/rad\], one per spring; `null` for one
+    /// without a positive stiffness.
     #[serde(default)]
-    pub stiffness_nm_per_rad: Vec<f64>,
+    pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,
     /// Every place that was tried: by round, yaw, x, y, z.
@@ -60,7 +61,7 @@ pub struct Placement {
 /// whole path by the exact equilibrium.
 ///
 /// # Errors
-/// An empty path; a grid that is no grid; an unknown without positive value; a load
+/// An empty path; a grid that is no grid; an unknown that is not determined and gives way; a load
 /// in path axes where the path does not move; a load that buckles the arm. Stopped,
 /// it gives the best of the places that were tried.
 pub fn place(

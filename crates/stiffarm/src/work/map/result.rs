@@ -91,9 +91,10 @@ pub struct StiffnessMap {
     pub k_jn: Option<MapRange>,
     /// Nodes that bend least and most.
     pub extremes: Option<MapExtremes>,
-    /// Joint stiffness that the map was made with \[N·m/rad\], one per spring.
+    /// Joint stiffness that the map was made with \[N·m/rad\], one per spring; `null` for one
+    /// without a positive stiffness.
     #[serde(default)]
-    pub stiffness_nm_per_rad: Vec<f64>,
+    pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// What to know about the map, in sentences.
     pub findings: Vec<Finding>,
     /// The nodes: x slowest, then y, z fastest.

@@ -59,12 +59,16 @@ pub struct PathExtremes {
 }
 
 impl LoadedArm {
-    /// The extremes of a path with these postures and deflections \[m\]; `None` for a path without points.
+    /// The extremes of a path with these postures and deflections \[m\]; `None` for a path without points,
+    /// and where something that gives way is not determined.
     pub(crate) fn extremes<'q>(
         &self,
         points: impl Iterator<Item = (&'q [f64], f64)>,
     ) -> Result<Option<PathExtremes>> {
         let points: Vec<(&[f64], f64)> = points.collect();
+        if !self.is_determined() {
+            return Ok(None);
+        }
         let first_of = |better: fn(f64, f64) -> bool| {
             let all = points.iter().enumerate();
             all.reduce(|a, b| if better(b.1.1, a.1.1) { b } else { a })
@@ -113,8 +117,10 @@ impl LoadedArm {
     /// the loaded point, base axes), which K_C depends on.
     ///
     /// # Errors
-    /// Angles of the wrong number or not finite; a load that buckles the arm.
+    /// Angles of the wrong number or not finite; a load that buckles the arm; something that
+    /// gives way and is not determined.
     pub fn cartesian(&self, q: &[f64], wrench: &Wrench) -> Result<CartesianStiffness> {
+        self.check_all_determined("the stiffness of the tip depends on it")?;
         let terms = self.terms(q, wrench)?;
         let compliance = self.tip_compliance(&terms);
         // J (K_θ − K_C)⁻¹ Jᵀ − J K_θ⁻¹ Jᵀ on top of all that gives way.

@@ -14,6 +14,7 @@ use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
 use crate::model::robot::Robot;
 use crate::model::stiffness::{compliance_of_springs, equilibrium_from};
 use crate::model::tool::{NamedPoint, Tool};
+use crate::numerics::information::ZERO_COLUMN;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// An arm with its springs, loaded at the tool tip unless
@@ -34,6 +35,8 @@ pub struct LoadedArm {
     compliance: DMatrix<f64>,
     /// The further terms with their values.
     extra: Vec<(ExtraTerm, f64)>,
+    /// Unknowns that nothing bounds.
+    undetermined: Vec<usize>,
 }
 
 /// What a load does to the tip.
@@ -52,19 +55,24 @@ pub struct Deflection {
 impl LoadedArm {
     /// The arm of `cell` with the values of `predictor`.
     ///
+    /// Compliances count as they came out, below zero also.
+    ///
     /// # Errors
-    /// A compliance that is not above zero.
+    /// Values of another number of springs, or one that is not finite.
     pub fn new(cell: &Cell, predictor: &IdentifiedCompliance) -> Result<Self> {
         let robot = &cell.setup.robot;
         let springs = robot.spring_count();
-        let names = robot.spring_names();
         let values = &predictor.values;
-        if let Some(j) = (0..springs).find(|j| !(values[*j].is_finite() && values[*j] > 0.0)) {
-            return Err(Error::new(
-                Code::NotIdentifiable,
-                format!("The compliance of {} must be above zero for an equilibrium.", names[j]),
-            )
-            .hint("identify again with more postures, with a prior, or with the non-negative estimator"));
+        if values.len() != springs + predictor.extra.len() {
+            let message = format!(
+                "{} values for the {springs} joints of the cell.",
+                values.len()
+            );
+            return Err(Error::new(Code::Dimension, message));
+        }
+        if values.iter().any(|h| !h.is_finite()) {
+            let message = "A compliance is not a finite number.";
+            return Err(Error::new(Code::NotFinite, message));
         }
         let tip = cell.work.tip(&cell.setup.tool);
         let extra = predictor.extra.iter().copied();
@@ -73,6 +81,7 @@ impl LoadedArm {
             tip,
             compliance: compliance_of_springs(robot, values.rows(0, springs).as_slice()),
             extra: extra.zip(values.iter().skip(springs).copied()).collect(),
+            undetermined: predictor.undetermined.clone(),
         })
     }
 
@@ -145,9 +154,11 @@ impl LoadedArm {
     /// angles `q` \[rad\].
     ///
     /// # Errors
-    /// Angles of the wrong number or not finite; a load that buckles the arm.
+    /// Angles of the wrong number or not finite; a load that buckles the arm, or that bends
+    /// what was not determined.
     pub fn deflect(&self, q: &[f64], wrench: &Wrench) -> Result<Deflection> {
         let terms = self.terms(q, wrench)?;
+        self.check_determined(&terms)?;
         let before = terms.frames().flange() * self.tip;
         let linear = self.linear(&terms);
         let start = self.setup.robot.serial_angles(q);
@@ -159,6 +170,41 @@ impl LoadedArm {
             after,
             linear,
         })
+    }
+
+    /// True where each unknown has a value.
+    pub fn is_determined(&self) -> bool {
+        self.undetermined.is_empty()
+    }
+
+    /// Refuses a load that bends what was not determined.
+    fn check_determined(&self, terms: &PostureTerms) -> Result<()> {
+        if self.is_determined() {
+            return Ok(());
+        }
+        let moved = self.sensitivity(terms);
+        let largest = moved.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let bends = |j: &&usize| moved.column(**j).norm() > ZERO_COLUMN * largest;
+        match self.undetermined.iter().find(bends) {
+            None => Ok(()),
+            Some(&j) => Err(not_determined(&self.name(j), "the load bends it here")),
+        }
+    }
+
+    /// Refuses what depends on all that gives way.
+    pub(crate) fn check_all_determined(&self, why: &str) -> Result<()> {
+        match self.undetermined.first() {
+            None => Ok(()),
+            Some(&j) => Err(not_determined(&self.name(j), why)),
+        }
+    }
+
+    /// Name of an unknown.
+    fn name(&self, j: usize) -> String {
+        let robot = self.robot();
+        let mut names = robot.spring_names();
+        names.extend(self.extra.iter().map(|(term, _)| term.name(robot)));
+        names.swap_remove(j)
     }
 
     /// Displacement of the tip by the linear model, Eq. (7), at the posture and
@@ -245,6 +291,13 @@ impl LoadedArm {
         }
         twist
     }
+}
+
+fn not_determined(name: &str, why: &str) -> Error {
+    let message = format!("Nothing is known of how {name} gives way, and {why}.");
+    Error::new(Code::NotIdentifiable, message).hint(
+        "measure postures that load it and identify again, or identify with --estimator prior",
+    )
 }
 
 /// The cell's robot loaded and measured at the tip.

@@ -114,9 +114,10 @@ pub struct Prediction {
     pub linear_suffices: bool,
     /// RMS of the error that the bands stand for, all axes together \[m\].
     pub error_rms_m: Option<f64>,
-    /// Joint stiffness that the prediction was made with \[N·m/rad\], one per spring.
+    /// Joint stiffness that the prediction was made with \[N·m/rad\], one per spring; `null` for one
+    /// without a positive stiffness.
     #[serde(default)]
-    pub stiffness_nm_per_rad: Vec<f64>,
+    pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// Where the tip bends least and most, and how it gives way there.
     #[serde(default)]
     pub extremes: Option<PathExtremes>,
@@ -148,7 +149,7 @@ pub struct Prediction {
 /// ```
 ///
 /// # Errors
-/// No postures; an unknown without positive value; angles of the wrong number
+/// No postures; an unknown that is not determined and gives way; angles of the wrong number
 /// or not finite; a load that buckles the arm; interrupted.
 pub fn predict(
     cell: &Cell,

@@ -375,6 +375,11 @@ fn a_clamped_identification_predicts_free_deflections() {
         IdentifiedCompliance::from_estimates(&cell, &fit.estimates, Default::default()).unwrap();
     let spread = predictor.spread.as_ref().unwrap();
     assert_eq!(spread.sigma, cell.noise.displacement_std());
+    // It is what the result seals.
+    let sealed = fit.sealed.as_ref().unwrap();
+    assert_eq!(sealed.predictor, predictor);
+    assert_eq!(sealed.postures.len(), 6);
+    assert!(sealed.largest_force_n > Some(0.0) && sealed.largest_displacement_m.is_none());
     let measured = simulate_measurements(&cell, &postures, truth, Model::Linear, 8, 0).unwrap();
     let result = validate_with(&cell, &predictor, &measured, Model::Linear, None).unwrap();
     let band = result.band.unwrap();

@@ -8,13 +8,10 @@
 //! on the equilibrium. A series compliance, tilts and lost motion move the tip
 //! beyond the joints; θ_loaded then solves for the pose that makes up for them.
 //! Whatever the way, the command is checked by the equilibrium from its side.
-//!
-//! The command from its end. The loaded tip is right when the loaded joints
-//! stand at the nominal posture, so the command follows in one step from the
-//! load there; iterating the mirror correction converges to the same (a test
-//! does it). Only what gives way beyond the joints needs Newton steps. The
-//! check is the equilibrium from the command's side, which knows nothing of
-//! this.
+
+mod command;
+
+pub use command::{Command, command};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
@@ -22,26 +19,15 @@ use crate::estimate::identify::rms;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
 use crate::model::implausible;
-use crate::model::kinematics::Frames;
-use crate::model::load::Wrench;
 use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
-use crate::numerics::information::svd::svd;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use crate::work::at_work::forbidden;
 use crate::work::predict::{Bands, LoadedArm, PathExtremes, TipBand, motion};
-use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// A tip this near to its pose is there \[m, rad\].
-const ARRIVED: f64 = 1e-13;
-/// Steps to a pose that a neighbour of the nominal one takes three of.
-const STEPS: usize = 50;
-/// Singular values of J below this share of the largest are directions in
-/// which the arm cannot move.
-const STUCK: f64 = 1e-9;
 
 /// What to compensate, and how sure the load is.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -49,9 +35,11 @@ const STUCK: f64 = 1e-9;
 pub struct CompensateOptions {
     /// Relative standard uncertainty of the load at work (fraction).
     pub load_uncertainty: f64,
-    /// Largest displacement that was measured for the identification \[m\], where
+    /// Size of the largest displacement of a point that the identification has seen \[m\], where
     /// it is known: corrections beyond it extrapolate.
     pub measured_up_to: Option<f64>,
+    /// Size of the largest force that it has seen \[N\], where it is known.
+    pub loaded_up_to: Option<f64>,
 }
 
 /// One point with its command.
@@ -131,9 +119,10 @@ pub struct Compensation {
     pub correction_max_m: f64,
     /// Points at which the correction is larger than its half width.
     pub beyond_uncertainty: Option<usize>,
-    /// Joint stiffness that the commands were found with \[N·m/rad\], one per spring.
+    /// Joint stiffness that the commands were found with \[N·m/rad\], one per spring; `null` for one
+    /// without a positive stiffness.
     #[serde(default)]
-    pub stiffness_nm_per_rad: Vec<f64>,
+    pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// Where the tip bends least and most without compensation, and how it gives way there.
     #[serde(default)]
     pub extremes: Option<PathExtremes>,
@@ -143,105 +132,18 @@ pub struct Compensation {
     pub points: Vec<PointCompensation>,
 }
 
-/// A command and the state it leads to.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Command {
-    /// Controller angles \[rad\].
-    pub q: Vec<f64>,
-    /// Nominal tip pose, base frame \[m\].
-    pub nominal: Isometry3<f64>,
-    /// Tip pose of the command without load.
-    pub unloaded: Isometry3<f64>,
-    /// Tip pose under load by the equilibrium from the command.
-    pub loaded: Isometry3<f64>,
-}
+/// Larger by this part is as large.
+const ROUNDING: f64 = 1e-6;
 
-/// The command that brings the loaded tip to where `nominal` (controller
-/// angles, rad) has it without load.
-///
-/// # Errors
-/// Angles of the wrong number or not finite; a coupling that cannot be undone;
-/// a load that buckles the arm; a posture in which the arm cannot make up for
-/// what gives way beyond its joints.
-pub fn command(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench) -> Result<Command> {
-    let robot = arm.robot();
-    let mut terms = arm.terms(nominal, wrench)?;
-    let target = terms.frames().flange() * arm.tip();
-    let mut theta = robot.serial_angles(nominal);
-    if arm.has_more_than_joints() {
-        reach(arm, &mut theta, &mut terms, wrench, &target)?;
-    }
-    // θ_command = θ_loaded − K_θ⁻¹ Γ(θ_loaded)
-    let give = arm.compliance() * DVector::from_column_slice(terms.torque());
-    let q = robot.controller_angles(&(theta - give)).ok_or_else(|| {
-        Error::new(
-            Code::Internal,
-            "The coupling of the robot cannot be undone.",
-        )
-    })?;
-    let q: Vec<f64> = q.iter().copied().collect();
-    let bent = arm.deflect(&q, wrench)?;
-    Ok(Command {
-        q,
-        nominal: target,
-        unloaded: bent.before,
-        loaded: bent.after,
-    })
-}
+/// Codes of findings that say that corrections go beyond what the identification has seen.
+const BEYOND: [&str; 2] = ["beyond-measured", "beyond-load"];
 
-/// Moves the joints until the loaded tip, with all that gives way beyond them,
-/// is at `target`.
-fn reach(
-    arm: &LoadedArm,
-    theta: &mut DVector<f64>,
-    terms: &mut crate::model::observation::PostureTerms,
-    wrench: &Wrench,
-    target: &Isometry3<f64>,
-) -> Result<()> {
-    let mut last = f64::INFINITY;
-    for _ in 0..STEPS {
-        let error = motion(&arm.loaded_tip(terms), target);
-        let size = error.amax();
-        // Rounding lets it stall a little above the aim.
-        if size <= ARRIVED || (size < 1e-9 && size >= 0.5 * last) {
-            return Ok(());
-        }
-        last = size;
-        *theta += step(terms.frames(), &terms.measuring_points()[0], &error)?;
-        arm.move_to(theta, terms, wrench)?;
+impl Compensation {
+    /// What speaks against commanding the path: what is serious, and that it goes beyond the data.
+    pub fn objections(&self) -> impl Iterator<Item = &Finding> + Clone {
+        let findings = self.findings.iter();
+        findings.filter(|f| f.severity == Severity::Serious || BEYOND.contains(&f.code.as_str()))
     }
-    Err(Error::new(
-        Code::InvalidValue,
-        "This posture is singular, and the arm cannot make up for what gives way beyond its joints.",
-    )
-    .hint("choose another posture for this point, or leave the turn about the tool axis free"))
-}
-
-/// Least joint motion whose twist at `p` is nearest to `twist`.
-fn step(frames: &Frames, p: &Vector3<f64>, twist: &Vector6<f64>) -> Result<DVector<f64>> {
-    let jacobian = frames.jacobian(p);
-    let n = jacobian.ncols();
-    // Jᵀ has at least as many rows as columns for n ≥ 6, J for n ≤ 6.
-    let wide = n > 6;
-    let matrix: DMatrix<f64> = match wide {
-        true => jacobian.transpose().clone_owned().resize(n, 6, 0.0),
-        false => DMatrix::from_fn(6, n, |i, j| jacobian[(i, j)]),
-    };
-    let parts = svd(matrix)
-        .ok_or_else(|| Error::new(Code::Numerical, "The Jacobian could not be decomposed."))?;
-    let twist = DVector::from_column_slice(twist.as_slice());
-    let (from, to) = match wide {
-        true => (&parts.v, &parts.u),
-        false => (&parts.u, &parts.v),
-    };
-    let mut along = from.tr_mul(&twist);
-    for (a, value) in along.iter_mut().zip(parts.values.iter()) {
-        *a = match *value > STUCK * parts.values[0] {
-            true => *a / value,
-            false => 0.0,
-        };
-    }
-    Ok(to * along)
 }
 
 /// Finds the commands for `postures`, each under its own wrench.
@@ -416,22 +318,36 @@ fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> 
             ),
         )),
     }
-    if let Some(measured) = options.measured_up_to
+    let share = |beyond: &dyn Fn(&PointCompensation) -> bool| {
+        let beyond = result.points.iter().filter(|p| beyond(p)).count();
+        percent(beyond as f64 / count as f64)
+    };
+    let slack = |seen: f64| seen * (1.0 + ROUNDING);
+    if let Some(measured) = options.measured_up_to.map(slack)
         && result.uncompensated_max_m > measured
     {
-        let beyond = result
-            .points
-            .iter()
-            .filter(|p| p.uncompensated_m > measured)
-            .count();
         out.push(Finding::new(
-            "beyond-measured",
+            BEYOND[0],
             Severity::Caution,
             "correction",
             format!(
                 "{} of the points bend by more than any displacement that the identification has seen ({}): the model is trusted beyond its data there.",
-                percent(beyond as f64 / count as f64),
+                share(&|p| p.uncompensated_m > measured),
                 length(measured)
+            ),
+        ));
+    }
+    let force = |p: &PointCompensation| Vector3::from(p.force_n).norm();
+    if let Some(loaded) = options.loaded_up_to.map(slack)
+        && result.points.iter().any(|p| force(p) > loaded)
+    {
+        out.push(Finding::new(
+            BEYOND[1],
+            Severity::Caution,
+            "correction",
+            format!(
+                "{} of the points are under a larger force than any that the identification has seen ({loaded:.0} N): the model is trusted beyond its data there.",
+                share(&|p| force(p) > loaded),
             ),
         ));
     }

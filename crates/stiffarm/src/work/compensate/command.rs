@@ -1,0 +1,125 @@
+//! The command of one point.
+//!
+//! The command from its end. The loaded tip is right when the loaded joints
+//! stand at the nominal posture, so the command follows in one step from the
+//! load there; iterating the mirror correction converges to the same (a test
+//! does it). Only what gives way beyond the joints needs Newton steps. The
+//! check is the equilibrium from the command's side, which knows nothing of
+//! this.
+
+use crate::error::{Code, Error, Result};
+use crate::model::kinematics::Frames;
+use crate::model::load::Wrench;
+use crate::model::observation::PostureTerms;
+use crate::numerics::information::svd::svd;
+use crate::work::predict::{LoadedArm, motion};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+
+/// A tip this near to its pose is there \[m, rad\].
+const ARRIVED: f64 = 1e-13;
+/// Steps to a pose that a neighbour of the nominal one takes three of.
+const STEPS: usize = 50;
+/// Singular values of J below this share of the largest are directions in
+/// which the arm cannot move.
+const STUCK: f64 = 1e-9;
+
+/// A command and the state it leads to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Command {
+    /// Controller angles \[rad\].
+    pub q: Vec<f64>,
+    /// Nominal tip pose, base frame \[m\].
+    pub nominal: Isometry3<f64>,
+    /// Tip pose of the command without load.
+    pub unloaded: Isometry3<f64>,
+    /// Tip pose under load by the equilibrium from the command.
+    pub loaded: Isometry3<f64>,
+}
+
+/// The command that brings the loaded tip to where `nominal` (controller
+/// angles, rad) has it without load.
+///
+/// # Errors
+/// Angles of the wrong number or not finite; a coupling that cannot be undone;
+/// a load that buckles the arm, or bends what is not determined; a posture in which the
+/// arm cannot make up for what gives way beyond its joints.
+pub fn command(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench) -> Result<Command> {
+    let robot = arm.robot();
+    let mut terms = arm.terms(nominal, wrench)?;
+    let target = terms.frames().flange() * arm.tip();
+    let mut theta = robot.serial_angles(nominal);
+    if arm.has_more_than_joints() {
+        reach(arm, &mut theta, &mut terms, wrench, &target)?;
+    }
+    // θ_command = θ_loaded − K_θ⁻¹ Γ(θ_loaded)
+    let give = arm.compliance() * DVector::from_column_slice(terms.torque());
+    let q = robot.controller_angles(&(theta - give)).ok_or_else(|| {
+        Error::new(
+            Code::Internal,
+            "The coupling of the robot cannot be undone.",
+        )
+    })?;
+    let q: Vec<f64> = q.iter().copied().collect();
+    let bent = arm.deflect(&q, wrench)?;
+    Ok(Command {
+        q,
+        nominal: target,
+        unloaded: bent.before,
+        loaded: bent.after,
+    })
+}
+
+/// Moves the joints until the loaded tip, with all that gives way beyond them,
+/// is at `target`.
+fn reach(
+    arm: &LoadedArm,
+    theta: &mut DVector<f64>,
+    terms: &mut PostureTerms,
+    wrench: &Wrench,
+    target: &Isometry3<f64>,
+) -> Result<()> {
+    let mut last = f64::INFINITY;
+    for _ in 0..STEPS {
+        let error = motion(&arm.loaded_tip(terms), target);
+        let size = error.amax();
+        // Rounding lets it stall a little above the aim.
+        if size <= ARRIVED || (size < 1e-9 && size >= 0.5 * last) {
+            return Ok(());
+        }
+        last = size;
+        *theta += step(terms.frames(), &terms.measuring_points()[0], &error)?;
+        arm.move_to(theta, terms, wrench)?;
+    }
+    Err(Error::new(
+        Code::InvalidValue,
+        "This posture is singular, and the arm cannot make up for what gives way beyond its joints.",
+    )
+    .hint("choose another posture for this point, or leave the turn about the tool axis free"))
+}
+
+/// Least joint motion whose twist at `p` is nearest to `twist`.
+fn step(frames: &Frames, p: &Vector3<f64>, twist: &Vector6<f64>) -> Result<DVector<f64>> {
+    let jacobian = frames.jacobian(p);
+    let n = jacobian.ncols();
+    // Jᵀ has at least as many rows as columns for n ≥ 6, J for n ≤ 6.
+    let wide = n > 6;
+    let matrix: DMatrix<f64> = match wide {
+        true => jacobian.transpose().clone_owned().resize(n, 6, 0.0),
+        false => DMatrix::from_fn(6, n, |i, j| jacobian[(i, j)]),
+    };
+    let parts = svd(matrix)
+        .ok_or_else(|| Error::new(Code::Numerical, "The Jacobian could not be decomposed."))?;
+    let twist = DVector::from_column_slice(twist.as_slice());
+    let (from, to) = match wide {
+        true => (&parts.v, &parts.u),
+        false => (&parts.u, &parts.v),
+    };
+    let mut along = from.tr_mul(&twist);
+    for (a, value) in along.iter_mut().zip(parts.values.iter()) {
+        *a = match *value > STUCK * parts.values[0] {
+            true => *a / value,
+            false => 0.0,
+        };
+    }
+    Ok(to * along)
+}
