@@ -244,7 +244,7 @@ fn has_stiffness(joint: &JointEstimate, key: &str) -> Result<()> {
             Verdict::Undetermined => ": the measurements did not determine it",
             Verdict::LowerBoundOnly => ": the measurements gave only a lower bound",
             Verdict::SignOrModelFault => ": its compliance came out negative",
-            Verdict::Determined | Verdict::NoInterval => "",
+            _ => "",
         };
         let error = fault(format!("The file has no stiffness of {name}{why}."));
         return Err(error.key(below(key, "stiffness")).hint(
