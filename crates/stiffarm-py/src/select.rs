@@ -100,6 +100,7 @@ pub fn select(
         let rounds = budget.rounds;
         let mut tell = |stage| told(watched, stage, rounds);
         let found = watched.with(|control| plan(cell.complete(), &request, &mut tell, control))?;
+        let found = found.with_forecast();
         inputs.document("select", found.seed, found.options, found.result)
     })
 }
@@ -140,7 +141,8 @@ pub fn select_candidates(
         request.limits = !measured;
         request.certificate = certificate;
         let found = watched
-            .with(|control| plan_candidates(cell.complete(), &candidates, &request, control))?;
+            .with(|control| plan_candidates(cell.complete(), &candidates, &request, control))?
+            .with_forecast();
         inputs.document("select", found.seed, found.options, found.result)
     })
 }

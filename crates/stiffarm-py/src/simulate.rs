@@ -37,7 +37,7 @@ pub fn evaluate(py: Python<'_>, cell: &PyCell, groups: Groups<'_>) -> PyResult<(
         let inputs = Inputs::of(cell);
         let groups = inputs.groups(groups, &cell.cell.setup.robot)?;
         let cell = cell.complete();
-        let found = Evaluated::new(cell, &groups)?;
+        let found = Evaluated::new(cell, &groups)?.with_forecast(cell);
         inputs.document("evaluate", None, EvaluatedOptions::of(cell), found)
     })
 }

@@ -114,7 +114,9 @@ def test_tables() -> None:
     assert stiffarm.Table.of(pyarrow.table(quoted))["name"] == quoted["name"]
 
 
-def test_results(found: stiffarm.results.Identified, tmp_path: Path) -> None:
+def test_results(
+    found: stiffarm.results.Identified, cell: stiffarm.Cell, group: stiffarm.Postures, tmp_path: Path
+) -> None:
     document = json.loads(found.to_json())
     assert found.to_dict() == document["result"]
     assert set(found) == set(document["result"]) and len(found) == len(document["result"])
@@ -134,7 +136,16 @@ def test_results(found: stiffarm.results.Identified, tmp_path: Path) -> None:
     changed["joints"].clear()
     assert found.joints
     frame = found.to_frame("pandas")
-    assert len(frame) == 6 and {"interval_low", "interval_high"} <= set(frame.columns)
+    assert len(frame) == 6 and list(frame.columns)[:6] == [
+        "name", "stiffness", "half_width", "standard_error", "interval_low", "interval_high",
+    ]  # fmt: skip
+    # The intervals of a frame are those of the page, readings and systematic errors together.
+    totals = [own["interval_nm_per_rad"] for own in document["result"]["budget"]["uncertainty"]]
+    assert [list(ends) for ends in zip(frame["interval_low"], frame["interval_high"], strict=True)] == totals
+    assert set(frame["interval_holds"]) == {"all_errors"}
+    assert (frame["readings_interval_low"] > frame["interval_low"]).all()
+    brief = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, group), brief=True)
+    assert set(brief.to_frame("pandas")["interval_holds"]) == {"readings"}
     parts = document["result"]["diagnosis"], document["result"]["budget"]
     assert [f.sentence for f in found.findings] == [f["sentence"] for part in parts for f in part["findings"]]
     assert repr(found).startswith("<Identified: k = ")

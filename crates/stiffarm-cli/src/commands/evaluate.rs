@@ -1,9 +1,10 @@
 //! `stiffarm evaluate`: all indices and expected errors of given postures.
 
+use super::identify::confidence;
 use super::{index_value, with_length};
 use crate::args::EvaluateArgs;
 use crate::input::Line;
-use crate::numbers::{optional, optional_percent};
+use crate::numbers::{NONE, optional, optional_percent, significant};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Align, Table, serious, title, yellow};
@@ -20,7 +21,7 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
     let (cell, length_line) = with_length(named.cell);
     named.cell = cell;
     let cell = &named.cell;
-    let evaluated = Evaluated::new(cell, &groups)?;
+    let evaluated = Evaluated::new(cell, &groups)?.with_forecast(cell);
     let own = evaluated
         .groups
         .iter()
@@ -60,6 +61,40 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
         table,
     )?;
     Ok(exit)
+}
+
+/// Title of the table of expected deviations.
+pub const DEVIATION: &str =
+    "Expected deviation |k̂ − k|/k of the identified stiffness, by noise alone [%]";
+
+/// The ± that `identify` is expected to print; nothing where there is none.
+pub fn forecast(joints: &[String], evaluation: &GroupEvaluation) -> String {
+    let Some(found) = &evaluation.forecast else {
+        return String::new();
+    };
+    let mut out = title(&format!(
+        "± of the stiffness that `identify` will print for {} [%]",
+        evaluation.name
+    ));
+    let level = format!("± {} %", confidence(found.confidence));
+    let mut table = Table::new(["joint", &level, "readings", "systematic", "most of it"]);
+    table.align(4, Align::Left);
+    let short = |part: Option<f64>| {
+        let part = part.filter(|part| *part < 1.0);
+        part.map_or_else(|| NONE.to_string(), |part| significant(100.0 * part, 2))
+    };
+    for (j, name) in joints.iter().enumerate() {
+        let source = found.largest_source[j].as_deref().unwrap_or_default();
+        table.row([
+            name.clone(),
+            short(found.total[j]),
+            short(found.readings[j]),
+            short(found.systematic[j]),
+            source.replace('-', " "),
+        ]);
+    }
+    out += &table.to_string();
+    out + "forecast for one reading of each point under the whole load: readings and systematic errors together\n"
 }
 
 /// Names joints that a group cannot determine, before any number.
@@ -140,10 +175,14 @@ pub fn tables(cell: &Cell, evaluations: &[GroupEvaluation], postures: &[Vec<&str
         indices.row(described.into_iter().chain(values));
     }
     out += &indices.to_string();
+    let joints = cell.setup.robot.spring_names();
+    for evaluation in evaluations {
+        out += &forecast(&joints, evaluation);
+    }
     if cell.prior.is_some() {
-        out += &title("Expected deviation |k̂ − k|/k of the identified stiffness [%]");
+        out += &title(DEVIATION);
         let mut deviations = table("joint");
-        for (j, name) in cell.setup.robot.spring_names().into_iter().enumerate() {
+        for (j, name) in joints.into_iter().enumerate() {
             deviations.row(row(name, &|e| deviation(e, j)));
         }
         deviations.row(row("mean".to_string(), &mean_deviation));

@@ -136,3 +136,32 @@ fn no_singular_value_passes_for_a_result() {
     assert_eq!(group["undetermined_joints"].as_array().unwrap().len(), 6);
     assert_eq!(ran.code, Some(1));
 }
+
+#[test]
+fn micrometres_under_a_heading_in_millimetres_are_a_finding_not_an_error() {
+    let folder = Folder::new();
+    let group = "builtin:comau builtin:comau-group1";
+    folder.ok(&format!(
+        "simulate {group} --runs 1 --levels 1 --measurements mm.csv"
+    ));
+    let mut um = String::new();
+    for line in folder.read("mm.csv").lines() {
+        let mut fields: Vec<String> = line.split(',').map(String::from).collect();
+        let from = fields.len() - 3;
+        for field in &mut fields[from..] {
+            if let Ok(value) = field.parse::<f64>() {
+                *field = (1000.0 * value).to_string();
+            }
+        }
+        um += &(fields.join(",") + "\n");
+    }
+    folder.write("um.csv", um);
+    let ran = folder.run("identify builtin:comau um.csv");
+    assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
+    let text = ran.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("SERIOUS") && text.contains("µm"), "{text}");
+    let ran = folder.run("identify builtin:comau um.csv --json");
+    let saved: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    let found = &saved["result"]["sanity"]["suspicions"][0];
+    assert_eq!(found["cause"], "displacement_units", "{found}");
+}

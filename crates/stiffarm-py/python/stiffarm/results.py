@@ -215,14 +215,22 @@ class Identified(Result, _typed.IdentifiedKeys):
         return estimates
 
     def table(self) -> Table:
-        """A row per joint: stiffness, interval, standard error and verdict."""
+        """A row per joint: stiffness, its ±, interval and verdict with all errors together, then their parts.
+
+        ``interval_holds`` says ``"all_errors"``, or ``"readings"`` where nothing else was examined
+        (``brief=True``, ``clamped=True``).
+        """
         from ._result import _table_of
 
         rows = []
         for joint in self._estimates()["joints"]:
-            low, high = joint.get("interval") or (None, None)
-            row = {key: value for key, value in joint.items() if not isinstance(value, (dict, list))}
-            rows.append({**row, "interval_low": low, "interval_high": high})
+            row: dict[str, Any] = {}
+            for key, value in joint.items():
+                if key.endswith("interval"):
+                    row[f"{key}_low"], row[f"{key}_high"] = value or (None, None)
+                elif not isinstance(value, (dict, list)):
+                    row[key] = value
+            rows.append(row)
         return _table_of(rows)
 
     def _headline(self) -> str:

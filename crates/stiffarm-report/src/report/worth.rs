@@ -124,6 +124,7 @@ pub(super) fn worth_sections(
             )),
             Block::Table(errors(context, &joints, groups)),
         ];
+        blocks.extend(forecast(context, &joints, groups).map(Block::Table));
         if all.iter().copied().any(is_beyond_first_order) {
             blocks.push(Block::Text(
                 Text::new("Where the relative standard error is above 10 %, this closed form no longer holds: ")
@@ -209,6 +210,29 @@ fn errors(context: &Context<'_>, joints: &[String], groups: &[Worth<'_>]) -> Dat
         cells("indices/expected_error"),
     );
     table
+}
+
+/// A confidence in percent.
+pub(super) fn level(confidence: f64) -> f64 {
+    (1000.0 * confidence).round() / 10.0
+}
+
+/// The ± that `identify` is expected to print; nothing where no group has one.
+fn forecast(context: &Context<'_>, joints: &[String], groups: &[Worth<'_>]) -> Option<DataTable> {
+    let found = groups.iter().find_map(|g| g.evaluation.forecast.as_ref())?;
+    let title = format!(
+        "± of the joint stiffness at {} % that identify will print [%], readings and systematic errors together",
+        level(found.confidence)
+    );
+    let mut table = DataTable::new(title, headed("joint", groups));
+    for (j, joint) in joints.iter().enumerate() {
+        let of = |group: &Worth<'_>| {
+            let number = context.number(&format!("{}/forecast/total/{j}", group.at));
+            Text::from(number.percent().bare().significant(2))
+        };
+        table.row(joint.clone(), groups.iter().map(of).collect::<Vec<Text>>());
+    }
+    Some(table)
 }
 
 fn correlations(context: &Context<'_>, joints: &[String], group: &Worth<'_>) -> DataTable {

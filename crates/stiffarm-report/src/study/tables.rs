@@ -315,7 +315,7 @@ fn stiffness(study: &Study) -> Table {
     ];
     let mut table = Table::new(
         "stiffness",
-        "Joint stiffness identified from one simulated measurement, with the 95 % interval.",
+        "Joint stiffness identified from one simulated measurement, with the 95 % interval by the scatter of the readings.",
         headings.map(String::from).to_vec(),
     );
     for group in &study.groups {
@@ -348,7 +348,8 @@ pub(super) fn stiffness_side_by_side(study: &Study) -> Table {
     }
     let mut table = Table::new(
         "stiffness-side-by-side",
-        "Joint stiffness identified from one simulated measurement, N·m/rad (Table 6), with the 95 % interval.",
+        "Joint stiffness identified from one simulated measurement, N·m/rad (Table 6), with the 95 % interval by the \
+         scatter of the readings.",
         headings,
     );
     for (j, joint) in study.joints.iter().enumerate() {

@@ -144,8 +144,10 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
     };
     if is_mixed {
         out.model = ElasticChoice::Mixed;
-        out.mixed = Some(mixed.result()?);
-        out.budget = Some(mixed_systematic_errors(&mixed)?);
+        let (mut found, budget) = (mixed.result()?, mixed_systematic_errors(&mixed)?);
+        budget.widen(&mut found.joints);
+        out.mixed = Some(found);
+        out.budget = Some(budget);
     }
     Ok((out, Some(mixed)))
 }

@@ -6,8 +6,8 @@ use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measure
 use crate::estimate::diagnose::{Diagnosis, diagnose};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
-    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
-    bootstrap, implausible_scale, profile,
+    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, JointEstimate, NoiseSource,
+    Profile, Weights, bootstrap, implausible_scale, profile,
 };
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
@@ -125,7 +125,8 @@ impl Reduced {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identified {
-    /// The estimates.
+    /// The estimates; ±, intervals and verdicts of the joints hold all errors where `budget` is known, else the
+    /// scatter of the readings alone.
     #[serde(flatten)]
     pub identification: Identification,
     /// From raw readings to displacements; `null` for a table of displacements.
@@ -174,6 +175,17 @@ impl Identified {
         readings.or(self.sanity.as_ref())
     }
 
+    /// Makes ±, intervals and verdicts of the joints hold all errors, where the budget is known: as
+    /// [`Identified::new`] leaves them, and results of earlier versions did not.
+    pub fn hold_all_errors(&mut self) {
+        let joints = &mut self.identification.estimates.joints;
+        let unjudged = joints.iter_mut().filter(|joint| joint.half_width.is_none());
+        unjudged.for_each(JointEstimate::judge);
+        if let Some(budget) = &self.budget {
+            budget.widen(joints);
+        }
+    }
+
     /// The estimates, and what else was asked for, as far as the user lets it come.
     ///
     /// # Errors
@@ -220,6 +232,7 @@ impl Identified {
         }
         out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
         out.budget = unless_stopped("budget", &mut left_out, systematic_errors(fit))?;
+        out.hold_all_errors();
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
         out.sealed = out.seal(fit, mixed.as_ref());
         let search = GlobalOptions {

@@ -7,6 +7,7 @@ pub mod compliance;
 pub mod coverage;
 pub mod diagnose;
 pub mod elastic;
+pub mod forecast;
 pub mod freedom;
 // What coverage was counted stands in a table.
 #[cfg(feature = "files")]

@@ -1,15 +1,14 @@
 //! How an experiment stands while it is measured: what the readings so far give, what the postures that are
 //! left are expected to bring, and whether that is enough.
 //!
-//! What is expected is a forecast, not a bound: the scatter of the readings is taken as it is so far, though a
-//! few postures tell it badly; the standard errors shrink as the information of the planned postures says;
-//! and the common errors stay what they are, though further readings bound most of them. Never the scale
-//! of the force: no number of postures brings a joint below that.
+//! What is expected is what `identify` would print ([`forecast`](super::forecast)), not a bound: the scale of the
+//! force stays what it is, and no number of postures brings a joint below that.
 
-use super::identify::{Fit, Verdict};
-use super::next_posture::{NextPosture, PlannedErrors, planned_errors};
-use super::systematic::{JointUncertainty, SystematicErrors};
-use crate::error::Result;
+use super::forecast::forecast_with;
+use super::identify::Fit;
+use super::next_posture::{NextPosture, PlannedErrors};
+use super::systematic::SystematicErrors;
+use crate::error::{Code, Result};
 use crate::findings::{Finding, Severity, percent};
 use crate::numerics::half_width::Level;
 use serde::Serialize;
@@ -27,7 +26,7 @@ pub struct JointStanding {
     pub name: String,
     /// Stiffness \[N·m/rad\], where the readings determine it.
     pub stiffness_nm_per_rad: Option<f64>,
-    /// Half width of its interval with all errors (fraction of k).
+    /// ± of its interval with all errors, as `identify` prints it (fraction of k).
     pub total: Option<f64>,
     /// Half width by the common errors alone, as far as the readings so far leave them (fraction of k).
     pub systematic: Option<f64>,
@@ -61,7 +60,7 @@ pub struct Standing {
 /// (fraction of k).
 ///
 /// # Errors
-/// As [`planned_errors`].
+/// A decomposition that fails; stopped.
 pub fn standing<Q: AsRef<[f64]>>(
     fit: &Fit,
     budget: &SystematicErrors,
@@ -69,11 +68,20 @@ pub fn standing<Q: AsRef<[f64]>>(
     goal: Option<f64>,
 ) -> Result<Standing> {
     let found = fit.identification()?;
-    let forecast = planned_errors(fit, planned).ok();
-    let expected = |j: usize, after: usize| -> Option<f64> {
-        let own = budget.uncertainty.get(j)?;
-        total_after(own, forecast.as_ref()?, j, after)
+    // Without a stiffness or a load to assume nothing is foreseen; stopped is stopped.
+    let expected = |count: usize| -> Result<Option<Vec<Option<f64>>>> {
+        match forecast_with(fit, budget, &planned[..count]) {
+            Ok(joints) => Ok(Some(joints.iter().map(|joint| joint.total).collect())),
+            Err(error) if error.code() == Code::Interrupted => Err(error),
+            Err(_) => Ok(None),
+        }
     };
+    let (with_next, with_all) = match planned.len() {
+        0 => (None, None),
+        1 => (expected(1)?, expected(1)?),
+        count => (expected(1)?, expected(count)?),
+    };
+    let of = |all: &Option<Vec<Option<f64>>>, j: usize| all.as_ref()?.get(j).copied().flatten();
     let joints: Vec<JointStanding> = found
         .estimates
         .joints
@@ -81,28 +89,37 @@ pub fn standing<Q: AsRef<[f64]>>(
         .enumerate()
         .map(|(j, joint)| {
             let own = budget.uncertainty.get(j);
-            let usable = joint.verdict == Verdict::Determined;
+            let usable = joint.interval[1].is_some();
             JointStanding {
                 name: joint.name.clone(),
                 stiffness_nm_per_rad: joint.stiffness,
                 total: own.and_then(|own| own.total).filter(|_| usable),
                 systematic: own.and_then(|own| own.systematic),
-                with_next: (!planned.is_empty()).then(|| expected(j, 0)).flatten(),
-                with_all: planned
-                    .len()
-                    .checked_sub(1)
-                    .and_then(|last| expected(j, last)),
+                with_next: of(&with_next, j),
+                with_all: of(&with_all, j),
             }
         })
         .collect();
     let largest = worst(joints.iter().map(|joint| joint.total));
     let reached = goal.map(|goal| largest.is_some_and(|largest| largest <= goal));
-    let postures_to_goal = goal.filter(|_| reached == Some(false)).and_then(|goal| {
-        let enough = |after: &usize| {
-            worst((0..joints.len()).map(|j| expected(j, *after))).is_some_and(|all| all <= goal)
-        };
-        (0..planned.len()).find(enough).map(|after| after + 1)
-    });
+    let enough = |all: &Option<Vec<Option<f64>>>| {
+        let largest = all.as_ref().and_then(|all| worst(all.iter().copied()));
+        goal.zip(largest)
+            .is_some_and(|(goal, largest)| largest <= goal)
+    };
+    let mut postures_to_goal = None;
+    if reached == Some(false) && enough(&with_all) {
+        // Each posture brings something, so that halving finds the first count.
+        let (mut too_few, mut count) = (0, planned.len());
+        while count - too_few > 1 {
+            let middle = too_few.midpoint(count);
+            match enough(&expected(middle)?) {
+                true => count = middle,
+                false => too_few = middle,
+            }
+        }
+        postures_to_goal = Some(count);
+    }
     let findings = match (goal, reached) {
         (Some(goal), Some(false)) => out_of_reach(budget, found.estimates.confidence, goal)?
             .into_iter()
@@ -123,20 +140,6 @@ pub fn standing<Q: AsRef<[f64]>>(
 fn worst(parts: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let all: Option<Vec<f64>> = parts.collect();
     all?.into_iter().reduce(f64::max)
-}
-
-/// Half width with all errors after so many further postures: the scatter shrinks as its standard error
-/// does, the common errors stay. Where a joint is not determined yet, its standard error alone is known.
-fn total_after(
-    own: &JointUncertainty,
-    forecast: &PlannedErrors,
-    j: usize,
-    after: usize,
-) -> Option<f64> {
-    let then = forecast.after.get(after)?.get(j).copied().flatten()?;
-    let now = forecast.now.get(j).copied().flatten()?;
-    let statistical = own.statistical? * then / now;
-    Some(statistical.hypot(own.systematic.unwrap_or(0.0)))
 }
 
 /// Says where the scale of the force alone is beyond the goal: no residual ever shows it.

@@ -2,7 +2,7 @@
 
 use crate::common::{default_cell, group1};
 use stiffarm::estimate::identified::{Identified, Wanted};
-use stiffarm::estimate::identify::Fit;
+use stiffarm::estimate::identify::{Fit, IntervalHolds, Verdict};
 use stiffarm::measure::prepare;
 use stiffarm::measure::reduction::ReduceOptions;
 use stiffarm::model::posture::PostureGroup;
@@ -27,7 +27,7 @@ fn everything_or_estimates_alone() {
         wanted.brief = true;
         Identified::new(&fit, &wanted, Control::default()).unwrap()
     };
-    assert_eq!(brief.identification, all.identification);
+    assert_eq!(brief.identification, *fit.identification().unwrap());
     assert!(brief.budget.is_none() && brief.diagnosis.is_none() && brief.next_posture.is_none());
     // What is saved is what is read.
     let text = serde_json::to_string(&all).unwrap();
@@ -54,4 +54,52 @@ fn a_bootstrap_without_resamples_is_refused_with_its_key() {
     let refused = Identified::new(&fit(), &wanted, Control::default()).unwrap_err();
     assert_eq!(refused.place().key.as_deref(), Some("bootstrap"));
     assert_ne!(refused.code(), Code::Interrupted);
+}
+
+#[test]
+fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
+    let fit = fit();
+    let all = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+    let alone = &fit.identification().unwrap().estimates.joints;
+    let budget = all.budget.as_ref().unwrap();
+    for (j, joint) in all.identification.estimates.joints.iter().enumerate() {
+        let (own, total) = (&budget.uncertainty[j], budget.total[j].unwrap());
+        assert_eq!(joint.interval_holds, IntervalHolds::AllErrors);
+        assert_eq!(
+            (joint.interval, joint.half_width),
+            (own.interval_nm_per_rad, own.total)
+        );
+        assert_eq!(joint.standard_error, Some(joint.stiffness.unwrap() * total));
+        assert_eq!(joint.readings_interval, alone[j].interval);
+        assert_eq!(joint.readings_standard_error, alone[j].standard_error);
+        // A fit knows no more than its readings, and says so.
+        assert_eq!(alone[j].interval_holds, IntervalHolds::Readings);
+        assert_eq!(alone[j].interval, alone[j].readings_interval);
+        let half = joint.half_width.unwrap();
+        assert!(half > alone[j].half_width.unwrap() && half > 0.0196);
+        let verdict = match half {
+            half if half <= 0.1 => Verdict::Determined,
+            half if half < 0.5 => Verdict::Weak,
+            _ => Verdict::HardlyKnown,
+        };
+        assert_eq!(joint.verdict, verdict, "{joint:?}");
+    }
+    let saved = serde_json::to_value(&all).unwrap();
+    let first = &saved["joints"][0];
+    assert_eq!(
+        first["interval"],
+        saved["budget"]["uncertainty"][0]["interval_nm_per_rad"]
+    );
+    assert_eq!(first["interval_holds"], "all_errors");
+    // Read again nothing moves; a result of an earlier version comes to the same.
+    let mut again: Identified = serde_json::from_value(saved).unwrap();
+    again.hold_all_errors();
+    assert_eq!(again, all);
+    again.identification.estimates.joints.clone_from(alone);
+    again.hold_all_errors();
+    assert_eq!(again.identification, all.identification);
+    let mut wanted = Wanted::default();
+    wanted.brief = true;
+    let brief = Identified::new(&fit, &wanted, Control::default()).unwrap();
+    assert_eq!(brief.identification.estimates.joints, *alone);
 }

@@ -1,6 +1,7 @@
 //! How a running experiment stands: forecasts against what the further postures bring.
 
 use stiffarm::Control;
+use stiffarm::estimate::forecast::forecast;
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
 use stiffarm::estimate::next_posture::{next_posture, planned_errors};
 use stiffarm::estimate::standing::{is_better, standing};
@@ -95,4 +96,68 @@ fn a_far_better_posture_is_worth_naming_and_an_equal_one_is_not() {
     // One that is measured already shows hardly anything new.
     let poor = planned_errors(&fit, &[vec![0.0, 0.0, -1.5, 0.0, 0.01, 0.0]]).unwrap();
     assert!(is_better(&best, &poor));
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// ± of each joint with all errors that `identify` prints.
+fn identified(fit: &Fit) -> Vec<Option<f64>> {
+    let budget = systematic_errors(fit).unwrap();
+    budget.uncertainty.iter().map(|own| own.total).collect()
+}
+
+#[test]
+fn the_first_postures_foresee_what_the_whole_plan_will_say() {
+    for done in [1, 3, 6] {
+        let mut ratios = Vec::new();
+        for seed in 0..8 {
+            let (early, plan) = fitted(done, seed);
+            let budget = systematic_errors(&early).unwrap();
+            let found = standing(&early, &budget, &plan[done..], None).unwrap();
+            let (late, _) = fitted(12, seed);
+            for (joint, really) in found.joints.iter().zip(identified(&late)) {
+                ratios.push(joint.with_all.unwrap() / really.unwrap());
+            }
+        }
+        let (least, most) = ratios
+            .iter()
+            .fold((f64::MAX, 0.0_f64), |(a, b), r| (a.min(*r), b.max(*r)));
+        let middle = median(ratios);
+        assert!((0.8..1.25).contains(&middle), "{done}: {middle}");
+        assert!(least > 0.3 && most < 3.0, "{done}: {least} to {most}");
+    }
+}
+
+#[test]
+fn a_plan_promises_what_identify_prints_of_it() {
+    let mut ratios = Vec::new();
+    for seed in 0..12 {
+        let (fit, plan) = fitted(12, seed);
+        let promised = forecast(fit.cell(), &plan).unwrap();
+        for (total, really) in promised.total.iter().zip(identified(&fit)) {
+            ratios.push(total.unwrap() / really.unwrap());
+        }
+        // Systematic errors are most of it, and noise alone says far less.
+        let joint_1 = promised.total[0].unwrap();
+        assert!(joint_1 > 1.5 * promised.readings[0].unwrap() && joint_1 > 0.0196);
+    }
+    let middle = median(ratios);
+    assert!((0.8..1.25).contains(&middle), "{middle}");
+}
+
+#[test]
+fn nothing_is_promised_without_a_load_or_a_prior() {
+    let (fit, plan) = fitted(6, 1);
+    let mut cell = fit.cell().clone();
+    cell.setup.load = stiffarm::model::load::Load::Measured;
+    assert!(forecast(&cell, &plan).is_err());
+    let mut cell = fit.cell().clone();
+    cell.prior = None;
+    assert!(forecast(&cell, &plan).is_err());
+    // One posture leaves joints open: there is no ± for them, and no error either.
+    let promised = forecast(fit.cell(), &plan[..1]).unwrap();
+    assert_eq!(promised.total.len(), 6);
 }

@@ -13,7 +13,7 @@ use stiffarm::estimate::clamped::{
     ClampedIdentification, ClampedPosture, Options, identify_clamped, without,
 };
 use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::estimate::identify::{NoiseSource, Verdict};
+use stiffarm::estimate::identify::NoiseSource;
 use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::files::table::read_clamped;
 use stiffarm::findings::{Severity, list};
@@ -45,8 +45,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     }
     let result = identify_clamped(&named.cell, &clamped, noise, &options)?;
 
-    let joints = &result.estimates.joints;
-    let complete = joints.iter().all(|j| j.verdict == Verdict::Determined);
+    let complete = result.estimates.is_complete();
     let serious = |f: &stiffarm::findings::Finding| f.severity == Severity::Serious;
     let exit = Exit::finding(!complete || result.findings.iter().any(serious));
     let options = Options::new(&options, args.angle_noise_deg, &args.exclude);

@@ -25,12 +25,11 @@ pub(super) fn elastic(found: &Elastic, confidence: f64) -> String {
             messages::confidence(confidence)
         ),
     ]);
-    for (j, joint) in mixed.joints.iter().enumerate() {
-        let own = found.budget.as_ref().and_then(|b| b.uncertainty.get(j));
+    for joint in &mixed.joints {
         joints.row([
             joint.name.clone(),
             joint.stiffness.map_or_else(|| NONE.to_string(), stiffness),
-            tables::ends(own.map_or(joint.interval, |own| own.interval_nm_per_rad)),
+            tables::ends(joint.interval),
         ]);
     }
     out += &format!("\n{joints}");

@@ -213,9 +213,7 @@ pub(super) fn trouble(joint: &JointEstimate, level: f64) -> Option<String> {
 fn weakest(joints: &[JointEstimate], level: f64) -> Option<String> {
     let half_width = |joint: &JointEstimate| {
         let [low, high] = joint.interval;
-        let k = joint
-            .stiffness
-            .filter(|_| joint.verdict == Verdict::Determined)?;
+        let k = joint.stiffness?;
         Some([1.0 - low? / k, high? / k - 1.0])
     };
     let closed = joints
@@ -342,6 +340,7 @@ fn independent(cell: &Cell, found: &Identification) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stiffarm::estimate::identify::IntervalHolds;
 
     fn joint(
         name: &str,
@@ -352,8 +351,12 @@ mod tests {
         JointEstimate {
             name: name.to_string(),
             stiffness: k,
+            half_width: None,
             standard_error: None,
             interval,
+            interval_holds: IntervalHolds::Readings,
+            readings_standard_error: None,
+            readings_interval: interval,
             compliance: k.map(|k| 1.0 / k),
             compliance_standard_error: None,
             determined: k.is_some(),

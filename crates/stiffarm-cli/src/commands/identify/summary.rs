@@ -8,14 +8,12 @@ use crate::numbers::{NONE, significant, stiffness};
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, yellow};
 use stiffarm::estimate::identified::Identified;
-use stiffarm::estimate::identify::{Fit, JointEstimate, Verdict, implausible_scale};
+use stiffarm::estimate::identify::{Fit, JointEstimate, NO_LONGER, Verdict, implausible_scale};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors, SystematicSource};
 use stiffarm::files::source::NamedCell;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::NOT_MEASURED_YET;
 
-/// Half widths beyond this part of k are no ±: 1/H is far from linear there.
-const NO_LONGER: f64 = 0.5;
 /// Cautions that the summary says; the others are counted.
 const MOST_CAUTIONS: usize = 4;
 
@@ -154,29 +152,12 @@ enum Known {
     Not,
 }
 
-fn known(joint: &JointEstimate, with_errors: Option<&JointUncertainty>) -> Known {
-    let ends = match with_errors {
-        Some(own) => own.interval_nm_per_rad,
-        None => joint.interval,
-    };
-    if !matches!(joint.verdict, Verdict::Determined | Verdict::LowerBoundOnly) {
-        return Known::Not;
-    }
-    match (ends, half_width(joint, with_errors)) {
-        (_, Some(part)) if part < NO_LONGER => Known::Within(part),
-        ([Some(low), Some(high)], _) => Known::Between(low, high),
-        ([Some(low), None], _) => Known::Above(low),
+fn known(joint: &JointEstimate) -> Known {
+    match (joint.half_width, joint.interval) {
+        (Some(part), _) if part < NO_LONGER => Known::Within(part),
+        (_, [Some(low), Some(high)]) => Known::Between(low, high),
+        (_, [Some(low), None]) => Known::Above(low),
         _ => Known::Not,
-    }
-}
-
-/// Half width of the compliance over itself: with all errors where they are
-/// known, else by the scatter of the readings.
-fn half_width(joint: &JointEstimate, with_errors: Option<&JointUncertainty>) -> Option<f64> {
-    match with_errors {
-        Some(own) => own.total,
-        // The lower end of k is 1/(H + half width).
-        None => Some(joint.stiffness? / joint.interval[0]? - 1.0),
     }
 }
 
@@ -187,9 +168,9 @@ fn uncertainty(result: &Identified, j: usize) -> Option<&JointUncertainty> {
 /// How well the joints are known, in a sentence.
 fn verdict(result: &Identified) -> String {
     let estimates = &result.identification.estimates;
-    let joints = estimates.joints.iter().enumerate();
+    let joints = estimates.joints.iter();
     let all: Vec<(&str, Known)> = joints
-        .map(|(j, joint)| (joint.name.as_str(), known(joint, uncertainty(result, j))))
+        .map(|joint| (joint.name.as_str(), known(joint)))
         .collect();
     let mut within: Vec<(&str, f64)> = all
         .iter()
@@ -267,7 +248,7 @@ fn table(result: &Identified) -> Table {
     table.align(words, Align::Left);
     for (j, joint) in estimates.joints.iter().enumerate() {
         let own = uncertainty(result, j);
-        let total = match known(joint, own) {
+        let total = match known(joint) {
             Known::Within(part) => short(part),
             _ => NONE.to_string(),
         };

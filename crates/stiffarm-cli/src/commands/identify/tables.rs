@@ -66,21 +66,21 @@ pub(super) fn bootstrap(found: &Bootstrap) -> Table {
 
 fn estimate(joint: &JointEstimate) -> Vec<String> {
     let relative = joint
-        .standard_error
+        .readings_standard_error
         .zip(joint.stiffness)
         .map(|(e, k)| percent(e / k.abs()));
     let none = || NONE.to_string();
     vec![
         joint.name.clone(),
         joint.stiffness.map_or_else(none, stiffness),
-        joint.standard_error.map_or_else(none, stiffness),
+        joint.readings_standard_error.map_or_else(none, stiffness),
         interval(joint),
         relative.unwrap_or_else(none),
     ]
 }
 
 fn interval(joint: &JointEstimate) -> String {
-    match (joint.verdict, joint.interval) {
+    match (joint.verdict, joint.readings_interval) {
         (Verdict::Undetermined, _) => "undetermined".to_string(),
         (Verdict::SignOrModelFault, _) => "sign or model fault".to_string(),
         (_, interval) => ends(interval),

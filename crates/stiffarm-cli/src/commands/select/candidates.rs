@@ -1,7 +1,7 @@
 //! `--candidates`: the best postures out of a list.
 
 use super::certificate::efficient;
-use super::job::{Job, shown, to_usize};
+use super::job::{Job, shown, statistic, to_usize};
 use crate::commands::{evaluate, posture_table};
 use crate::numbers::counted;
 use crate::progress::Progress;
@@ -28,8 +28,10 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
     request.limits = !measured;
     request.certificate = !job.args.no_certificate;
     let progress = Progress::new(job.session, "choosing postures");
-    let planned =
-        progress.watch(|control| plan_candidates(job.cell(), &candidates, &request, control))?;
+    let planned = progress.watch(|control| {
+        let planned = plan_candidates(job.cell(), &candidates, &request, control)?;
+        Ok(planned.with_forecast())
+    })?;
     drop(progress);
     let (chosen, result) = (&planned.postures, &planned.result);
     job.deliver(&planned, || table(job, &candidates, chosen, result))
@@ -53,9 +55,10 @@ fn table(job: &Job<'_>, candidates: &[Candidate], chosen: &[Posture], result: &C
         result.posture_names.join(", ")
     );
     out += &format!(
-        "index: {} = {}\n",
+        "index: {} = {}{}\n",
         found.index.as_str(),
-        shown(found.index, found.value)
+        shown(found.index, found.value),
+        statistic(found.index)
     );
     out += &certificate(found);
     if found.termination == Termination::Interrupted {

@@ -298,6 +298,16 @@ pub(super) fn shown(index: Index, value: f64) -> String {
         .to_string()
 }
 
+/// Which statistic an index is, behind its value.
+pub(super) fn statistic(index: Index) -> &'static str {
+    match index {
+        Index::ExpectedError => " (RMS over the joints of the standard error by noise alone)",
+        Index::WorstJoint => " (largest standard error of a joint, by noise alone)",
+        Index::DropOne => " (RMS over the joints with the worst posture lost, by noise alone)",
+        _ => "",
+    }
+}
+
 /// A heading with the unit of an index behind it.
 pub(super) fn with_unit(index: Index, heading: &str) -> String {
     match unit(index) {

@@ -13,7 +13,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
     let progress = Progress::new(job.session, "selecting postures");
     let planned = progress.watch(|control| {
         let mut watch = |stage| job.tell(&progress, stage);
-        plan(job.cell(), &request, &mut watch, control)
+        Ok(plan(job.cell(), &request, &mut watch, control)?.with_forecast())
     })?;
     drop(progress);
     job.deliver(&planned, || table::plan(job, &request, &planned))?;

@@ -1,9 +1,11 @@
 //! A plan as people read it.
 
 use super::certificate::{efficient, loose, sentence};
-use super::job::{Job, shown};
+use super::job::{Job, shown, statistic};
 use super::{limits, load, sensitivity};
-use crate::commands::evaluate::{beyond_first_order, deviation, mean_deviation, undetermined};
+use crate::commands::evaluate::{
+    DEVIATION, beyond_first_order, deviation, forecast, mean_deviation, undetermined,
+};
 use crate::commands::{posture_table, route, wrapped_line};
 use crate::numbers::{coarse_mm, counted, percent, significant};
 use crate::screen::{columns, wrapped};
@@ -61,6 +63,7 @@ pub fn plan(job: &Job<'_>, request: &PlanRequest, planned: &Planned<Plan, PlanOp
     out += &title("Postures");
     out += &postures(job, cell, given, selected);
     out += &limits::nearest(cell, &plan.posture_names, &selection.limits);
+    out += &forecast(&plan.joints, &plan.evaluation);
     if cell.prior.is_some() {
         out += &deviations(plan);
     }
@@ -78,9 +81,10 @@ fn index_line(job: &Job<'_>, plan: &Plan) -> String {
     let selection = &plan.selection;
     let index = selection.index;
     let mut out = format!(
-        "index: {} = {}",
+        "index: {} = {}{}",
         index.as_str(),
-        shown(index, selection.value)
+        shown(index, selection.value),
+        statistic(index)
     );
     if !plan.given_names.is_empty() {
         let given = counted(plan.given_names.len(), "posture");
@@ -228,7 +232,7 @@ fn postures(job: &Job<'_>, cell: &Cell, given: &[Posture], selected: &[Posture])
 
 /// Expected deviation of each joint, beside the least that is possible.
 fn deviations(plan: &Plan) -> String {
-    let mut out = title("Expected deviation |k̂ − k|/k of the identified stiffness [%]");
+    let mut out = title(DEVIATION);
     let before = plan.before.as_ref().map(|before| &before.evaluation);
     let columns: Vec<&GroupEvaluation> = before.into_iter().chain([&plan.evaluation]).collect();
     let bounds = plan.joint_efficiencies.as_deref();

@@ -185,10 +185,13 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
         "degrees_of_freedom": data["degrees_of_freedom"],
     }
     figures |= by_joint("stiffness_nm_per_rad", [joint["stiffness"] for joint in joints])
-    figures |= by_joint("standard_error_nm_per_rad", [joint["standard_error"] for joint in joints])
-    for end, stem in enumerate(("interval_low_nm_per_rad", "interval_high_nm_per_rad")):
-        ends = [joint["interval"][end] if joint["interval"] else None for joint in joints]
-        figures |= by_joint(stem, ends)
+    # The readings alone are all that a brief identification knows.
+    for part in ["", "readings_"] if data["budget"] else ["readings_"]:
+        errors = [joint[f"{part}standard_error"] for joint in joints]
+        figures |= by_joint(f"{part}standard_error_nm_per_rad", errors)
+        for end, side in enumerate(("low", "high")):
+            ends = [joint[f"{part}interval"][end] for joint in joints]
+            figures |= by_joint(f"{part}interval_{side}_nm_per_rad", ends)
     return figures
 
 

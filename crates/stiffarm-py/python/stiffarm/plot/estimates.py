@@ -250,7 +250,7 @@ def residuals(result: Identified, *, ax: Axes | None = None, width_in: float = 3
 def stiffness(
     value: Identified | Mapping[str, Identified], *, ax: Axes | None = None, width_in: float = 3.5
 ) -> Axes:
-    """Stiffness of each joint with its interval, and the cell's prior where it has one.
+    """Stiffness of each joint with its interval (all errors where they are known), and the cell's prior.
 
     An arrow is an interval without upper end; a joint that is not determined has no mark, and says so.
 
@@ -291,7 +291,9 @@ def stiffness(
                     (shown,) = into.plot([x], [k], _look.marker(g), markersize=4.5, **look)
             if shown is not None:
                 interval = f"{100 * data['confidence']:g} %" if data.get("confidence") else "interval"
-                entries.append((shown, f"{name}, {interval}" if name else f"identified, {interval} interval"))
+                alone = all(joint.get("interval_holds") == "readings" for joint in data["joints"])
+                of = " of the readings" if alone else ""
+                entries.append((shown, f"{name}, {interval}{of}" if name else f"identified, {interval} interval{of}"))
         prior = next((data.get("prior_stiffness") for data in results.values() if data.get("prior_stiffness")), None)
         if prior is not None and len(prior) == len(springs):
             line = into.hlines(

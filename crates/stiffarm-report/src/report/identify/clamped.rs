@@ -1,6 +1,6 @@
 //! The page of `identify --clamped`: the flange fixed, angles instead of displacements.
 
-use super::joints::{Grade, Joints};
+use super::joints::{Joints, is_within};
 use super::sections::{stiffness_section, together_section};
 use super::story::known;
 use crate::identified::{clamped_residual_figure, in_order};
@@ -40,7 +40,7 @@ pub(super) fn part(context: &Context<'_>, found: &ClampedIdentification) -> Resu
         .words(" of angles of ")
         .number(mdeg("/motor_rms_rad"))
         .words(" (RMS).");
-    let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
+    let missing = joints.of(|verdict| !is_within(verdict));
     let next = match (joints.serious, missing.is_empty()) {
         (true, _) => Text::default()
             .strong("Settle what is marked serious first")

@@ -3,43 +3,16 @@
 use crate::identified::StiffnessRow;
 use crate::page::{DataTable, Number, Outcome, Text};
 use crate::report::context::Context;
-use stiffarm::estimate::identify::{Estimates, JointEstimate, Verdict};
+use crate::report::worth::level;
+use stiffarm::estimate::identify::{Estimates, JointEstimate, NO_LONGER, Verdict, WELL_KNOWN};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors};
 use stiffarm::findings::{list, visible};
-
-/// A joint is known well where its total ± is at most this fraction of k.
-pub(super) const WELL: f64 = 0.1;
-/// From this fraction of k on there is no ±: 1/H is far from linear there.
-const NO_LONGER: f64 = 0.5;
 
 /// Heading of the ± by the scatter of the readings.
 const READINGS: &str = "± readings [%]";
 
 /// Names of so many letters are not broken.
 const SHORT: usize = 16;
-
-/// How well a joint is known.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Grade {
-    /// Its ± is small.
-    Known,
-    /// Its ± is large.
-    Weak,
-    /// Hardly more than its size.
-    Hardly,
-    /// Only a lower bound.
-    Bound,
-    /// Only together with other unknowns.
-    Together(Vec<String>),
-    /// A negative compliance.
-    Fault,
-    /// Nothing says how sure it is.
-    Unsure,
-    /// With all errors not even a bound.
-    NoValue,
-    /// Not at all.
-    Undetermined,
-}
 
 /// The joints of a result, with a free or a fixed flange.
 pub(super) struct Joints<'a> {
@@ -66,27 +39,11 @@ impl<'a> Joints<'a> {
         self.budget?.uncertainty.get(j)
     }
 
-    /// Half width of a joint's stiffness (fraction of k): with all errors where they are known, else by the scatter
-    /// of the readings.
-    pub fn half_width(&self, j: usize) -> Option<f64> {
-        match self.errors(j) {
-            Some(own) => own.total,
-            None => self.scatter(j),
-        }
-    }
-
-    /// The same by the scatter of the readings alone.
-    fn scatter(&self, j: usize) -> Option<f64> {
-        let joint = &self.all()[j];
-        // The lower end of k is 1/(H + half width).
-        Some(joint.stiffness? / joint.interval[0]? - 1.0)
-    }
-
     /// The half width as a number in percent.
     pub fn total(&self, j: usize) -> Number {
         let number = match self.errors(j) {
             Some(_) => self.error(j, "total"),
-            None => Number::new("", self.scatter(j)),
+            None => Number::new("", self.all()[j].half_width),
         };
         number.percent().significant(2)
     }
@@ -95,35 +52,6 @@ impl<'a> Joints<'a> {
     fn error(&self, j: usize, key: &str) -> Number {
         self.context
             .number(&format!("/budget/uncertainty/{j}/{key}"))
-    }
-
-    /// How well a joint is known.
-    pub fn grade(&self, j: usize) -> Grade {
-        let joint = &self.all()[j];
-        let sets = &self.estimates.collinear;
-        if let Some(set) = sets.iter().find(|set| set.unknowns.contains(&joint.name)) {
-            let others = set.unknowns.iter().filter(|name| **name != joint.name);
-            return Grade::Together(others.map(|name| visible(name).into_owned()).collect());
-        }
-        match (joint.verdict, self.half_width(j)) {
-            (Verdict::Undetermined, _) => Grade::Undetermined,
-            (Verdict::SignOrModelFault, _) => Grade::Fault,
-            (Verdict::LowerBoundOnly, _) if self.has_end(j) => Grade::Bound,
-            (Verdict::LowerBoundOnly, _) => Grade::NoValue,
-            (Verdict::NoInterval, _) | (_, None) => Grade::Unsure,
-            (_, Some(half)) if half <= WELL => Grade::Known,
-            (_, Some(half)) if half < NO_LONGER => Grade::Weak,
-            _ => Grade::Hardly,
-        }
-    }
-
-    /// Whether the interval has a lower end: with all errors where they are known.
-    fn has_end(&self, j: usize) -> bool {
-        let ends = match self.errors(j) {
-            Some(own) => own.interval_nm_per_rad,
-            None => self.all()[j].interval,
-        };
-        ends[0].is_some()
     }
 
     /// An end of the interval.
@@ -138,22 +66,32 @@ impl<'a> Joints<'a> {
 
     /// The outcome with what the joints say: findings do not name a joint without a value.
     pub fn outcome(&self, found: Outcome) -> Outcome {
-        let any = |is: &dyn Fn(&Grade) -> bool| !self.of(is).is_empty();
-        if any(&|grade| *grade == Grade::Fault) {
+        if !self
+            .of(|verdict| verdict == Verdict::SignOrModelFault)
+            .is_empty()
+        {
             return Outcome::Serious;
         }
         match found {
-            Outcome::Good if any(&|grade| !matches!(grade, Grade::Known | Grade::Weak)) => {
-                Outcome::Caution
-            }
+            Outcome::Good if !self.of(|verdict| !is_within(verdict)).is_empty() => Outcome::Caution,
             found => found,
         }
     }
 
-    /// Joints of a grade.
-    pub fn of(&self, is: impl Fn(&Grade) -> bool) -> Vec<usize> {
+    /// Joints of a verdict.
+    pub fn of(&self, is: impl Fn(Verdict) -> bool) -> Vec<usize> {
         let all = 0..self.all().len();
-        all.filter(|j| is(&self.grade(*j))).collect()
+        all.filter(|j| is(self.all()[*j].verdict)).collect()
+    }
+
+    /// The unknowns without which a joint is not told.
+    fn others(&self, j: usize) -> Vec<String> {
+        let own = &self.all()[j].name;
+        let mut sets = self.estimates.collinear.iter();
+        let set = sets.find(|set| set.unknowns.contains(own));
+        let others = set.iter().flat_map(|set| &set.unknowns);
+        let others = others.filter(|name| *name != own);
+        others.map(|name| visible(name).into_owned()).collect()
     }
 
     /// Their names in words.
@@ -181,10 +119,13 @@ impl<'a> Joints<'a> {
         headings.push("verdict".to_string());
         let meant = match (self.serious, with) {
             (true, _) => "from the data as they are, not to be used".to_string(),
-            (false, true) => format!("known means a total ± of at most {:.0} %", 100.0 * WELL),
+            (false, true) => format!(
+                "known means a total ± of at most {:.0} %",
+                100.0 * WELL_KNOWN
+            ),
             (false, false) => format!(
                 "known means a ± of at most {:.0} %, here by the scatter of the readings alone",
-                100.0 * WELL
+                100.0 * WELL_KNOWN
             ),
         };
         let mut table = DataTable::new(
@@ -204,9 +145,7 @@ impl<'a> Joints<'a> {
                 Verdict::Undetermined | Verdict::SignOrModelFault
             );
             let mut cells: Vec<Text> = vec![at("stiffness").mega().bare().into()];
-            let half = self
-                .half_width(j)
-                .filter(|half| usable && *half < NO_LONGER);
+            let half = joint.half_width.filter(|half| usable && *half < NO_LONGER);
             cells.push(shown(half, self.total(j)));
             if let (true, Some(budget)) = (with, self.budget) {
                 let own = self.errors(j).filter(|_| usable);
@@ -232,33 +171,32 @@ impl<'a> Joints<'a> {
     /// The verdict on a joint, with the ends of its interval where there is no ±.
     fn verdict(&self, j: usize) -> Text {
         let end = |i: usize| self.end(j, i);
-        match self.grade(j) {
-            Grade::Known | Grade::Weak | Grade::Hardly | Grade::Bound if self.serious => {
-                Text::new("settle what is wrong first")
-            }
-            Grade::Known => Text::new("known"),
-            Grade::Weak => Text::default().strong("weak"),
-            Grade::Hardly if end(1).value.is_some() => Text::default()
+        let verdict = self.all()[j].verdict;
+        let valued = is_within(verdict) || is_wide(verdict);
+        match verdict {
+            _ if valued && self.serious => Text::new("settle what is wrong first"),
+            Verdict::Determined => Text::new("known"),
+            Verdict::Weak => Text::default().strong("weak"),
+            Verdict::HardlyKnown => Text::default()
                 .strong("hardly known")
                 .words(": ")
                 .number(end(0).bare())
                 .words(" to ")
                 .number(end(1)),
-            Grade::Hardly | Grade::Bound => Text::default()
+            Verdict::LowerBoundOnly => Text::default()
                 .strong("only a lower bound")
                 .words(": above ")
                 .number(end(0)),
-            Grade::Together(others) => Text::default()
+            Verdict::NotByItself => Text::default()
                 .strong("not by itself")
-                .words(format!(": only together with {}", list(&others))),
-            Grade::Fault => Text::default()
+                .words(format!(": only together with {}", list(&self.others(j)))),
+            Verdict::SignOrModelFault => Text::default()
                 .strong("comes out negative")
                 .words(": sign or model fault"),
-            Grade::Unsure => Text::default()
+            Verdict::NoInterval => Text::default()
                 .strong("no interval")
                 .words(": nothing says how sure it is"),
-            Grade::NoValue => Text::default().strong("no usable value"),
-            Grade::Undetermined => Text::default().strong("not determined"),
+            Verdict::Undetermined => Text::default().strong("not determined"),
         }
     }
 
@@ -271,22 +209,24 @@ impl<'a> Joints<'a> {
                 stiffness: joint.stiffness,
                 statistical: match own {
                     Some(own) => own.statistical,
-                    None => self.scatter(j),
+                    None => joint.half_width,
                 },
                 systematic: own.and_then(|own| own.systematic),
-                total: match own {
-                    Some(own) => own.total,
-                    None => self.scatter(j),
-                },
+                total: joint.half_width,
             }
         });
         rows.collect()
     }
 }
 
-/// A confidence in percent.
-pub(super) fn level(confidence: f64) -> f64 {
-    (1000.0 * confidence).round() / 10.0
+/// Whether a joint of this verdict has a ±.
+pub(super) fn is_within(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Determined | Verdict::Weak)
+}
+
+/// Whether it has an interval, too wide for a ±.
+pub(super) fn is_wide(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::HardlyKnown | Verdict::LowerBoundOnly)
 }
 
 /// A source in words, with a star where its size is assumed.

@@ -25,7 +25,8 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         let found: ClampedIdentification = context.saved.result()?;
         return clamped::part(context, &found);
     }
-    let found: Identified = context.saved.result()?;
+    let mut found: Identified = context.saved.result()?;
+    found.hold_all_errors();
     // A scale that no screening could name, where the cell is at hand.
     let named = found
         .screening()

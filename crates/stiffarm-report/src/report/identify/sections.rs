@@ -1,6 +1,7 @@
 //! Pictures and details of an identification.
 
-use super::joints::{Joints, level};
+use super::super::worth::level;
+use super::joints::Joints;
 use super::story::angles;
 use crate::identified::{
     correlation_figure, errors_figure, influence_figure, load_states_figure, residual_figure,

@@ -1,12 +1,14 @@
 //! What was done, what came out, what to do next.
 
-use super::joints::{Grade, Joints, WELL, level};
+use super::super::worth::level;
+use super::joints::{Joints, is_wide, is_within};
 use super::readings::shortened;
 use crate::identified::in_order;
 use crate::page::{Number, Text};
 use crate::report::context::Context;
 use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
 use stiffarm::estimate::identified::Identified;
+use stiffarm::estimate::identify::{Verdict, WELL_KNOWN};
 use stiffarm::findings::{Finding, Severity, visible};
 
 /// Residuals this many times the expected noise hold more than noise, where no test says it.
@@ -96,8 +98,8 @@ pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
 
 /// How well the joints are known.
 pub(super) fn known(joints: &Joints<'_>) -> Text {
-    let mut within = joints.of(|grade| matches!(grade, Grade::Known | Grade::Weak));
-    let half = |j: &usize| joints.half_width(*j).unwrap_or(f64::INFINITY);
+    let mut within = joints.of(is_within);
+    let half = |j: &usize| joints.all()[*j].half_width.unwrap_or(f64::INFINITY);
     within.sort_by(|a, b| half(a).total_cmp(&half(b)));
     let level = level(joints.estimates.confidence);
     let with = match joints.budget {
@@ -121,27 +123,24 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
                 joints.name(*last)
             )),
     };
-    let weak = joints.of(|grade| *grade == Grade::Weak);
+    let weak = joints.of(|verdict| verdict == Verdict::Weak);
     if !weak.is_empty() {
         text = text.words(format!(
             " Weak, above ± {:.0} %: {}.",
-            100.0 * WELL,
+            100.0 * WELL_KNOWN,
             joints.names(&weak)
         ));
     }
-    for j in joints.of(|grade| matches!(grade, Grade::Hardly | Grade::Bound)) {
+    for j in joints.of(is_wide) {
         let (low, high) = (joints.end(j, 0), joints.end(j, 1));
         text = text.words(format!(" {}: ", joints.name(j)));
-        text = match (joints.grade(j), high.value) {
-            (Grade::Hardly, Some(_)) => text.number(low.bare()).words(" to ").number(high),
+        text = match high.value {
+            Some(_) => text.number(low.bare()).words(" to ").number(high),
             _ => text.words("only a lower bound, ").number(low),
         };
         text = text.words(".");
     }
-    let missing = joints.of(|grade| {
-        let valued = [Grade::Known, Grade::Weak, Grade::Hardly, Grade::Bound];
-        !valued.contains(grade)
-    });
+    let missing = joints.of(|verdict| !is_within(verdict) && !is_wide(verdict));
     if !missing.is_empty() {
         text = text
             .words(" No usable value: ")
@@ -240,7 +239,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             ": that adds the systematic errors, the search for readings that do not fit, and the next posture to measure.",
         );
     }
-    let missing = joints.of(|grade| !matches!(grade, Grade::Known | Grade::Weak));
+    let missing = joints.of(|verdict| !is_within(verdict));
     if found.mixed().is_some() {
         return Text::new("Predict and compensate with this file, which holds the mixed model; quote the stiffness of the \
                           axes with its ±. ")
@@ -254,7 +253,8 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
     });
     let larger = left.is_some_and(|test| test.agreement == Agreement::Larger);
     // A joint without a value comes before how well the others fit.
-    let blind = joints.of(|grade| matches!(grade, Grade::Undetermined | Grade::Together(_)));
+    let blind =
+        joints.of(|verdict| matches!(verdict, Verdict::Undetermined | Verdict::NotByItself));
     if larger && found.elastic.is_none() && blind.is_empty() {
         return Text::new("Identify again with ")
             .code("--elastic auto")
@@ -284,7 +284,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             .code(format!("--exclude {}", visible(what)))
             .words(" and see what changes: it contradicts the others.");
     }
-    let weak = joints.of(|grade| *grade == Grade::Weak);
+    let weak = joints.of(|verdict| verdict == Verdict::Weak);
     if let (Some(advice), false) = (&found.next_posture, missing.is_empty() && weak.is_empty()) {
         let text = Text::new("Measure one more posture: q = ");
         let text = angles(text, joints.context, advice.angles.len());

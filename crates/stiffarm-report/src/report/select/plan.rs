@@ -2,7 +2,9 @@
 
 use super::super::context::Context;
 use super::super::postures::{FEW, limit_table, posture_table, route_section};
-use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_names, worth_sections};
+use super::super::worth::{
+    UNSURE, Worth, is_beyond_first_order, joint_names, level, worth_sections,
+};
 use super::planned::Plan;
 use super::{details, story};
 use crate::page::{Block, DataTable, Part, Section, Text};
@@ -130,10 +132,19 @@ fn joint_table(context: &Context<'_>, plan: &Plan) -> Option<DataTable> {
             "of what is possible [%]".to_string(),
         ]);
     }
-    let mut table = DataTable::new(
-        "Expected relative standard error of the joint stiffness",
-        headings,
-    );
+    let forecast = evaluation.forecast.as_ref();
+    headings.extend(forecast.map(|_| "identified [± %]".to_string()));
+    let title = match forecast {
+        Some(found) => format!(
+            "Expected relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will \
+             print with systematic errors",
+            level(found.confidence)
+        ),
+        None => {
+            "Expected relative standard error of the joint stiffness by noise alone".to_string()
+        }
+    };
+    let mut table = DataTable::new(title, headings);
     let percent =
         |below: String| Text::from(context.number(&below).percent().bare().significant(3));
     for (j, joint) in joint_names(&plan.joints, evaluation).iter().enumerate() {
@@ -146,6 +157,10 @@ fn joint_table(context: &Context<'_>, plan: &Plan) -> Option<DataTable> {
             cells.push(percent(format!("/joint_efficiencies/{j}/bound")));
             let efficiency = context.number(&format!("/joint_efficiencies/{j}/efficiency"));
             cells.push(efficiency.percent().bare().decimals(1).into());
+        }
+        if forecast.is_some() {
+            let total = context.number(&format!("/evaluation/forecast/total/{j}"));
+            cells.push(total.percent().bare().significant(2).into());
         }
         table.row(joint.clone(), cells);
     }

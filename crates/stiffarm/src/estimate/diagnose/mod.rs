@@ -21,7 +21,7 @@ pub use signal::{CorrelatedPair, JointSignal, correlated_pairs, joint_signals};
 pub use states::{LoadStates, PooledStates, PostureStates, load_states};
 pub use terms::{TermTrial, TermTrials, try_terms};
 
-use crate::error::Result;
+use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
 use crate::findings::{Finding, Severity, list};
 use serde::{Deserialize, Serialize};
@@ -84,7 +84,19 @@ pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
     }
     let second_order = match result.estimates.stiffness() {
         Some(stiffness) => {
-            second_order::watched_shares(fit.cell(), fit.postures(), &stiffness, fit.control())?
+            match second_order::watched_shares(
+                fit.cell(),
+                fit.postures(),
+                &stiffness,
+                fit.control(),
+            ) {
+                // Angles and loads went into the fit: nothing but the equilibrium can fail here.
+                Err(error) if error.code() == Code::InvalidValue => {
+                    findings.push(second_order::unstable());
+                    Vec::new()
+                }
+                found => found?,
+            }
         }
         None => Vec::new(),
     };

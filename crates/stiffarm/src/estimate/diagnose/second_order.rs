@@ -80,6 +80,13 @@ pub(super) fn watched_shares(
     })
 }
 
+/// The identified joints are so soft that the load has no equilibrium.
+pub(super) fn unstable() -> Finding {
+    let sentence = "With joints as soft as these the arm has no stable equilibrium under its load: something is off by a \
+                    factor. Check the units of displacements and forces.";
+    Finding::new("no-equilibrium", Severity::Serious, "model", sentence)
+}
+
 /// Whether the linear model is enough, at displacements with noise `sigma` \[m\].
 pub(super) fn finding(shares: &[SecondOrderShare], sigma: f64) -> Option<Finding> {
     let largest =

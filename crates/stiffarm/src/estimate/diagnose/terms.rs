@@ -4,7 +4,7 @@
 
 use super::tails::{LEVEL, two_sided};
 use crate::error::Result;
-use crate::estimate::identify::{Estimates, Fit, JointEstimate, Verdict};
+use crate::estimate::identify::{Estimates, Fit, JointEstimate};
 use crate::findings::{Finding, Severity, length, list, percent};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::jobs::in_order;
@@ -120,7 +120,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
                 has_value(b) && !has_value(a)
             }),
             open_joints: joints_that(&base.estimates.joints, &result.joints, |b, a| {
-                let closed = |j: &JointEstimate| j.verdict == Verdict::Determined;
+                let closed = |j: &JointEstimate| j.interval[1].is_some();
                 closed(b) && !closed(a) && has_value(a)
             }),
             name,

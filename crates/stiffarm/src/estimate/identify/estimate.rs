@@ -6,15 +6,26 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::ops::Range;
 
-/// What an estimate says about its joint.
+/// Up to this half width (fraction of k) the stiffness of a joint is known well.
+pub const WELL_KNOWN: f64 = 0.1;
+/// From this half width on (fraction of k) there is no ±: 1/H is far from linear there.
+pub const NO_LONGER: f64 = 0.5;
+
+/// What an estimate says about its joint, by the errors that its interval holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// A stiffness with an interval.
+    /// The stiffness is known to 10 % or better.
     Determined,
+    /// Its ± is above 10 %, and below half of it.
+    Weak,
+    /// Its interval has two ends, and is too wide for a ±.
+    HardlyKnown,
     /// The interval is open above: the data give only a lower bound.
     LowerBoundOnly,
+    /// The data tell it only together with other unknowns: its own value means nothing.
+    NotByItself,
     /// Even the upper end of the compliance is negative: sign or model fault.
     SignOrModelFault,
     /// A stiffness without an interval: no degrees of freedom, or no deflection.
@@ -23,7 +34,21 @@ pub enum Verdict {
     Undetermined,
 }
 
-/// Estimate of one joint.
+/// Which errors an interval holds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum IntervalHolds {
+    /// The scatter of the readings alone: all that a fit knows.
+    #[default]
+    Readings,
+    /// Readings and systematic errors together.
+    AllErrors,
+}
+
+/// Estimate of one joint. A fit alone knows the scatter of the readings; with the systematic errors, as
+/// [`Identified`](crate::estimate::identified::Identified) has them, ± and interval hold all errors, and
+/// `interval_holds` says so.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointEstimate {
@@ -33,16 +58,30 @@ pub struct JointEstimate {
     /// explains; `None` when undetermined, or when only a lower bound is known
     /// and the compliance came out at or below zero.
     pub stiffness: Option<f64>,
-    /// k²·σ_H \[N·m/rad\], first order.
+    /// ± of k at the confidence of the fit (fraction of k): half width of H over H.
+    #[serde(default)]
+    pub half_width: Option<f64>,
+    /// Standard uncertainty of k by the errors that the interval holds \[N·m/rad\]:
+    /// k²·σ_H, first order.
     pub standard_error: Option<f64>,
-    /// Interval of k \[N·m/rad\]: \[1/(H + tσ_H), 1/(H − tσ_H)\]; the upper end is
+    /// Interval of k \[N·m/rad\]: 1/(H ± half width of H); the upper end is
     /// `None` where the data give only a lower bound, both where there is none.
     pub interval: [Option<f64>; 2],
+    /// Which errors `half_width`, `standard_error`, `interval` and `verdict` hold.
+    #[serde(default)]
+    pub interval_holds: IntervalHolds,
+    /// Standard error by the scatter of the readings alone \[N·m/rad\].
+    #[serde(default)]
+    pub readings_standard_error: Option<f64>,
+    /// Interval by the scatter of the readings alone \[N·m/rad\]:
+    /// \[1/(H + tσ_H), 1/(H − tσ_H)\].
+    #[serde(default)]
+    pub readings_interval: [Option<f64>; 2],
     /// H \[rad/(N·m)\].
     pub compliance: Option<f64>,
-    /// σ_H \[rad/(N·m)\].
+    /// σ_H by the scatter of the readings \[rad/(N·m)\].
     pub compliance_standard_error: Option<f64>,
-    /// True when the data determine this joint.
+    /// True when the data carry information about this joint; how well they determine it says `verdict`.
     pub determined: bool,
     /// The estimate in one word.
     pub verdict: Verdict,
@@ -64,25 +103,50 @@ impl std::fmt::Display for JointEstimate {
 }
 
 impl JointEstimate {
-    /// Interval and verdict from the ends of the interval of H.
+    /// Interval and verdict from the ends of the interval of H by the scatter of the readings.
     pub(super) fn close(&mut self, low: f64, high: f64) {
         if high == 0.0 && low == 0.0 {
             self.verdict = Verdict::NoInterval;
         } else if high <= 0.0 {
             self.verdict = Verdict::SignOrModelFault;
-        } else if low <= 0.0 {
-            self.verdict = Verdict::LowerBoundOnly;
-            self.interval = [Some(1.0 / high), None];
-            if self.compliance.is_some_and(|h| h <= 0.0) {
+        } else {
+            self.interval = [Some(1.0 / high), (low > 0.0).then(|| 1.0 / low)];
+            if low <= 0.0 && self.compliance.is_some_and(|h| h <= 0.0) {
                 // Noise alone explains the sign: a negative stiffness would be
                 // no estimate of anything. The compliance keeps its value.
                 self.stiffness = None;
                 self.standard_error = None;
             }
-        } else {
-            self.verdict = Verdict::Determined;
-            self.interval = [Some(1.0 / high), Some(1.0 / low)];
+            self.judge();
         }
+        self.readings_alone();
+    }
+
+    /// ± and verdict that stiffness and interval call for; a fault, and what is not told by itself, stay.
+    pub(crate) fn judge(&mut self) {
+        let k = self.stiffness.filter(|k| *k > 0.0);
+        // The lower end of k is 1/(H + half width).
+        self.half_width = k.zip(self.interval[0]).map(|(k, low)| k / low - 1.0);
+        if matches!(
+            self.verdict,
+            Verdict::NotByItself | Verdict::SignOrModelFault
+        ) {
+            return;
+        }
+        self.verdict = match (self.interval, self.half_width) {
+            ([None, _], _) => self.verdict,
+            ([_, None], _) => Verdict::LowerBoundOnly,
+            (_, Some(half)) if half <= WELL_KNOWN => Verdict::Determined,
+            (_, Some(half)) if half < NO_LONGER => Verdict::Weak,
+            _ => Verdict::HardlyKnown,
+        };
+    }
+
+    /// Until systematic errors are known, the scatter of the readings is all.
+    fn readings_alone(&mut self) {
+        self.interval_holds = IntervalHolds::Readings;
+        self.readings_interval = self.interval;
+        self.readings_standard_error = self.standard_error;
     }
 
     /// The non-negative fit holds this compliance at zero: the joint is rigid
@@ -92,10 +156,9 @@ impl JointEstimate {
         self.standard_error = None;
         // The free fit's error, laid about zero.
         self.interval = [self.interval[0], None];
-        self.verdict = match self.interval[0] {
-            Some(_) => Verdict::LowerBoundOnly,
-            None => Verdict::NoInterval,
-        };
+        self.verdict = Verdict::NoInterval;
+        self.judge();
+        self.readings_alone();
     }
 }
 
@@ -189,24 +252,27 @@ pub(crate) fn estimate(
     let mut out = JointEstimate {
         name: name.to_string(),
         stiffness: None,
+        half_width: None,
         standard_error: None,
         interval: [None, None],
+        interval_holds: IntervalHolds::Readings,
+        readings_standard_error: None,
+        readings_interval: [None, None],
         compliance,
         compliance_standard_error: compliance.and(error),
         determined: compliance.is_some(),
         verdict: Verdict::Undetermined,
     };
     let Some(h) = compliance else { return out };
-    out.verdict = Verdict::Determined;
+    out.verdict = Verdict::NoInterval;
     if h != 0.0 {
         out.stiffness = Some(1.0 / h);
         out.standard_error = error.map(|e| e / (h * h));
     }
-    let Some(half) = error.zip(quantile).map(|(e, t)| e * t) else {
-        out.verdict = Verdict::NoInterval;
-        return out;
-    };
-    out.close(h - half, h + half);
+    match error.zip(quantile).map(|(e, t)| e * t) {
+        Some(half) => out.close(h - half, h + half),
+        None => out.readings_alone(),
+    }
     out
 }
 
@@ -218,7 +284,7 @@ mod tests {
     fn interval_is_asymmetric_open_or_absent() {
         let t = Some(2.0);
         let closed = estimate("j", Some(1e-6), Some(1e-7), t);
-        assert_eq!(closed.verdict, Verdict::Determined);
+        assert_eq!(closed.verdict, Verdict::Weak);
         let [low, high] = closed.interval.map(|v| v.unwrap_or(f64::NAN));
         assert!((low - 1.0 / 1.2e-6).abs() < 1e-3 && (high - 1.0 / 0.8e-6).abs() < 1e-3);
         let open = estimate("j", Some(1e-6), Some(1e-6), t);

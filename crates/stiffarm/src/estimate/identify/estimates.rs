@@ -115,8 +115,18 @@ impl Estimates {
             }
             false => None,
         };
+        let collinear = estimable::collinear_sets(system, solution, &reference);
+        let mut joints = springs(0..system.springs);
+        for joint in &mut joints {
+            let mut together = collinear.iter().flat_map(|set| &set.unknowns);
+            // A compliance that is negative beyond what noise explains is a fault in any company.
+            let valued = joint.determined && joint.verdict != Verdict::SignOrModelFault;
+            if valued && together.any(|name| *name == joint.name) {
+                joint.verdict = Verdict::NotByItself;
+            }
+        }
         Ok(Estimates {
-            joints: springs(0..system.springs),
+            joints,
             extra_springs: further
                 .filter(|j| is_spring(*j))
                 .flat_map(|j| springs(j..j + 1))
@@ -139,7 +149,7 @@ impl Estimates {
                 .map(|&j| system.unknowns[j].clone())
                 .collect(),
             combinations: estimable::estimable_combinations(system, solution, &reference),
-            collinear: estimable::collinear_sets(system, solution, &reference),
+            collinear,
             noise: options.noise,
             confidence: options.confidence,
         })
@@ -155,7 +165,7 @@ impl Estimates {
 
     /// True when every joint has a stiffness with a closed interval.
     pub fn is_complete(&self) -> bool {
-        self.joints.iter().all(|j| j.verdict == Verdict::Determined)
+        self.joints.iter().all(|j| j.interval[1].is_some())
     }
 }
 

@@ -31,7 +31,7 @@ pub use bootstrap::{Bootstrap, bootstrap};
 pub(crate) use bootstrap::{Rows, resampled};
 pub(crate) use covariance::Covariance;
 pub use estimable::{CollinearSet, EstimableCombination};
-pub use estimate::{JointEstimate, Verdict};
+pub use estimate::{IntervalHolds, JointEstimate, NO_LONGER, Verdict, WELL_KNOWN};
 pub(crate) use estimate::{estimate, quantile};
 pub use estimates::Estimates;
 pub(crate) use experiment::Experiment;

@@ -22,7 +22,7 @@ pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding
     for (j, joint) in result.estimates.joints.iter().enumerate() {
         let Some(k) = joint.stiffness else { continue };
         let collinear = result.estimates.collinear.iter();
-        let error = joint.standard_error.map_or(0.0, |e| e / k.abs());
+        let error = joint.readings_standard_error.map_or(0.0, |e| e / k.abs());
         if error > KNOWN
             || collinear
                 .flat_map(|s| &s.unknowns)

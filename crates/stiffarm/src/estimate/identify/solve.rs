@@ -134,12 +134,7 @@ impl Prepared {
             return self.huber(white, assumed);
         }
         let system = &self.whitened;
-        let shape = Shape {
-            rows: system.rows(),
-            rank: system.factor().rank(),
-            shifts: system.shifts(),
-            separable: system.is_separable(),
-        };
+        let shape = self.shape();
         let ratio = || system.variance_ratio(white);
         let rows = |gamma: f64| {
             let (psi, delta) = self.shifted(white, gamma);
@@ -155,6 +150,21 @@ impl Prepared {
             })
         };
         least_squares(shape, self.springs, assumed, ratio, rows)
+    }
+
+    fn shape(&self) -> Shape {
+        let system = &self.whitened;
+        Shape {
+            rows: system.rows(),
+            rank: system.factor().rank(),
+            shifts: system.shifts(),
+            separable: system.is_separable(),
+        }
+    }
+
+    /// Degrees of freedom behind the intervals where readings alone tell their scatter.
+    pub(crate) fn interval_degrees_of_freedom(&self, estimator: Estimator) -> usize {
+        self.shape().interval_degrees_of_freedom(estimator)
     }
 
     /// Number of springs: the unknowns before the further terms.
@@ -213,6 +223,24 @@ pub(super) struct Shape {
     pub separable: bool,
 }
 
+impl Shape {
+    fn degrees_of_freedom(self) -> usize {
+        self.rows.saturating_sub(self.rank)
+    }
+
+    /// What shifts leave of them: 3·postures − n; `None` where the data cannot tell shifts from noise.
+    fn free_shifts(self) -> Option<usize> {
+        let free = self.shifts.saturating_sub(self.rank);
+        (self.separable && free > 0).then_some(free)
+    }
+
+    fn interval_degrees_of_freedom(self, estimator: Estimator) -> usize {
+        let free = self.degrees_of_freedom();
+        let shifts = self.free_shifts().filter(|_| estimator.has_shifts());
+        shifts.map_or(free, |shifts| free.min(shifts))
+    }
+}
+
 /// Independent rows from which the unknowns follow by least squares.
 #[derive(Debug)]
 pub(super) struct Rows {
@@ -235,23 +263,17 @@ pub(super) fn least_squares(
     ratio: impl FnOnce() -> f64,
     rows: impl FnOnce(f64) -> Result<Rows>,
 ) -> Result<Solution> {
-    let free = shape.rows.saturating_sub(shape.rank);
+    let free = shape.degrees_of_freedom();
     let mut independent_rows = !assumed.estimator.has_shifts();
-    let mut t_dof = free;
+    let t_dof = shape.interval_degrees_of_freedom(assumed.estimator);
     let gamma = match (assumed.estimator, assumed.scale) {
         (Estimator::Ordinary, _) => 0.0,
         (Estimator::Weighted, _) => assumed.declared_ratio,
         (_, Scale::Known { gamma, .. }) => gamma,
+        _ if shape.free_shifts().is_some() => ratio(),
         _ => {
-            // t on 3·postures − n degrees of freedom.
-            let postures = shape.shifts.saturating_sub(shape.rank);
-            if shape.separable && postures > 0 {
-                t_dof = t_dof.min(postures);
-                ratio()
-            } else {
-                independent_rows = shape.separable;
-                0.0
-            }
+            independent_rows = shape.separable;
+            0.0
         }
     };
     let rows = rows(gamma)?;

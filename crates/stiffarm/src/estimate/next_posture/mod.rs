@@ -16,14 +16,18 @@ mod planned;
 mod search;
 
 pub use load::AssumedLoad;
+pub(in crate::estimate) use planned::measured_alike;
 pub use planned::{PlannedErrors, planned_errors};
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::identify::{Block, Estimator, Fit, Identification, Verdict, columns, rms};
+use crate::estimate::identify::{
+    Block, Estimator, Fit, Identification, MeasuredSystem, Verdict, columns, rms,
+};
 use crate::findings::list;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
-use crate::model::observation::PostureTerms;
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::{PostureTerms, Setup};
 use crate::numerics::control::Control;
 use crate::numerics::information::Factor;
 use crate::plan::select::GlobalOptions;
@@ -146,14 +150,7 @@ impl Known {
             .zip(determined)
             .map(|(covariance, j)| covariance[(j, j)] / inverse[(j, j)])
             .filter(|scale| *scale > 0.0);
-        let mut order: Vec<&Block> = system.blocks.iter().collect();
-        // A stable sort: of postures alike the first.
-        order.sort_by_key(|b| b.rows.len());
-        let count = order.len();
-        let block = order
-            .into_iter()
-            .nth(count / 2)
-            .ok_or_else(|| Error::new(Code::Internal, "A fit without postures."))?;
+        let block = typical(system)?;
         let plain = fit.options().estimator == Estimator::Ordinary;
         Ok(Known {
             seen: factor.seen(),
@@ -184,6 +181,28 @@ impl Known {
     }
 }
 
+/// The posture in the middle by the number of its displacements: as it was, new ones are measured.
+fn typical(system: &MeasuredSystem) -> Result<&Block> {
+    let mut order: Vec<&Block> = system.blocks.iter().collect();
+    // A stable sort: of postures alike the first.
+    order.sort_by_key(|b| b.rows.len());
+    let middle = order.get(order.len() / 2);
+    middle
+        .copied()
+        .ok_or_else(|| Error::new(Code::Internal, "A fit without postures."))
+}
+
+/// Share of the whole load, that of `setup`, in a measured load state with these terms.
+fn share(setup: &Setup, posture: &MeasuredPosture, terms: Option<&PostureTerms>) -> Result<f64> {
+    let whole = PostureTerms::new(setup, &posture.posture.q, None)?;
+    let whole = DVector::from_column_slice(whole.torque());
+    let size = whole.norm_squared();
+    Ok(match terms {
+        Some(terms) if size > 0.0 => whole.dot(&DVector::from_column_slice(terms.torque())) / size,
+        _ => 1.0,
+    })
+}
+
 /// White rows of a posture measured like `block` from its Ψ under the whole
 /// load of `cell` (under each of several): R with RᵀR = FᵀV⁻¹F, where F lays the points'
 /// rows into the load states in proportion to their share of the load.
@@ -197,15 +216,11 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
     for (d, label) in labels.iter().enumerate() {
         let (posture, point) = fit.experiment().behind(label);
         let case = cell.setup.load.case_of(&posture.state)?;
-        let whole = PostureTerms::new(&setups[case], &posture.posture.q, None)?;
-        let whole = DVector::from_column_slice(whole.torque());
-        let size = whole.norm_squared();
-        shares[d] = match fit.experiment().terms(label.measured) {
-            Some(terms) if size > 0.0 => {
-                whole.dot(&DVector::from_column_slice(terms.torque())) / size
-            }
-            _ => 1.0,
-        };
+        shares[d] = share(
+            &setups[case],
+            posture,
+            fit.experiment().terms(label.measured),
+        )?;
         for axis in 0..3 {
             lay[(3 * d + axis, each * case + 3 * point + axis)] = shares[d];
         }

@@ -1,9 +1,12 @@
 //! What planned postures are expected to bring, one after the other.
 
-use super::{Known, load, stiffness};
+use super::{Known, load, share, stiffness, typical};
 use crate::error::Result;
 use crate::estimate::identify::Fit;
-use crate::model::load::Load;
+use crate::model::load::{Load, Wrench};
+use crate::model::measurement::MeasuredPosture;
+use crate::model::observation::PostureTerms;
+use crate::model::posture::Posture;
 use crate::numerics::information::Factor;
 use serde::{Deserialize, Serialize};
 
@@ -46,4 +49,46 @@ pub fn planned_errors<Q: AsRef<[f64]>>(fit: &Fit, planned: &[Q]) -> Result<Plann
         known.seen = factor.seen();
     }
     Ok(PlannedErrors { now, after })
+}
+
+/// `planned` postures (controller angles, rad) measured as [`next_posture`](super::next_posture) assumes; their
+/// displacements are those of the posture that they are measured like, and mean nothing.
+///
+/// # Errors
+/// As [`planned_errors`].
+pub(in crate::estimate) fn measured_alike<Q: AsRef<[f64]>>(
+    fit: &Fit,
+    planned: &[Q],
+) -> Result<Vec<MeasuredPosture>> {
+    let mut setup = fit.cell().setup.clone();
+    if setup.load == Load::Measured {
+        setup.load = load::assumed_load(fit.cell(), fit.postures())?.0;
+    }
+    let setups = setup.cases();
+    let labels = fit.system().labels_of(typical(fit.system())?);
+    let mut states: Vec<usize> = labels.iter().map(|label| label.measured).collect();
+    states.dedup();
+    let mut out = Vec::with_capacity(planned.len() * states.len());
+    for (q, number) in planned.iter().zip(1..) {
+        for m in &states {
+            let mut new = fit.postures()[*m].clone();
+            if let Some(wrench) = &mut new.wrench {
+                let setup = &setups[setup.load.case_of(&new.state)?];
+                let like = &fit.postures()[*m];
+                let share = share(setup, like, fit.experiment().terms(*m))?;
+                let terms = PostureTerms::new(setup, q.as_ref(), None)?;
+                *wrench = Wrench {
+                    force: terms.wrench().force * share,
+                    // Where a sensor measures the moment, its scatter says so.
+                    moment: terms.wrench().moment * share + wrench.moment,
+                };
+            }
+            new.posture = Posture {
+                name: format!("planned {number}"),
+                q: q.as_ref().to_vec(),
+            };
+            out.push(new);
+        }
+    }
+    Ok(out)
 }

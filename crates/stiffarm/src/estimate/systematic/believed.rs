@@ -1,7 +1,7 @@
-//! What the readings gave, against which the common errors are held.
+//! What the readings gave, or are expected to give, against which the common errors are held.
 
 use crate::error::Result;
-use crate::estimate::identify::{Fit, Response, interval_quantile};
+use crate::estimate::identify::{Fit, Response, interval_quantile, quantile};
 use crate::estimate::mixed::MixedFit;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
@@ -24,6 +24,9 @@ pub(super) struct Believed<'a> {
     /// Half width of each joint's compliance by the scatter of the readings
     /// \[rad/(N·m)\].
     pub half_widths: Vec<Option<f64>>,
+    /// What is left of the displacements \[m\], where they are not those of the fit: of those that are not there
+    /// yet nothing.
+    pub expected: Option<&'a DVector<f64>>,
 }
 
 impl<'a> Believed<'a> {
@@ -45,6 +48,35 @@ impl<'a> Believed<'a> {
             degrees_of_freedom: solution.t_degrees_of_freedom,
             half_widths: errors.iter().map(|e| Some(t? * (*e)?)).collect(),
             errors,
+            expected: None,
+        })
+    }
+
+    /// What readings of the experiment behind `fit` are expected to give: `values` and what is `left` of the
+    /// displacements, instead of those of the fit, and a scatter of the size that the fit takes as known, told as
+    /// well as so many rows tell it.
+    ///
+    /// # Errors
+    /// As [`of_fit`](Self::of_fit).
+    pub(super) fn expected(
+        fit: &'a Fit,
+        values: &'a DVector<f64>,
+        left: &'a DVector<f64>,
+    ) -> Result<Self> {
+        let prepared = fit.prepared();
+        let degrees = prepared.interval_degrees_of_freedom(fit.options().estimator);
+        let t = match degrees {
+            0 => None,
+            degrees => Some(quantile(Some(degrees), fit.options().confidence)?),
+        };
+        let own = Believed::of_fit(fit)?;
+        Ok(Believed {
+            values,
+            sigma: own.sigma.filter(|_| degrees > 0),
+            degrees_of_freedom: Some(degrees),
+            half_widths: own.errors.iter().map(|e| Some(t? * (*e)?)).collect(),
+            expected: Some(left),
+            ..own
         })
     }
 
@@ -71,6 +103,7 @@ impl<'a> Believed<'a> {
             degrees_of_freedom: found.spread.as_ref().and_then(|s| s.degrees_of_freedom),
             errors,
             half_widths,
+            expected: None,
         })
     }
 

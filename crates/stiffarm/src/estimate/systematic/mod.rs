@@ -163,6 +163,20 @@ pub fn mixed_systematic_errors(mixed: &MixedFit) -> Result<SystematicErrors> {
     errors_of(&Believed::of_mixed(mixed)?)
 }
 
+/// The same as readings of the experiment behind `fit` are expected to give it. The fit takes the size of the
+/// scatter as known, and its displacements do not count: the unknowns are `values`, and `left` is what they leave of
+/// the displacements (rows as in the system, m), nothing of those that are not there yet.
+///
+/// # Errors
+/// As [`systematic_errors`].
+pub(crate) fn expected_errors(
+    fit: &Fit,
+    values: &DVector<f64>,
+    left: &DVector<f64>,
+) -> Result<SystematicErrors> {
+    errors_of(&Believed::expected(fit, values, left)?)
+}
+
 fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
     let fit = believed.fit;
     let springs = fit.system().springs;

@@ -82,7 +82,10 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
     if count == 0 || sigma <= 0.0 {
         return Ok(out);
     }
-    let misfit = response.left(response.delta(), believed.values);
+    let misfit = match believed.expected {
+        Some(expected) => response.weighed(expected),
+        None => response.left(response.delta(), believed.values),
+    };
     // What is left of S̃ times itself is SᵀQS, the rows of a prior or of random effects
     // included.
     let variance = sigma * sigma;

@@ -1,9 +1,10 @@
 //! How sure each joint's stiffness is with everything together.
 
-use super::SystematicSource;
 use super::believed::Believed;
 use super::posterior::Parts;
+use super::{SystematicErrors, SystematicSource};
 use crate::error::Result;
+use crate::estimate::identify::{IntervalHolds, JointEstimate};
 use crate::numerics::half_width::Level;
 use serde::{Deserialize, Serialize};
 
@@ -41,7 +42,7 @@ pub(super) fn uncertainty(
     let level = Level::new(believed.fit.options().confidence)?;
     let of = |j: usize| {
         let h = believed.values[j];
-        if !believed.has_stiffness(j) {
+        if believed.fit.solution().undetermined.contains(&j) {
             return JointUncertainty::default();
         }
         let own = parts.response.row(j);
@@ -51,6 +52,16 @@ pub(super) fn uncertainty(
             .sqrt();
         let scatter = believed.half_widths[j];
         let total = scatter.map(|s| level.half_width(mean, std.hypot(s / level.quantile())));
+        let interval = |w: f64| [Some(1.0 / (h + w)), (h > w).then(|| 1.0 / (h - w))];
+        // Beyond the scatter of the readings a negative compliance is a fault of sign or model.
+        let explained = scatter.is_some_and(|s| h + s > 0.0);
+        let interval = total.filter(|_| explained).map_or([None, None], interval);
+        if !believed.has_stiffness(j) {
+            return JointUncertainty {
+                interval_nm_per_rad: interval,
+                ..JointUncertainty::default()
+            };
+        }
         let largest = sources
             .iter()
             .filter_map(|s| Some((s, s.bounded.get(j).copied().flatten()?)))
@@ -60,12 +71,29 @@ pub(super) fn uncertainty(
             statistical: scatter.map(|s| s / h),
             systematic: Some(level.half_width(mean, std) / h),
             total: total.map(|w| w / h),
-            interval_nm_per_rad: match total {
-                Some(w) => [Some(1.0 / (h + w)), (h > w).then(|| 1.0 / (h - w))],
-                None => [None, None],
-            },
+            interval_nm_per_rad: interval,
             largest_source: largest.map(|(source, _)| source.name.clone()),
         }
     };
     Ok((0..believed.fit.system().springs).map(of).collect())
+}
+
+impl SystematicErrors {
+    /// Makes estimates, which hold the scatter of the readings, hold all errors. Where these are not known, they
+    /// stay what they are.
+    pub(crate) fn widen(&self, joints: &mut [JointEstimate]) {
+        for ((joint, own), total) in joints.iter_mut().zip(&self.uncertainty).zip(&self.total) {
+            let holds_readings = joint.interval_holds == IntervalHolds::Readings;
+            if !holds_readings || own.interval_nm_per_rad[0].is_none() {
+                continue;
+            }
+            joint.readings_interval = joint.interval;
+            joint.readings_standard_error = joint.standard_error;
+            joint.interval_holds = IntervalHolds::AllErrors;
+            joint.interval = own.interval_nm_per_rad;
+            joint.standard_error = joint.stiffness.zip(*total).map(|(k, part)| k * part);
+            joint.judge();
+            joint.half_width = own.total;
+        }
+    }
 }

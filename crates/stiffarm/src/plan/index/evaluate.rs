@@ -114,6 +114,27 @@ pub struct GroupEvaluation {
     pub expected_deviation: Vec<Option<f64>>,
     /// Names of joints the group cannot determine.
     pub undetermined_joints: Vec<String>,
+    /// How sure `identify` is expected to be once the group is measured; absent where nobody asked, without a
+    /// prior, and where the load is measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forecast: Option<Forecast>,
+}
+
+/// The ± of each joint's stiffness that `identify` is expected to print once a group is measured: every measuring
+/// point once under the cell's load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Forecast {
+    /// Confidence of the half widths.
+    pub confidence: f64,
+    /// Half width by readings and systematic errors together, joint by joint (fraction of k).
+    pub total: Vec<Option<f64>>,
+    /// Half width by the scatter of the readings alone.
+    pub readings: Vec<Option<f64>>,
+    /// Half width by systematic errors alone, as far as the readings will leave them.
+    pub systematic: Vec<Option<f64>>,
+    /// The source of systematic error that will contribute most.
+    pub largest_source: Vec<Option<String>>,
 }
 
 /// Relative standard error above which the closed form, first order in Ĥ, is
@@ -363,6 +384,7 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
             .iter()
             .map(|&j| robot.spring_names()[j].clone())
             .collect(),
+        forecast: None,
     })
 }
 

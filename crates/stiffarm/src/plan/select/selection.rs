@@ -107,6 +107,7 @@ fn indices_alone<'de, D: Deserializer<'de>>(
         relative_standard_error: Vec::new(),
         expected_deviation: Vec::new(),
         undetermined_joints: Vec::new(),
+        forecast: None,
     })
 }
 

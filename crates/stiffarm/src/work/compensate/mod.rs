@@ -123,6 +123,9 @@ pub struct Compensation {
     /// without a positive stiffness.
     #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
+    /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
+    #[serde(default)]
+    pub tip_point: Option<String>,
     /// Where the tip bends least and most without compensation, and how it gives way there.
     #[serde(default)]
     pub extremes: Option<PathExtremes>,
@@ -192,6 +195,8 @@ pub fn compensate(
     out.extremes = arm.extremes(sizes.map(|p| (p.nominal.as_slice(), p.uncompensated_m)))?;
     out.findings.splice(0..0, predictor.doubts.iter().cloned());
     out.findings.extend(implausible::process(cell));
+    out.tip_point = cell.work.tip_point(&cell.setup.tool);
+    out.findings.extend(cell.work.tip_assumed(&cell.setup.tool));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
     let commands = out.points.iter().map(|p| p.command.as_slice());
@@ -279,6 +284,7 @@ fn summarise(
         correction_max_m: largest(&of(|p| p.correction_size_m)),
         beyond_uncertainty: beyond,
         stiffness_nm_per_rad: Vec::new(),
+        tip_point: None,
         extremes: None,
         findings: Vec::new(),
         points,

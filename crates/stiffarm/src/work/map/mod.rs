@@ -102,6 +102,8 @@ pub fn stiffness_map(
     }
     map.findings.splice(0..0, predictor.doubts.iter().cloned());
     map.findings.extend(implausible::process(cell));
+    map.tip_point = cell.work.tip_point(&cell.setup.tool);
+    map.findings.extend(cell.work.tip_assumed(&cell.setup.tool));
     let load = implausible::load(arm.robot(), [("force", &options.wrench)]);
     map.findings.extend(load);
     Ok(map)

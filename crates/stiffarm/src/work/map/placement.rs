@@ -43,6 +43,9 @@ pub struct Placement {
     /// without a positive stiffness.
     #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
+    /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
+    #[serde(default)]
+    pub tip_point: Option<String>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,
     /// Every place that was tried: by round, yaw, x, y, z.
@@ -131,12 +134,15 @@ pub fn place(
         best,
         gain,
         stiffness_nm_per_rad: predictor.spring_stiffness(cell),
+        tip_point: None,
         findings: Vec::new(),
         candidates,
     };
     out.findings = findings(cell, predictor, &out);
     out.findings.splice(0..0, predictor.doubts.iter().cloned());
     out.findings.extend(implausible::process(cell));
+    out.tip_point = cell.work.tip_point(&cell.setup.tool);
+    out.findings.extend(cell.work.tip_assumed(&cell.setup.tool));
     let own = points.iter().filter_map(|point| {
         let load = point.load?;
         let wrench = Wrench {

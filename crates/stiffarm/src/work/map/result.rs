@@ -95,6 +95,9 @@ pub struct StiffnessMap {
     /// without a positive stiffness.
     #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
+    /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
+    #[serde(default)]
+    pub tip_point: Option<String>,
     /// What to know about the map, in sentences.
     pub findings: Vec<Finding>,
     /// The nodes: x slowest, then y, z fastest.
@@ -162,6 +165,7 @@ pub(super) fn summarise(
         k_jn: range(reached().filter_map(|v| v.k_jn)),
         extremes,
         stiffness_nm_per_rad: Vec::new(),
+        tip_point: None,
         findings: Vec::new(),
         nodes,
     };

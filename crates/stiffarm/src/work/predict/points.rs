@@ -118,6 +118,9 @@ pub struct Prediction {
     /// without a positive stiffness.
     #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
+    /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
+    #[serde(default)]
+    pub tip_point: Option<String>,
     /// Where the tip bends least and most, and how it gives way there.
     #[serde(default)]
     pub extremes: Option<PathExtremes>,
@@ -178,6 +181,8 @@ pub fn predict(
     out.extremes = arm.extremes(sizes)?;
     out.findings.splice(0..0, predictor.doubts.iter().cloned());
     out.findings.extend(implausible::process(cell));
+    out.tip_point = cell.work.tip_point(&cell.setup.tool);
+    out.findings.extend(cell.work.tip_assumed(&cell.setup.tool));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
     let angles = postures.iter().map(|p| (p, p.q.as_slice()));
@@ -258,6 +263,7 @@ fn summarise(
         linear_suffices: points.iter().all(suffices),
         error_rms_m: errors.map(|e| rms(&e)),
         stiffness_nm_per_rad: Vec::new(),
+        tip_point: None,
         extremes: None,
         findings: Vec::new(),
         points,
