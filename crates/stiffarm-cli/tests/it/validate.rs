@@ -76,7 +76,8 @@ fn a_serious_stiffness_comes_first_and_ends_with_one() {
         .as_f64()
         .unwrap();
     assert!(factor < 0.5, "{factor}");
-    let said = folder.ok(line).replace('\n', " ");
+    let said = folder.ok(line);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     let larger = 1.0 / factor;
     let wanted = format!("would have been {larger:.2} times larger.");
     assert!(said.contains(&wanted), "{wanted}\n{said}");

@@ -133,12 +133,12 @@ impl Request {
     ) -> Result<Validated> {
         self.check()?;
         self.keep_only(&mut measured)?;
-        let of_readings: Vec<Finding> = measured.findings().cloned().collect();
+        let mut remarks = saved.predictor.doubts.clone();
+        remarks.extend(measured.findings().cloned());
         let tolerance = self.tolerance_mm.map(mm_to_m);
         let validation = validate_with(cell, &saved.predictor, measured, self.model, tolerance)?;
         let same_cell = !saved.is_of_another_cell(cell_hash);
-        let mut remarks = notes(saved, same_cell, &validation);
-        remarks.extend(of_readings);
+        remarks.extend(notes(saved, same_cell, &validation));
         Ok(Validated {
             validation,
             remarks,
@@ -235,7 +235,7 @@ fn crossed(
 
 /// What to know about the stiffness before reading on.
 pub fn notes(saved: &Saved, same_cell: bool, result: &Validation) -> Vec<Finding> {
-    let mut out = saved.predictor.doubts.clone();
+    let mut out = Vec::new();
     let mut add = |code: &str, sentence: String| {
         out.push(Finding::new(code, Severity::Caution, "stiffness", sentence));
     };

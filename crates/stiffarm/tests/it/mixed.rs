@@ -319,14 +319,16 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
         bend(&cell, &mut all, seed + 100, [4e-7, 6e-7, 4e-7]);
         let kept = all.split_off(5);
         let fit = Fit::new(&cell, &all, &IdentifyOptions::default()).unwrap();
-        let (found, mixed) = elastic(&fit, ElasticChoice::Mixed).unwrap();
-        let Some(mixed) = mixed else { continue };
-        assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
+        let Ok(mixed) = MixedFit::new(&fit) else {
+            continue;
+        };
         let predictor = mixed.compliance();
         if predictor.values.rows(0, 6).min() > 0.0 {
             continue;
         }
         open += 1;
+        let (found, _) = elastic(&fit, ElasticChoice::Mixed).unwrap();
+        assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
         assert!(predictor.spring_stiffness(&cell).contains(&None));
         let joints = found.mixed.unwrap().joints;
         assert!(
@@ -344,7 +346,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
         let bent =
             stiffarm::predict(&cell, predictor, &work, &options, Control::default()).unwrap();
         assert!(bent.deflection_max_m < 0.1 && bent.points[0].band.is_some());
-        if open > 4 {
+        if open > 2 {
             break;
         }
     }

@@ -86,10 +86,11 @@ fn held_out(
     let envelope = session.envelope("validate", None, request.options(None), &result);
     let result = &result.validation;
     let same_cell = !saved.is_of_another_cell(hash);
-    let mut notes = notes(&saved, same_cell, result);
-    notes.retain(|note| note.severity != Severity::Serious);
+    let mut known = saved.predictor.doubts.clone();
+    known.retain(|doubt| doubt.severity != Severity::Serious);
+    known.extend(notes(&saved, same_cell, result));
     session.show(&envelope, || {
-        unsettled.clone() + &named.line() + &said(&notes) + &table(result)
+        unsettled.clone() + &named.line() + &said(&known) + &table(result)
     })?;
     Ok(Exit::finding(
         result.passed == Some(false) || !result.unpredicted.is_empty() || !unsettled.is_empty(),
