@@ -193,7 +193,7 @@ fn angles_of_a_urdf_are_nobodys_until_the_cell_says_so() {
     );
     let cell = folder.read("cell/cell.toml");
     assert!(cell.contains("\n# controller = \"fanuc\"\n"), "{cell}");
-    assert!(cell.contains("move joint 2 alone"), "{cell}");
+    assert!(cell.contains("CHECK FIRST: pendants of"), "{cell}");
     for (what, line) in [
         (
             "limits",

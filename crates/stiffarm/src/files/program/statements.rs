@@ -137,7 +137,7 @@ fn is_note(statement: &Statement<'_>, language: Language) -> bool {
 
 /// The fields of a row; the number of a step says nothing that its place does not.
 fn fields(text: &str, joints: usize) -> Vec<Part<'_>> {
-    if text.starts_with('#') {
+    if text.starts_with('#') || text.trim().is_empty() {
         return Vec::new();
     }
     let mut reader = ::csv::ReaderBuilder::new();
