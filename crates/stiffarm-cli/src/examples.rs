@@ -131,20 +131,23 @@ pub const POSE: &str = "Examples:
   $ stiffarm pose builtin:comau --from poses.csv --convention kuka \\
       --output all.csv";
 pub const EXPORT: &str = "Examples:
-  The plan for a KUKA, for an ABB arm, as a table:
-  $ stiffarm export builtin:comau plan.csv --language krl --output-dir program
-  $ stiffarm export builtin:comau plan.csv --language rapid --tool spindle \\
+  The plan for the cell's COMAU arm, as a table:
+  $ stiffarm export builtin:comau plan.csv --language pdl2 \\
       --speed-percent 20 --output-dir program
   $ stiffarm export builtin:comau plan.csv --language csv --output-dir program
 
-  A Yaskawa job holds pulses, which are counted at the robot:
-  $ stiffarm export builtin:comau plan.csv --language inform \\
-      --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2 \\
-      --output-dir program
-
   Is the program on the controller still the plan?
-  $ stiffarm export builtin:comau plan.csv --language rapid \\
-      --compare program/measure_plan.mod";
+  $ stiffarm export builtin:comau plan.csv --language pdl2 \\
+      --speed-percent 20 --compare program/measure_plan.pdl
+
+  The controller is another maker's and shows these very angles; a Yaskawa job
+  holds pulses, which are counted at the robot:
+  $ stiffarm export builtin:comau plan.csv --language rapid --controller abb \\
+      --tool spindle --output-dir program
+  $ stiffarm export builtin:comau plan.csv --language inform \\
+      --controller yaskawa \\
+      --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2 \\
+      --output-dir program";
 pub const CAPSULES: &str = "Examples:
   How many capsules, how large; then as tables of the tool for cell.toml:
   $ stiffarm capsules builtin:spindle.obj --unit mm

@@ -200,6 +200,8 @@ pub fn axes_table(
             coupling: DMatrix::identity(n, n),
             base: rows.base,
             flange: rows.flange,
+            speeds: None,
+            maker: None,
         })
     };
     made().map_err(|error| to_python(py, &error))

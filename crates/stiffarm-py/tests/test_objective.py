@@ -167,3 +167,7 @@ def test_callable_from_jax_and_casadi_is_tested_where_they_are() -> None:
     x = casadi.MX.sym("x", q.size)
     jacobian = casadi.Function("j", [x], [casadi.jacobian(function(x), x)])
     assert np.allclose(np.array(jacobian(q)).ravel(), objective.log_and_gradient(q)[1])
+
+
+def test_names_say_what_is_calculated() -> None:
+    assert "over √postures" in stiffarm.index_names()["o1"]

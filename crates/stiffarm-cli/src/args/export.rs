@@ -1,8 +1,10 @@
 //! Options of `export`.
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use stiffarm::files::program::Language;
+use stiffarm::model::robot::Controller;
 
 #[derive(Debug, Args)]
 pub struct ExportArgs {
@@ -56,6 +58,10 @@ pub struct ExportArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "The controller")]
 pub struct ControllerArgs {
+    /// Maker of the controller, where the language is another's than the cell's robot has: its pendant
+    /// shows the angles of this cell
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Controller::ALL.map(Controller::as_str)))]
+    pub controller: Option<String>,
     /// Tool of the controller: a number, in RAPID a name [default: rapid tool0, ls 1, inform 0, krl as
     /// it is on the controller; pdl2 and urscript always so]
     #[arg(long, value_name = "TOOL")]

@@ -18,7 +18,7 @@ pub struct PoseArgs {
     /// Poses whose postures are wanted: x_mm, y_mm, z_mm and the convention's numbers
     #[arg(long, value_name = "POSES.csv")]
     pub from: Option<String>,
-    /// How orientations are written [default: as the robot's maker does, else matrix]
+    /// How orientations are written [default: as the controller that the cell names does, else matrix]
     #[arg(long, value_name = "NAME")]
     pub convention: Option<ConventionChoice>,
     /// Frame that poses are given in
@@ -44,6 +44,8 @@ pub enum ConventionChoice {
     Abb,
     /// W, P, R: turns about fixed x, then y, then z (deg)
     Fanuc,
+    /// A, E, R: turns about z, then y', then z'' (deg)
+    Comau,
     /// Rx, Ry, Rz: turns about fixed x, then y, then z (deg)
     Yaskawa,
     /// Rx, Ry, Rz: turns about x, then y', then z'' (deg)
@@ -60,6 +62,7 @@ impl From<ConventionChoice> for Convention {
             ConventionChoice::Kuka => Convention::Kuka,
             ConventionChoice::Abb => Convention::Abb,
             ConventionChoice::Fanuc => Convention::Fanuc,
+            ConventionChoice::Comau => Convention::Comau,
             ConventionChoice::Yaskawa => Convention::Yaskawa,
             ConventionChoice::Staubli => Convention::Staubli,
             ConventionChoice::Ur => Convention::Ur,

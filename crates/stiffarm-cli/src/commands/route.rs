@@ -49,6 +49,9 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
+    if args.equivalents {
+        cell.setup.robot.known_controller()?;
+    }
     let plan = session.read_postures("plan", &args.plan, &cell.setup.robot)?;
     let step_deg = (args.angle_step_deg > 0.0).then_some(args.angle_step_deg);
     let mut options = RouteOptions::default();

@@ -474,11 +474,11 @@ fn schemas_describe_what_the_commands_print() {
         ),
         (
             "result-export",
-            "export builtin:comau builtin:comau-group1 --language rapid --output-dir program",
+            "export builtin:comau builtin:comau-group1 --language rapid --controller abb --output-dir program",
         ),
         (
             "result-export-compare",
-            "export builtin:comau builtin:comau-group1 --language rapid --compare program/measure_comau_group1.mod",
+            "export builtin:comau builtin:comau-group1 --language rapid --controller abb --compare program/measure_comau_group1.mod",
         ),
         (
             "result-study",

@@ -149,9 +149,9 @@ fn a_day_beside_the_robot() {
         "select cell.toml -n {PLANNED} --rounds 1 --no-certificate --output plan.csv --sheet sheet.xlsx"
     ));
     // To the controller, and back again.
-    folder.ok("export cell.toml plan.csv --language krl --output-dir program");
+    folder.ok("export cell.toml plan.csv --language krl --controller kuka --output-dir program");
     folder.ok(
-        "export cell.toml plan.csv --language krl --compare program/measure_plan.src program/measure_plan.dat",
+        "export cell.toml plan.csv --language krl --controller kuka --compare program/measure_plan.src program/measure_plan.dat",
     );
     folder.ok("simulate cell.toml plan.csv --runs 1 --readings all.csv");
     let readings = Readings::of(&folder.read("all.csv"));

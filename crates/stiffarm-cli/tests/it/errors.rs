@@ -53,7 +53,7 @@ fn folder() -> Folder {
         "no-prior.toml",
         slip(
             "catalogue = \"comau-nj165-3.0\"",
-            "catalogue = \"fanuc-r2000ic-165f\"",
+            "catalogue = \"fanuc-r2000ic-165f\"\nlimits_deg = [[-360, 360], [-360, 360], [-360, 360], [-360, 360], [-360, 360], [-360, 360]]",
         )
         .replace("prior_nm_per_rad", "# prior_nm_per_rad"),
     );

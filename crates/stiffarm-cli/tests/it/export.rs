@@ -6,20 +6,25 @@ use insta::assert_snapshot;
 use support::Folder;
 
 const GROUP: &str = "export builtin:comau builtin:comau-group1";
-const PULSES: &str = "--pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2";
+const PULSES: &str =
+    "--controller yaskawa --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2";
 
 /// The files of each language, with what it needs beside.
 const LANGUAGES: [(&str, &str, &[&str]); 7] = [
     (
         "krl",
-        "",
+        "--controller kuka",
         &["measure_comau_group1.dat", "measure_comau_group1.src"],
     ),
-    ("rapid", "", &["measure_comau_group1.mod"]),
-    ("ls", "", &["measure_comau_group1.ls"]),
+    ("rapid", "--controller abb", &["measure_comau_group1.mod"]),
+    ("ls", "--controller fanuc", &["measure_comau_group1.ls"]),
     ("inform", PULSES, &["MEASURE_COMAU_GROUP1.jbi"]),
     ("pdl2", "", &["measure_comau_group1.pdl"]),
-    ("urscript", "", &["measure_comau_group1.script"]),
+    (
+        "urscript",
+        "--controller ur",
+        &["measure_comau_group1.script"],
+    ),
     ("csv", "", &["measure_comau_group1.csv"]),
 ];
 
@@ -73,6 +78,16 @@ fn every_language_is_written_compared_and_not_overwritten() {
         );
         let said = folder.ok(&compare);
         assert!(said.contains("the same 6 postures as the plan"), "{said}");
+        assert!(said.contains("and no other line"), "{said}");
+        // Faster, and otherwise the same.
+        let faster = folder.run(&compare.replace("--compare", "--speed-percent 20 --compare"));
+        assert_eq!(faster.code, Some(1), "{language}");
+        assert!(
+            faster.out.contains("not a line that export"),
+            "{}",
+            faster.out
+        );
+        is_narrow(&faster.out);
     }
 }
 
@@ -83,8 +98,9 @@ fn what_is_printed() {
         "home.csv",
         "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nhome,0,0,-90,0,0,0\n",
     );
-    let line =
-        format!("{GROUP} --language krl --start home.csv --speed-percent 20 --output-dir program");
+    let line = format!(
+        "{GROUP} --language krl --controller kuka --start home.csv --speed-percent 20 --output-dir program"
+    );
     let ran = folder.run(&line);
     is_narrow(&ran.out);
     let printed = ran.transcript(&line);
@@ -99,7 +115,7 @@ fn what_is_printed() {
 fn a_plan_that_violates_limits_is_named_and_not_written() {
     let folder = Folder::new();
     folder.write("p.csv", OUTSIDE);
-    let line = "export builtin:comau p.csv --language rapid --output-dir program";
+    let line = "export builtin:comau p.csv --language rapid --controller abb --output-dir program";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1));
     is_narrow(&ran.out);
@@ -139,9 +155,11 @@ fn an_angle_beyond_the_robots_own_limits_is_never_written() {
 #[test]
 fn a_comparison_names_what_was_changed() {
     let folder = Folder::new();
-    folder.ok(&format!("{GROUP} --language ls --output-dir program"));
+    folder.ok(&format!(
+        "{GROUP} --language ls --controller fanuc --output-dir program"
+    ));
     let file = "program/measure_comau_group1.ls";
-    let compare = format!("{GROUP} --language ls --compare {file}");
+    let compare = format!("{GROUP} --language ls --controller fanuc --compare {file}");
     let written = folder.read(file);
     folder.write(
         file,
@@ -159,6 +177,30 @@ fn a_comparison_names_what_was_changed() {
     let json = folder.json(&compare);
     assert_eq!(json["result"]["same"], false);
     assert_eq!(json["result"]["differences"][0]["joint"], 3);
+    // Another speed, and a jump over the posture: no angle has changed.
+    folder.write(
+        file,
+        written
+            .replacen("J P[2] 10% FINE", "J P[2] 100% FINE", 1)
+            .replacen("J P[3]", "  JMP LBL[1] ;\r\n  99:J P[3]", 1),
+    );
+    let ran = folder.run(&compare);
+    assert_eq!(ran.code, Some(1));
+    let json = folder.json(&compare);
+    assert_eq!(json["result"]["same"], false);
+    let lines: Vec<&serde_json::Value> = json["result"]["differences"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|difference| difference["kind"] == "line")
+        .collect();
+    let text = |at: usize| lines[at]["text"].as_str().unwrap();
+    assert!(text(0).ends_with("J P[2] 100% FINE ;") && text(1).ends_with("JMP LBL[1] ;"));
+    assert_eq!(lines.len(), 2);
+    let own = folder.read(file);
+    let at = own.lines().position(|line| line.contains("JMP")).unwrap() + 1;
+    assert_eq!(lines[1]["line"], at);
+    assert!(ran.out.contains(&format!("{file}:{at}")), "{}", ran.out);
     // Taken out at the pendant: the move, not its point.
     let without: String = written
         .split_inclusive("\r\n")
@@ -216,20 +258,25 @@ fn wrong_inputs_are_refused_before_anything_is_written() {
     for line in [
         "--language krl".to_string(),
         "--language fortran --output-dir x".to_string(),
-        "--language inform --output-dir x".to_string(),
-        format!("--language krl {PULSES} --output-dir x"),
-        "--language inform --pulses-per-degree 1000,1000,nan,1000,1000,1000 --output-dir x"
+        "--language inform --controller yaskawa --output-dir x".to_string(),
+        "--language krl --controller kuka --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2 --output-dir x".to_string(),
+        "--language inform --controller yaskawa --pulses-per-degree 1000,1000,nan,1000,1000,1000 --output-dir x"
             .to_string(),
-        "--language krl --name move_it_quickly_to_the_left --output-dir x".to_string(),
-        "--language ls --name small --output-dir x".to_string(),
-        "--language krl --tool spindle --output-dir x".to_string(),
-        "--language krl --axes 1,2,3,4,5,5 --output-dir x".to_string(),
-        "--language krl --speed-percent 0 --output-dir x".to_string(),
-        "--language krl --start two.csv --output-dir x".to_string(),
-        "--language krl --output-dir taken".to_string(),
-        "--language krl --compare two.csv".to_string(),
-        "--language rapid --compare two.csv".to_string(),
-        "--language rapid --compare two.csv --output-dir x".to_string(),
+        "--language krl --controller kuka --name move_it_quickly_to_the_left --output-dir x".to_string(),
+        "--language ls --controller fanuc --name small --output-dir x".to_string(),
+        "--language krl --controller kuka --tool spindle --output-dir x".to_string(),
+        "--language krl --controller kuka --axes 1,2,3,4,5,5 --output-dir x".to_string(),
+        "--language krl --controller kuka --speed-percent 0 --output-dir x".to_string(),
+        "--language krl --controller kuka --start two.csv --output-dir x".to_string(),
+        "--language krl --controller kuka --output-dir taken".to_string(),
+        "--language krl --controller kuka --compare two.csv".to_string(),
+        "--language rapid --controller abb --compare two.csv".to_string(),
+        "--language rapid --controller abb --compare two.csv --output-dir x".to_string(),
+        // Angles of a COMAU arm do not go to another controller without being asked to.
+        "--language ls --output-dir x".to_string(),
+        "--language ls --controller kuka --output-dir x".to_string(),
+        "--language csv --controller kuka --output-dir x".to_string(),
+        "--language ls --compare two.csv".to_string(),
     ] {
         told += &format!("$ {line}\n{}\n", folder.refused(&format!("{GROUP} {line}")));
     }

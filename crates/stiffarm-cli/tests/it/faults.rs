@@ -21,7 +21,7 @@ const WRITERS: [&str; 8] = [
     "compensate builtin:comau prior builtin:contour --output c.csv --figure c.svg --force",
     "map builtin:comau prior --plane z=800 --steps 7 --output-dir map --force",
     "zones --steps 5 --output-dir zones --force",
-    "export builtin:comau builtin:comau-group1 --language krl --output-dir program --force",
+    "export builtin:comau builtin:comau-group1 --language krl --controller kuka --output-dir program --force",
     "study --runs 1 --starts 0 --output-dir study --force",
 ];
 

@@ -163,6 +163,129 @@ fn rows_of_ones_own_get_a_cell_that_works() {
     );
 }
 
+/// The frames and joints of `r2000ic165f.xacro` of ros-industrial/fanuc_experimental, whose joint 3 is
+/// J3 + J2; limits and speeds with digits as such files have them.
+const FANUC: &str = r#"<robot name="fanuc_r2000ic165f">
+  <link name="base"/><link name="l1"/><link name="l2"/><link name="l3"/><link name="l4"/><link name="l5"/><link name="l6"/>
+  <joint name="joint_1" type="revolute"><origin xyz="0 0 0.67"/><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/>
+    <limit lower="-3.141593" upper="3.14159" effort="0" velocity="2.0944"/></joint>
+  <joint name="joint_2" type="revolute"><origin xyz="0.312 0 0"/><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/>
+    <limit lower="-1.0472" upper="1.32645" effort="0" velocity="2.0071"/></joint>
+  <joint name="joint_3" type="revolute"><origin xyz="0 0 1.075"/><parent link="l2"/><child link="l3"/><axis xyz="0 -1 0"/>
+    <limit lower="-2.3038" upper="3.1416" effort="0" velocity="2.1817"/></joint>
+  <joint name="joint_4" type="revolute"><origin xyz="0 0 0.225"/><parent link="l3"/><child link="l4"/><axis xyz="-1 0 0"/>
+    <limit lower="-6.2832" upper="6.2832" effort="0" velocity="3.1416"/></joint>
+  <joint name="joint_5" type="revolute"><origin xyz="1.28 0 0"/><parent link="l4"/><child link="l5"/><axis xyz="0 -1 0"/>
+    <limit lower="-2.1817" upper="2.1817" effort="0" velocity="3.1416"/></joint>
+  <joint name="joint_6" type="revolute"><origin xyz="0.215 0 0"/><parent link="l5"/><child link="l6"/><axis xyz="-1 0 0"/>
+    <limit lower="-6.2832" upper="6.2832" effort="0" velocity="4.5379"/></joint>
+</robot>"#;
+
+/// Nothing goes to a controller, and nothing comes from one, until the cell says whose angles it has.
+#[test]
+fn angles_of_a_urdf_are_nobodys_until_the_cell_says_so() {
+    let folder = Folder::new();
+    folder.write("fanuc.urdf", FANUC);
+    let said = folder.ok("init --urdf fanuc.urdf --output-dir cell");
+    assert!(
+        said.contains("joint_3") && said.contains("couple joint 3"),
+        "{said}"
+    );
+    let cell = folder.read("cell/cell.toml");
+    assert!(cell.contains("\n# controller = \"fanuc\"\n"), "{cell}");
+    assert!(cell.contains("CHECK FIRST: pendants of"), "{cell}");
+    for (what, line) in [
+        (
+            "limits",
+            "    [-180, 180],\n    [-60, 76],\n    [-132, 180],\n    [-360, 360],",
+        ),
+        ("speeds", "\n[route]\n"),
+        (
+            "speeds",
+            "\njoint_speeds_deg_s = [120, 115, 125, 180, 180, 260]\n",
+        ),
+    ] {
+        assert!(cell.contains(line), "{what}: {cell}");
+    }
+    folder.write(
+        "p.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,10,30,-20,15,-40,5\nb,-20,-10,10,5,30,5\n",
+    );
+    folder.write("changed.ls", "anything");
+    let lines = [
+        "export cell/cell.toml p.csv --language ls --output-dir program",
+        "export cell/cell.toml p.csv --language ls --controller fanuc --output-dir program",
+        "export cell/cell.toml p.csv --language ls --compare changed.ls",
+        "route cell/cell.toml p.csv --equivalents",
+        "pose cell/cell.toml p.csv --convention fanuc",
+    ];
+    for line in lines {
+        let said = folder.refused(line);
+        assert!(
+            said.contains("robot.controller") && said.contains("controller = "),
+            "{line}\n{said}"
+        );
+    }
+    // What is nobody's goes on as before.
+    folder.ok("pose cell/cell.toml p.csv");
+    folder.run("export cell/cell.toml p.csv --language csv --output-dir table --despite-limits");
+    assert!(
+        folder
+            .read("table/measure_p.csv")
+            .contains("a,10,30,-20,15,-40,5")
+    );
+    // The controller alone: the maker's pendants count otherwise.
+    let told = cell.replace("# controller", "controller");
+    folder.write("cell/cell.toml", &told);
+    for line in [
+        &format!("{} --despite-limits --force", lines[0]),
+        "pose cell/cell.toml p.csv",
+    ] {
+        let ran = folder.run(line);
+        assert!(
+            ran.out.contains("Pendants of FANUC count joint 3"),
+            "{line}\n{}{}",
+            ran.out,
+            ran.err
+        );
+    }
+    // With the lines that the comment offers it is the catalogue's arm, whose angles are the pendant's.
+    let (head, tail) = told.split_once("# theta_from_q = [").unwrap();
+    let (rows, tail) = tail.split_once("# ]").unwrap();
+    let rows = rows.replace("\n# ", "\n");
+    folder.write(
+        "cell/cell.toml",
+        format!("{head}theta_from_q = [{rows}]{tail}"),
+    );
+    folder.ok("init --robot fanuc-r2000ic165f --output-dir catalogue");
+    let position = |cell: &str| -> Vec<f64> {
+        let found = folder.json(&format!("pose {cell}/cell.toml p.csv --frame cell"));
+        assert_eq!(found["options"]["convention"], "fanuc");
+        let at = found["result"]["postures"][0]["flange"]["position_mm"].clone();
+        serde_json::from_value(at).unwrap()
+    };
+    let (own, known) = (position("cell"), position("catalogue"));
+    assert!(
+        own.iter().zip(&known).all(|(a, b)| (a - b).abs() < 1e-6),
+        "{own:?} {known:?}"
+    );
+    folder.run(&format!("{} --despite-limits --force", lines[0]));
+    assert!(
+        folder
+            .read("program/measure_p.ls")
+            .contains("J3=    -20.00 deg")
+    );
+    assert_ne!(
+        folder.run("route cell/cell.toml p.csv --equivalents").code,
+        Some(2)
+    );
+    let said = folder.refused("export cell/cell.toml p.csv --language krl --output-dir other");
+    assert!(
+        said.contains("--controller kuka") && said.contains("--language ls"),
+        "{said}"
+    );
+}
+
 #[test]
 fn wrong_descriptions_are_answered_with_place_and_hint() {
     let folder = folder();

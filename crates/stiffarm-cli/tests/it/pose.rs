@@ -51,7 +51,9 @@ fn poses_of_a_kuka_and_back() {
 #[test]
 fn every_convention_goes_there_and_back() {
     let folder = kuka();
-    for convention in ["kuka", "abb", "fanuc", "yaskawa", "staubli", "ur", "matrix"] {
+    for convention in [
+        "kuka", "abb", "fanuc", "comau", "yaskawa", "staubli", "ur", "matrix",
+    ] {
         for rest in ["", " --point tip --frame cell"] {
             let options = format!("--convention {convention}{rest} --force");
             let printed = folder.ok(&format!(

@@ -9,6 +9,7 @@ use crate::model::pose::{
     Configuration, Convention, NamedPose, held_postures, kuka_status, kuka_turn,
 };
 use crate::model::posture::Posture;
+use crate::model::robot::Controller;
 use crate::plan::check::robot_doubts;
 use crate::units::{m_to_mm, rad_to_shortest_deg};
 use nalgebra::Isometry3;
@@ -149,14 +150,20 @@ pub struct Request {
 
 impl Request {
     /// Poses of the flange in the controller's frame; without a convention that of the robot's
-    /// maker, else matrices.
-    pub fn new(cell: &Cell, convention: Option<Convention>) -> Self {
-        let own = || Convention::of_brand(cell.setup.robot.brand());
-        Request {
-            convention: convention.unwrap_or_else(own),
+    /// controller, else matrices.
+    ///
+    /// # Errors
+    /// A maker's convention, where nothing says that the cell's angles are a controller's.
+    pub fn new(cell: &Cell, convention: Option<Convention>) -> Result<Self> {
+        let robot = &cell.setup.robot;
+        if convention.is_some_and(|asked| asked != Convention::Matrix) {
+            robot.known_controller()?;
+        }
+        Ok(Request {
+            convention: convention.unwrap_or_else(|| Convention::of(robot.controller())),
             frame: PoseFrame::default(),
             point: PosePoint::default(),
-        }
+        })
     }
 
     /// The options as the result holds them.
@@ -289,7 +296,7 @@ impl Request {
 /// A posture beside its configuration.
 fn describe(cell: &Cell, name: String, q: &[f64]) -> Described {
     let robot = &cell.setup.robot;
-    let is_kuka = robot.brand() == Some("KUKA");
+    let is_kuka = robot.controller() == Some(Controller::Kuka);
     Described {
         name,
         q_deg: q.iter().map(|q| rad_to_shortest_deg(*q)).collect(),

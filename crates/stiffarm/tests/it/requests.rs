@@ -233,7 +233,7 @@ fn postures_come_back_from_their_poses() {
     let postures = PostureGroup::from_angles("", group1()).postures;
     let request = poses::Request {
         point: poses::PosePoint::Tip,
-        ..poses::Request::new(&cell, None)
+        ..poses::Request::new(&cell, None).unwrap()
     };
     let listed = request.poses_of(&cell, &postures);
     assert_eq!(listed.postures.len(), postures.len());

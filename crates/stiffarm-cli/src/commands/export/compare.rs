@@ -11,7 +11,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::files::program::{
-    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, missing_stops, read_program,
+    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, compare_statements,
+    missing_stops, read_program, write_program,
 };
 use stiffarm::files::source::Source;
 use stiffarm::model::posture::Posture;
@@ -21,12 +22,15 @@ use stiffarm::units::deg_to_rad;
 /// Angles that differ by less are the same \[deg\]: no arm repeats better.
 const TOLERANCE_DEG: f64 = 0.001;
 
+/// Lines that differ which are printed.
+const MOST_LINES: usize = 12;
+
 /// How the program compares with the plan.
 #[derive(Serialize, JsonSchema)]
 pub struct Compared {
     /// Name of the program.
     program: String,
-    /// True where every posture is the plan's, in its order.
+    /// True where every posture is the plan's, in its order, and every line one that is written for it.
     same: bool,
     /// Angles that differ by less are the same.
     tolerance_deg: f64,
@@ -42,7 +46,10 @@ pub struct Compared {
 
 /// Reads the program and compares it.
 pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<Exit> {
-    let found = read(session, args, task)?;
+    let files = files(session, args)?;
+    let joints = task.cell.cell.setup.robot.joint_count();
+    let found =
+        read_program(&files, task.language, &task.options, joints).map_err(super::as_option)?;
     // As the language holds it: rounded, in whole pulses.
     let (_, planned) = task.written()?;
     let wanted = |target: &&Move| task.start.is_some() || target.kind != MoveKind::Start;
@@ -50,6 +57,7 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
     let moves: Vec<&Move> = found.moves().filter(wanted).collect();
     let mut differences = compare_moves(&planned, &moves, task.language, deg_to_rad(TOLERANCE_DEG));
     differences.extend(missing_stops(&found));
+    differences.extend(other_lines(task, &files, &found)?);
     let postures = at_limits(task, &found, &differences);
     let result = Compared {
         program: found.name.clone(),
@@ -75,9 +83,7 @@ fn at_limits(task: &Task, found: &Program, differences: &[Difference]) -> Vec<Po
     let is_other = |name: &str| {
         differences.iter().any(|difference| match difference {
             Difference::Angle { posture, .. } | Difference::Added { posture } => posture == name,
-            Difference::Missing { .. } | Difference::Order { .. } | Difference::NoStop { .. } => {
-                false
-            }
+            _ => false,
         })
     };
     let own = |target: &Move| {
@@ -96,23 +102,33 @@ fn at_limits(task: &Task, found: &Program, differences: &[Difference]) -> Vec<Po
     postures.collect()
 }
 
-fn read(session: &Session, args: &ExportArgs, task: &Task) -> Result<Program> {
-    let mut files = Vec::new();
-    for (number, from) in args.compare.iter().enumerate() {
+fn files(session: &Session, args: &ExportArgs) -> Result<Vec<ProgramFile>> {
+    let files = args.compare.iter().enumerate().map(|(number, from)| {
         let (name, bytes) = session.read(&format!("program_{}", number + 1), from)?;
         // Controllers write comments in character sets of their own.
         let text = String::from_utf8_lossy(&bytes).into_owned();
-        files.push(ProgramFile { name, text });
+        Ok(ProgramFile { name, text })
+    });
+    files.collect()
+}
+
+/// Lines beside those that are written for the plan, under the name that the program has.
+fn other_lines(task: &Task, files: &[ProgramFile], found: &Program) -> Result<Vec<Difference>> {
+    let mut planned = task.program.clone();
+    if task.language.check_name(&found.name).is_ok() {
+        planned.name.clone_from(&found.name);
     }
     let joints = task.cell.cell.setup.robot.joint_count();
-    read_program(&files, task.language, &task.options, joints).map_err(super::as_option)
+    let written =
+        write_program(&planned, task.language, &task.options).map_err(super::as_option)?;
+    Ok(compare_statements(&written, files, task.language, joints))
 }
 
 fn table(task: &Task, result: &Compared) -> String {
     let mut out = task.cell.line();
     out += &match result.same {
         true => format!(
-            "program {}: the same {} postures as the plan, within {TOLERANCE_DEG}°\n",
+            "program {}: the same {} postures as the plan, within {TOLERANCE_DEG}°, and no other line\n",
             result.program, result.planned_postures
         ),
         false => format!(
@@ -129,9 +145,20 @@ fn table(task: &Task, result: &Compared) -> String {
         .iter()
         .map(|j| j.name.clone())
         .collect();
-    for difference in &result.differences {
+    let is_line = |difference: &&Difference| {
+        matches!(
+            difference,
+            Difference::Line { .. } | Difference::MissingLine { .. }
+        )
+    };
+    let lines = result.differences.iter().filter(is_line).count();
+    let others = result.differences.len() - lines;
+    for difference in result.differences.iter().take(others + MOST_LINES) {
         let line = format!("{}: {}", red("differs"), difference.sentence(&joints));
         out += &(wrapped(&line, columns()) + "\n");
+    }
+    if lines > MOST_LINES {
+        out += &format!("… and {} lines more (--json has all)\n", lines - MOST_LINES);
     }
     for violation in &result.violations {
         let line = format!(

@@ -4,6 +4,7 @@ pub mod compare;
 mod moves;
 
 use crate::args::{ControllerArgs, ExportArgs};
+use crate::commands::wrapped_line;
 use crate::files::{check_folder, write_folder};
 use crate::input::Line;
 use crate::numbers::counted;
@@ -22,8 +23,11 @@ use stiffarm::files::program::{
 };
 use stiffarm::files::source::{NamedCell, Source, group_name};
 use stiffarm::files::table::{SheetOptions, sha256_hex};
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::LimitKind;
 use stiffarm::model::posture::Posture;
+use stiffarm::model::robot::Controller;
+use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::{Violation, violations};
 use stiffarm::units::rad_to_deg;
 use stiffarm::{Code, Error, Result};
@@ -40,6 +44,8 @@ pub struct Options {
     speed_percent: u8,
     /// Load states that the texts name.
     states: Vec<String>,
+    /// Maker of the controller, where the language was asked for by name.
+    controller: Option<String>,
     /// Tool of the controller, where one was given.
     tool: Option<String>,
     /// Axis of the controller of each joint, where they were given.
@@ -71,6 +77,8 @@ pub struct Exported {
     rounding_deg: f64,
     /// Limits of the cell that postures violate.
     violations: Vec<Violation>,
+    /// What to distrust about the robot.
+    findings: Vec<Finding>,
 }
 
 /// A file of the program.
@@ -109,6 +117,10 @@ impl Task {
     fn new(session: &Session, args: &ExportArgs) -> Result<Self> {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
+        let language = Language::from(args.language);
+        let asked = args.controller.controller.as_deref();
+        let asked = asked.map(Controller::from_name).transpose()?;
+        language.check_robot(robot, asked).map_err(as_option)?;
         let plan = session.read_postures("plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
             Some(from) => Some(only_posture(session, from, &cell)?),
@@ -117,7 +129,6 @@ impl Task {
                 q,
             }),
         };
-        let language = Language::from(args.language);
         for state in &args.states {
             check_name(state).map_err(|e| e.key("--states"))?;
         }
@@ -185,6 +196,7 @@ impl Task {
             language: self.language,
             speed_percent: self.speed_percent,
             states: self.states.clone(),
+            controller: args.controller.controller.clone(),
             tool: self.options.tool.clone(),
             axes: self.options.axes.clone(),
             pulses_per_degree: self.options.pulses_per_degree.clone(),
@@ -205,10 +217,12 @@ impl Task {
     }
 }
 
-/// Keys of options as the command line calls them.
+/// Keys of options as the command line calls them; keys of the cell stay.
 fn as_option(error: Error) -> Error {
     match error.place().key.clone() {
-        Some(key) if !key.starts_with("--") => error.key(format!("--{}", key.replace('_', "-"))),
+        Some(key) if !key.starts_with("--") && !key.contains('.') => {
+            error.key(format!("--{}", key.replace('_', "-")))
+        }
         _ => error,
     }
 }
@@ -300,9 +314,12 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
         checked: task.driven.checked.clone(),
         rounding_deg: rounding,
         violations: task.violations.clone(),
+        findings: robot_doubts(&task.cell.cell.setup.robot),
     };
+    let doubts = result.findings.iter().map(|f| wrapped_line(f) + "\n");
+    let doubts: String = doubts.collect();
     let table = || {
-        let mut out = task.cell.line() + &task.limit_lines();
+        let mut out = task.cell.line() + &doubts + &task.limit_lines();
         for blocked in &task.driven.blocked {
             let line = format!(
                 "{}: the move {blocked} has no free way that was found",

@@ -3,6 +3,7 @@
 use super::shapes::link_capsules;
 use super::xacro;
 use crate::args::{DhChoice, InitArgs};
+use crate::commands::robots::entry_of;
 use crate::session::Session;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -70,7 +71,7 @@ pub fn start(session: &Session, args: &InitArgs) -> Result<Start> {
         (Some(urdf), _) => of_urdf(session, args, urdf),
         (None, Some(dh)) => of_rows(session, dh, args.dh_convention),
         (None, None) => Ok(Start {
-            text: template(&args.robot)?,
+            text: template(entry_of(session, &args.robot)?.key)?,
             findings: Vec::new(),
             line: String::new(),
             chain: None,
@@ -132,6 +133,17 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
                 sentence,
             ));
         }
+    }
+    if read.robot.suspected_coupling()?.is_some() {
+        let sentence = "The pendant may couple joint 3 to joint 2 where the URDF does not. [robot] in cell.toml says what to \
+                        look at; until it names the controller, nothing goes to one.";
+        let joint = read.robot.joint_names[2].clone();
+        findings.push(Finding::new(
+            "urdf-coupling",
+            Severity::Caution,
+            joint,
+            sentence,
+        ));
     }
     let origin = format!(
         "The robot is from {}: the base frame is the link {}, the flange the link {}. Angles are those of \

@@ -27,7 +27,7 @@ pub fn run(session: &Session, args: &PoseArgs) -> Result<Exit> {
     let request = Request {
         frame: args.frame.into(),
         point: args.point.into(),
-        ..Request::new(&named.cell, args.convention.map(Into::into))
+        ..Request::new(&named.cell, args.convention.map(Into::into))?
     };
     let job = Job {
         session,

@@ -26,7 +26,7 @@ struct Robots {
 /// Lists the catalogue, or one robot in full.
 pub fn run(session: &Session, args: &RobotsArgs) -> Result<Exit> {
     let entries: Vec<&CatalogueEntry> = match &args.name {
-        Some(name) => vec![find_in_catalogue(name)?],
+        Some(name) => vec![entry_of(session, name)?],
         None => by_brand(),
     };
     let robots = entries
@@ -46,6 +46,15 @@ pub fn run(session: &Session, args: &RobotsArgs) -> Result<Exit> {
         || text,
     )?;
     Ok(Exit::Done)
+}
+
+/// The entry of this name; a word where it is not the one that the catalogue lists.
+pub(super) fn entry_of(session: &Session, name: &str) -> Result<&'static CatalogueEntry> {
+    let entry = find_in_catalogue(name)?;
+    if !entry.key.eq_ignore_ascii_case(name) {
+        session.remark(&format!("{name} is {} in the catalogue.\n", entry.key));
+    }
+    Ok(entry)
 }
 
 /// The catalogue with the robots of a brand together, brands as they first come.

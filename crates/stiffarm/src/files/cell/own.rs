@@ -1,8 +1,10 @@
 //! `[robot]` of a robot that is in no catalogue, as text.
 
+use super::example::comment;
 use super::lists::{degrees, quoted, rows};
+use crate::error::Result;
 use crate::model::kinematics::Frames;
-use crate::model::robot::{DhConvention, DhRobot, LinkCapsule, Robot};
+use crate::model::robot::{Controller, DhConvention, DhRobot, LinkCapsule, Robot};
 use crate::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
 use nalgebra::{DMatrix, Isometry3, UnitQuaternion};
 use sobol_burley::sample;
@@ -38,7 +40,10 @@ pub(super) fn reach(robot: &Robot) -> f64 {
 }
 
 /// The keys that say which robot it is, each on lines of its own.
-pub(super) fn keys(robot: &DhRobot) -> String {
+///
+/// # Errors
+/// As [`DhRobot::robot`].
+pub(super) fn keys(robot: &DhRobot) -> Result<String> {
     let names: Vec<String> = robot.joint_names.iter().map(|name| quoted(name)).collect();
     let (key, form) = match robot.convention {
         DhConvention::Modified => (
@@ -75,13 +80,10 @@ pub(super) fn keys(robot: &DhRobot) -> String {
         "The flange in the last frame of the rows",
     );
     if robot.coupling != DMatrix::identity(robot.rows.len(), robot.rows.len()) {
-        out += "# C of theta = offset + C q.\ntheta_from_q = [\n";
-        for row in robot.coupling.row_iter() {
-            let row: Vec<f64> = row.iter().copied().collect();
-            out += &format!("    {},\n", degrees(&row));
-        }
-        out += "]\n";
+        out += "# C of theta = offset + C q.\n";
+        out += &theta_from_q(&robot.coupling);
     }
+    out += &controller(robot)?;
     match &robot.limits {
         Some(limits) => {
             let limits: Vec<[f64; 2]> = limits
@@ -97,7 +99,56 @@ pub(super) fn keys(robot: &DhRobot) -> String {
             out += "# The machine's limits of the controller angles, [low, high] per joint: EDIT\n# limits_deg = [[-180, 180]]\n"
         }
     }
-    out
+    Ok(out)
+}
+
+fn theta_from_q(coupling: &DMatrix<f64>) -> String {
+    let rows = coupling.row_iter().map(|row| {
+        let row: Vec<f64> = row.iter().copied().collect();
+        format!("    {},\n", degrees(&row))
+    });
+    format!("theta_from_q = [\n{}]\n", rows.collect::<String>())
+}
+
+/// What is to be found out at the pendant before anything goes to a controller, with the keys for it.
+fn controller(robot: &DhRobot) -> Result<String> {
+    let name = robot.maker.unwrap_or(Controller::Other).as_str();
+    let coupling = robot.suspected_coupling()?;
+    let said = match coupling {
+        None => "Whose pendant shows the angles q of this cell. Without this key nothing goes to a controller (export, \
+                 pose --convention, route --equivalents). Compare a posture with the pendant first (stiffarm pose)."
+            .to_string(),
+        Some(_) => format!(
+            "Whose pendant shows the angles q of this cell. Without this key nothing goes to a controller (export, pose \
+             --convention, route --equivalents). CHECK FIRST: {}. At the pendant move joint 2 alone by some 10 degrees and \
+             look at the forearm. If it keeps its angle to the floor while the reading of joint 3 stays, the pendant \
+             couples joint 3 to joint 2, and theta_from_q below is needed too (instead of one that stands above); the limits \
+             of joint 3 then hold at joint 2 = 0. If the forearm turns along with the upper arm, it is not.",
+            match robot.maker {
+                Some(maker) if maker.couples_joint_3() => format!(
+                    "pendants of {} count joint 3 otherwise than robot descriptions do",
+                    maker.title()
+                ),
+                _ => "joint 3 counts against joint 2, as in descriptions of arms whose pendants couple the two".to_string(),
+            }
+        ),
+    };
+    let mut out = comment(&said) + &format!("# controller = \"{name}\"\n");
+    let lines = coupling.iter().map(theta_from_q).collect::<String>();
+    out.extend(lines.lines().map(|line| format!("# {line}\n")));
+    Ok(out)
+}
+
+/// `[route]` with the joint speeds, where they are known.
+pub(super) fn route(robot: &DhRobot) -> String {
+    let speeds = robot.speeds.iter().map(|speeds| {
+        let speeds: Vec<f64> = speeds.iter().map(|v| rad_to_shortest_deg(*v)).collect();
+        format!(
+            "\n[route]\n# Largest joint speeds, for the order of postures and the time.\njoint_speeds_deg_s = {}\n",
+            degrees(&speeds)
+        )
+    });
+    speeds.collect()
 }
 
 /// `[[robot.shape]]` of the capsules around the links, with what they are.

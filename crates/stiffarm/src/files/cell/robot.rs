@@ -3,7 +3,9 @@
 use super::raw::{At, Numbers, RawBounds, RawRobot};
 use super::source::Source;
 use crate::error::{Code, Result};
-use crate::model::robot::{CatalogueEntry, DhConvention, DhRow, Robot, find_in_catalogue};
+use crate::model::robot::{
+    CatalogueEntry, Controller, DhConvention, DhRow, Robot, find_in_catalogue,
+};
 use crate::units::{deg_to_rad, mm_to_m, rad_to_shortest_deg};
 use nalgebra::{Isometry3, Translation3};
 
@@ -41,6 +43,11 @@ pub(super) fn robot(
         robot = robot
             .with_joint_names(&names_read)
             .map_err(|e| source.place(e, key, names.span()))?;
+    }
+    if let Some(name) = &raw.controller {
+        let controller = Controller::from_name(name.get())
+            .map_err(|e| source.place(e, "robot.controller", name.span()))?;
+        robot = robot.with_controller(controller);
     }
     if let Some(rows) = &raw.theta_from_q {
         let key = "robot.theta_from_q";

@@ -4,7 +4,7 @@ use super::bounds::{kept, middle, narrowed, start_bounds};
 use super::convert::PAPER_VARIANCE_MM2;
 use super::example::{Example, comment, doubts, pendant};
 use super::lists::{degrees, quoted, rows};
-use super::own::{keys, reach, shapes};
+use super::own::{keys, reach, route, shapes};
 use crate::error::Result;
 use crate::files::check_name;
 use crate::findings::visible;
@@ -96,8 +96,8 @@ pub fn template_with_shapes(
         name: &robot.name,
         frames,
         doubts: String::new(),
-        keys: keys(robot),
-        shapes: shapes(&chain, capsules),
+        keys: keys(robot)?,
+        shapes: shapes(&chain, capsules) + &route(robot),
         kept: kept(&chain, &bounds),
         bounds,
         stiffness: &[],

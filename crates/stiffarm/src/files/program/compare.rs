@@ -4,7 +4,7 @@ use super::{Language, Move, MoveKind, Program, Step, text};
 use crate::units::rad_to_deg;
 use serde::Serialize;
 
-/// One difference between the moves that were planned and those of a program.
+/// One difference between a program as planned and one that was read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", tag = "kind")]
@@ -40,6 +40,22 @@ pub enum Difference {
         /// As in the program \[deg\].
         found_deg: f64,
     },
+    /// A line that is not one of those that are written for the plan.
+    Line {
+        /// Name of the file.
+        file: String,
+        /// Counted from 1.
+        line: usize,
+        /// The line.
+        text: String,
+    },
+    /// A line that is written for the plan is not there.
+    MissingLine {
+        /// Name of the file.
+        file: String,
+        /// The line.
+        text: String,
+    },
 }
 
 impl Difference {
@@ -49,6 +65,12 @@ impl Difference {
             Difference::Missing { posture } => format!("{posture}: the program does not go there"),
             Difference::Added { posture } => format!("{posture}: not in the plan"),
             Difference::NoStop { posture } => format!("{posture}: the program does not wait there"),
+            Difference::Line { file, line, text } => {
+                format!("{file}:{line}: not a line that export writes here: {text}")
+            }
+            Difference::MissingLine { file, text } => {
+                format!("{file}: a line that export writes is missing: {text}")
+            }
             Difference::Order { posture } => format!("{posture}: at another place of the order"),
             Difference::Angle {
                 posture,

@@ -2,6 +2,7 @@
 
 use super::characters;
 use crate::error::{Code, Error, Result};
+use crate::model::robot::{Controller, Robot};
 
 /// Language of a robot controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -67,6 +68,58 @@ impl Language {
             Language::Urscript => "URScript",
             Language::Csv => "CSV",
         }
+    }
+
+    /// The maker whose controllers speak it; `None` for a table.
+    pub fn controller(self) -> Option<Controller> {
+        match self {
+            Language::Krl => Some(Controller::Kuka),
+            Language::Rapid => Some(Controller::Abb),
+            Language::Ls => Some(Controller::Fanuc),
+            Language::Inform => Some(Controller::Yaskawa),
+            Language::Pdl2 => Some(Controller::Comau),
+            Language::Urscript => Some(Controller::Ur),
+            Language::Csv => None,
+        }
+    }
+
+    /// Checks that angles of this robot may stand in a program of the language: that they are those
+    /// which its controller shows, and the language its controller's unless `asked` names the other.
+    ///
+    /// # Errors
+    /// Nothing says that the angles are a controller's; the controller is another maker's; `asked`
+    /// does not go with the language.
+    pub fn check_robot(self, robot: &Robot, asked: Option<Controller>) -> Result<()> {
+        let conflict = |message: String| Error::new(Code::Conflict, message).key("controller");
+        if let Some(asked) = asked.filter(|asked| Some(*asked) != self.controller()) {
+            let message = format!(
+                "{} does not go to a controller of {}.",
+                self.title(),
+                asked.title()
+            );
+            return Err(conflict(message));
+        }
+        let Some(wanted) = self.controller() else {
+            return Ok(());
+        };
+        let known = robot.known_controller()?;
+        if known == wanted || asked.is_some() {
+            return Ok(());
+        }
+        let own = Language::ALL
+            .into_iter()
+            .find(|l| l.controller() == Some(known));
+        let own = own.unwrap_or(Language::Csv).as_str();
+        let message = format!(
+            "{} is for controllers of {}; the angles of this cell are those of {}.",
+            self.title(),
+            wanted.title(),
+            known.title()
+        );
+        Err(conflict(message).hint(format!(
+            "use --language {own}; or --controller {} if such a pendant shows these very angles",
+            wanted.as_str()
+        )))
     }
 
     /// Most decimals of an angle in degrees. Controllers hold single precision, seven digits; a

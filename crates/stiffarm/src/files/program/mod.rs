@@ -4,7 +4,8 @@
 //! A [`Program`] is the same for every language: moves to controller angles, and stops with a text
 //! at which the program waits until somebody lets it go on. [`program_of_stops`] makes one from the
 //! postures to measure; [`write_program`] puts it into a [`Language`], [`read_program`] takes it out
-//! again, also after changes at the pendant, and [`compare_moves`] tells what has changed.
+//! again, also after changes at the pendant. [`compare_moves`] tells which moves have changed,
+//! [`compare_statements`] what else a program holds than one that was written.
 //!
 //! What is written is the smallest part of each language that does this: no tool, base, load or
 //! acceleration is set, and nothing is computed on the controller. Each language's file says where
@@ -40,12 +41,14 @@ mod ls;
 mod options;
 mod pdl2;
 mod rapid;
+mod statements;
 mod text;
 mod urscript;
 
 pub use compare::{Difference, compare_moves, missing_stops};
 pub use language::Language;
 pub use options::ProgramOptions;
+pub use statements::compare_statements;
 
 use crate::error::{Code, Error, Result};
 use crate::model::posture::Posture;

@@ -60,6 +60,8 @@ pub fn read_dh_rows(
         coupling: DMatrix::zeros(0, 0),
         base: Isometry3::identity(),
         flange: Isometry3::identity(),
+        speeds: None,
+        maker: None,
     };
     let mut signs = Vec::new();
     let mut lines: HashMap<&str, usize> = HashMap::new();

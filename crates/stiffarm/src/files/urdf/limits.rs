@@ -3,7 +3,7 @@
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::findings::{Finding, Severity};
-use crate::units::{Sense, rad_to_deg};
+use crate::units::{Sense, deg_to_rad, rad_to_deg};
 use std::f64::consts::TAU;
 use urdf_rs::{Joint, JointType};
 
@@ -33,10 +33,40 @@ pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
     }
     // From URDF 1.2 on there may be none to one side: a full turn stands in for it.
     let turn = |limit: f64| match limit.is_finite() {
-        true => limit,
+        true => meant(limit),
         false => TAU.copysign(limit),
     };
     Ok(found.map(turn))
+}
+
+/// Decimals of radians at least: who writes 2.5 may mean just that.
+const FEWEST_DECIMALS: usize = 4;
+/// Largest joint speed that is not a stand-in for none \[rad/s\]: 2000°/s.
+const FASTEST: f64 = 34.9;
+
+/// An angle that was written in radians with a few digits, \[rad\]: that of fewest decimals in degrees
+/// which these digits do not tell from it, cut off or rounded. 3.14159 means 180°.
+fn meant(rad: f64) -> f64 {
+    let digits = rad.to_string();
+    let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
+    let decimals = decimals.max(FEWEST_DECIMALS);
+    let last = rad_to_deg(10f64.powi(-(decimals as i32)));
+    let deg = rad_to_deg(rad);
+    let rounded = |decimals: usize| {
+        let factor = 10f64.powi(decimals as i32);
+        (deg * factor).round() / factor
+    };
+    let near = (0..decimals).map(rounded).find(|r| (r - deg).abs() <= last);
+    near.map_or(rad, deg_to_rad)
+}
+
+/// Largest speeds of the controller's joints \[rad/s\], where the file has one for each.
+pub(super) fn speeds(drives: &[&Joint]) -> Option<Vec<f64>> {
+    let speeds = drives.iter().map(|drive| {
+        let speed = drive.limit.velocity;
+        (speed > 0.0 && speed <= FASTEST).then(|| meant(speed))
+    });
+    speeds.collect()
 }
 
 /// Says that limits of a joint without end do not count.
@@ -66,7 +96,7 @@ pub(super) fn narrowed(
     joint: &Joint,
     (drive, multiplier, offset): (&Joint, f64, f64),
 ) -> Result<[f64; 2]> {
-    let own = [joint.limit.lower, joint.limit.upper];
+    let own = [joint.limit.lower, joint.limit.upper].map(meant);
     if joint.joint_type == JointType::Continuous || own[0] == own[1] || multiplier == 0.0 {
         return Ok(limits);
     }

@@ -3,7 +3,8 @@
 //! The chain from a base link to a tip link becomes modified Denavit–Hartenberg
 //! rows ([`rows_of_axes`]): joint axes may point anywhere, fixed joints are folded in,
 //! and what hangs beside the chain is left alone, whatever its joints. Numbers are
-//! taken as they stand: a quarter turn written as 1.5708 rad is not made exact.
+//! taken as they stand: a quarter turn written as 1.5708 rad is not made exact. Limits are, as far as their
+//! digits allow: 3.14159 rad is 180°.
 //!
 //! Reading is that of urdf-rs, of the text alone: no program is started, no package
 //! is looked up. What it cannot say, where a fault stands, comes from `tags`.
@@ -42,7 +43,7 @@ pub use shapes::{CollisionGeometry, CollisionShape};
 use super::check_name;
 use crate::error::Result;
 use crate::findings::Finding;
-use crate::model::robot::{DhConvention, DhRobot, rows_of_axes};
+use crate::model::robot::{Controller, DhConvention, DhRobot, rows_of_axes};
 use source::Source;
 use tree::Tree;
 
@@ -113,6 +114,8 @@ pub fn read_urdf(text: &str, file_name: &str, options: &UrdfOptions) -> Result<U
         coupling: chain.coupling,
         base: rows.base,
         flange: rows.flange,
+        speeds: limits::speeds(&chain.drives),
+        maker: Controller::named_in(text).or_else(|| Controller::named_in(file_name)),
     };
     Ok(UrdfRobot {
         robot: dh,

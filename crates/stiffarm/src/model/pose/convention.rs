@@ -1,14 +1,15 @@
 //! How makers write an orientation in numbers.
 
 use crate::error::{Code, Error, Result};
+use crate::model::robot::Controller;
 use crate::units::{rad_to_deg, roll_pitch_yaw};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Numbers on a pendant are rounded: a quaternion or matrix may be off by so much.
 const ROUNDED: f64 = 2e-3;
 
-/// Cosine of a turn that is a quarter turn but for rounding.
+/// Cosine of a turn that is a quarter turn (sine: none or half a turn) but for rounding.
 const QUARTER: f64 = 1e-11;
 /// An angle this near to −180° is half a turn but for rounding \[deg\].
 const ROUNDING_DEG: f64 = 1e-10;
@@ -23,6 +24,8 @@ pub enum Convention {
     /// FANUC's W, P, R: turns about the fixed x, then y, then z axis,
     /// R = Rz(R)·Ry(P)·Rx(W).
     Fanuc,
+    /// COMAU's Euler angles A, E, R, as a `POS` of PDL2 has them: R = Rz(A)·Ry(E)·Rz(R).
+    Comau,
     /// Yaskawa's Rx, Ry, Rz: turns about the fixed x, then y, then z axis.
     Yaskawa,
     /// Stäubli's Rx, Ry, Rz: R = Rx(Rx)·Ry(Ry)·Rz(Rz).
@@ -35,10 +38,11 @@ pub enum Convention {
 
 impl Convention {
     /// All conventions.
-    pub const ALL: [Convention; 7] = [
+    pub const ALL: [Convention; 8] = [
         Convention::Kuka,
         Convention::Abb,
         Convention::Fanuc,
+        Convention::Comau,
         Convention::Yaskawa,
         Convention::Staubli,
         Convention::Ur,
@@ -51,6 +55,7 @@ impl Convention {
             Convention::Kuka => "kuka",
             Convention::Abb => "abb",
             Convention::Fanuc => "fanuc",
+            Convention::Comau => "comau",
             Convention::Yaskawa => "yaskawa",
             Convention::Staubli => "staubli",
             Convention::Ur => "ur",
@@ -58,17 +63,17 @@ impl Convention {
         }
     }
 
-    /// The convention of a maker of the catalogue; the matrix where it has none
-    /// here.
-    pub fn of_brand(brand: Option<&str>) -> Self {
-        match brand {
-            Some("KUKA") => Convention::Kuka,
-            Some("ABB") => Convention::Abb,
-            Some("FANUC") => Convention::Fanuc,
-            Some("Yaskawa Motoman") => Convention::Yaskawa,
-            Some("Stäubli") => Convention::Staubli,
-            Some("Universal Robots") => Convention::Ur,
-            _ => Convention::Matrix,
+    /// The convention of a maker's controller; the matrix where it has none here.
+    pub fn of(controller: Option<Controller>) -> Self {
+        match controller {
+            Some(Controller::Kuka) => Convention::Kuka,
+            Some(Controller::Abb) => Convention::Abb,
+            Some(Controller::Fanuc) => Convention::Fanuc,
+            Some(Controller::Comau) => Convention::Comau,
+            Some(Controller::Yaskawa) => Convention::Yaskawa,
+            Some(Controller::Staubli) => Convention::Staubli,
+            Some(Controller::Ur) => Convention::Ur,
+            Some(Controller::Other) | None => Convention::Matrix,
         }
     }
 
@@ -78,6 +83,7 @@ impl Convention {
             Convention::Kuka => "A, B, C: turns about z, then y', then x''",
             Convention::Abb => "quaternion q1 to q4, the scalar first",
             Convention::Fanuc => "W, P, R: turns about fixed x, then y, then z",
+            Convention::Comau => "A, E, R: turns about z, then y', then z''",
             Convention::Yaskawa => "Rx, Ry, Rz: turns about fixed x, then y, then z",
             Convention::Staubli => "Rx, Ry, Rz: turns about x, then y', then z''",
             Convention::Ur => "rotation vector: axis times angle",
@@ -91,6 +97,7 @@ impl Convention {
             Convention::Kuka => &["a_deg", "b_deg", "c_deg"],
             Convention::Abb => &["q1", "q2", "q3", "q4"],
             Convention::Fanuc => &["w_deg", "p_deg", "r_deg"],
+            Convention::Comau => &["a_deg", "e_deg", "r_deg"],
             Convention::Yaskawa | Convention::Staubli => &["rx_deg", "ry_deg", "rz_deg"],
             Convention::Ur => &["rx_rad", "ry_rad", "rz_rad"],
             Convention::Matrix => &[
@@ -107,6 +114,7 @@ impl Convention {
                 let [c, b, a] = fixed_turns(rotation);
                 vec![a, b, c]
             }
+            Convention::Comau => euler_zyz(rotation).to_vec(),
             // The inverse of Rx·Ry·Rz is Rz(−)·Ry(−)·Rx(−).
             Convention::Staubli => fixed_turns(&rotation.inverse())
                 .map(|angle| -angle)
@@ -159,6 +167,9 @@ impl Convention {
         let turns = UnitQuaternion::from_euler_angles;
         Ok(match (self, numbers) {
             (Convention::Kuka, [a, b, c]) => turns(*c, *b, *a),
+            (Convention::Comau, [a, e, r]) => {
+                turns(0.0, 0.0, *a) * turns(0.0, *e, 0.0) * turns(0.0, 0.0, *r)
+            }
             (Convention::Staubli, [x, y, z]) => turns(-x, -y, -z).inverse(),
             (Convention::Ur, [x, y, z]) => {
                 let vector = Vector3::new(*x, *y, *z);
@@ -190,6 +201,22 @@ fn fixed_turns(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
         ],
         false => roll_pitch_yaw(rotation),
     }
+}
+
+/// Turns about z, then y', then z'' \[rad\], the second from 0 to half a turn. Where it is one of these
+/// only the sum or difference of the others is determined: the third is zero.
+fn euler_zyz(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
+    let r = rotation.to_rotation_matrix();
+    if r[(0, 2)].hypot(r[(1, 2)]) < QUARTER {
+        let second = if r[(2, 2)] > 0.0 { 0.0 } else { PI };
+        return [(-r[(0, 1)]).atan2(r[(1, 1)]), second, 0.0];
+    }
+    let first = r[(1, 2)].atan2(r[(0, 2)]);
+    // The others are what is left once this turn is undone.
+    let (sine, cosine) = first.sin_cos();
+    let undone = |column: usize| cosine * r[(1, column)] - sine * r[(0, column)];
+    let second = (cosine * r[(0, 2)] + sine * r[(1, 2)]).atan2(r[(2, 2)]);
+    [first, second, undone(0).atan2(undone(1))]
 }
 
 /// Half a turn is 180° and not −180°, and zero is not −0.

@@ -1,6 +1,6 @@
 //! Robots that ship with the program, with sources and doubts.
 //!
-//! Those with published stiffness or measurements stand in `published`; the
+//! Those with published stiffness stand in `published`; the
 //! geometry of the others is data, `data/robots.rs`, made by `cargo xtask robots`
 //! from public robot descriptions.
 
@@ -26,12 +26,19 @@ const REMOVED: (&str, &str) = (
     "its angles were not the pendant's; use kuka-kr500-r2800-2, or dh_standard with rows of your own for the R2830",
 );
 
-/// Finds an entry by its key, ignoring case.
+/// A second name of a robot, and its key.
+const ALIAS: (&str, &str) = ("fanuc-r2000ic-165f", "fanuc-r2000ic165f");
+
+/// Finds an entry by its key, or by a second name that it had, ignoring case.
 ///
 /// # Errors
 /// Unknown name; the hint has the nearest key.
 pub fn find(key: &str) -> Result<&'static CatalogueEntry> {
-    let found = catalogue().iter().find(|e| e.key.eq_ignore_ascii_case(key));
+    let own = match key.eq_ignore_ascii_case(ALIAS.0) {
+        true => ALIAS.1,
+        false => key,
+    };
+    let found = catalogue().iter().find(|e| e.key.eq_ignore_ascii_case(own));
     found.ok_or_else(|| {
         let keys = catalogue().iter().map(|e| e.key);
         let hint = match key.eq_ignore_ascii_case(REMOVED.0) {

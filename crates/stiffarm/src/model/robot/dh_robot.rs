@@ -1,6 +1,6 @@
 //! A robot as rows of its own, with all that goes with them.
 
-use super::{DhConvention, DhRow, Robot};
+use super::{Controller, DhConvention, DhRow, Robot};
 use crate::error::Result;
 use nalgebra::{DMatrix, Isometry3};
 
@@ -32,6 +32,10 @@ pub struct DhRobot {
     pub base: Isometry3<f64>,
     /// The flange in the last frame of the rows \[m\].
     pub flange: Isometry3<f64>,
+    /// Largest joint speeds \[rad/s\], where known.
+    pub speeds: Option<Vec<f64>>,
+    /// The maker that the description names. Its pendant may count angles otherwise.
+    pub maker: Option<Controller>,
 }
 
 impl DhRobot {

@@ -1,7 +1,7 @@
 //! What the catalogue holds of a robot.
 
 use super::shapes::{CapsuleRow, from_row};
-use super::{DhConvention, DhRow, Robot};
+use super::{Controller, DhConvention, DhRow, Robot};
 use crate::error::Result;
 use crate::units::{deg_to_rad, mm_to_m};
 use nalgebra::{DMatrix, Isometry3, Translation3, UnitQuaternion};
@@ -172,7 +172,7 @@ impl CatalogueEntry {
         let capsules = capsules.collect();
         Ok(robot
             .with_link_capsules(capsules, self.ignored_pairs.to_vec())?
-            .with_brand(self.brand)
+            .with_controller(Controller::of_brand(self.brand))
             .with_controller_base(&pose(self.controller_base))
             .with_doubts(self.doubts))
     }

@@ -6,6 +6,7 @@
 
 mod axes;
 mod catalogue;
+mod controller;
 mod dh;
 mod dh_robot;
 mod entry;
@@ -15,6 +16,7 @@ mod shapes;
 
 pub use axes::{AxisRows, JointAxis, rows_of_axes};
 pub use catalogue::{catalogue, find as find_in_catalogue};
+pub use controller::Controller;
 pub use dh::{DhConvention, DhRow};
 pub use dh_robot::DhRobot;
 #[cfg(feature = "files")]

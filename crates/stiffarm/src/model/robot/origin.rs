@@ -1,12 +1,12 @@
 //! What is known of a robot beside its mechanism: where it comes from.
 
-use super::{Doubt, DoubtAbout, Robot};
+use super::{Controller, Doubt, DoubtAbout, Robot};
 use nalgebra::Isometry3;
 
 /// Maker, controller and doubts.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Origin {
-    brand: Option<&'static str>,
+    pub(super) controller: Option<Controller>,
     /// The controller's base frame in the base frame \[m\].
     controller_base: Isometry3<f64>,
     doubts: Vec<Doubt>,
@@ -15,7 +15,7 @@ pub(super) struct Origin {
 impl Default for Origin {
     fn default() -> Self {
         Origin {
-            brand: None,
+            controller: None,
             controller_base: Isometry3::identity(),
             doubts: Vec::new(),
         }
@@ -35,11 +35,6 @@ impl Origin {
 }
 
 impl Robot {
-    pub(super) fn with_brand(mut self, brand: &'static str) -> Self {
-        self.origin.brand = Some(brand);
-        self
-    }
-
     pub(super) fn with_doubts(mut self, doubts: &[Doubt]) -> Self {
         self.origin.doubts = doubts.to_vec();
         self
@@ -52,11 +47,6 @@ impl Robot {
     pub fn with_controller_base(mut self, pose: &Isometry3<f64>) -> Self {
         self.origin.controller_base = *pose;
         self
-    }
-
-    /// The maker, for robots of the catalogue.
-    pub fn brand(&self) -> Option<&'static str> {
-        self.origin.brand
     }
 
     /// The controller's base frame in the base frame \[m\].

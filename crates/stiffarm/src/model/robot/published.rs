@@ -1,4 +1,4 @@
-//! Robots with published stiffness or measurements.
+//! Robots with published stiffness.
 
 use super::entry::{CatalogueEntry, JointStiffness};
 
@@ -54,39 +54,6 @@ const COMAU: CatalogueEntry = CatalogueEntry {
     ..CatalogueEntry::UNKNOWN
 };
 
-const FANUC: CatalogueEntry = CatalogueEntry {
-    key: "fanuc-r2000ic-165f",
-    brand: "FANUC",
-    name: "FANUC R-2000iC/165F",
-    payload: Some((165.0, "from model name")),
-    reach: Some((2.655, "datasheet knowledge, not looked up")),
-    source: "Kinematics as used with the measured data set of \
-             longton2001-pixel/breakthrough-surge-suppression-in-high-speed-robotic-drilling (MIT); the \
-             geometry equals the catalogue entry of RobotKinematicsCatalogue and fanuc-r2000ic165f, which \
-             has limits. Joint limits are not in that source. No published stiffness: identify it from the \
-             data.",
-    pendant: "J3 is the forearm's angle to the horizontal: it stays when J2 moves.",
-    rows: &[
-        [0.0, 0.0, 670.0, 0.0],
-        [-90.0, 312.0, 0.0, -90.0],
-        [0.0, 1075.0, 0.0, 0.0],
-        [-90.0, 225.0, 1280.0, 0.0],
-        [90.0, 0.0, 0.0, 0.0],
-        [-90.0, 0.0, 215.0, 0.0],
-    ],
-    coupling: &[
-        (0, 0, 1.0),
-        (1, 1, 1.0),
-        (2, 1, -1.0),
-        (2, 2, -1.0),
-        (3, 3, -1.0),
-        (4, 4, -1.0),
-        (5, 5, -1.0),
-    ],
-    controller_base: [0.0, 0.0, 670.0, 0.0, 0.0, 0.0],
-    ..CatalogueEntry::UNKNOWN
-};
-
 const KR240: CatalogueEntry = CatalogueEntry {
     key: "kuka-kr240-2",
     brand: "KUKA",
@@ -123,7 +90,7 @@ const KR240: CatalogueEntry = CatalogueEntry {
 };
 
 /// The first is the default robot.
-pub(super) const PUBLISHED: &[CatalogueEntry] = &[COMAU, FANUC, KR240];
+pub(super) const PUBLISHED: &[CatalogueEntry] = &[COMAU, KR240];
 
 /// Published of an arm beside the KR 500 R2800-2, of the same payload: an order
 /// of magnitude for it.

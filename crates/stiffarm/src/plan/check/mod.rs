@@ -100,10 +100,21 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     })
 }
 
-/// What is doubtful about a robot of the catalogue, one finding `robot-doubt`
-/// each: whatever uses its numbers says so. How a source was read is left out.
+/// What is doubtful about a robot of the catalogue, or about the angles of one's own, one finding
+/// `robot-doubt` each: whatever uses its numbers says so. How a source was read is left out.
 pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
     let doubts = robot.doubts().iter();
+    let coupling = robot
+        .controller()
+        .filter(|controller| controller.couples_joint_3() && robot.level_forearm().is_some());
+    let coupling = coupling.map(|controller| {
+        let sentence = format!(
+            "Pendants of {} count joint 3 so that it keeps its reading while joint 2 turns the forearm along; theta_from_q of \
+             this cell does not. Look at the pendant (docs/robots.md) before the arm is driven.",
+            controller.title()
+        );
+        Finding::new("robot-doubt", Severity::Caution, "robot.theta_from_q", sentence)
+    });
     doubts
         .filter(|doubt| doubt.about != DoubtAbout::Source)
         .map(|doubt| {
@@ -114,6 +125,7 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
             };
             Finding::new("robot-doubt", Severity::Caution, subject, doubt.sentence)
         })
+        .chain(coupling)
         .collect()
 }
 

@@ -81,7 +81,7 @@ impl Index {
             Index::Prediction => {
                 "error of the deflection predicted at work, under the mixed elastic model"
             }
-            Index::O1 => "geometric mean of the singular values; larger is better",
+            Index::O1 => "geometric mean of the singular values, over √postures; larger is better",
             Index::O2 => "smallest over largest singular value; larger is better",
             Index::O3 => "smallest singular value; larger is better",
             Index::O4 => "its square over the largest one; larger is better",

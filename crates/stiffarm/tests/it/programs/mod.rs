@@ -8,6 +8,7 @@ mod ls;
 mod pdl2;
 mod rapid;
 mod reading;
+mod statements;
 mod urscript;
 
 use super::common::random::Dice;

@@ -9,13 +9,15 @@ use crate::common;
 use common::random::Dice;
 use nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3};
 use stiffarm::model::kinematics::Frames;
-use stiffarm::model::robot::{CatalogueEntry, DoubtAbout, Robot, catalogue, find_in_catalogue};
+use stiffarm::model::robot::{
+    CatalogueEntry, Controller, DoubtAbout, Robot, catalogue, find_in_catalogue,
+};
 use stiffarm::units::deg_to_rad;
 
 #[test]
 fn keys_are_one_robot_each() {
     let mut keys: Vec<&str> = catalogue().iter().map(|e| e.key).collect();
-    assert_eq!(keys.len(), 43);
+    assert_eq!(keys.len(), 42);
     assert_eq!(keys[0], "comau-nj165-3.0", "the default robot");
     keys.sort_unstable();
     keys.dedup();
@@ -52,7 +54,7 @@ fn every_entry_says_where_it_comes_from() {
             "{}",
             entry.key
         );
-        assert_eq!(robot.brand(), Some(entry.brand));
+        assert!(robot.controller().is_some(), "{}", entry.key);
         assert_eq!(robot.doubts(), entry.doubts);
         for text in entry.doubts.iter().map(|d| d.sentence) {
             assert!(
@@ -93,6 +95,43 @@ fn numbers_of_ones_own_settle_doubts() {
     let coupling = yaskawa.coupling().clone();
     let coupled = yaskawa.with_coupling(coupling).unwrap();
     assert_eq!(about(&coupled), [DoubtAbout::Source]);
+}
+
+/// One arm had two entries; both names mean the one with limits, speeds and shapes.
+#[test]
+fn a_second_name_means_the_same_robot() {
+    let entry = find_in_catalogue("FANUC-r2000iC-165F").unwrap();
+    assert_eq!(entry.key, "fanuc-r2000ic165f");
+    assert!(entry.has_limits() && !entry.speeds_deg_s.is_empty());
+    let mut arms: Vec<&str> = catalogue().iter().map(|e| e.name).collect();
+    arms.sort_unstable();
+    arms.dedup();
+    assert_eq!(arms.len(), catalogue().len(), "one entry for one arm");
+}
+
+#[test]
+fn a_text_names_a_maker_where_it_names_no_other() {
+    let named = |text: &str| Controller::named_in(text);
+    assert_eq!(
+        named("package://Fanuc_m10ia/x.stl fanuc"),
+        Some(Controller::Fanuc)
+    );
+    assert_eq!(named("rabbit, cabbage"), None);
+    assert_eq!(named("kuka on a fanuc table"), None);
+    assert_eq!(named("ur10e_base_link"), Some(Controller::Ur));
+}
+
+/// The descriptions of FANUC's arms have J3 + J2 as joint 3: C with the forearm level gives the catalogue's.
+#[test]
+fn the_pendants_coupling_is_found_in_the_geometry() {
+    let pendant = Robot::from_catalogue("fanuc-r2000ic165f").unwrap();
+    let mut described = pendant.coupling().clone();
+    described[(2, 1)] = 0.0;
+    let described = pendant.clone().with_coupling(described).unwrap();
+    assert_eq!(described.level_forearm().as_ref(), Some(pendant.coupling()));
+    assert_eq!(pendant.level_forearm(), None, "coupled already");
+    let panda = Robot::from_catalogue("panda").unwrap();
+    assert_eq!(panda.level_forearm(), None, "axes 2 and 3 are not parallel");
 }
 
 #[test]

@@ -41,6 +41,9 @@ fn conventions_are_products_of_turns() {
         let xyz = about(0, a) * about(1, b) * about(2, c);
         let staubli = Convention::Staubli.rotation(&numbers).unwrap();
         assert!(difference(&staubli, &xyz) < 1e-15, "Stäubli");
+        let zyz = about(2, a) * about(1, b) * about(2, c);
+        let comau = Convention::Comau.rotation(&numbers).unwrap();
+        assert!(difference(&comau, &zyz) < 1e-15, "COMAU");
     }
     // 90° about z, then 90° about the new y: a third of a turn about (−1, 1, 1).
     let turned = Convention::Kuka
@@ -57,6 +60,26 @@ fn conventions_are_products_of_turns() {
     }
 }
 
+/// COMAU's second turn is never negative; where it is none or half a turn the first takes all.
+#[test]
+fn comau_shows_euler_angles() {
+    for (given, shown) in [
+        ([10.0, 30.0, -20.0], [10.0, 30.0, -20.0]),
+        ([10.0, -30.0, -20.0], [-170.0, 30.0, 160.0]),
+        ([10.0, 0.0, -40.0], [-30.0, 0.0, 0.0]),
+        ([10.0, 180.0, -40.0], [50.0, 180.0, 0.0]),
+        ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+        ([180.0, 90.0, 180.0], [180.0, 90.0, 180.0]),
+    ] {
+        let rotation = Convention::Comau.rotation(&radians(given)).unwrap();
+        let numbers = Convention::Comau.shown(&rotation);
+        let off = numbers.iter().zip(shown).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-9, "{given:?}: {numbers:?}");
+    }
+    let comau = Robot::from_catalogue("comau-nj165-3.0").unwrap();
+    assert_eq!(Convention::of(comau.controller()), Convention::Comau);
+}
+
 /// What makers' pendants show at well-known postures.
 #[test]
 fn poses_of_known_postures() {
@@ -64,7 +87,7 @@ fn poses_of_known_postures() {
         let robot = Robot::from_catalogue(key).unwrap();
         let flange = *Frames::new(&robot, &degrees.map(deg_to_rad)).flange();
         let pose = robot.controller_base().inverse() * flange;
-        let numbers = Convention::of_brand(robot.brand()).shown(&pose.rotation);
+        let numbers = Convention::of(robot.controller()).shown(&pose.rotation);
         let mm = pose.translation.vector.map(|v| (v * 1e6).round() / 1e3);
         let numbers: Vec<f64> = numbers
             .iter()

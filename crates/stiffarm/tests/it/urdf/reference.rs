@@ -53,7 +53,8 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
                     false => limit,
                 };
                 let own = own.to_degrees();
-                assert!((own - limit).abs() < 1e-3, "{name}: {own} {limit}");
+                // Rounded to what the digits of the radians mean.
+                assert!((own - limit).abs() < 6e-3, "{name}: {own} {limit}");
             }
         }
     }

@@ -137,6 +137,11 @@ pub(super) struct RawRobot {
     pub name: Option<Text>,
     /// Names of the joints, base to flange (default: "joint 1", "joint 2", …).
     pub joint_names: Option<At<Vec<Text>>>,
+    /// The maker of the controller whose pendant shows the angles q of this cell: "abb", "comau", "fanuc",
+    /// "kuka", "staubli", "ur", "yaskawa" or "other" (default: that of a catalogue robot; else none, and
+    /// no program is written for a controller).
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["abb", "comau", "fanuc", "kuka", "staubli", "ur", "yaskawa", "other"])))]
+    pub controller: Option<Text>,
     /// C of theta = offset + C q, one row per serial joint: signs and couplings between
     /// the controller's angles q and the mechanism's angles theta (default: the
     /// catalogue's, else the identity).

@@ -1,0 +1,331 @@
+//! A program line by line: whether it holds nothing but what [`write_program`](super::write_program)
+//! writes.
+//!
+//! The readers of the languages look for moves and waits and pass over the rest; a jump, another
+//! frame or speed in that rest makes another program of it. So each line becomes words, signs and
+//! numbers, without spaces, comments, and what a controller notes about the file; the angles of postures
+//! are left out of it. What is left must be the same, line for line, as in the program of the plan.
+
+use super::{Difference, Language, ProgramFile};
+
+/// Edits that are looked for; beyond them every line counts as another.
+const MOST_EDITS: usize = 2000;
+/// Stands for a diagonal that no edits lead to.
+const NOWHERE: i32 = i32::MIN / 2;
+
+/// Notes that a FANUC controller renews in the head of a listing.
+const LS_NOTES: [&str; 9] = [
+    "owner",
+    "comment",
+    "prog_size",
+    "create",
+    "modified",
+    "file_name",
+    "version",
+    "line_count",
+    "memory_size",
+];
+
+/// A line that does something.
+struct Statement<'a> {
+    /// Name of the file.
+    file: &'a str,
+    /// Counted from 1.
+    line: usize,
+    text: &'a str,
+    /// Its parts; an angle of a posture is [`Part::Angle`].
+    parts: Vec<Part<'a>>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Part<'a> {
+    /// Name, keyword or text between quotation marks, in small letters.
+    Word(String),
+    Number(f64),
+    Sign(&'a str),
+    Angle,
+}
+
+impl Part<'_> {
+    fn is(&self, text: &str) -> bool {
+        match self {
+            Part::Word(word) => word == text,
+            Part::Sign(sign) => *sign == text,
+            Part::Number(_) | Part::Angle => false,
+        }
+    }
+}
+
+/// Where `found` is not line for line `planned`, but for angles of postures, comments, spaces and
+/// numbers of lines: lines that are not those of the plan, and those that are missing.
+pub fn compare_statements(
+    planned: &[ProgramFile],
+    found: &[ProgramFile],
+    language: Language,
+    joints: usize,
+) -> Vec<Difference> {
+    let mut differences = Vec::new();
+    for own in planned {
+        // Of KRL the two files are told apart by their extensions.
+        let extension = |file: &ProgramFile| {
+            let (_, extension) = file.name.rsplit_once('.').unwrap_or_default();
+            extension.to_ascii_lowercase()
+        };
+        let other = found
+            .iter()
+            .find(|file| planned.len() == 1 || extension(file) == extension(own));
+        let Some(other) = other else {
+            continue;
+        };
+        let planned = statements(own, language, joints);
+        let found = statements(other, language, joints);
+        let (missing, other_lines) = unpaired(&planned, &found);
+        differences.extend(other_lines.into_iter().map(|at| Difference::Line {
+            file: found[at].file.to_string(),
+            line: found[at].line,
+            text: found[at].text.trim().to_string(),
+        }));
+        differences.extend(missing.into_iter().map(|at| Difference::MissingLine {
+            file: other.name.clone(),
+            text: planned[at].text.trim().to_string(),
+        }));
+    }
+    differences
+}
+
+/// The lines of a file that are neither empty nor comments.
+fn statements(file: &ProgramFile, language: Language, joints: usize) -> Vec<Statement<'_>> {
+    let lines = file.text.trim_start_matches('\u{feff}').lines();
+    lines
+        .enumerate()
+        .filter_map(|(at, text)| {
+            let parts = match language {
+                Language::Csv => fields(text, joints),
+                _ => parts(text, language),
+            };
+            let mut statement = Statement {
+                file: &file.name,
+                line: at + 1,
+                text,
+                parts,
+            };
+            leave_out_angles(&mut statement.parts, language, joints);
+            (!is_note(&statement, language)).then_some(statement)
+        })
+        .collect()
+}
+
+/// Whether a line does nothing: an empty one, or what the controller notes about the file.
+fn is_note(statement: &Statement<'_>, language: Language) -> bool {
+    let parts = &statement.parts;
+    let begins = |text: &str| parts.first().is_some_and(|part| part.is(text));
+    match language {
+        _ if parts.is_empty() => true,
+        Language::Krl => begins("&"),
+        Language::Ls => {
+            LS_NOTES.iter().any(|note| begins(note)) && parts.get(1).is_some_and(|p| p.is("="))
+        }
+        Language::Inform => {
+            let text = statement.text.trim_start();
+            ["///DATE", "///COMM"]
+                .iter()
+                .any(|note| text.starts_with(note))
+        }
+        _ => false,
+    }
+}
+
+/// The fields of a row; the number of a step says nothing that its place does not.
+fn fields(text: &str, joints: usize) -> Vec<Part<'_>> {
+    if text.starts_with('#') || text.trim().is_empty() {
+        return Vec::new();
+    }
+    let mut reader = ::csv::ReaderBuilder::new();
+    let reader = reader.has_headers(false).from_reader(text.as_bytes());
+    let Some(Ok(record)) = reader.into_records().next() else {
+        return vec![Part::Word(text.to_string())];
+    };
+    let is_step = record
+        .get(0)
+        .is_some_and(|step| step.parse::<u64>().is_ok());
+    let is_angle = |at: usize| is_step && (3..3 + joints).contains(&at);
+    let fields = record.iter().enumerate().skip(usize::from(is_step));
+    fields
+        .map(|(at, field)| match field.trim().parse::<f64>() {
+            Ok(_) if is_angle(at) => Part::Angle,
+            Ok(number) => Part::Number(number),
+            Err(_) => Part::Word(field.to_string()),
+        })
+        .collect()
+}
+
+/// Words, numbers and signs of a line without its comment.
+fn parts(text: &str, language: Language) -> Vec<Part<'_>> {
+    let comment = match language {
+        Language::Krl => ";",
+        Language::Rapid | Language::Ls => "!",
+        Language::Inform => "'",
+        Language::Pdl2 => "--",
+        Language::Urscript | Language::Csv => "#",
+    };
+    let quote = match language {
+        Language::Pdl2 => '\'',
+        _ => '"',
+    };
+    let mut rest = text.trim();
+    if language == Language::Ls {
+        // The number of the line.
+        let unnumbered = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+        rest = unnumbered.strip_prefix(':').unwrap_or(rest).trim_start();
+    }
+    // Where a comment fills lines it does not end them.
+    let fills_lines = matches!(language, Language::Ls | Language::Inform);
+    let mut parts = Vec::new();
+    while let Some(first) = rest.chars().next() {
+        if rest.starts_with(comment) && (parts.is_empty() || !fills_lines) {
+            break;
+        }
+        let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '$';
+        let length = if first == quote {
+            let end = rest[1..].find(quote);
+            end.map_or(rest.len(), |end| end + 2)
+        } else if let Some(length) = number_length(rest) {
+            length
+        } else if is_word(first) {
+            rest.find(|c| !is_word(c)).unwrap_or(rest.len())
+        } else {
+            first.len_utf8()
+        };
+        let (part, after) = rest.split_at(length);
+        parts.push(match part.parse::<f64>() {
+            Ok(number) if number_length(part).is_some() => Part::Number(number),
+            _ if first == quote || is_word(first) => Part::Word(part.to_lowercase()),
+            _ => Part::Sign(part),
+        });
+        rest = after.trim_start();
+    }
+    parts
+}
+
+/// Bytes of the number that stands first.
+fn number_length(text: &str) -> Option<usize> {
+    let digits =
+        |text: &str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let mut at = usize::from(text.starts_with(['+', '-']));
+    let whole = digits(&text[at..]);
+    at += whole;
+    let mut decimals = 0;
+    if text[at..].starts_with('.') {
+        decimals = digits(&text[at + 1..]);
+        at += 1 + decimals;
+    }
+    if whole + decimals == 0 {
+        return None;
+    }
+    if text[at..].starts_with(['e', 'E']) {
+        let sign = usize::from(text[at + 1..].starts_with(['+', '-']));
+        let power = digits(&text[at + 1 + sign..]);
+        at += if power > 0 { 1 + sign + power } else { 0 };
+    }
+    Some(at)
+}
+
+/// Puts [`Part::Angle`] for the angles of a posture: those of the cell's own axes.
+fn leave_out_angles(parts: &mut [Part<'_>], language: Language, joints: usize) {
+    let has = |text: &str| parts.iter().any(|part| part.is(text));
+    let first = |text: &str| parts.iter().position(|part| part.is(text));
+    let named = |gap: usize| -> Vec<usize> {
+        let names: Vec<String> = (0..joints)
+            .map(|axis| language.axis_name(axis).to_lowercase())
+            .collect();
+        let is_name = |part: &Part<'_>| names.iter().any(|name| part.is(name));
+        let at = (gap..parts.len()).filter(|at| is_name(&parts[at - gap]));
+        at.collect()
+    };
+    // The numbers that follow a sign, as many as there are joints.
+    let listed = |after: Option<usize>| -> Vec<usize> {
+        let from = after.unwrap_or(parts.len());
+        let numbers = (from..parts.len()).filter(|at| matches!(parts[*at], Part::Number(_)));
+        numbers.take(joints).collect()
+    };
+    let at = match language {
+        // `A1 10.0` in braces; `J1 = 10.0 deg` in lines of their own.
+        Language::Krl if has("e6axis") || has("axis") || has("ptp") => named(1),
+        Language::Ls if has("deg") => named(2),
+        Language::Rapid if has("jointtarget") || has("moveabsj") => listed(first("[")),
+        Language::Inform if parts.get(1).is_some_and(|part| part.is("=")) => listed(Some(1)),
+        Language::Pdl2 if has("move") => listed(first("{")),
+        Language::Urscript if has("movej") => listed(first("[")),
+        _ => Vec::new(),
+    };
+    for at in at {
+        if matches!(parts[at], Part::Number(_)) {
+            parts[at] = Part::Angle;
+        }
+    }
+}
+
+/// The statements of both that have no partner in the other, in order: a shortest edit script (Myers
+/// 1986, doi:10.1007/BF01840446). All of them where it is longer than [`MOST_EDITS`].
+fn unpaired(planned: &[Statement<'_>], found: &[Statement<'_>]) -> (Vec<usize>, Vec<usize>) {
+    let (n, m) = (planned.len() as i32, found.len() as i32);
+    let same =
+        |i: i32, j: i32| i < n && j < m && planned[i as usize].parts == found[j as usize].parts;
+    // For each number of edits: how far into `planned` they lead on each diagonal, place in `planned`
+    // less place in `found`.
+    let mut rounds: Vec<Vec<i32>> = Vec::new();
+    let far = |rounds: &[Vec<i32>], edits: i32, diagonal: i32| {
+        let at = usize::try_from(diagonal + edits).ok();
+        let found = at.and_then(|at| rounds[edits as usize].get(at));
+        found.copied().unwrap_or(NOWHERE)
+    };
+    // Where the last of some edits leads to on a diagonal: a line of `planned` passed, or one of `found`.
+    let step = |rounds: &[Vec<i32>], edits: i32, diagonal: i32| {
+        let planned_passed = far(rounds, edits - 1, diagonal - 1) + 1;
+        let found_passed = far(rounds, edits - 1, diagonal + 1);
+        let is_there = planned_passed <= n && planned_passed > found_passed;
+        match is_there || found_passed - diagonal > m {
+            true => (planned_passed, true),
+            false => (found_passed, false),
+        }
+    };
+    let mut edits = 0;
+    loop {
+        let mut round = vec![NOWHERE; 2 * edits as usize + 1];
+        for diagonal in (-edits..=edits).step_by(2) {
+            let (mut i, _) = match edits {
+                0 => (0, true),
+                _ => step(&rounds, edits, diagonal),
+            };
+            if i < 0 || i > n || i - diagonal > m {
+                continue;
+            }
+            while same(i, i - diagonal) {
+                i += 1;
+            }
+            round[(diagonal + edits) as usize] = i;
+        }
+        rounds.push(round);
+        if far(&rounds, edits, n - m) == n {
+            break;
+        }
+        if edits as usize == MOST_EDITS {
+            return ((0..planned.len()).collect(), (0..found.len()).collect());
+        }
+        edits += 1;
+    }
+    let (mut of_planned, mut of_found) = (Vec::new(), Vec::new());
+    let mut diagonal = n - m;
+    while edits > 0 {
+        let (i, is_planned) = step(&rounds, edits, diagonal);
+        match is_planned {
+            true => of_planned.push(i as usize - 1),
+            false => of_found.push((i - diagonal) as usize - 1),
+        }
+        diagonal += if is_planned { -1 } else { 1 };
+        edits -= 1;
+    }
+    of_planned.reverse();
+    of_found.reverse();
+    (of_planned, of_found)
+}
