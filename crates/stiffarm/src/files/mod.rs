@@ -25,6 +25,7 @@ pub mod result;
 pub mod source;
 pub mod stiffness;
 pub mod table;
+mod text;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 
