@@ -78,6 +78,7 @@ impl Session {
             let page = report(&[Given {
                 saved: &saved,
                 cell,
+                cell_changed: false,
             }])?;
             Ok(Some(render_page(&page)))
         }
