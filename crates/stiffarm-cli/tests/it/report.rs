@@ -356,7 +356,7 @@ fn every_number_of_every_page_stands_in_its_result() {
         ("identify builtin:comau m.csv", 12, 1),
         ("validate builtin:comau k.json r.csv", 5, 1),
         ("validate builtin:comau m.csv --folds all", 5, 1),
-        ("zones builtin:comau --steps 5", 3, 1),
+        ("zones builtin:comau --steps 5", 3, 0),
         (
             "study builtin:comau --runs 2 --starts 0 --output-dir folder",
             20,
