@@ -1,6 +1,6 @@
 //! `--report FILE`: the page of a result that was just made.
 
-use crate::files::{Target, write_all};
+use crate::files::write_all;
 #[cfg(feature = "report")]
 use crate::files::{ends_in, only_target};
 use crate::session::Session;
@@ -36,14 +36,10 @@ impl Session {
     pub fn will_report(&self, path: Option<&str>, force: bool) -> Result<()> {
         #[cfg(feature = "report")]
         if let Some(path) = path {
-            only_target(self, Some(path), force)?;
+            let target = only_target(self, Some(path), force)?;
             check_page_name(path, "--report")?;
-            let path = path.to_string();
-            self.page.replace(Some(WantedPage {
-                path,
-                force,
-                cell: None,
-            }));
+            self.page
+                .replace(target.map(|target| WantedPage { target, cell: None }));
         }
         #[cfg(not(feature = "report"))]
         let _ = (path, force);
@@ -59,10 +55,7 @@ impl Session {
             return Ok(());
         };
         match self.page_of(envelope, wanted.cell.as_ref())? {
-            Some(page) => {
-                let target = Target::new(&wanted.path, wanted.force)?;
-                write_all(self, &[(target, page)])
-            }
+            Some(page) => write_all(self, &[(wanted.target, page)]),
             None => Ok(()),
         }
     }
@@ -85,6 +78,7 @@ impl Session {
             let page = report(&[Given {
                 saved: &saved,
                 cell,
+                cell_changed: false,
             }])?;
             Ok(Some(render_page(&page)))
         }

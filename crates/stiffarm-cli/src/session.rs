@@ -3,6 +3,7 @@
 use crate::Captured;
 use crate::args::Global;
 use crate::arguments::arguments;
+use crate::files::Target;
 use crate::identity::{FileId, Input};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -18,10 +19,8 @@ const MOST_THREADS: usize = 16;
 
 /// Where the page of the result goes, and what it needs.
 pub struct WantedPage {
-    /// The file, as it was given.
-    pub path: String,
-    /// True where it may take the place of another.
-    pub force: bool,
+    /// The file.
+    pub target: Target,
     /// The cell as its file describes it.
     pub cell: Option<Cell>,
 }

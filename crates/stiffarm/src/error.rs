@@ -396,7 +396,10 @@ fn cut(text: String) -> String {
 /// Bytes of a name that may be a slip of a known one.
 const LONGEST_NAME: usize = 100;
 
-/// ` (did you mean "…"?)` for the nearest of `known` to `name`, else empty.
+/// Letters of the beginning of a name that tell which is meant.
+const BEGINNING: usize = 3;
+
+/// `did you mean "…"?` for those of `known` that begin with `name`, else for the nearest to it.
 pub(crate) fn did_you_mean<'a>(
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
@@ -405,6 +408,20 @@ pub(crate) fn did_you_mean<'a>(
         return None;
     }
     let lower = name.to_lowercase();
+    let known: Vec<&str> = known.into_iter().collect();
+    let begins = |k: &&&str| k.to_lowercase().starts_with(&lower);
+    let longer: Vec<String> = known
+        .iter()
+        .filter(begins)
+        .map(|k| format!("\"{k}\""))
+        .collect();
+    if let (Some((last, others)), true) = (longer.split_last(), lower.chars().count() >= BEGINNING)
+    {
+        return Some(match others {
+            [] => format!("did you mean {last}?"),
+            others => format!("did you mean {} or {last}?", others.join(", ")),
+        });
+    }
     known
         .into_iter()
         .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
@@ -426,6 +443,22 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), Code::ALL.len());
+    }
+
+    #[test]
+    fn names_that_begin_with_what_was_typed_come_before_near_ones() {
+        let known = ["kr240-2", "kr210-r2700-2", "kr210-r3100-2", "kr210l150"];
+        let said = |name| did_you_mean(name, known);
+        assert_eq!(
+            said("KR210-").as_deref(),
+            Some("did you mean \"kr210-r2700-2\" or \"kr210-r3100-2\"?")
+        );
+        assert_eq!(said("kr24-2").as_deref(), Some("did you mean \"kr240-2\"?"));
+        assert_eq!(
+            said("kr210l").as_deref(),
+            Some("did you mean \"kr210l150\"?")
+        );
+        assert_eq!(said("x"), None);
     }
 
     #[test]

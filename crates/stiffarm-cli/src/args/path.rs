@@ -65,7 +65,8 @@ pub struct PredictArgs {
     /// How the loads and postures of the path are found.
     #[command(flatten)]
     pub along: PathArgs,
-    /// The cell's own [load] at its loading point instead of a load at the tip
+    /// The cell's own [load], acting at its loading point, instead of a load at the tip; the deflection is that of the
+    /// tip all the same
     #[arg(long, conflicts_with_all = ["force_n", "axes", "free_turn"])]
     pub cell_load: bool,
     /// With --cell-load: which of several load cases

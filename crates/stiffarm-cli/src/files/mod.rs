@@ -3,8 +3,8 @@
 //! Everything that can be known before the work is checked before it: that the
 //! folder is there and can be written to, that no file exists unasked, that no
 //! two results and no input are the same file in another spelling. What fails
-//! all the same, a disk that has filled up, costs the file and not the result:
-//! it is printed.
+//! all the same, a disk that has filled up, or a file that another program has
+//! made meanwhile, costs the file and not the result: it is printed.
 
 mod contents;
 mod temporary;
@@ -27,8 +27,13 @@ const MOST_LINKS: usize = 40;
 pub enum Target {
     /// Standard output.
     Stdout,
-    /// A file that may be made or replaced.
-    File(PathBuf),
+    /// A file.
+    File {
+        /// Where it is.
+        path: PathBuf,
+        /// True where it may take the place of another.
+        force: bool,
+    },
     /// A device or pipe: written in place.
     Device(PathBuf),
 }
@@ -52,11 +57,6 @@ impl Target {
     /// As [`Target::new`].
     pub fn file(path: &Path, force: bool) -> Result<Self> {
         let name = shown(path);
-        let exists = |message: &str| {
-            Error::new(Code::FileExists, message)
-                .file(name.as_str())
-                .hint("add --force to overwrite it, or choose another name")
-        };
         let target = match fs::metadata(path) {
             Ok(meta) if meta.is_dir() => {
                 return Err(
@@ -66,12 +66,12 @@ impl Target {
                 );
             }
             Ok(meta) if !meta.is_file() => return Ok(Target::Device(path.to_path_buf())),
-            Ok(_) if !force => return Err(exists("The file exists already.")),
+            Ok(_) if !force => return Err(exists(path, "The file exists already.")),
             // A link stays a link: what it points to is replaced.
             Ok(_) => fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()),
             Err(e) if e.kind() == ErrorKind::NotFound => match fs::symlink_metadata(path) {
                 Ok(_) if !force => {
-                    return Err(exists("This is a link to a file that is not there."));
+                    return Err(exists(path, "This is a link to a file that is not there."));
                 }
                 Ok(_) => link_end(path)?,
                 Err(_) => path.to_path_buf(),
@@ -90,7 +90,10 @@ impl Target {
             .hint("make the folder first"));
         }
         temporary::probe(&target).map_err(|e| write_error(path, &e))?;
-        Ok(Target::File(target))
+        Ok(Target::File {
+            path: target,
+            force,
+        })
     }
 
     /// True for standard output.
@@ -136,7 +139,7 @@ pub fn ends_in(path: &str, ending: &str) -> bool {
 /// two are one file, in whatever spelling; one is an input.
 pub fn check_targets(session: &Session, targets: &[Option<&Target>]) -> Result<()> {
     for target in targets.iter().flatten() {
-        if let Target::File(path) = target {
+        if let Target::File { path, .. } = target {
             session.will_write(path)?;
         }
     }
@@ -166,7 +169,7 @@ pub fn check_targets(session: &Session, targets: &[Option<&Target>]) -> Result<(
 pub fn write_all<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result<()> {
     write_unsaid(session, files)?;
     for (target, _) in files.iter().filter(|_| !session.has_failed()) {
-        if let Target::File(path) | Target::Device(path) = target {
+        if let Target::File { path, .. } | Target::Device(path) = target {
             session.has_written(shown(path));
         }
     }
@@ -176,7 +179,9 @@ pub fn write_all<C: Contents>(session: &Session, files: &[(Target, C)]) -> Resul
 /// The same where the command itself says what was written.
 fn write_unsaid<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result<()> {
     for (target, _) in files {
-        let Target::File(path) = target else { continue };
+        let Target::File { path, .. } = target else {
+            continue;
+        };
         session.refuse_input(path)?;
     }
     let Err(error) = place_all(files) else {
@@ -190,7 +195,7 @@ fn write_unsaid<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result
         .iter()
         .try_for_each(|(target, contents)| match target {
             Target::Stdout => session.print_exact(&contents.text()),
-            Target::File(path) | Target::Device(path) => {
+            Target::File { path, .. } | Target::Device(path) => {
                 print_instead(session, path, &contents.text())
             }
         })
@@ -243,11 +248,11 @@ fn is_table(path: &Path) -> bool {
 
 /// Writes the files and devices among `files`.
 fn place_all<C: Contents>(files: &[(Target, C)]) -> Result<()> {
-    let mut finished: Vec<(Temporary, &PathBuf)> = Vec::new();
+    let mut finished: Vec<(Temporary, &PathBuf, bool)> = Vec::new();
     for (target, contents) in files {
-        if let Target::File(path) = target {
+        if let Target::File { path, force } = target {
             let temporary = Temporary::write(path, contents).map_err(|e| write_error(path, &e))?;
-            finished.push((temporary, path));
+            finished.push((temporary, path, *force));
         }
     }
     for (target, contents) in files {
@@ -261,9 +266,27 @@ fn place_all<C: Contents>(files: &[(Target, C)]) -> Result<()> {
         }
     }
     // The only moment at which a kill leaves new files beside old ones.
-    finished
-        .into_iter()
-        .try_for_each(|(temporary, path)| temporary.place(path).map_err(|e| write_error(path, &e)))
+    let mut made: Vec<&PathBuf> = Vec::new();
+    for (temporary, path, force) in finished {
+        let placed = match force {
+            true => temporary.replace(path),
+            false => temporary.place(path),
+        };
+        if let Err(error) = placed {
+            // Without the others of its command none is of use.
+            made.into_iter()
+                .for_each(|path| drop(fs::remove_file(path)));
+            return Err(match error.kind() {
+                ErrorKind::AlreadyExists => exists(
+                    path,
+                    "Something else has made the file while this command ran.",
+                ),
+                _ => write_error(path, &error),
+            });
+        }
+        made.extend((!force).then_some(path));
+    }
+    Ok(())
 }
 
 /// Checks, before any work, that the files `names` can be written to `folder`.
@@ -291,7 +314,7 @@ pub fn check_folder<'n>(
                 Code::FileExists => e.hint("add --force to overwrite it, or name another folder"),
                 _ => e,
             })?;
-            if let Target::File(path) = target {
+            if let Target::File { path, .. } = target {
                 session.will_write(&path)?;
             }
         }
@@ -330,6 +353,13 @@ pub fn make_folder(path: &Path) -> Result<()> {
 /// A path as messages show it.
 pub fn shown(path: &Path) -> String {
     visible(&path.to_string_lossy()).into_owned()
+}
+
+/// A file that is not overwritten unasked.
+fn exists(path: &Path, message: &str) -> Error {
+    Error::new(Code::FileExists, message)
+        .file(shown(path))
+        .hint("add --force to overwrite it, or choose another name")
 }
 
 fn write_error(path: &Path, error: &std::io::Error) -> Error {

@@ -1,13 +1,12 @@
 //! A file under a temporary name beside its target, until it is complete.
 //!
-//! A run that is killed leaves its temporary file. The next run that writes the
-//! same target takes it away: each run holds a lock on its own, which ends with
-//! the process however it ends, so a file without lock belongs to nobody.
+//! A run that is killed leaves its temporary file. The next run that writes into
+//! the same folder takes it away: each run holds a lock on its own, which ends
+//! with the process however it ends, so a file without lock belongs to nobody.
 //! Process numbers would not do: in containers most runs have the same one.
 
 use super::contents::Contents;
 use crate::identity::folder_of;
-use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{BufWriter, Error, ErrorKind, Result, Write};
@@ -16,7 +15,8 @@ use std::path::{Path, PathBuf};
 /// Names that are tried before something else must be wrong.
 const TRIES: usize = 100;
 
-/// End of every temporary name.
+/// Beginning and end of every temporary name.
+const BEGIN: &str = ".stiffarm-";
 const END: &str = ".tmp";
 
 /// A complete file that waits for its name. It goes when it is dropped.
@@ -31,7 +31,7 @@ impl Temporary {
     /// Writes `contents` beside `target`, with the permissions of the file that
     /// is there.
     pub fn write(target: &Path, contents: &impl Contents) -> Result<Self> {
-        clean_up(target);
+        clean_up(&folder_of(target));
         let temporary = Temporary::new(target)?;
         // A file system without permissions has none to keep, and read-only on
         // Windows would forbid the new name.
@@ -58,7 +58,7 @@ impl Temporary {
         }
         for _ in 0..TRIES {
             let random = RandomState::new().build_hasher().finish();
-            let path = folder_of(target).join(format!("{}{random:016x}{END}", begin(target)));
+            let path = folder_of(target).join(format!("{BEGIN}{random:016x}{END}"));
             let file = match options.open(&path) {
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => continue,
                 opened => opened?,
@@ -78,10 +78,31 @@ impl Temporary {
     }
 
     /// Gives the file its name, in place of one that has it.
-    pub fn place(mut self, target: &Path) -> Result<()> {
+    pub fn replace(mut self, target: &Path) -> Result<()> {
         fs::rename(&self.path, target)?;
         self.placed = true;
         Ok(())
+    }
+
+    /// Gives the file a name that nothing has; the temporary one goes.
+    ///
+    /// # Errors
+    /// [`ErrorKind::AlreadyExists`] where something has it by now.
+    pub fn place(self, target: &Path) -> Result<()> {
+        match fs::hard_link(&self.path, target) {
+            Err(e) if e.kind() != ErrorKind::AlreadyExists => {
+                // A file system without second names, FAT for one: an empty file takes the
+                // name where nothing has it, and then gives it up. A kill between leaves that.
+                OpenOptions::new()
+                    .write(true)
+                    .create_new(true)
+                    .open(target)?;
+                self.replace(target).inspect_err(|_| {
+                    let _ = fs::remove_file(target);
+                })
+            }
+            placed => placed,
+        }
     }
 }
 
@@ -94,33 +115,22 @@ impl Drop for Temporary {
     }
 }
 
-/// How the temporary names of a target begin. Its whole name would be too long
-/// for some; its hash tells it from its neighbours.
-fn begin(target: &Path) -> String {
-    let name = target.file_name().unwrap_or(OsStr::new(""));
-    // FNV-1a: the same in every run and version.
-    let hash = name
-        .as_encoded_bytes()
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-        });
-    format!(".stiffarm-{hash:016x}-")
-}
-
-/// Removes what killed runs have left of `target`.
-fn clean_up(target: &Path) {
-    let Ok(entries) = fs::read_dir(folder_of(target)) else {
+/// Removes what killed runs have left in `folder`.
+fn clean_up(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else {
         return;
     };
-    let begin = begin(target);
     for entry in entries.flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        if !(name.starts_with(&begin) && name.ends_with(END)) {
+        let is_file = || entry.file_type().is_ok_and(|kind| kind.is_file());
+        if !(name.starts_with(BEGIN) && name.ends_with(END) && is_file()) {
             continue;
         }
-        let Ok(file) = OpenOptions::new().write(true).open(entry.path()) else {
+        // One whose target must not be written to cannot be opened for that either.
+        let mut writing = OpenOptions::new();
+        let opened = writing.write(true).open(entry.path());
+        let Ok(file) = opened.or_else(|_| File::open(entry.path())) else {
             continue;
         };
         if file.try_lock().is_ok() {
@@ -132,6 +142,6 @@ fn clean_up(target: &Path) {
 /// Sees whether `target` could be written: makes a temporary file beside it and
 /// takes it away again.
 pub fn probe(target: &Path) -> Result<()> {
-    clean_up(target);
+    clean_up(&folder_of(target));
     Temporary::new(target).map(drop)
 }

@@ -59,6 +59,15 @@ fn folder() -> Folder {
 }
 
 #[test]
+fn robots_that_begin_with_what_was_typed_are_all_named() {
+    let refused = Folder::new().refused("init --robot kuka-kr210-r");
+    for name in ["kuka-kr210-r2700-2", "kuka-kr210-r3100-2"] {
+        assert!(refused.contains(name), "{refused}");
+    }
+    assert!(!refused.contains("kr240"), "{refused}");
+}
+
+#[test]
 fn an_arm_of_a_urdf_gets_a_cell_that_works() {
     let folder = folder();
     let line = "init --urdf arm.urdf --no-shapes --tip tool0 --output-dir cell";

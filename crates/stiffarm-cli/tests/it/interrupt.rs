@@ -61,7 +61,13 @@ fn a_stopped_identification_keeps_its_estimates() {
     }
     // What was written serves as any other result.
     folder.ok("predict builtin:comau k.json plan.csv --force-n 0,0,100 --axes base");
-    let table = stopped(&folder, &format!("{line} --force"), "-INT");
+    let table = stopped(&folder, &format!("{line} --report k.html --force"), "-INT");
+    let page = folder.read("k.html");
+    assert!(
+        page.contains("The command was stopped before it was done")
+            && page.contains("Not computed: bootstrap"),
+        "the page does not say that it was stopped"
+    );
     let text = String::from_utf8(table.stdout).unwrap();
     assert!(text.contains("Stopped: the bootstrap intervals"), "{text}");
     assert!(text.contains("joint 6"), "{text}");

@@ -123,31 +123,68 @@ fn names_may_be_as_long_as_the_system_lets_them() {
 }
 
 #[test]
-fn what_killed_runs_left_goes_with_the_next_run_of_the_same_target() {
+fn what_killed_runs_left_goes_with_the_next_run_into_the_same_folder() {
     let folder = Folder::new();
-    folder.ok(&format!("{PLAN} --output p.csv"));
-    // A run that is killed while it writes: the name is the target's, the rest chance.
-    folder.write(&temporary("p.csv", "0000000000000001"), "half");
-    folder.write(&temporary("p.csv", "0000000000000002"), "half");
-    let alive = temporary("p.csv", "0000000000000003");
-    folder.write(&alive, "another run, still at work");
+    // Of a run that is killed while it writes, whatever it writes; the second is named as earlier versions did.
+    folder.write(".stiffarm-0000000000000001.tmp", "half");
+    folder.write(".stiffarm-0000000000000002-0000000000000003.tmp", "half");
+    let alive = ".stiffarm-0000000000000004.tmp";
+    folder.write(alive, "another run, still at work");
     let lock = fs::OpenOptions::new()
         .write(true)
-        .open(folder.path(&alive))
+        .open(folder.path(alive))
         .unwrap();
     lock.lock().unwrap();
-    folder.ok(&format!("{PLAN} --output p.csv --force"));
-    assert_eq!(folder.names(), [alive.as_str(), "p.csv"]);
+    // Neither a file nor of this program.
+    fs::create_dir(folder.path(".stiffarm-folder.tmp")).unwrap();
+    folder.write("mine.tmp", "other");
+    folder.ok(&format!("{PLAN} --output p.csv"));
+    assert_eq!(
+        folder.names(),
+        [alive, ".stiffarm-folder.tmp", "mine.tmp", "p.csv"]
+    );
     drop(lock);
-    folder.ok(&format!("{PLAN} --output p.csv --force"));
-    assert_eq!(folder.names(), ["p.csv"]);
+    folder.ok(&format!("{PLAN} --output other.csv"));
+    assert_eq!(
+        folder.names(),
+        [".stiffarm-folder.tmp", "mine.tmp", "other.csv", "p.csv"]
+    );
 }
 
-/// A temporary name of the file `name`.
-fn temporary(name: &str, random: &str) -> String {
-    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325, step);
-    format!(".stiffarm-{hash:016x}-{random}.tmp")
+#[test]
+fn a_file_that_appears_while_the_command_runs_is_kept() {
+    use std::io::Write;
+    use std::process::Stdio;
+    let folder = Folder::new();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    let line = "identify builtin:comau - --brief --output k.json --report r.html";
+    for appears in ["k.json", "r.html"] {
+        // It has looked at its targets and waits for its input.
+        let mut run = support::command(&folder.path(""))
+            .args(line.split(' '))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        folder.write(appears, "mine");
+        let mut input = run.stdin.take().unwrap();
+        input.write_all(folder.read("m.csv").as_bytes()).unwrap();
+        drop(input);
+        let output = run.wait_with_output().unwrap();
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{err}");
+        assert!(err.contains("--force"), "{err}");
+        assert_eq!(folder.read(appears), "mine");
+        // The result is not lost with it.
+        assert!(String::from_utf8_lossy(&output.stdout).contains("joint 1"));
+        for name in ["k.json", "r.html"] {
+            let _ = fs::remove_file(folder.path(name));
+        }
+        assert_eq!(folder.names(), ["m.csv"]);
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -84,7 +84,8 @@ def predict(
         free_turn: Where the turn about the tool axis is free: try so many of them.
         model: ``equilibrium`` for the exact static one, or ``linear``.
         matrix: Also the Cartesian stiffness matrix at each point.
-        cell_load: The cell's own load at its loading point instead of a load at the tip.
+        cell_load: The cell's own load, acting at its loading point, instead of a load at the tip; the deflection is
+            that of the tip all the same.
         load_case: Which of several load cases, with ``cell_load``.
         progress: Called as ``progress(what, done, of)``; ``True`` shows a bar.
 

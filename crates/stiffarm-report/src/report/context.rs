@@ -6,12 +6,15 @@ use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
 use serde_json::Value;
 use stiffarm::Result;
 use stiffarm::files::result::SavedResult;
-use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm::findings::{Finding, Severity, list, visible};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::{Posture, PostureGroup};
 
 /// Commands whose numbers come after what forbids to use them.
 const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
+
+/// Codes of findings that a command was stopped.
+const STOPPED: [&str; 2] = ["interrupted", "stopped"];
 
 /// A saved result with its cell, where that is at hand.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +23,8 @@ pub struct Given<'a> {
     pub saved: &'a SavedResult,
     /// The cell it was made with.
     pub cell: Option<&'a Cell>,
+    /// True where the cell's file has changed since.
+    pub cell_changed: bool,
 }
 
 impl Given<'_> {
@@ -38,6 +43,7 @@ impl Given<'_> {
 pub(super) struct Context<'a> {
     pub saved: &'a SavedResult,
     pub cell: Option<&'a Cell>,
+    pub cell_changed: bool,
 }
 
 impl<'a> Context<'a> {
@@ -45,6 +51,7 @@ impl<'a> Context<'a> {
         Context {
             saved: given.saved,
             cell: given.cell,
+            cell_changed: given.cell_changed,
         }
     }
 
@@ -87,6 +94,17 @@ impl<'a> Context<'a> {
         let (mut warnings, notes): (Vec<Finding>, Vec<Finding>) = findings
             .into_iter()
             .partition(|finding| finding.severity > Severity::Note);
+        warnings.extend(stopped(self.saved));
+        if self.cell_changed {
+            let sentence = "The file of the cell has changed since this result was made (another SHA-256). The pictures \
+                            show the cell as it is now; every number is that of the result.";
+            warnings.push(Finding::new(
+                "cell-changed",
+                Severity::Caution,
+                "cell",
+                sentence,
+            ));
+        }
         let outcome = Outcome::of(&warnings);
         warnings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         let mut sections = sections;
@@ -174,6 +192,56 @@ impl<'a> Context<'a> {
     /// The name of the result's file as one types it.
     fn file(&self) -> String {
         quoted(&self.saved.name)
+    }
+}
+
+/// Says of a result whose command was stopped that a part of it is missing, where nothing else says so.
+fn stopped(saved: &SavedResult) -> Option<Finding> {
+    let (result, options) = (&saved.json["result"], &saved.json["options"]);
+    let left_out = result["not_computed"].as_array();
+    let mut left_out: Vec<String> = left_out.into_iter().flatten().map(plain).collect();
+    // What was asked for and is not there, with nothing that says why.
+    let asked = ["sensitivity", "prices"].into_iter();
+    left_out.extend(
+        asked
+            .filter(|key| options[*key] == true && result[*key].is_null())
+            .map(String::from),
+    );
+    let sizes = result["sizes"].as_array().map(|sizes| sizes.len() as u64);
+    let counts = [
+        (sizes, &options["postures"]),
+        (result["split_count"].as_u64(), &result["options"]["splits"]),
+    ];
+    let shorter = counts
+        .iter()
+        .any(|(done, asked)| done.is_some_and(|done| asked.as_u64() > Some(done)));
+    if left_out.is_empty() && !shorter && !is_interrupted(result) {
+        return None;
+    }
+    let left_out = match left_out.is_empty() {
+        true => String::new(),
+        false => format!(" Not computed: {}.", list(&left_out).replace('_', " ")),
+    };
+    let sentence = format!(
+        "The command was stopped before it was done; the page shows what it had by then.{left_out}"
+    );
+    let is_known = |f: &Finding| STOPPED.contains(&f.code.as_str());
+    let known = saved.findings().iter().any(is_known);
+    (!known).then(|| Finding::new(STOPPED[0], Severity::Caution, &saved.command, sentence))
+}
+
+/// Whether some part of a result says that it ended early because the user wanted so.
+fn is_interrupted(value: &Value) -> bool {
+    match value {
+        Value::Object(map) => {
+            map.get("interrupted") == Some(&Value::Bool(true))
+                || map
+                    .get("termination")
+                    .is_some_and(|end| end == "interrupted")
+                || map.values().any(is_interrupted)
+        }
+        Value::Array(items) => items.iter().any(is_interrupted),
+        _ => false,
     }
 }
 

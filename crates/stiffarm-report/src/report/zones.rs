@@ -16,7 +16,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     }
     let [horizontal, vertical] = &zones.joints;
     let done = Text::new(format!(
-        "Dexterity and the influence of K_C were mapped at {} postures over {horizontal} and {vertical}, the other joints held; ",
+        "Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at {} postures over {horizontal} and {vertical}, the other joints held; ",
         zones.postures
     ))
     .number(context.number("/within_limits").decimals(0))

@@ -1,5 +1,6 @@
 //! JSON of saved results as values: every key once.
 
+use super::text::decode;
 use crate::error::{Code, Error, Result};
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
@@ -11,12 +12,14 @@ use std::fmt;
 /// # Errors
 /// Text that is not JSON, or a key twice, with line and column.
 pub(super) fn parse(bytes: &[u8]) -> Result<Value> {
-    let strict: Strict = serde_json::from_slice(bytes).map_err(|e| {
+    let text = decode(bytes)?;
+    let text = text.trim_start_matches('\u{feff}');
+    let strict: Strict = serde_json::from_str(text).map_err(|e| {
         let said = e.to_string();
         let said = said.split(" at line ").next().unwrap_or_default();
         let message = match e.is_data() || said.contains("out of range") {
             true => format!("This is not a saved result: {said}."),
-            false => what_it_is(bytes, e.is_eof()).to_string(),
+            false => what_it_is(text, e.is_eof()).to_string(),
         };
         let error = Error::new(Code::ResultFile, message);
         match e.line() {
@@ -28,13 +31,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Value> {
 }
 
 /// What a text that cannot be read as JSON looks like.
-fn what_it_is(bytes: &[u8], ends_early: bool) -> &'static str {
-    match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
+fn what_it_is(text: &str, ends_early: bool) -> &'static str {
+    match text.chars().find(|c| !c.is_ascii_whitespace()) {
         None => "The file is empty.",
-        Some(b'{' | b'[') if ends_early => {
-            "This JSON ends too early: a part of the file is missing."
-        }
-        Some(b'{' | b'[') => "This is not JSON: it begins like it and has a fault here.",
+        Some('{' | '[') if ends_early => "This JSON ends too early: a part of the file is missing.",
+        Some('{' | '[') => "This is not JSON: it begins like it and has a fault here.",
         Some(_) => "This is not JSON.",
     }
 }

@@ -26,6 +26,7 @@ pub mod seal;
 pub mod source;
 pub mod stiffness;
 pub mod table;
+mod text;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 

@@ -12,8 +12,9 @@ const LONGEST: usize = 200;
 /// Tables are opened in spreadsheets, which take a text for a formula that
 /// begins with `=`, `+`, `-` or `@`, quoted or not, and a formula can start
 /// programs. No way of writing such a name is both harmless there and the same
-/// name when it is read back, so it is refused. A sign before letters and
-/// digits, `+z` or `-250`, can do nothing and is allowed.
+/// name when it is read back, so it is refused. A sign before letters, `+z-2`, or a
+/// minus before one number, `-250`, can do nothing and is allowed; `+5` would be
+/// read back as 5, and `-2+3` as 1.
 pub(super) fn fault_of(name: &str) -> Option<&'static str> {
     if name.chars().any(char::is_control) {
         return Some("A name must not contain line breaks or other control characters.");
@@ -27,12 +28,16 @@ pub(super) fn fault_of(name: &str) -> Option<&'static str> {
         return Some("A name must not have more than 200 characters.");
     }
     let harmless = |c: char| c.is_alphanumeric() || " _.+-".contains(c);
-    let formula = match name.chars().next() {
-        Some('=' | '@') => true,
-        Some('+' | '-') => !name.chars().all(harmless),
+    let number = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+    let formula = match name.split_at_checked(1) {
+        Some(("=" | "@", _)) => true,
+        Some(("+", rest)) => number(rest) || !rest.chars().all(harmless),
+        Some(("-", rest)) => {
+            (number(rest) && rest.contains(['+', '-'])) || !rest.chars().all(harmless)
+        }
         _ => false,
     };
-    formula.then_some("A name must not begin like a formula of a spreadsheet: with = or @, or with + or - before more than letters and digits.")
+    formula.then_some("A name must not begin like a formula of a spreadsheet: with = or @, or with + or - before what can be calculated (+5, -2+3).")
 }
 
 /// Refuses a name that could not be written to a table and read again as text.
@@ -50,5 +55,24 @@ pub fn check_name(name: &str) -> Result<()> {
     match wrong {
         Some(wrong) => Err(Error::new(Code::InvalidValue, wrong)),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_a_spreadsheet_would_calculate_are_refused() {
+        for name in [
+            "=1", "@a", "+5", "+.5", "-2+3", "-1-1", "-1+a", "-a(1)", "+z*2",
+        ] {
+            assert!(fault_of(name).is_some(), "{name}");
+        }
+        for name in [
+            "+z", "-250", "-2.5", "+z-2", "-x-250", "up-250", "1-1", "5+3",
+        ] {
+            assert_eq!(fault_of(name), None, "{name}");
+        }
     }
 }

@@ -201,6 +201,7 @@ pub fn prepare(
         .findings
         .retain(|finding| !follows(&screening, finding));
     reduction.findings.extend(not_measured_yet(&table));
+    reduction.findings.extend(table.remarks);
     Ok(Measured {
         postures: std::mem::take(&mut reduction.measured),
         readings_per_displacement: Some(READINGS),

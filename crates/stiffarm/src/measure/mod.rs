@@ -12,4 +12,6 @@ mod series;
 
 pub use measured::{Measured, prepare};
 pub(crate) use measured::{all_excluded, check_names};
-pub use pending::{NOT_MEASURED_YET, not_measured_yet};
+pub use pending::{
+    LOADS_FROM_NAMES, MERGED_CELLS, NOT_MEASURED_YET, is_of_table, not_measured_yet,
+};

@@ -1,4 +1,4 @@
-//! What of a partly filled table is not measured yet, in words.
+//! What is said of a table itself: what of it is not measured yet, what was taken for granted.
 
 use crate::error::{Code, Error};
 use crate::findings::{Finding, Severity, list};
@@ -7,8 +7,17 @@ use crate::model::measurement::{PendingReading, ReadingTable};
 /// Postures that the sentence names one by one.
 const MOST_NAMED: usize = 12;
 
-/// The code of the finding.
+/// The code of the finding about rows that are not filled in yet.
 pub const NOT_MEASURED_YET: &str = "not-measured-yet";
+/// The code of the finding about merged cells, each row of which has the value of the first.
+pub const MERGED_CELLS: &str = "merged-cells";
+/// The code of the finding about forces that stand in the names of states alone.
+pub const LOADS_FROM_NAMES: &str = "loads-from-names";
+
+/// True for what is said of the table itself and not of its numbers.
+pub fn is_of_table(finding: &Finding) -> bool {
+    [NOT_MEASURED_YET, MERGED_CELLS, LOADS_FROM_NAMES].contains(&finding.code.as_str())
+}
 
 /// Says in one sentence which rows of a table are not filled in yet; `None` where all are.
 pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {

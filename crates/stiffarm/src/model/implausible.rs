@@ -7,6 +7,7 @@ use crate::model::load::Wrench;
 use crate::model::process::{Milling, Process};
 use crate::model::robot::{Robot, catalogue};
 use crate::units::m_to_mm;
+use nalgebra::Vector3;
 
 /// Standard gravity \[m/s²\].
 pub(crate) const GRAVITY: f64 = 9.806_65;
@@ -20,6 +21,21 @@ const LEVER: f64 = 2.0;
 const COEFFICIENT: [f64; 2] = [1e6, 2e10];
 /// Longest cutters \[m\].
 const CUTTER: f64 = 0.3;
+
+/// Nearest plausible tool point: a metre typed as millimetre is below it \[m\].
+pub(crate) const NEAR_TOOL: f64 = 1e-3;
+
+/// Says of a point of the tool \[m, flange axes\] that it looks like metres typed as millimetres,
+/// where it does.
+pub(crate) fn tool_in_metres(point: &Vector3<f64>) -> Option<String> {
+    let distance = point.norm();
+    (distance < NEAR_TOOL).then(|| {
+        format!(
+            "lies {:.3} mm from the flange: is it in metres? The unit is mm.",
+            m_to_mm(distance)
+        )
+    })
+}
 
 /// Weight of the robot's payload \[N\], where the catalogue knows it.
 pub fn payload_weight(robot: &Robot) -> Option<f64> {

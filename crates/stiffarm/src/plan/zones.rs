@@ -7,14 +7,15 @@
 //! held (joint 1 at zero, joints 4 to 6 at 45°) and two maps over (q2, q3) are
 //! laid on each other, the dexterity 1/k(J_N) of Eqs. (20)–(21), and the
 //! influence of K_C: how far translation and rotation of the end-effector
-//! computed with and without it differ. Good zones combine high dexterity with
+//! computed with and without it differ. K_C is the load's full stiffness here,
+//! the turning of a rope included. Good zones combine high dexterity with
 //! a small influence.
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::dexterity::{condition_number, require_six_joints};
 use crate::model::observation::{PostureTerms, check_angles};
-use crate::model::stiffness::{linear_displacement, stiffness_correction};
+use crate::model::stiffness::{linear_displacement, rope_correction, stiffness_correction};
 use crate::numerics::control::Control;
 use crate::units::{deg_to_rad, rad_to_shortest_deg};
 use serde::{Deserialize, Serialize};
@@ -137,7 +138,7 @@ pub struct Zones {
     /// posture violates a limit of the cell or is singular.
     pub inverse_condition: ZoneMap,
     /// ‖δ_C − δ‖/‖δ‖ of the TCP's translation δ under the cell's load, computed
-    /// with (δ_C) and without K_C (fraction); as `inverse_condition`.
+    /// with (δ_C) and without K_C, the load's full stiffness (fraction); as `inverse_condition`.
     pub translation_deviation: ZoneMap,
     /// The same of the rotation vector (fraction).
     pub rotation_deviation: ZoneMap,
@@ -166,9 +167,10 @@ struct Values {
 /// Maps dexterity and the influence of K_C over the bounds of joints 2 and 3.
 ///
 /// k(J_N) is taken at the TCP (measuring point 1) with the cell's
-/// characteristic length. K_C is Chen and Kao's for a constant base-frame
-/// wrench, that of the cell's load in each posture; what a rope's turning adds
-/// ([`rope_correction`](crate::model::stiffness::rope_correction)) is not in it.
+/// characteristic length. K_C is all that the cell's load adds to the stiffness
+/// in each posture: Chen and Kao's for a constant base-frame wrench
+/// ([`stiffness_correction`]) and what a rope adds because it turns with the
+/// loading point ([`rope_correction`]), which is mostly larger.
 /// Displacements are those of the TCP by the linear model with the prior
 /// stiffness.
 ///
@@ -340,7 +342,7 @@ fn values(cell: &Cell, terms: &PostureTerms) -> Result<Option<Values>> {
         return Ok(None);
     };
     let without = linear_displacement(&cell.setup, terms, &tcp, prior, None)?;
-    let correction = stiffness_correction(terms);
+    let correction = stiffness_correction(terms) + rope_correction(&cell.setup.load, terms);
     let Ok(with) = linear_displacement(&cell.setup, terms, &tcp, prior, Some(&correction)) else {
         return Ok(None);
     };

@@ -49,7 +49,8 @@ pub struct Request {
     pub model: Model,
     /// Whether to give the Cartesian stiffness of each point.
     pub matrix: bool,
-    /// The cell's own load at its loading point instead of one at the tip.
+    /// The cell's own load, acting at its loading point, instead of one at the tip; the
+    /// deflection is that of the tip all the same.
     pub cell_load: bool,
     /// Which of several load cases, with the cell's own load.
     pub load_case: Option<String>,

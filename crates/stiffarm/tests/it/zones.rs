@@ -38,7 +38,7 @@ fn posture(zones: &Zones, row: usize, column: usize) -> Vec<f64> {
 }
 
 /// Relative deviations of translation and rotation, with K_C by differences of
-/// Γ = J(θ)ᵀ W at a constant W.
+/// Γ = J(θ)ᵀ W: W is constant in base axes, but for a rope, which stays directed to its anchor.
 fn deviations(cell: &Cell, q: &[f64]) -> [f64; 2] {
     let robot = &cell.setup.robot;
     let theta = robot.serial_angles(q);
@@ -52,7 +52,15 @@ fn deviations(cell: &Cell, q: &[f64]) -> [f64; 2] {
     let wrench = DVector::from_iterator(6, load.force.iter().chain(load.moment.iter()).copied());
     let torque = |theta: &DVector<f64>| {
         let frames = Frames::at_serial_angles(robot, theta.as_slice());
-        frames.jacobian(&frames.point(loading)).tr_mul(&wrench)
+        let at = frames.point(loading);
+        let jacobian = frames.jacobian(&at);
+        match &cell.setup.load {
+            rope @ Load::Rope { .. } => {
+                let force = rope.wrench(&frames, &at).unwrap().force;
+                jacobian.rows(0, 3).tr_mul(&force)
+            }
+            _ => jacobian.tr_mul(&wrench),
+        }
     };
     let n = theta.len();
     let h = 1e-5;
@@ -119,6 +127,14 @@ fn values_are_those_of_the_formulas() {
         let ours = found.rotation_deviation[row][column].unwrap();
         assert!((ours / rotation - 1.0).abs() < 1e-5, "{ours} {rotation}");
     }
+    // A rope's own turning is in it: K_C of a constant force alone would give 0.0242 %.
+    let mut one = default_cell();
+    for (joint, low) in [(1, 0.0), (2, -159.0)] {
+        one.bounds[joint] = [low, low + 1.0].map(f64::to_radians);
+    }
+    let found_one = zones(&one, &options(2)).unwrap();
+    let deviation = found_one.translation_deviation[0][0].unwrap();
+    assert!((deviation - 0.000_932).abs() < 1e-6, "{deviation}");
     // Below 2 % at 500 N, and not nothing.
     let largest = found.translation_range.unwrap().largest;
     assert!((1e-4..0.02).contains(&largest), "{largest}");
@@ -151,7 +167,13 @@ fn postures_outside_the_limits_have_no_values() {
 
 #[test]
 fn the_best_zone_is_dexterous_untouched_and_in_one_piece() {
-    for cell in [reference_cell(), default_cell()] {
+    for mut cell in [reference_cell(), default_cell()] {
+        // Near the anchor the arm is most dexterous and the rope turns most: they do not meet.
+        assert_eq!(zones(&cell, &options(31)).unwrap().best, None);
+        cell.setup.load = Load::Weight {
+            magnitude: 500.0,
+            direction: -Vector3::z(),
+        };
         let found = zones(&cell, &options(31)).unwrap();
         let best = found.best.clone().unwrap();
         let sorted = |map: &ZoneMap| {

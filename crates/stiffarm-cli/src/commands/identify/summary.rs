@@ -12,7 +12,7 @@ use stiffarm::estimate::identify::{Fit, JointEstimate, NO_LONGER, Verdict, impla
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors, SystematicSource};
 use stiffarm::files::source::NamedCell;
 use stiffarm::findings::{Finding, Severity, list};
-use stiffarm::measure::NOT_MEASURED_YET;
+use stiffarm::measure::is_of_table;
 
 /// Cautions that the summary says; the others are counted.
 const MOST_CAUTIONS: usize = 4;
@@ -88,9 +88,8 @@ pub(super) fn summary(
         }
     }
     if !details {
-        let is_pending = |f: &&Finding| f.code == NOT_MEASURED_YET;
-        let pending = measured.findings().filter(is_pending);
-        pending.for_each(|f| say(marked(f).trim_end()));
+        let of_table = measured.findings().filter(|f| is_of_table(f));
+        of_table.for_each(|f| say(marked(f).trim_end()));
         messages::resampled(result)
             .iter()
             .for_each(|text| say(text));

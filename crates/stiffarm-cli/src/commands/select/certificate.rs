@@ -30,14 +30,18 @@ pub fn sentence(found: &Certificate, chosen_load: bool) -> String {
     };
     out += &format!(
         " (equivalence residual {}{}; the bound rests on {} searches for a posture that helps more, {} of which \
-         ended at the same best)\n",
+         ended at the same best{})\n",
         significant(found.residual, 2),
         match found.termination {
             Termination::Converged => "",
             _ => ", not converged",
         },
         found.verification.searches,
-        found.verification.agreeing
+        found.verification.agreeing,
+        found
+            .verification
+            .doubt()
+            .map_or_else(String::new, |doubt| format!("; {doubt}"))
     );
     out
 }

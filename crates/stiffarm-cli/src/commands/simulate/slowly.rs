@@ -21,7 +21,7 @@ pub(super) fn write_slowly(
     table: &str,
     pause: Duration,
 ) -> Result<()> {
-    if !matches!(target, Target::File(_)) {
+    if !matches!(target, Target::File { .. }) {
         let message = "Readings that come one after the other need a file.";
         return Err(Error::new(Code::Usage, message)
             .key("--slowly")
@@ -30,12 +30,20 @@ pub(super) fn write_slowly(
     interrupt::look_out();
     let mut lines = table.split_inclusive('\n');
     let mut so_far = lines.next().unwrap_or_default().to_string();
-    let mut last = None;
+    let (mut last, mut target) = (None, target.clone());
     for line in lines {
         // The rows of a state stand together; its name is behind the posture's.
         let state: Vec<&str> = line.splitn(3, ',').take(2).collect();
         if last.as_ref() != Some(&state) {
-            write_all(&session.afresh(), &[(target.clone(), so_far.clone())])?;
+            let once = session.afresh();
+            write_all(&once, &[(target.clone(), so_far.clone())])?;
+            if let Some(error) = once.failure() {
+                session.fail(error);
+                return Ok(());
+            }
+            if let Target::File { force, .. } = &mut target {
+                *force = true;
+            }
             wait(pause);
             if interrupt::stopped() {
                 return Ok(());
@@ -44,7 +52,7 @@ pub(super) fn write_slowly(
         }
         so_far += line;
     }
-    write_all(session, &[(target.clone(), so_far)])
+    write_all(session, &[(target, so_far)])
 }
 
 fn wait(pause: Duration) {

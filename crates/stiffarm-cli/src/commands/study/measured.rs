@@ -17,8 +17,7 @@ use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::files::envelope::write_result;
 use stiffarm::files::source::Source;
-use stiffarm::findings::Finding;
-use stiffarm::measure::{NOT_MEASURED_YET, prepare};
+use stiffarm::measure::{is_of_table, prepare};
 use stiffarm::plan::index::Index;
 use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
 use stiffarm_report::render_svg;
@@ -61,9 +60,8 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
     let reduce = session.read_registration(args.splits.registration.as_deref())?;
     check_folder(session, &args.output_dir, FILES, args.force)?;
     let measured = prepare(&named.cell, measurements, &reduce)?;
-    let is_pending = |f: &&Finding| f.code == NOT_MEASURED_YET;
-    let pending = measured.findings().filter(is_pending);
-    pending.for_each(|f| session.remark(&format!("{}\n", f.sentence)));
+    let of_table = measured.findings().filter(|f| is_of_table(f));
+    of_table.for_each(|f| session.remark(&format!("{}\n", f.sentence)));
     let progress = Progress::new(session, "splitting the experiment");
     let study =
         progress.watch(|control| measured_study(&named.cell, measured, &options, control))?;

@@ -33,12 +33,8 @@ pub(super) fn done(context: &Context<'_>, found: &Identified) -> Text {
         1 => " One posture was left out.".to_string(),
         count => format!(" {count} postures were left out."),
     };
-    let stopped = match found.not_computed.is_empty() {
-        true => "",
-        false => " The command was stopped: a part of the checks is missing.",
-    };
     Text::new(format!(
-        "The stiffness of {} joints was identified from {from} at {postures} {}: {} displacements.{excluded}{stopped}",
+        "The stiffness of {} joints was identified from {from} at {postures} {}: {} displacements.{excluded}",
         estimates.joints.len(),
         if postures == 1 { "posture" } else { "postures" },
         estimates.rows / 3,

@@ -23,6 +23,9 @@ pub(super) fn certificate(plan: &Plan) -> Option<Text> {
         "The bound holds for every plan of as many postures inside the cell's limits, whatever the search. It rests on \
          {searches} searches for a posture that would help more, {agreeing} of which ended at the same best one."
     ));
+    if let Some(doubt) = found.verification.doubt() {
+        text = text.words(format!(" But {doubt}."));
+    }
     if found.termination != Termination::Converged {
         text = text.words(" It is not tight: the true limit may be somewhat higher.");
     }

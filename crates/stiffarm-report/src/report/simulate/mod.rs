@@ -87,11 +87,7 @@ fn axes(context: &Context<'_>) -> Result<Part> {
         tables.collect(),
     ));
     let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
-    let unsure = match (is_unsure(best), result.interrupted) {
-        (true, _) => Some(UNSURE),
-        (false, true) => Some("The simulation was stopped: there are fewer runs than asked for."),
-        (false, false) => None,
-    };
+    let unsure = is_unsure(best).then_some(UNSURE);
     let part = context.part(
         "Simulated identifications".to_string(),
         verdict,

@@ -227,9 +227,9 @@ fn type_error(source: &Source<'_>, root: &DeTable<'_>, error: &toml::de::Error) 
         return source.error(Code::WrongType, "", span, format!("{}.", error.message()));
     };
     let expected = match error.message().rsplit_once("expected ").map(|(_, e)| e) {
-        Some("f64") => Some("a number"),
         // Another integer would have been accepted.
-        Some("i64") if matches!(value.get_ref(), DeValue::Integer(_)) => None,
+        Some("f64" | "i64") if matches!(value.get_ref(), DeValue::Integer(_)) => None,
+        Some("f64") => Some("a number"),
         Some("i64") => Some("a whole number"),
         Some("a string") => Some("text in quotes"),
         Some("a sequence") => Some("a list in brackets"),

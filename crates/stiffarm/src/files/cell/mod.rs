@@ -38,7 +38,7 @@ pub use table_of_robot::{RobotTable, robot_table};
 pub use template::{template, template_of, template_with_shapes};
 
 use crate::error::Result;
-use crate::files::table::decode;
+use crate::files::text::decode;
 use crate::model::cell::Cell;
 use source::Source;
 
@@ -81,7 +81,8 @@ pub fn parse_cell_bytes_with(
     file_name: &str,
     read: &dyn Fn(&str) -> Result<Vec<u8>>,
 ) -> Result<Cell> {
-    parse_cell_with(decode(bytes, file_name)?, file_name, read)
+    let text = decode(bytes).map_err(|error| error.file(file_name))?;
+    parse_cell_with(&text, file_name, read)
 }
 
 /// Reads a cell from the bytes of a `cell.toml`.
@@ -89,5 +90,6 @@ pub fn parse_cell_bytes_with(
 /// # Errors
 /// Bytes that are not UTF-8, and everything of [`parse_cell`].
 pub fn parse_cell_bytes(bytes: &[u8], file_name: &str) -> Result<Cell> {
-    parse_cell(decode(bytes, file_name)?, file_name)
+    let text = decode(bytes).map_err(|error| error.file(file_name))?;
+    parse_cell(&text, file_name)
 }

@@ -140,14 +140,17 @@ impl<'a> Source<'a> {
                     None => error,
                 })
             }
+            // Values too small to square are zero; −0 stays what it is.
+            None if number.abs() < SMALLEST => Ok(0.0 * number),
             None => Ok(number),
         }
     }
 
     /// A number above zero.
     pub(super) fn positive(&self, value: &Number, key: &str) -> Result<f64> {
-        let number = self.number(value, key)?;
-        if number <= SMALLEST {
+        self.number(value, key)?;
+        let number = *value.get();
+        if number <= 0.0 {
             return Err(self.error(
                 Code::InvalidValue,
                 key,
@@ -175,8 +178,8 @@ impl<'a> Source<'a> {
                 format!("The value must be 0 or more, got {number}."),
             ));
         }
-        // Values too small to square are zero; −0 is 0.
-        Ok(if number < SMALLEST { 0.0 } else { number })
+        // −0 is 0.
+        Ok(number.abs())
     }
 
     /// A list of `count` finite numbers; `what` says what they are.

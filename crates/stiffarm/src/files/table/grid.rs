@@ -6,6 +6,8 @@ use super::quantity::Unit;
 pub(super) use super::rows::{Field, Row, Rows};
 use crate::error::{Code, Error, Result};
 use crate::files::names::fault_of;
+use crate::findings::{Finding, Severity, list};
+use crate::measure::MERGED_CELLS;
 use crate::model::cell::Columns;
 use crate::units::{LARGEST_NUMBER, Sense};
 use std::collections::HashMap;
@@ -57,6 +59,8 @@ pub(super) struct Table<'a> {
     pub(super) delimiter: char,
     /// The columns are those of `order` in `[columns]`: the file has no heading.
     pub(super) by_order: bool,
+    /// Columns with merged cells, each row of which has the value of the first.
+    pub(super) merged: Vec<String>,
 }
 
 /// Where a column stands, and its unit if it has one.
@@ -119,7 +123,18 @@ impl<'a> Table<'a> {
             aside: None,
             delimiter: ',',
             by_order: false,
+            merged: Vec::new(),
         }
+    }
+
+    /// Says which columns have merged cells, where some have.
+    pub(super) fn merged_cells(&self) -> Option<Finding> {
+        let sentence = format!(
+            "Cells are merged in {}: each of their rows has the value of the first.",
+            list(&self.merged)
+        );
+        let remark = Finding::new(MERGED_CELLS, Severity::Note, "readings", sentence);
+        (!self.merged.is_empty()).then_some(remark)
     }
 
     /// Says that the columns are those of `order`: each `-` among them does not matter.
@@ -173,7 +188,7 @@ impl<'a> Table<'a> {
                 .hint("give its column a heading, or empty the cell"));
         }
         let comma = (self.style == Style::Commas && found > expected)
-            .then(|| decimal_comma(row.fields))
+            .then(|| self.decimal_comma(row.fields))
             .flatten();
         if let Some(at) = comma {
             let (whole, fraction) = (&row.fields[at].text, &row.fields[at + 1].text);
@@ -322,7 +337,14 @@ impl<'a> Table<'a> {
             return Err(self.error(row, at, Code::NotFinite, message));
         }
         if let Some(message) = self.beyond_sense(at, value) {
-            return Err(self.error(row, at, Code::TableRow, message));
+            let error = self.error(row, at, Code::TableRow, message);
+            let other = column
+                .unit
+                .and_then(|unit| unit.of_others(&self.headings[at].name));
+            return Err(match other {
+                Some(hint) => error.hint(hint),
+                None => error,
+            });
         }
         Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))
     }
@@ -374,13 +396,29 @@ impl<'a> Table<'a> {
             error
         }
     }
-}
 
-/// First field that with the next one looks like the two halves of a decimal.
-fn decimal_comma(fields: &[Field]) -> Option<usize> {
-    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-    let whole = |text: &str| digits(text.trim_start_matches(['+', '-']));
-    // The first field is a name; a name that is a number proves nothing.
-    (1..fields.len().saturating_sub(1))
-        .find(|&i| whole(&fields[i].text) && digits(&fields[i + 1].text))
+    /// First field that with the next one looks like the two halves of a decimal.
+    fn decimal_comma(&self, fields: &[Field]) -> Option<usize> {
+        // Names come first; one that is a number proves nothing.
+        let has_unit = |heading: &Heading| Sense::of(&heading.name).is_some();
+        let first = self.headings.iter().position(has_unit).unwrap_or(1).max(1);
+        let is_number = |field: &Field| field.text.is_empty() || field.text.parse::<f64>().is_ok();
+        if !fields.iter().skip(first).all(is_number) {
+            return None;
+        }
+        // Where other numbers have a point, one field too many is no fraction.
+        let excess = fields.len() - self.headings.len();
+        if excess == 1
+            && fields
+                .iter()
+                .skip(first)
+                .any(|field| field.text.contains('.'))
+        {
+            return None;
+        }
+        let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+        let whole = |text: &str| digits(text.trim_start_matches(['+', '-']));
+        (first..fields.len().saturating_sub(1))
+            .find(|&i| whole(&fields[i].text) && digits(&fields[i + 1].text))
+    }
 }

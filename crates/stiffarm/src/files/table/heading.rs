@@ -1,7 +1,7 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
-use super::foreign::suggestion;
+use super::foreign::{own_unit, suggestion};
 use super::grid::{Column, Table};
 use super::naming::normal;
 use super::quantity::{Quantity, Unit};
@@ -111,13 +111,15 @@ impl<'a> Table<'a> {
             }
             if heading.name.is_empty() {
                 let message = "A column has no name.";
-                return Err(self.heading_error(Some(at), Code::TableHeading, message));
+                let error = self.heading_error(Some(at), Code::TableHeading, message);
+                return Err(self.two_rows(known).unwrap_or(error));
             }
             let found = known
                 .iter()
                 .find_map(|k| k.column(&heading.name, at).map(|column| (k, column)));
             let Some((k, column)) = found else {
-                return Err(self.unknown_column(at, known, joints));
+                let two_rows = self.two_rows(known);
+                return Err(two_rows.unwrap_or_else(|| self.unknown_column(at, known, joints)));
             };
             if let Some(first) = columns.insert(k.stem.clone(), column) {
                 return Err(self.twice(first, column));
@@ -135,6 +137,42 @@ impl<'a> Table<'a> {
             table: self,
             columns,
         })
+    }
+
+    /// The error of a heading of two rows, `position [mm]` above x, y and z, where it is one.
+    fn two_rows(&self, known: &[Known]) -> Option<Error> {
+        let below = (self.rows.len() > 1).then(|| self.rows.at(1))?;
+        let is_known = |name: &String| known.iter().any(|k| k.column(name, 0).is_some());
+        let (mut names, mut found) = (Vec::new(), 0);
+        let mut group = "";
+        for (at, field) in below.fields.iter().enumerate() {
+            let above = self.headings.get(at);
+            if let Some(own) = above.filter(|heading| is_known(&heading.name)) {
+                names.push(own.name.clone());
+                continue;
+            }
+            let shown = above.map_or("", |heading| heading.shown.as_str());
+            group = if shown.is_empty() { group } else { shown };
+            let name = normal(&field.text);
+            // Its unit may stand above it.
+            let unit = group.rsplit_once(['[', '(']).map_or("", |(_, unit)| unit);
+            let unit = unit.trim_end_matches([']', ')']);
+            let with_unit = [name.clone(), format!("{name} [{unit}]")];
+            let own = with_unit.iter().filter_map(|n| own_unit(&normal(n)));
+            let bare = known.iter().find(|k| k.stem == name);
+            let own = [name.clone()].into_iter().chain(own).find(is_known);
+            let Some(own) = own.or_else(|| bare.map(Known::heading)) else {
+                continue;
+            };
+            names.push(own);
+            found += 1;
+        }
+        let error = self.heading_error(
+            None,
+            Code::TableHeading,
+            "The heading has two rows; that of a table has one.",
+        );
+        (found >= 2).then(|| error.hint(format!("write one row: {}", names.join(","))))
     }
 
     fn twice(&self, first: Column, second: Column) -> Error {

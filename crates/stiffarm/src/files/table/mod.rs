@@ -1,6 +1,6 @@
 //! Tables: postures, displacements, raw readings, point pairs and paths.
 //!
-//! Read from text: UTF-8 with or without byte order mark, LF or CRLF, columns
+//! Read from text: UTF-8 with or without byte order mark, UTF-16 with one, LF or CRLF, columns
 //! separated by commas (decimal point), or by semicolons or tabs (decimal comma
 //! or point, as Excel writes in much of Europe). Blank lines and lines that
 //! begin with `#` are skipped. Read from `.xlsx`: the first sheet, with the
@@ -32,6 +32,7 @@ mod displacements;
 mod foreign;
 mod grid;
 mod heading;
+mod loads;
 mod measurements;
 mod naming;
 mod pairs;
@@ -63,7 +64,6 @@ pub use readings::read_readings;
 #[cfg(feature = "xlsx")]
 pub use sheet::write_sheet_workbook;
 pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, is_turned, reading_sheet};
-pub(crate) use text::decode;
 pub use write::{write_displacements, write_postures, write_readings};
 
 use sha2::{Digest, Sha256};

@@ -28,6 +28,30 @@ pub(super) struct Unit {
 }
 
 impl Unit {
+    /// What to do with the heading `name` in this unit where the numbers below it are in
+    /// another one; `None` where there is no other.
+    pub(super) fn of_others(&self, name: &str) -> Option<String> {
+        let quantities = [
+            Quantity::Length,
+            Quantity::Force,
+            Quantity::Moment,
+            Quantity::Angle,
+            Quantity::Time,
+        ];
+        let mut units = quantities.into_iter().map(Quantity::units);
+        let own = units.find(|units| units.iter().any(|unit| unit == self))?;
+        let stem = name.strip_suffix(self.suffix)?;
+        let others = own.iter().filter(|unit| *unit != self);
+        let others: Vec<String> = others
+            .map(|unit| format!("{stem}{}", unit.suffix))
+            .collect();
+        let others = others.join(" or ");
+        Some(format!(
+            "the heading {name} says {}: if the numbers are in another unit, name the column {others}",
+            self.suffix
+        ))
+    }
+
     /// The shortest decimal number in this unit that is read back as `value`.
     pub(super) fn shortest(&self, value: f64) -> f64 {
         shortest(value, self.from_si, self.to_si)

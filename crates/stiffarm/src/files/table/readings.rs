@@ -2,7 +2,10 @@
 
 use super::columns::{MeasurementColumns, Plan, Values};
 use super::grid::{Row, Table};
+use super::loads;
 use crate::error::{Code, Error, Result, did_you_mean};
+use crate::findings::{Finding, Severity, list};
+use crate::measure::LOADS_FROM_NAMES;
 use crate::model::cell::Cell;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{
@@ -11,7 +14,7 @@ use crate::model::measurement::{
 };
 use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Angles of one posture may differ by this between its load states, and from
 /// the posture file: what a servo gives way is far less, a slip of the pen more.
@@ -25,7 +28,8 @@ const ANGLE_TOLERANCE_DEG: f64 = 2.0;
 /// are in tracker axes. Forces are as the cell's sensor reports them or, without
 /// `[sensor]`, the wrench on the robot in base axes at the loading point; they
 /// may be left empty in unloaded rows. `load_n` is the force of the cell's rope
-/// or weight in that state.
+/// or weight in that state; where it is not given, the force in the state's name (`up-250`)
+/// counts, as in [`reading_sheet`](super::reading_sheet).
 ///
 /// A row whose position is empty is not measured yet: it is named in
 /// [`ReadingTable::pending`], and a posture that such rows leave without an unloaded or
@@ -91,7 +95,9 @@ pub(super) fn readings(
         wrench_columns: reader.columns.wrench_columns(),
         pending: Vec::new(),
         incomplete: Vec::new(),
+        remarks: Vec::from_iter(table.merged_cells()),
     };
+    let mut named: BTreeMap<String, f64> = BTreeMap::new();
     let at_work = match growing {
         true => at_work(&groups),
         false => None,
@@ -104,6 +110,7 @@ pub(super) fn readings(
         if group.states.is_empty() {
             continue;
         }
+        reader.named_loads(&mut group, &mut named);
         let name = group.row.fields[reader.columns.posture.at].text.to_string();
         match reader.check_states(&group, &name) {
             Err(_) if waiting => out.incomplete.push(reader.close(group, name)),
@@ -115,7 +122,23 @@ pub(super) fn readings(
             }
         }
     }
+    out.remarks.extend(loads_from_names(&named));
     Ok(out)
+}
+
+/// Says which forces the names of states gave.
+fn loads_from_names(named: &BTreeMap<String, f64>) -> Option<Finding> {
+    let each = named
+        .iter()
+        .map(|(state, force)| format!("{state}: {force} N"));
+    let each: Vec<String> = each.collect();
+    let sentence = format!(
+        "The table does not give load_n of {}: the force is the one in the name ({}).",
+        list(&Vec::from_iter(named.keys())),
+        each.join(", ")
+    );
+    let remark = Finding::new(LOADS_FROM_NAMES, Severity::Note, "load", sentence);
+    (!named.is_empty()).then_some(remark)
 }
 
 /// The last posture that has readings, if more of it is to come: rows of it are empty, or the others have more
@@ -229,6 +252,17 @@ impl Reader<'_, '_> {
         let message = format!("The state \"{name}\" would be read as a loaded one.");
         let error = self.table.error(row, column.at, Code::UnknownName, message);
         Err(error.hint(hint))
+    }
+
+    /// Takes the forces that the table leaves open from the names of states, where those say them.
+    fn named_loads(&self, group: &mut Group<'_>, named: &mut BTreeMap<String, f64>) {
+        if self.columns.wrench_columns() != WrenchColumns::None {
+            return;
+        }
+        for (_, state) in group.states.iter_mut().filter(|(_, s)| s.load.is_none()) {
+            state.load = loads::named(&state.state, &self.cell.setup.load);
+            named.extend(state.load.map(|force| (state.state.clone(), force)));
+        }
     }
 
     fn target(&self, row: &Row) -> Result<ReadingTarget> {
@@ -369,7 +403,7 @@ impl Reader<'_, '_> {
                         case.name, state.state
                     );
                     return Err(self.fault(row, message).hint(match case.load.size() {
-                        Some(_) => "add the column load_n: the force in each of them; or the measured forces fx_n, fy_n, fz_n",
+                        Some(_) => "add the column load_n: the force in each of them, or name the states with it (-250); or the measured forces fx_n, fy_n, fz_n",
                         None => "add the columns fx_n, fy_n, fz_n: the force on the robot in each state",
                     }));
                 }
@@ -388,7 +422,7 @@ impl Reader<'_, '_> {
         );
         let hint = match &self.cell.setup.load {
             Load::Rope { .. } | Load::Weight { .. } => {
-                "add the column load_n: the force of rope, cylinder or weight in each state; or the measured forces fx_n, fy_n, fz_n"
+                "add the column load_n: the force of rope, cylinder or weight in each state, or name the states with it (up-250); or the measured forces fx_n, fy_n, fz_n"
             }
             _ => "add the columns fx_n, fy_n, fz_n: the force on the robot in each state",
         };

@@ -4,35 +4,9 @@ use super::foreign;
 use super::grid::{Field, Rows, Style, Table};
 use super::workbook;
 use crate::error::{Code, Error, Result};
+use crate::files::text::decode;
 use crate::model::cell::{Columns, Separator};
 use std::borrow::Cow;
-
-/// The bytes as text.
-///
-/// # Errors
-/// Bytes that are not UTF-8, with line and column of the first.
-pub(crate) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str> {
-    std::str::from_utf8(bytes).map_err(|error| {
-        let good = &bytes[..error.valid_up_to()];
-        let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
-        let start = good
-            .iter()
-            .rposition(|byte| *byte == b'\n')
-            .map_or(0, |at| at + 1);
-        let before = String::from_utf8_lossy(&good[start..]);
-        let column = before.trim_start_matches('\u{feff}').chars().count() + 1;
-        let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
-        let message = if utf16 {
-            "The file is UTF-16 text; it must be UTF-8."
-        } else {
-            "A character here is not UTF-8."
-        };
-        Error::new(Code::Encoding, message)
-            .file(file)
-            .line(line, Some(column))
-            .hint("save the file as UTF-8 (in Excel: \"CSV UTF-8\")")
-    })
-}
 
 impl<'a> Table<'a> {
     /// Reads a workbook or a text, by their content; `foreign` names the
@@ -61,7 +35,8 @@ impl<'a> Table<'a> {
         if workbook::is_one(bytes) {
             return workbook::read(bytes, file, columns);
         }
-        let text = decode(bytes, file)?.trim_start_matches('\u{feff}');
+        let text = decode(bytes).map_err(|error| error.file(file))?;
+        let text = text.trim_start_matches('\u{feff}');
         let text = match text.contains('\r') {
             true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),
             false => Cow::Borrowed(text),

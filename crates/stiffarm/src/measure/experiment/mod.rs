@@ -343,6 +343,7 @@ pub fn experiment(
             ForceRecord::ForceAndMoment => WrenchColumns::ForceAndMoment,
         },
         pending: Vec::new(),
+        remarks: Vec::new(),
         incomplete: Vec::new(),
     })
 }

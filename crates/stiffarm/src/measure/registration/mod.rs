@@ -35,6 +35,7 @@ use crate::findings::{Finding, Severity};
 use fit::{RigidFit, Sample};
 use nalgebra::{Isometry3, Matrix3, Matrix6, SMatrix, Vector3};
 use suspects::Suspicion;
+pub(super) use suspects::axis_slips;
 
 /// One point in both frames.
 #[derive(Debug, Clone, PartialEq)]

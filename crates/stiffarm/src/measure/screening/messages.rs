@@ -112,7 +112,9 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             format!("points {} are exchanged", list(&s.points))
         }
         Cause::ExchangedPoints => format!("points {} are mixed up", list(&s.points)),
-        Cause::MirroredFrame => "the tracker's axes are left-handed, or one is flipped".to_string(),
+        Cause::MirroredFrame => {
+            "an axis has the wrong sign, or two columns are exchanged".to_string()
+        }
         Cause::JointSign if s.joints.len() == 1 => format!("{joints} turns the other way"),
         Cause::JointSign => format!("{joints} turn the other way"),
         Cause::Coupling => {
@@ -284,10 +286,13 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             }
         }
         Cause::MirroredFrame => format!(
-            "The readings are mirrored: {cause}. With one axis flipped the misfit of the unloaded points falls {}.{} \
-             Export right-handed coordinates, or change the sign of one axis.",
+            "The readings are mirrored: {cause}. With that undone the misfit of the unloaded points falls {}.{} {}",
             fall(s),
-            alternatives(s)
+            alternatives(s),
+            match s.axis_slips.join(" or ").as_str() {
+                "" => "Which it is the readings cannot tell: look at the export.".to_string(),
+                slips => format!("First check {slips}: so the tracker stands as given, or parallel to the base."),
+            }
         ),
         Cause::JointSign | Cause::Coupling | Cause::JointOffset => format!(
             "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \

@@ -178,6 +178,9 @@ pub struct Suspicion {
     /// read and what is expected, where a scale is suspected by readings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misfits: Option<[f64; 2]>,
+    /// Slips of the tracker's axes with which it stands as it is given, or parallel to the base.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axis_slips: Vec<String>,
     /// What in the file itself says the same of a scale.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub confirmed_by: Vec<String>,
@@ -208,6 +211,7 @@ impl Suspicion {
             factor: None,
             ratio: None,
             misfits: None,
+            axis_slips: Vec::new(),
             confirmed_by: Vec::new(),
             evidence: None,
             angles_deg: Vec::new(),

@@ -4,8 +4,9 @@
 use super::frame::{self, Frame, item_pairs, items, judge, register};
 use super::rigid::orders;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work};
+use crate::measure::registration::axis_slips;
 use crate::units::{deg_to_rad, rad_to_deg};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Misfit of most postures above which causes are looked for \[m\].
 const SUSPICIOUS: f64 = 2e-3;
@@ -32,8 +33,8 @@ const ALL_SIGNS: usize = 6;
 /// What may be wrong with the whole description.
 #[derive(Debug, Clone)]
 enum Change {
-    /// The tracker's axes are mirrored.
-    Mirror,
+    /// The tracker's axes are mirrored; this undoes it.
+    Mirror(Matrix3<f64>),
     /// Points labelled in another order throughout.
     Order(Vec<usize>),
     /// These joints turn the other way, and perhaps axis 3 follows axis 2 by another factor.
@@ -50,7 +51,7 @@ impl Change {
     /// How much at once this change supposes; simpler causes are believed first.
     fn complexity(&self) -> usize {
         match self {
-            Change::Mirror | Change::Radians | Change::Degrees => 1,
+            Change::Mirror(_) | Change::Radians | Change::Degrees => 1,
             Change::Order(order) => (0..order.len()).filter(|a| order[*a] != *a).count() - 1,
             Change::Chain(signs, coupling) => signs.len() + usize::from(coupling.is_some()),
             Change::Offset(..) => 2,
@@ -60,7 +61,7 @@ impl Change {
     /// Makes the change in `work`.
     fn apply(&self, work: &mut Work) {
         match self {
-            Change::Mirror => work.sheet.each_position(|p| p.x = -p.x),
+            Change::Mirror(undo) => work.sheet.each_position(|p| *p = undo * *p),
             Change::Order(order) => {
                 for at in work.sheet.states() {
                     work.sheet.at_mut(at).relabel(order);
@@ -89,7 +90,7 @@ impl Change {
 
     fn suspicion(&self, work: &Work) -> Suspicion {
         match self {
-            Change::Mirror => Suspicion::new(Cause::MirroredFrame),
+            Change::Mirror(_) => Suspicion::new(Cause::MirroredFrame),
             Change::Radians => Suspicion::new(Cause::Radians),
             Change::Degrees => Suspicion::new(Cause::Degrees),
             Change::Order(order) => exchanged(work, order),
@@ -187,6 +188,23 @@ struct Trial {
     frame: Frame,
 }
 
+impl Trial {
+    /// The slips of hand that mirror the readings so and leave the tracker as it is `given`, or
+    /// parallel to the base; none for other changes.
+    fn axis_slips(&self, given: Option<&Isometry3<f64>>) -> Vec<(String, Matrix3<f64>)> {
+        let Change::Mirror(mirror) = self.change else {
+            return Vec::new();
+        };
+        let own = self.frame.base_from_tracker.rotation.to_rotation_matrix();
+        let wanted = given.map_or_else(UnitQuaternion::identity, |given| given.rotation);
+        axis_slips(|undo| {
+            // What the one undoes and the other does is a rotation.
+            let turned = Rotation3::from_matrix_unchecked(own.matrix() * mirror * undo);
+            UnitQuaternion::from_rotation_matrix(&turned).angle_to(&wanted)
+        })
+    }
+}
+
 /// Finds the simplest change that explains all postures and makes it.
 fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Option<Frame> {
     let mut believed: Vec<Trial> = Vec::new();
@@ -234,11 +252,17 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
     believed.retain(|t| t.change.complexity() == simplest);
     believed.sort_by(|a, b| a.frame.trimmed.total_cmp(&b.frame.trimmed));
     let mut trials = believed.into_iter();
-    let first = trials.next()?;
+    let mut first = trials.next()?;
+    let slips = first.axis_slips(given);
+    if let Some((_, undo)) = slips.first() {
+        first.change = Change::Mirror(*undo);
+        first.frame = tried(work, &first.change, given)?;
+    }
     let mut suspicion = first
         .change
         .suspicion(work)
         .misfit(before.trimmed.max(before.level), first.frame.trimmed);
+    suspicion.axis_slips = slips.into_iter().map(|(said, _)| said).collect();
     for other in trials {
         let phrase = super::messages::cause(&work.cell, &other.change.suspicion(work));
         suspicion.alternatives.push(phrase);
@@ -274,7 +298,9 @@ fn tried(work: &Work, change: &Change, given: Option<&Isometry3<f64>>) -> Option
 /// Everything that is tried, but offsets.
 fn changes(work: &Work) -> Vec<Change> {
     let n = work.setup().robot.joint_count();
-    let mut out = vec![Change::Mirror];
+    let mut out = vec![Change::Mirror(Matrix3::from_diagonal(&Vector3::new(
+        -1.0, 1.0, 1.0,
+    )))];
     let largest = work
         .sheet
         .states()

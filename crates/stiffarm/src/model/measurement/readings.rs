@@ -1,5 +1,6 @@
 //! Raw readings: positions as the tracker gave them, state by state.
 
+use crate::findings::Finding;
 use crate::model::load::Wrench;
 use crate::model::posture::Posture;
 use nalgebra::Vector3;
@@ -115,6 +116,8 @@ pub struct ReadingTable {
     /// Postures that give no displacement as long as their pending rows are empty: read
     /// unloaded and not yet loaded, or the other way round.
     pub incomplete: Vec<PostureReadings>,
+    /// What was taken for granted when the table was read.
+    pub remarks: Vec<Finding>,
 }
 
 /// A reading that is not taken yet.

@@ -107,3 +107,13 @@ pub struct Verification {
     /// ridge, where many points are equally good, it may be 0 all the same.
     pub rarest: usize,
 }
+
+impl Verification {
+    /// What to think of a bound whose searches have not met every posture of its design, where that is so.
+    pub fn doubt(&self) -> Option<&'static str> {
+        (self.rarest == 0).then_some(
+            "none of them met one of the postures that the bound itself rests on: others may be missed too, and then \
+             the bound is too high",
+        )
+    }
+}

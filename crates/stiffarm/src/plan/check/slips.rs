@@ -3,15 +3,13 @@
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::elastic::{ElasticClass, ElasticSizes};
-use crate::model::implausible::{GRAVITY, payload_weight};
+use crate::model::implausible::{GRAVITY, NEAR_TOOL, payload_weight, tool_in_metres};
 use crate::model::load::Load;
 use crate::units::{m_to_mm, rad_to_deg};
 use nalgebra::Vector3;
 
 /// Farthest plausible tool point \[m\].
 const FAR_TOOL: f64 = 5.0;
-/// Nearest plausible tool point: a metre typed as millimetre is below it \[m\].
-const NEAR_TOOL: f64 = 1e-3;
 /// Farthest plausible rope anchor \[m\].
 const FAR_ANCHOR: f64 = 20.0;
 /// Lengths of the cell below this look like metres typed as millimetres \[m\].
@@ -154,14 +152,8 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
                 key,
                 format!("{what} lies {distance:.0} m from the flange: is it in mm?"),
             );
-        } else if distance < NEAR_TOOL {
-            slips.add(
-                key,
-                format!(
-                    "{what} lies {:.3} mm from the flange: is it in metres? The unit is mm.",
-                    m_to_mm(distance)
-                ),
-            );
+        } else if let Some(said) = tool_in_metres(position) {
+            slips.add(key, format!("{what} {said}"));
         }
     };
     point(

@@ -403,11 +403,57 @@ fn every_slip_is_reported_with_its_place() {
 }
 
 #[test]
+fn numbers_too_large_and_too_small_are_said_shortly() {
+    let error = |to: &str| {
+        let text = FULL.replacen("magnitude_n = 500", to, 1);
+        parse_cell(&text, "cell.toml").unwrap_err().to_string()
+    };
+    let large = error("magnitude_n = 99999999999999999999");
+    assert!(large.contains("too large to be read"), "{large}");
+    let small = error("magnitude_n = 1e-320");
+    assert!(small.contains("1e-320 is too small to be meant"), "{small}");
+    // Where zero is a number as any other, it is that.
+    let text = FULL.replacen(
+        "anchor_mm = [1800, 0, 0]",
+        "anchor_mm = [1800, 1e-320, 0]",
+        1,
+    );
+    assert_ne!(text, FULL);
+    assert_eq!(
+        parse_cell(&text, "a").unwrap(),
+        parse_cell(FULL, "b").unwrap()
+    );
+}
+
+#[test]
+fn a_tool_in_metres_is_told_where_a_shape_swallows_it() {
+    let mut text = stiffarm::files::builtin::cell_text("comau-shapes")
+        .unwrap()
+        .to_string();
+    for (mm, m) in [
+        ("[150, 0, 200]", "[0.15, 0, 0.2]"),
+        ("[0, 150, 200]", "[0, 0.15, 0.2]"),
+        ("[-150, 0, 200]", "[-0.15, 0, 0.2]"),
+        ("[0, -150, 200]", "[0, -0.15, 0.2]"),
+    ] {
+        assert!(text.contains(mm));
+        text = text.replacen(mm, m, 1);
+    }
+    let error = parse_cell(&text, "cell.toml").unwrap_err();
+    assert!(error.message().contains("inside \"spindle\""), "{error}");
+    let hint = error.hint_text().unwrap();
+    assert_eq!(
+        hint,
+        "the point lies 0.250 mm from the flange: is it in metres? The unit is mm."
+    );
+}
+
+#[test]
 fn bytes_that_are_not_utf8() {
     let mut report = String::new();
     for bytes in [
         &b"format = 1\nname = \"Pr\xfcfstand\"\n"[..],
-        b"\xff\xfef\0o\0",
+        b"\xff\xfef\0o\0\x00\xdc",
     ] {
         let error = parse_cell_bytes(bytes, "cell.toml").unwrap_err();
         report += &format!("[{}] {error}\n\n", error.code().as_str());

@@ -263,3 +263,67 @@ fn slips_in_the_columns_of_a_cell() {
     }
     insta::assert_snapshot!("slips_in_columns", report);
 }
+
+#[test]
+fn forces_in_the_names_of_states_are_those_of_the_sheet() -> Check {
+    // An export has no column load_n, and nobody can add one.
+    let export = "Name,X [mm],Y [mm],Z [mm]\n\
+        P1::unloaded::left,1500.125,-200.5,900.25\n\
+        P1::up-250::left,1500.25,-200.75,899.5\n\
+        P1::up-500::left,1500.5,-201,898.75\n";
+    let columns = "name = 'Name'\nname_pattern = '{posture}::{state}::{point}'";
+    let table = read(&[("export.csv", export.as_bytes())], columns)?;
+    let loads = |table: &ReadingTable| -> Vec<(String, Option<f64>)> {
+        let states = table.postures[0].states.iter();
+        states.map(|s| (s.state.clone(), s.load)).collect()
+    };
+    let named = [
+        ("unloaded", None),
+        ("up-250", Some(250.0)),
+        ("up-500", Some(500.0)),
+    ];
+    let named = named.map(|(state, load)| (state.to_string(), load));
+    assert_eq!(loads(&table), named);
+    let said = &table.remarks[0];
+    assert_eq!(said.code, stiffarm::measure::LOADS_FROM_NAMES);
+    assert!(said.sentence.contains("up-250: 250 N"), "{}", said.sentence);
+    // As the sheet for these states has them.
+    let mut options = SheetOptions::default();
+    options.states = named.iter().map(|(state, _)| state.clone()).collect();
+    let sheet = reading_sheet(&postures()[..1], &options, &rope_cell());
+    for row in &sheet.rows {
+        assert!(named.contains(&(row.state.clone(), row.load)), "{row:?}");
+    }
+    // What the table gives counts, and where names do not say it the table must.
+    let given = format!("{ROPE_LOADS}P2,up-400,left,1500.5,-201,898.75,450\n");
+    let table = planned(&given, &rope_cell())?;
+    assert_eq!(table.postures[0].states[3].load, Some(450.0));
+    assert!(table.remarks.is_empty());
+    let unclear = export
+        .replace("up-250", "first")
+        .replace("up-500", "second");
+    let error = read(&[("export.csv", unclear.as_bytes())], columns).unwrap_err();
+    assert!(error.hint_text().unwrap().contains("up-250"), "{error}");
+    Ok(())
+}
+
+#[test]
+fn a_table_in_utf_16_is_read_where_it_says_so() -> Check {
+    let wanted = planned(ROPE_LOADS, &rope_cell())?;
+    let wide = |order: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        let text = format!("\u{feff}{ROPE_LOADS}");
+        text.encode_utf16().flat_map(order).collect()
+    };
+    for bytes in [wide(u16::to_le_bytes), wide(u16::to_be_bytes)] {
+        let read = |bytes: &[u8]| read_readings(bytes, "r.csv", &rope_cell(), Some(&postures()));
+        assert_eq!(read(&bytes)?, wanted);
+        let cut = read(&bytes[..bytes.len() - 1]).unwrap_err();
+        assert!(cut.message().contains("ends within a character"), "{cut}");
+        // Without the mark nothing says it.
+        assert_eq!(
+            read(&bytes[2..]).unwrap_err().code(),
+            stiffarm::Code::TableHeading
+        );
+    }
+    Ok(())
+}

@@ -80,6 +80,7 @@ fn any_table() -> impl Strategy<Value = ReadingTable> {
             wrench_columns: columns,
             pending: Vec::new(),
             incomplete: Vec::new(),
+            remarks: Vec::new(),
             postures: (1..)
                 .zip(postures)
                 .map(|(number, ((a, b, c, d), q1, q2))| {

@@ -81,14 +81,20 @@ fn slips_in_a_table_of_readings() {
         "unloaded with a load",
         planned(&ROPE_LOADS.replace("900.25,", "900.25,250"), &rope),
     );
-    let unknown = ROPE_LOADS.replace(",load_n", "").replace(",250\n", "\n");
+    let unknown = ROPE_LOADS.replace("-250", "").replace("up-500", "down");
+    let unknown = unknown.replace(",load_n", "").replace(",250\n", "\n");
     let unknown = unknown
         .replace(",500\n", "\n")
         .replace("900.25,\n", "900.25\n");
     note("loads of a rope untold", planned(&unknown, &rope));
     note(
         "one load of two",
-        planned(&ROPE_LOADS.replace(",500\n", ",\n"), &rope),
+        planned(
+            &ROPE_LOADS
+                .replace(",500\n", ",\n")
+                .replace("up-500", "down"),
+            &rope,
+        ),
     );
     let wrench = cell_with("kind = 'wrench'\nforce_n = [0, 0, -500]\naxes = 'base'", "");
     note("loads of a wrench untold", planned(&unknown, &wrench));
@@ -113,4 +119,66 @@ fn slips_in_a_table_of_readings() {
     let cell = cell_with(ROPE, &MAPPING.replace("' Center Z'", "'Center Z'"));
     note("ours and theirs", readings(&twice, &cell));
     insta::assert_snapshot!("reading_slips", report);
+}
+
+#[test]
+fn newtons_below_a_heading_in_kilonewtons_are_told_by_the_heading() {
+    let wrong = ROPE_LOADS
+        .replace("load_n", "load_kn")
+        .replace(",500\n", ",1000\n");
+    let error = planned(&wrong, &rope_cell()).unwrap_err();
+    assert!(
+        error.message().contains("1000 kN cannot be meant"),
+        "{error}"
+    );
+    let hint = error.hint_text().unwrap();
+    assert!(
+        hint.contains("load_kn says kn") && hint.contains("name the column load_n"),
+        "{hint}"
+    );
+}
+
+#[test]
+fn two_fields_are_a_decimal_only_where_commas_can_stand_for_points() {
+    let heading = "posture,state,point,x_mm,y_mm,z_mm\n";
+    let error = |row: &str| planned(&format!("{heading}{row}\n"), &rope_cell()).unwrap_err();
+    // A column too many in front of whole millimetres, a point named by a number, points elsewhere.
+    for row in [
+        "P1,unloaded,1,4136,left,-200,900",
+        "P1,unloaded,left,1,4136,-200.5,900.25",
+        "P1,1,4136,1500.125,-200.5,900.25,7",
+    ] {
+        let error = error(row);
+        assert_eq!(error.code(), stiffarm::Code::TableRow, "{row}: {error}");
+        assert!(
+            error.message().starts_with("Fields in this row: 7"),
+            "{error}"
+        );
+    }
+    let error = error("P1,unloaded,left,1500,125,-200,5,900,25");
+    assert!(error.message().contains("(1500,125)"), "{error}");
+}
+
+#[test]
+fn a_heading_of_two_rows_is_told_with_the_row_to_write() {
+    let row = "P1,unloaded,left,1500.125,-200.5,900.25\n";
+    for (heading, wanted) in [
+        (
+            "posture,state,point,position [mm],,\n,,,x,y,z\n",
+            "posture,state,point,x_mm,y_mm,z_mm",
+        ),
+        (
+            "posture,state,point,coordinates,,\n,,,X [m],Y [m],Z [m]\n",
+            "posture,state,point,x_m,y_m,z_m",
+        ),
+    ] {
+        let error = planned(&format!("{heading}{row}"), &rope_cell()).unwrap_err();
+        assert!(error.message().contains("two rows"), "{error}");
+        let hint = error.hint_text().unwrap();
+        assert_eq!(hint, format!("write one row: {wanted}"));
+        let text = format!("{wanted}\n{row}");
+        assert!(
+            !planned(&text, &rope_cell()).is_err_and(|e| e.code() == stiffarm::Code::TableHeading)
+        );
+    }
 }

@@ -170,3 +170,44 @@ fn slips_in_a_workbook() {
     note("a cover sheet alone", &[("Cover", cover())]);
     insta::assert_snapshot!("workbook_slips", report);
 }
+
+#[test]
+fn merged_cells_hold_for_each_of_their_rows() -> Check {
+    let cell = rope_cell();
+    // As people fill in a sheet: posture, state, force and angles stand once.
+    let merged = "Readings of Monday\nposture,state,point,x_mm,y_mm,z_mm,load_n,q1_deg,q2_deg\n\
+        1,unloaded,left,1500.125,-200.5,900.25,,12.5,-30\n,,right,1350.0625,-50.25,900.5,,,\n\
+        ,up-250,left,1500.25,-200.75,899.5,250,,\n,,right,1350.1875,-50.5,899.75,,,\n";
+    let whole = "posture,state,point,x_mm,y_mm,z_mm,load_n,q1_deg,q2_deg\n\
+        1,unloaded,left,1500.125,-200.5,900.25,,12.5,-30\n1,unloaded,right,1350.0625,-50.25,900.5,,12.5,-30\n\
+        1,up-250,left,1500.25,-200.75,899.5,250,12.5,-30\n1,up-250,right,1350.1875,-50.5,899.75,250,12.5,-30\n";
+    let regions = [
+        "A1:I1",
+        "A3:A6",
+        "B3:B4",
+        "B5:B6",
+        "G5:G6",
+        "H3:H6",
+        "I3:I6",
+        "A9:A1048576",
+    ];
+    let regions: String = regions
+        .iter()
+        .map(|r| format!("<mergeCell ref=\"{r}\"/>"))
+        .collect();
+    let more = format!("</sheetData><mergeCells count=\"8\">{regions}</mergeCells><sheetData>");
+    let mut table = read(&workbook_with(&[("Sheet1", cells(merged))], &more), &cell)?;
+    let said = table.remarks.remove(0);
+    assert_eq!(said.code, stiffarm::measure::MERGED_CELLS);
+    assert!(
+        said.sentence
+            .contains("posture, state, load_n, q1_deg and q2_deg"),
+        "{}",
+        said.sentence
+    );
+    assert_eq!(without_lines(table), without_lines(readings(whole, &cell)?));
+    // Cells that are not merged are empty, and say so.
+    let error = read(&workbook(&[("Sheet1", cells(merged))]), &cell).unwrap_err();
+    assert!(error.message().contains("empty"), "{error}");
+    Ok(())
+}

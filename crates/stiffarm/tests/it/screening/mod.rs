@@ -20,7 +20,7 @@ use stiffarm::measure::screening::{Cause, Screening, Suspicion, screen};
 use stiffarm::model::cell::{Cell, Limits};
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Load;
-use stiffarm::model::measurement::{ReadingTable, ReadingTarget};
+use stiffarm::model::measurement::{ReadingTable, ReadingTarget, WrenchColumns};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::model::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
 use stiffarm::plan::select::{StartKind, random_group};

@@ -170,6 +170,44 @@ fn mirrored_tracker_axes() {
 }
 
 #[test]
+fn exchanged_columns_are_told_by_where_the_tracker_stands() {
+    let exchanged = |table: &ReadingTable, i: usize, j: usize| {
+        let mut table = table.clone();
+        each_position(&mut table, |p| p.swap_rows(i, j));
+        table
+    };
+    // By the transform that is given, wherever the tracker stands.
+    let table = group1_table(7);
+    for (i, j, names) in [(0, 1, "x and y"), (1, 2, "y and z"), (0, 2, "x and z")] {
+        let given = tracker_pose(7);
+        let sanity = screen(&cell(), &exchanged(&table, i, j), Some(&given)).unwrap();
+        let found = only(&sanity);
+        assert_eq!(found.axis_slips, [format!("whether {names} are exchanged")]);
+        let said = sentences(&sanity);
+        assert!(
+            said.contains(&format!("First check whether {names}")),
+            "{said}"
+        );
+    }
+    // Without it by the base, where the tracker's axes are nearly its own.
+    let level = Experiment {
+        base_from_tracker: Isometry3::new(Vector3::new(3.0, 1.0, 0.5), Vector3::z() * 0.1),
+        ..options(7)
+    };
+    let table = experiment(&cell(), &named(group1()), &truth(&cell()), &level, 7, 0).unwrap();
+    let sanity = screen(&cell(), &exchanged(&table, 0, 1), None).unwrap();
+    assert_eq!(only(&sanity).axis_slips, ["whether x and y are exchanged"]);
+    let mut flipped = table.clone();
+    each_position(&mut flipped, |p| p.y = -p.y);
+    let sanity = screen(&cell(), &flipped, None).unwrap();
+    assert_eq!(only(&sanity).axis_slips, ["the sign of y"]);
+    // Else nothing tells.
+    let sanity = screen(&cell(), &exchanged(&group1_table(7), 0, 1), None).unwrap();
+    assert!(only(&sanity).axis_slips.is_empty());
+    assert!(sentences(&sanity).contains("readings cannot tell"));
+}
+
+#[test]
 fn force_sign_reversed() {
     let table = group1_table(8);
     let mut wrong = cell();
@@ -234,6 +272,28 @@ fn loaded_and_unloaded_rows_exchanged() {
 #[test]
 fn a_load_of_another_size() {
     let mut said = Vec::new();
+    // Newtons under a heading in kilonewtons.
+    let mut table = group1_table(10);
+    let mut cell_by_load = cell();
+    cell_by_load.sensor = None;
+    table.wrench_columns = WrenchColumns::None;
+    for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
+        state.wrench = None;
+        state.load = (state.state == "loaded").then_some(500e3);
+    }
+    let sanity = screen(&cell_by_load, &table, None).unwrap();
+    let found = only(&sanity);
+    assert_eq!((found.cause, found.factor), (Cause::LoadUnits, Some(1e-3)));
+    let sentence = sentences(&sanity);
+    assert!(
+        sentence.contains("500000 N, more than such a robot can carry"),
+        "{sentence}"
+    );
+    assert!(
+        sentence.contains("whether a heading says kn (load_kn, fx_kn)"),
+        "{sentence}"
+    );
+    assert!(!sentence.contains("hardly bends"), "{sentence}");
     let mut table = group1_table(10);
     for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
         // Kilonewtons under a heading in newtons.

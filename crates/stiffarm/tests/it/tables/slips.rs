@@ -77,7 +77,11 @@ fn slips_in_a_posture_table() {
         };
         report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
     }
-    let utf16 = read_postures(b"\xff\xfep\0o\0", "postures.csv", &rope_cell().setup.robot);
+    let utf16 = read_postures(
+        b"\xff\xfep\0\n\0\x00\xdco\0",
+        "postures.csv",
+        &rope_cell().setup.robot,
+    );
     let latin1 = read_postures(
         b"posture,q1_deg\nT\xfcr,1\n",
         "postures.csv",

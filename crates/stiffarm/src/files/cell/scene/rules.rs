@@ -4,6 +4,7 @@ use super::shape::direction;
 use crate::error::{Code, Result};
 use crate::files::cell::raw::{At, RawCell, RawClearance};
 use crate::files::cell::source::Source;
+use crate::model::implausible::tool_in_metres;
 use crate::model::load::Load;
 use crate::model::observation::Setup;
 use crate::model::scene::{
@@ -338,9 +339,13 @@ pub(super) fn check_places(
             };
             let key = format!("tool.measuring_point[{}].position_mm", i + 1);
             let error = source.error(Code::InvalidValue, &key, raw.span(), message);
-            return Err(
-                error.hint("correct the point or the shape, or set clearance.sight_mm lower")
-            );
+            let metres = tool_in_metres(&point.position).filter(|_| point.position.norm() > 0.0);
+            return Err(match metres {
+                Some(said) => error.hint(format!("the point {said}")),
+                None => {
+                    error.hint("correct the point or the shape, or set clearance.sight_mm lower")
+                }
+            });
         }
     }
     Ok(())

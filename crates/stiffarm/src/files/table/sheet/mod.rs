@@ -1,6 +1,5 @@
 //! Sheets to fill in beside the robot: rows as data first, then text or a workbook.
 
-mod loads;
 #[cfg(feature = "xlsx")]
 mod page;
 #[cfg(feature = "xlsx")]
@@ -11,6 +10,7 @@ pub use workbook::write_sheet_workbook;
 
 use super::columns::Values;
 use super::displacements::DEFAULT_STATE;
+use super::loads;
 use super::write::{Layout, degrees, line};
 use crate::model::cell::Cell;
 use crate::model::load::Load;

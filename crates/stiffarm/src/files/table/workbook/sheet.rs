@@ -7,7 +7,7 @@ use crate::files::table::foreign::{DATED, date_of, find};
 use crate::files::table::grid::{Field, Rows, Style, Table};
 use crate::files::table::text::named;
 use crate::model::cell::Columns;
-use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
+use calamine::{DataRef, Dimensions, Reader, SheetType, Xlsx, XlsxError};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -53,6 +53,7 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
         rows,
         aside,
         by_order,
+        merged,
     } = read.map_err(|e| match e.hint_text() {
         Some(_) => e.file(file),
         None => e.file(file).hint(HINT),
@@ -67,6 +68,9 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
     let mut table = Table::new(file, Style::Sheet, rows, foreign);
     table.aside = aside;
     table.set_by_order(by_order);
+    let headings = table.headings.iter();
+    let filled = headings.filter(|heading| merged.contains(&(heading.column as u32 - 1)));
+    table.merged = filled.map(|heading| heading.shown.clone()).collect();
     Ok(table)
 }
 
@@ -76,6 +80,8 @@ struct Sheet {
     rows: Rows,
     aside: Option<String>,
     by_order: bool,
+    /// Columns, from 0, in which merged cells were filled.
+    merged: Vec<u32>,
 }
 
 fn broken(error: XlsxError) -> Error {
@@ -104,27 +110,64 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
                 names.join(", ")
             )));
         };
-        let (rows, by_order) = rows(cells(&mut workbook, name)?, foreign)?;
-        return Ok(Sheet {
-            name: name.clone(),
-            rows,
-            aside: None,
-            by_order,
-        });
+        return sheet(&mut workbook, name, foreign);
     }
-    let (rows, by_order) = rows(cells(&mut workbook, first)?, foreign)?;
+    let own = sheet(&mut workbook, first, foreign)?;
     // Other sheets matter only to those who miss something in the first.
     let mut others = others.iter().take(OTHERS);
     let with_data = others.find(|name| holds_something(&mut workbook, name));
     let aside = with_data.map(|other| {
         format!("only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to the front, or name it in [columns] of the cell file: sheet = \"{other}\"")
     });
+    Ok(Sheet { aside, ..own })
+}
+
+/// The sheet of this name.
+fn sheet(workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str, foreign: &Columns) -> Result<Sheet> {
+    let mut cells = cells(workbook, name)?;
+    let has_heading = titles(&mut cells, foreign);
+    // Where nothing is left out nothing is merged, and the sheet need not be read again.
+    let width = cells.values().next().map_or(0, BTreeMap::len);
+    let merged = match cells.values().any(|row| row.len() < width) {
+        true => workbook.merge_cells_by_sheet_name(name).map_err(broken)?,
+        false => Vec::new(),
+    };
+    let merged = fill(&mut cells, &merged)?;
+    let (rows, by_order) = rows(cells, has_heading, foreign)?;
     Ok(Sheet {
-        name: first.clone(),
+        name: name.to_string(),
         rows,
-        aside,
+        aside: None,
         by_order,
+        merged,
     })
+}
+
+/// Gives each row of merged cells below the heading the value of the first; the columns in
+/// which there are some.
+fn fill(cells: &mut Cells, merged: &[Dimensions]) -> Result<Vec<u32>> {
+    let heading = cells.keys().next().copied().unwrap_or_default();
+    let mut columns = Vec::new();
+    let (mut count, mut text) = (0, 0);
+    for region in merged {
+        let ((first, column), (last, _)) = (region.start, region.end);
+        let held = cells.get(&first).and_then(|row| row.get(&column)).cloned();
+        let Some(held) = held.filter(|_| heading < first && first < last) else {
+            continue;
+        };
+        for (_, row) in cells.range_mut(first + 1..=last) {
+            count += 1;
+            text += held.as_ref().map_or(0, String::len);
+            if count > MOST_CELLS || text > MOST_TEXT {
+                return Err(too_large());
+            }
+            row.entry(column).or_insert_with(|| held.clone());
+            if !columns.contains(&column) {
+                columns.push(column);
+            }
+        }
+    }
+    Ok(columns)
 }
 
 /// What a cell holds; `None` for nothing.
@@ -223,9 +266,8 @@ fn too_large() -> Error {
     Error::new(Code::Unsupported, message).hint("give the table in parts, or as \"CSV UTF-8\"")
 }
 
-/// The rows as of a text: comments left out, gaps filled with empty fields.
-fn rows(mut cells: Cells, foreign: &Columns) -> Result<(Rows, bool)> {
-    let mut rows = Rows::default();
+/// Takes comments and titles above the heading away; false where no row is a heading.
+fn titles(cells: &mut Cells, foreign: &Columns) -> bool {
     cells.retain(|_, row| {
         let first = row.values().next();
         let remark = |text: &String| {
@@ -234,16 +276,21 @@ fn rows(mut cells: Cells, foreign: &Columns) -> Result<(Rows, bool)> {
         };
         !first.is_some_and(|held| held.as_ref().is_ok_and(remark))
     });
-    // Titles above the heading.
     let texts = |row: &BTreeMap<u32, Held>| -> Vec<String> {
         let texts = row.values().filter_map(|held| held.as_ref().ok());
         texts.cloned().collect()
     };
     let heading = find(cells.values().map(texts), foreign);
-    let by_order = heading.is_none() && !foreign.order.is_empty();
     for _ in 0..heading.unwrap_or(0) {
         cells.pop_first();
     }
+    heading.is_some()
+}
+
+/// The rows as of a text: gaps filled with empty fields.
+fn rows(cells: Cells, has_heading: bool, foreign: &Columns) -> Result<(Rows, bool)> {
+    let mut rows = Rows::default();
+    let by_order = !has_heading && !foreign.order.is_empty();
     // The table may begin in any column; it is as wide as its heading.
     let heading = cells.iter().next();
     let Some((line, mut columns)) = heading.map(|(line, row)| (line, row.keys().copied())) else {

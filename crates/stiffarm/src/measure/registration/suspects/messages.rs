@@ -196,6 +196,22 @@ impl Explanation {
 /// The slips of hand, reversed axes and exchanged columns of the tracker, that
 /// leave the frames nearly parallel when they are undone.
 fn parallel_frames(samples: &[Sample]) -> Vec<String> {
+    let slips = axis_slips(|undo| {
+        let undone: Vec<Sample> = samples
+            .iter()
+            .map(|s| Sample {
+                tracker: undo * s.tracker,
+                ..*s
+            })
+            .collect();
+        rigid(&undone).map_or(f64::INFINITY, |fit| fit.pose.rotation.angle())
+    });
+    slips.into_iter().map(|(said, _)| said).collect()
+}
+
+/// The slips of hand that mirror a frame, a reversed axis or two exchanged columns, with what undoes
+/// each: those with which `turn` \[rad\] is small.
+pub(crate) fn axis_slips(turn: impl Fn(&Matrix3<f64>) -> f64) -> Vec<(String, Matrix3<f64>)> {
     let axes = ["x", "y", "z"];
     let mut slips: Vec<(String, Matrix3<f64>)> = Vec::new();
     for i in 0..3 {
@@ -214,18 +230,6 @@ fn parallel_frames(samples: &[Sample]) -> Vec<String> {
             exchange,
         ));
     }
-    let angle = |undo: &Matrix3<f64>| {
-        let undone: Vec<Sample> = samples
-            .iter()
-            .map(|s| Sample {
-                tracker: undo * s.tracker,
-                ..*s
-            })
-            .collect();
-        rigid(&undone).map_or(f64::INFINITY, |fit| rad_to_deg(fit.pose.rotation.angle()))
-    };
-    let near = slips
-        .into_iter()
-        .filter(|(_, undo)| angle(undo) < PARALLEL_DEG);
-    near.map(|(said, _)| said).collect()
+    slips.retain(|(_, undo)| rad_to_deg(turn(undo)) < PARALLEL_DEG);
+    slips
 }

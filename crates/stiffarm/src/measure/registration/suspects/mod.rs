@@ -23,6 +23,7 @@ use super::fit::{RigidFit, Sample, rigid};
 use crate::findings::Severity;
 pub(super) use evidence::{chi_squared_tail, f_tail};
 use evidence::{ln_evidence, ln_volume, tail};
+pub(crate) use messages::axis_slips;
 pub(super) use messages::mm;
 
 /// Chance at which the largest of all left-out residuals counts as a likely

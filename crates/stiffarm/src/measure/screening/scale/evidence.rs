@@ -160,9 +160,12 @@ impl Sizes {
                 .iter()
                 .map(|(size, number)| number / size)
                 .collect();
-            let times = short(median(&ratios));
+            let of_loads = match median(&ratios) {
+                times if times < 0.1 => format!("1/{} of", short(1.0 / times)),
+                times => format!("{} times", short(times)),
+            };
             out.push(format!(
-                "the numbers in the names of states ({times} times the loads)"
+                "the numbers in the names of states ({of_loads} the loads)"
             ));
         }
         if self.stated(load) - self.stated(1.0) > WORTH {
@@ -171,6 +174,9 @@ impl Sizes {
         let plausible = |load, displacement| self.plausible(load, displacement);
         if plausible(load, displacement) - plausible(1.0, 1.0) > WORTH {
             out.push(match load != 1.0 {
+                true if load < 1.0 => {
+                    format!("{} N, more than such a robot can carry", short(self.load))
+                }
                 true => format!("{} N, which hardly bends such a robot", short(self.load)),
                 false => format!(
                     "{} mm, which no such load moves it by",

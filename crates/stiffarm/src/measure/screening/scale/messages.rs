@@ -108,12 +108,17 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
             where_loads_stand(cell)
         ),
         Cause::LoadUnits => format!(
-            "The loads look like {}: factor {factor}. {}.{}{} Check {}.",
+            "The loads look like {}: factor {factor}. {}.{}{} Check {}{}.",
             typed(&FORCES, s),
             beside(cell, s),
             rests_on(s),
             also(s),
-            where_loads_stand(cell)
+            where_loads_stand(cell),
+            match factor.as_str() {
+                // The heading says kilonewtons, or the cell's load is a thousand times too large.
+                "1/1000" => ", and whether a heading says kn (load_kn, fx_kn) above numbers in newtons",
+                _ => "",
+            }
         ),
         Cause::LoadEntry => {
             let place = match s.postures.is_empty() {

@@ -1,4 +1,5 @@
-//! The force of each load state, where it is certain before anything is measured.
+//! The force of each load state, where its name or the cell tells: a sheet is filled in with
+//! it, and a table read without `load_n` has what its names say.
 
 use crate::model::load::Load;
 use crate::model::measurement::Role;
@@ -19,24 +20,39 @@ pub(super) fn planned(states: &[String], load: &Load) -> Vec<Option<f64>> {
 }
 
 fn planned_load(state: &str, states: &[String], load: &Load) -> Option<f64> {
-    let role = Role::of(state);
-    if role == Role::Unloaded {
-        return None;
-    }
-    let loaded = |other: &&String| Role::of(other) == Role::Loaded;
-    let (size, rest, under_it) = match load.cases() {
-        [] => (load.size()?, state, states.iter().filter(loaded).count()),
-        cases => {
-            let case = cases.iter().find(|case| case.is_of(state))?;
-            let own = states.iter().filter(loaded).filter(|s| case.is_of(s));
-            let rest = state.strip_prefix(case.name.as_str())?;
-            (case.load.size()?, rest, own.count())
-        }
+    let (own, rest) = own_load(state, load)?;
+    let size = own.size()?;
+    let alone = || {
+        let mut others = states.iter().filter(|s| Role::of(s) == Role::Loaded);
+        Role::of(state) == Role::Loaded
+            && others.all(|s| {
+                s == state || !own_load(s, load).is_some_and(|(of, _)| std::ptr::eq(of, own))
+            })
     };
     match number(rest, size) {
-        Number::None if role == Role::Loaded && under_it == 1 => Some(size),
-        Number::Force(force) if force <= size => Some(force),
-        _ => None,
+        Number::None if alone() => Some(size),
+        found => found.force(size),
+    }
+}
+
+/// The force that the name of a state says \[N\], where it is one that the cell's load can have.
+pub(super) fn named(state: &str, load: &Load) -> Option<f64> {
+    let (own, rest) = own_load(state, load)?;
+    let size = own.size()?;
+    number(rest, size).force(size)
+}
+
+/// The load that a state is under, and what its name says beside the load's own name.
+fn own_load<'s, 'l>(state: &'s str, load: &'l Load) -> Option<(&'l Load, &'s str)> {
+    if Role::of(state) == Role::Unloaded {
+        return None;
+    }
+    match load.cases() {
+        [] => Some((load, state)),
+        cases => {
+            let case = cases.iter().find(|case| case.is_of(state))?;
+            Some((&case.load, state.strip_prefix(case.name.as_str())?))
+        }
     }
 }
 
@@ -49,6 +65,16 @@ enum Number {
     Force(f64),
     /// Something that may be a force, or not.
     Unclear,
+}
+
+impl Number {
+    /// The force, where it is not above that of the cell's load, `size`.
+    fn force(self, size: f64) -> Option<f64> {
+        match self {
+            Number::Force(force) if force <= size => Some(force),
+            _ => None,
+        }
+    }
 }
 
 fn number(name: &str, size: f64) -> Number {
