@@ -244,7 +244,7 @@ fn angles_of_a_urdf_are_nobodys_until_the_cell_says_so() {
             .contains("a,10,30,-20,15,-40,5")
     );
     // The controller alone: the maker's pendants count otherwise.
-    let told = cell.replace("# controller", "controller");
+    let told = cell.replace("# controller =", "controller =");
     folder.write("cell/cell.toml", &told);
     for line in [
         &format!("{} --despite-limits --force", lines[0]),

@@ -109,8 +109,8 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
         .filter(|controller| controller.couples_joint_3() && robot.level_forearm().is_some());
     let coupling = coupling.map(|controller| {
         let sentence = format!(
-            "Pendants of {} count joint 3 so that it keeps its reading while joint 2 turns the forearm along; theta_from_q of \
-             this cell does not. Look at the pendant (docs/robots.md) before the arm is driven.",
+            "Pendants of {} count joint 3 by the forearm's angle to the floor, which stays while joint 2 moves alone; \
+             theta_from_q of this cell counts it otherwise. Look at the pendant (docs/robots.md) before the arm is driven.",
             controller.title()
         );
         Finding::new("robot-doubt", Severity::Caution, "robot.theta_from_q", sentence)
