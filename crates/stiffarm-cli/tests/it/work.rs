@@ -237,7 +237,7 @@ fn a_tip_that_nobody_gave_is_named() {
         format!("compensate bare.toml prior {path} --output c.csv"),
         "map bare.toml prior --steps 2 --force-n 80,-200,300".to_string(),
     ] {
-        let out = folder.ok(&line);
+        let out = folder.run(&line).out;
         let text = out.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(said), "{line}: {text}");
     }
