@@ -51,6 +51,7 @@ fn a_plan() {
     request.seed = 7;
     request.sensitivity = true;
     let planned = plan(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    let planned = planned.with_forecast();
     same("-n 3 --rounds 1 --seed 7 --sensitivity", &planned);
 }
 
@@ -61,6 +62,7 @@ fn a_plan_from_an_initial_group() {
     request.initial = Some(group());
     request.max_iterations = 5;
     let planned = plan(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    let planned = planned.with_forecast();
     let line = "--from builtin:comau-group1 --index novel --max-iterations 5";
     same(line, &planned);
 }
@@ -74,6 +76,7 @@ fn postures_beside_given_ones() {
     request.angle_step_deg = None;
     request.certificate = false;
     let planned = plan(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    let planned = planned.with_forecast();
     let line =
         "--given builtin:comau-group1 --add 2 --rounds 1 --angle-step-deg 0 --no-certificate";
     same(line, &planned);
@@ -87,6 +90,7 @@ fn the_best_of_a_list() {
     request.postures = 4;
     request.index = Index::D;
     let planned = plan_candidates(&cell(), &candidates, &request, Control::default()).unwrap();
+    let planned = planned.with_forecast();
     let line = "--candidates builtin:comau-group1 -n 4 --index d";
     same(line, &planned);
 }

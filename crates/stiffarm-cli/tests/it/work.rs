@@ -226,28 +226,28 @@ fn a_wrist_held_straight_is_named_with_its_row() {
 
 #[test]
 fn a_tip_that_nobody_gave_is_named() {
-    let folder = folder();
+    let folder = Folder::new();
     let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     let from = cell.find("[work]").unwrap();
     folder.write("bare.toml", &cell[..from]);
-    let path = "builtin:contour --axes base --force-n 80,-200,300";
+    let path = "builtin:comau-group1 --axes base --force-n 80,-200,300";
     let said = "The tip is measuring point 1,";
     for line in [
-        format!("predict bare.toml k.json {path}"),
-        format!("compensate bare.toml k.json {path} --output c.csv"),
-        "map bare.toml k.json --step-mm 800 --force-n 80,-200,300".to_string(),
+        format!("predict bare.toml prior {path}"),
+        format!("compensate bare.toml prior {path} --output c.csv"),
+        "map bare.toml prior --steps 2 --force-n 80,-200,300".to_string(),
     ] {
-        let out = folder.ok(&line);
+        let out = folder.run(&line).out;
         let text = out.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(said), "{line}: {text}");
     }
-    let bare = folder.json(&format!("predict bare.toml k.json {path}"));
+    let bare = folder.json(&format!("predict bare.toml prior {path}"));
     assert_eq!(bare["result"]["tip_point"], "1");
     folder.write(
         "given.toml",
         format!("{}[work]\ntip_mm = [150, 0, 200]\n", &cell[..from]),
     );
-    let line = format!("predict given.toml k.json {path}");
+    let line = format!("predict given.toml prior {path}");
     assert!(folder.json(&line)["result"]["tip_point"].is_null());
     assert!(!folder.ok(&line).contains("The tip is"));
 }

@@ -158,7 +158,7 @@ fn postures_that_differ_separate_the_same_joints() {
     let prior = cell.require_prior().unwrap();
     for j in [1, 3, 5] {
         let joint = &result.estimates.joints[j];
-        assert_eq!(joint.verdict, Verdict::Determined);
+        assert!(joint.interval[1].is_some(), "{joint:?}");
         let error = (joint.stiffness.unwrap() - prior[j]) / joint.standard_error.unwrap();
         assert!(error.abs() < 4.0, "{joint:?}");
     }
