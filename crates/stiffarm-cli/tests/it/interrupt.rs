@@ -101,7 +101,7 @@ fn every_command_ends_with_130_and_a_word() {
     folder.write("plan.csv", random_postures(3_000, 7));
     let lines = [
         "evaluate builtin:comau many.csv",
-        "pose builtin:comau --postures many.csv",
+        "pose builtin:comau many.csv",
         "export builtin:comau many.csv --language krl",
         "route builtin:comau plan.csv",
     ];
