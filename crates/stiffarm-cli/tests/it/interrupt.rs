@@ -102,7 +102,7 @@ fn every_command_ends_with_130_and_a_word() {
     let lines = [
         "evaluate builtin:comau many.csv",
         "pose builtin:comau many.csv",
-        "export builtin:comau many.csv --language krl",
+        "export builtin:comau many.csv --language pdl2",
         "route builtin:comau plan.csv",
     ];
     for line in lines {
