@@ -107,8 +107,8 @@ fn every_command_ends_with_130_and_a_word() {
     folder.write("plan.csv", random_postures(3_000, 7));
     let lines = [
         "evaluate builtin:comau many.csv",
-        "pose builtin:comau --postures many.csv",
-        "export builtin:comau many.csv --language krl",
+        "pose builtin:comau many.csv",
+        "export builtin:comau many.csv --language pdl2",
         "route builtin:comau plan.csv",
     ];
     for line in lines {

@@ -453,12 +453,13 @@ fn a_spindle_is_judged_as_it_is_drawn() {
 #[test]
 fn a_fence_before_the_tracker_is_blamed_not_the_box() {
     let text = include_str!("../cells/comau-shapes.toml");
-    let fence = |name: &str, at: &str| {
+    let fence = |name: &str, at: &str, size: &str| {
         format!(
-            "\n[[obstacle]]\nname = \"{name}\"\nkind = \"box\"\ncenter_mm = [{at}]\nsize_mm = [400, 400, 400]\n"
+            "\n[[obstacle]]\nname = \"{name}\"\nkind = \"box\"\ncenter_mm = [{at}]\nsize_mm = [{size}]\n"
         )
     };
-    let fence = fence("fence", "5000, 1200, 1500") + &fence("screen", "1500, 4000, 1800");
+    let fence = fence("fence", "4600, 1200, 1500", "400, 3000, 3000")
+        + &fence("screen", "1500, 3600, 1800", "3000, 400, 3000");
     let cell = parse_cell(&(text.to_string() + &fence), "cell.toml").unwrap();
     let checked = check(&cell).unwrap();
     assert_eq!(checked.postures_within_limits, 0);
