@@ -135,7 +135,7 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
     );
     let heading = "posture,state,point,x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
     let angles = "10,-20,-90,30,40,50";
-    let states = ["unloaded", "left-250", "left-500"].map(|state| {
+    let states = ["unloaded", "left-low", "left-two"].map(|state| {
         let point = |point: u32| format!("1,{state},{point},1,2,3,{angles}\n");
         (1..=4).map(point).collect::<String>()
     });
