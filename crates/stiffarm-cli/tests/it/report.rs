@@ -233,6 +233,18 @@ fn the_words_of_a_result_make_it_again() {
 }
 
 #[test]
+fn a_result_from_python_shows_its_call() {
+    let folder = Folder::new();
+    let mut made: Value = folder.json("evaluate builtin:comau builtin:comau-group1");
+    made["arguments"] = serde_json::json!(["stiffarm.evaluate(cell, groups)"]);
+    folder.write("saved.json", made.to_string());
+    folder.ok("report saved.json --output page.html");
+    let page = folder.read("page.html");
+    assert!(page.contains("<code>stiffarm.evaluate(cell, groups)</code>"));
+    assert!(page.contains("The call in Python") && !page.contains("The command, with"));
+}
+
+#[test]
 fn results_side_by_side_mark_what_differs() {
     let folder = measured();
     let line = "predict builtin:comau";

@@ -163,7 +163,7 @@ pub struct Provenance {
     pub version: String,
     /// Seed of the random numbers, where there are any.
     pub seed: Option<u64>,
-    /// The command line that makes the result again.
+    /// The command line that makes the result again, or the call in Python.
     pub command_line: String,
     /// Inputs by role with their SHA-256.
     pub inputs: Vec<(String, String)>,

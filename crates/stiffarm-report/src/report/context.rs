@@ -251,13 +251,15 @@ fn provenance(saved: &SavedResult) -> Provenance {
     flatten("", &saved.json["options"], &mut options);
     let words = saved.arguments.iter().map(|word| quoted(word));
     let words: Vec<String> = words.collect();
+    let command_line = match saved.arguments.as_slice() {
+        [] => String::new(),
+        [call] if call.starts_with("stiffarm.") => visible(call).into_owned(),
+        _ => format!("stiffarm {}", words.join(" ")),
+    };
     Provenance {
         version: visible(&saved.version).into_owned(),
         seed: saved.seed,
-        command_line: match words.is_empty() {
-            true => String::new(),
-            false => format!("stiffarm {}", words.join(" ")),
-        },
+        command_line,
         inputs: saved.inputs.clone(),
         options,
     }

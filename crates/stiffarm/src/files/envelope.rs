@@ -18,7 +18,8 @@ pub struct Envelope<O, R> {
     /// The command.
     pub command: String,
     /// Words of the command line that makes the result again, inputs as `{role}`; where results go
-    /// and how they are shown is left out.
+    /// and how they are shown is left out. From Python one text, `stiffarm.identify(cell, measurements)`: the call, inputs
+    /// by the names of its parameters.
     pub arguments: Vec<String>,
     /// SHA-256 of each input by its role.
     pub inputs: BTreeMap<String, String>,
@@ -31,8 +32,7 @@ pub struct Envelope<O, R> {
 }
 
 impl<O, R> Envelope<O, R> {
-    /// `result` with what made it, in this version's format; without a command line
-    /// `arguments` is empty.
+    /// `result` with what made it, in this version's format; `arguments` is empty where the caller is to fill it in.
     pub fn new(
         command: &str,
         arguments: Vec<String>,
