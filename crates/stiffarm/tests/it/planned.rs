@@ -3,9 +3,13 @@
 use crate::common::{default_cell, group1};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use stiffarm::files::builtin;
+use stiffarm::findings::Severity;
+use stiffarm::model::cell::LimitKind;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::plan::characteristic_length::with_length;
+use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
 use stiffarm::plan::index::evaluate;
 use stiffarm::plan::planned::{
     CandidateRequest, CurveRequest, DropRequest, Mode, PlanRequest, SpaceFillingRequest, Stage,
@@ -340,4 +344,32 @@ fn a_missing_length_is_computed_or_its_lack_explained() {
     without.bounds[0] = [f64::NAN, f64::NAN];
     let (without, missing) = with_length(without);
     assert!(without.characteristic_length.is_none() && missing.is_some());
+}
+
+/// A machine may refuse its limit, and a distance that is just met is used up by a table that is
+/// a little elsewhere: the plan says which postures these are.
+#[test]
+fn postures_on_limits_and_without_room_to_spare_are_named() {
+    let cell = builtin::cell("comau-shapes").unwrap();
+    let mut postures = given();
+    let of = |postures: &[Posture]| -> Vec<PostureLimits> {
+        let all = postures.iter().map(|p| PostureLimits::new(&cell, &p.q));
+        all.collect::<Result<_, _>>().unwrap()
+    };
+    let mut limits = of(&postures);
+    assert_eq!(on_limits(&cell, &postures, &limits), []);
+
+    postures[1].q[1] = cell.setup.robot.joints()[1].limits[0] + 1e-4;
+    let shapes = limits[2].nearest.iter_mut();
+    let shapes = shapes.filter(|near| near.kind == LimitKind::Shapes);
+    shapes.for_each(|near| near.margin_m = Some(5e-5));
+    let found = on_limits(&cell, &postures, &limits);
+    let codes: Vec<&str> = found.iter().map(|f| f.code.as_str()).collect();
+    assert_eq!(codes, [ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE]);
+    assert_eq!(found[0].severity, Severity::Caution);
+    assert_eq!(found[0].subject, "bounds.q_deg[2]");
+    let named = format!("Posture {} has", postures[1].name);
+    assert!(found[0].sentence.starts_with(&named), "{}", found[0].sentence);
+    let named = format!("Posture {} has", postures[2].name);
+    assert!(found[1].sentence.starts_with(&named), "{}", found[1].sentence);
 }

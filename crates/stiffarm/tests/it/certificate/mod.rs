@@ -21,7 +21,7 @@ use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::plan::certificate::{
-    Certificate, CertificateOptions, certify, certify_further, joint_efficiencies,
+    Certificate, CertificateOptions, Verification, certify, certify_further, joint_efficiencies,
 };
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::select::{StartKind, random_group, select_from};
@@ -55,4 +55,15 @@ fn design(
         ..DesignOptions::default()
     };
     optimal_design(space, criterion, None, starts, options, Control::default()).unwrap()
+}
+
+/// A posture that the bound rests on and no search met: others may be missed as well.
+#[test]
+fn a_bound_whose_postures_no_search_met_is_doubted() {
+    let mut verification = Verification::default();
+    (verification.searches, verification.agreeing) = (1000, 12);
+    let doubt = verification.doubt().unwrap();
+    assert!(doubt.contains("too high"), "{doubt}");
+    verification.rarest = 1;
+    assert_eq!(verification.doubt(), None);
 }
