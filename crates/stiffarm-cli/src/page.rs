@@ -78,7 +78,6 @@ impl Session {
             let page = report(&[Given {
                 saved: &saved,
                 cell,
-                cell_changed: false,
             }])?;
             Ok(Some(render_page(&page)))
         }

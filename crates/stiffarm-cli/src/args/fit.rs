@@ -103,7 +103,7 @@ fn check_confidence(confidence: f64) -> Result<()> {
         false => Err(Error::new(
             Code::Usage,
             format!(
-                "The confidence must lie between {} and {}, got {confidence}.",
+                "The confidence must lie between {} and {}, got {confidence:?}.",
                 CONFIDENCE[0], CONFIDENCE[1]
             ),
         )

@@ -50,9 +50,9 @@ fn line(one: &Given<'_>) -> String {
     format!("{}: {}, {cell}\n", one.saved.name, one.saved.command)
 }
 
-/// A cell that was given, by the hash under which results name it; `None` where none does.
+/// A cell that was given, by the hash under which results name it.
 struct Known {
-    hash: Option<String>,
+    hash: String,
     named: NamedCell,
 }
 
@@ -74,14 +74,10 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         .iter()
         .map(|saved| {
             let hash = saved.input("cell");
-            let own = |known: &&Known| hash.is_some() && known.hash.as_deref() == hash;
-            let changed = |known: &&Known| hash.is_some() && known.hash.is_none();
-            let own = cells.iter().find(own);
-            let known = own.or_else(|| cells.iter().find(changed));
+            let known = cells.iter().find(|known| Some(known.hash.as_str()) == hash);
             Given {
                 saved,
                 cell: known.map(|known| &known.named.cell),
-                cell_changed: known.is_some() && own.is_none(),
             }
         })
         .collect();
@@ -129,8 +125,7 @@ fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Re
     paper_files(&figures, &drawings, &options)
 }
 
-/// The cells of the results: those given, and built-in ones. One that was given may have changed
-/// since.
+/// The cells of the results: those given, and built-in ones.
 fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Result<Vec<Known>> {
     let mut cells: Vec<Known> = Vec::new();
     let wanted: Vec<&str> = results.iter().filter_map(|r| r.input("cell")).collect();
@@ -141,37 +136,26 @@ fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Resul
             session.last_hash("cell").unwrap_or_default(),
             hash_without_work(&text),
         ];
-        let hash = own.into_iter().find(|hash| wanted.contains(&hash.as_str()));
+        let Some(hash) = own.into_iter().find(|hash| wanted.contains(&hash.as_str())) else {
+            let message = "No result was made with this version of the cell.";
+            return Err(Error::new(Code::Conflict, message)
+                .file(&named.name)
+                .hint("give the cell file as it was when the result was made ([work] and tasks may have been added since), or leave out --cell: the page then has no pictures of the cell"));
+        };
         cells.push(Known { hash, named });
     }
     for name in builtin::names() {
         let Some(text) = builtin::cell_text(name) else {
             continue;
         };
-        let hash = Some(sha256_hex(text.as_bytes()));
+        let hash = sha256_hex(text.as_bytes());
         let is_known = cells.iter().any(|known| known.hash == hash);
-        if hash.as_deref().is_some_and(|hash| wanted.contains(&hash)) && !is_known {
+        if wanted.contains(&hash.as_str()) && !is_known {
             let named = session.read_cell(&format!("{}{name}", builtin::PREFIX))?;
             cells.push(Known { hash, named });
         }
     }
-    let mut changed = cells.iter().filter(|known| known.hash.is_none());
-    let is_open = |hash: &&str| {
-        cells
-            .iter()
-            .all(|known| known.hash.as_deref() != Some(*hash))
-    };
-    let last = changed.next_back();
-    match last.filter(|_| changed.next().is_some() || !wanted.iter().any(is_open)) {
-        // Whose cell it was nothing tells.
-        Some(known) => Err(Error::new(
-            Code::Conflict,
-            "No result was made with this version of the cell.",
-        )
-        .file(&known.named.name)
-        .hint("give the cell file as it was when the result was made, or leave out --cell: the page then has no pictures of the cell")),
-        None => Ok(cells),
-    }
+    Ok(cells)
 }
 
 /// Hash of a cell file as it was before `[work]` and tasks, on which no measurement depends, were

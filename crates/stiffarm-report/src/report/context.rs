@@ -23,8 +23,6 @@ pub struct Given<'a> {
     pub saved: &'a SavedResult,
     /// The cell it was made with.
     pub cell: Option<&'a Cell>,
-    /// True where the cell's file has changed since.
-    pub cell_changed: bool,
 }
 
 impl Given<'_> {
@@ -43,7 +41,6 @@ impl Given<'_> {
 pub(super) struct Context<'a> {
     pub saved: &'a SavedResult,
     pub cell: Option<&'a Cell>,
-    pub cell_changed: bool,
 }
 
 impl<'a> Context<'a> {
@@ -51,7 +48,6 @@ impl<'a> Context<'a> {
         Context {
             saved: given.saved,
             cell: given.cell,
-            cell_changed: given.cell_changed,
         }
     }
 
@@ -95,16 +91,6 @@ impl<'a> Context<'a> {
             .into_iter()
             .partition(|finding| finding.severity > Severity::Note);
         warnings.extend(stopped(self.saved));
-        if self.cell_changed {
-            let sentence = "The file of the cell has changed since this result was made (another SHA-256). The pictures \
-                            show the cell as it is now; every number is that of the result.";
-            warnings.push(Finding::new(
-                "cell-changed",
-                Severity::Caution,
-                "cell",
-                sentence,
-            ));
-        }
         let outcome = Outcome::of(&warnings);
         warnings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         let mut sections = sections;

@@ -62,12 +62,7 @@ fn to(value: &impl serde::Serialize) -> Map<String, Value> {
 }
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
-    report(&[Given {
-        saved,
-        cell,
-        cell_changed: false,
-    }])
-    .unwrap()
+    report(&[Given { saved, cell }]).unwrap()
 }
 
 /// Every text of a page.

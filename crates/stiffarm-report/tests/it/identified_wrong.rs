@@ -45,12 +45,7 @@ fn suspected(mut result: Value, cause: &str, severity: &str, sentence: &str) -> 
 }
 
 fn page(saved: &SavedResult) -> Page {
-    report(&[Given {
-        saved,
-        cell: None,
-        cell_changed: false,
-    }])
-    .unwrap()
+    report(&[Given { saved, cell: None }]).unwrap()
 }
 
 fn one(result: Value) -> Part {
@@ -231,11 +226,7 @@ fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
     }
     let all: Vec<Given<'_>> = given
         .iter()
-        .map(|saved| Given {
-            saved,
-            cell: None,
-            cell_changed: false,
-        })
+        .map(|saved| Given { saved, cell: None })
         .collect();
     let page = report(&all).unwrap();
     let comparison = page.comparison.as_ref().unwrap();

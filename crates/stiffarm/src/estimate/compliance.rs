@@ -169,6 +169,15 @@ impl IdentifiedCompliance {
         doubts.filter(|finding| finding.severity == Severity::Serious)
     }
 
+    /// `error`, met in calculating with these values, with what is seriously wrong with them as its hint.
+    pub(crate) fn explain(&self, error: Error) -> Error {
+        let mut doubts = self.doubts.iter();
+        match doubts.find(|doubt| doubt.severity == Severity::Serious) {
+            Some(doubt) => error.hint(doubt.sentence.clone()),
+            None => error,
+        }
+    }
+
     /// Stiffness of the springs of `cell` \[N·m/rad\]; `None` without a positive one.
     pub fn spring_stiffness(&self, cell: &Cell) -> Vec<Option<f64>> {
         let springs = cell.setup.robot.spring_count();

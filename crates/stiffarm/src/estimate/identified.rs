@@ -13,7 +13,7 @@ use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, once};
 use crate::estimate::systematic::{SystematicErrors, systematic_errors};
-use crate::findings::Severity;
+use crate::findings::{Finding, Severity};
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
 use crate::measure::screening::Screening;
@@ -234,6 +234,7 @@ impl Identified {
         out.budget = unless_stopped("budget", &mut left_out, systematic_errors(fit))?;
         out.hold_all_errors();
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
+        out.not_computed = left_out.clone();
         out.sealed = out.seal(fit, mixed.as_ref());
         let search = GlobalOptions {
             seed: wanted.seed,
@@ -269,10 +270,19 @@ impl Identified {
                 (found.ok()?, self.budget.as_ref())
             }
         };
-        let found = match budget {
+        let mut found = match budget {
             Some(budget) => found.with_systematic_errors(budget),
             None => found,
         };
+        let missing = |part: &&str| self.not_computed.iter().any(|name| name == part);
+        if ["elastic", "budget"].iter().any(|part| missing(part)) {
+            let sentence = "The identification was stopped before it had the elastic model and the systematic errors: bands hold the \
+                            scatter of the readings alone. Identify again and let it end.";
+            let code = "stiffness-unfinished";
+            found
+                .doubts
+                .push(Finding::new(code, Severity::Caution, "stiffness", sentence));
+        }
         let measured = fit.measured();
         let mut scales = measured.screening.iter().flat_map(|s| s.scales());
         // What a scale explains is no finding of its own.

@@ -137,7 +137,10 @@ impl Request {
         let (postures, summary) = match points {
             None => {
                 let (tip, postures) = tasks(&cell)?;
-                cell.work.tip = Some(tip);
+                // A tip that no task gives stays the cell's, and is said to be a measuring point.
+                if tip != cell.work.tip(&cell.setup.tool) {
+                    cell.work.tip = Some(tip);
+                }
                 (postures, None)
             }
             Some(points) if self.cell_load => (under_cell_load(points, &cell)?, None),

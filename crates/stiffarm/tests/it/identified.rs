@@ -1,12 +1,14 @@
 //! All that an identification says, in one call.
 
 use crate::common::{default_cell, group1};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::identify::{Fit, IntervalHolds, Verdict};
 use stiffarm::measure::prepare;
 use stiffarm::measure::reduction::ReduceOptions;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::{Code, Control, simulated_readings};
+use stiffarm::{Code, Control, Watch, simulated_readings};
 
 fn fit() -> Fit {
     let cell = default_cell();
@@ -45,6 +47,30 @@ fn what_a_stop_leaves_out_is_named() {
     assert!(stopped.next_posture.is_none());
     assert_eq!(stopped.not_computed, ["next_posture"]);
     assert_eq!(stopped.next_posture_missing, None);
+}
+
+/// Whatever predicts with a stopped identification says that its bands lack the systematic errors.
+#[test]
+fn a_stop_before_the_systematic_errors_goes_along_with_the_stiffness() {
+    let cell = default_cell();
+    let group = PostureGroup::from_angles("", group1());
+    let readings = simulated_readings(&cell, &group.postures, 1).unwrap();
+    let measured = prepare(&cell, readings, &ReduceOptions::default()).unwrap();
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    let watch = Watch::new(move || asked.load(Ordering::Relaxed), |_, _, _| ());
+    let fit = Fit::watched(&cell, &measured, &Default::default(), watch).unwrap();
+    fit.identification().unwrap();
+    stop.store(true, Ordering::Relaxed);
+    let stopped = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+    assert!(stopped.budget.is_none(), "{:?}", stopped.not_computed);
+    let doubts = stopped.sealed.unwrap().predictor.doubts;
+    assert!(
+        doubts
+            .iter()
+            .any(|doubt| doubt.code == "stiffness-unfinished"),
+        "{doubts:?}"
+    );
 }
 
 #[test]

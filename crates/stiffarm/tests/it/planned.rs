@@ -369,7 +369,15 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     assert_eq!(found[0].severity, Severity::Caution);
     assert_eq!(found[0].subject, "bounds.q_deg[2]");
     let named = format!("Posture {} has", postures[1].name);
-    assert!(found[0].sentence.starts_with(&named), "{}", found[0].sentence);
+    assert!(
+        found[0].sentence.starts_with(&named),
+        "{}",
+        found[0].sentence
+    );
     let named = format!("Posture {} has", postures[2].name);
-    assert!(found[1].sentence.starts_with(&named), "{}", found[1].sentence);
+    assert!(
+        found[1].sentence.starts_with(&named),
+        "{}",
+        found[1].sentence
+    );
 }

@@ -26,7 +26,6 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let with_load = plan.selection.load.as_ref().zip(context.cell);
     let with_load = with_load.map(|(load, cell)| load.applied(cell));
     let context = &Context {
-        cell_changed: context.cell_changed,
         saved: context.saved,
         cell: with_load.as_ref().or(context.cell),
     };

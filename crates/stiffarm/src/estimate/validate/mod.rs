@@ -242,7 +242,10 @@ pub fn validate_with(
         Model::Equilibrium => {
             let springs = predictor.springs(model.as_str())?;
             let compliance = compliance_of_springs(&cell.setup.robot, springs);
-            let of = |m| displacements(cell, m, &compliance, model);
+            let of = |m| {
+                let found = displacements(cell, m, &compliance, model);
+                found.map_err(|e| predictor.explain(e))
+            };
             Some(measured.iter().map(of).collect::<Result<Vec<_>>>()?)
         }
     };

@@ -129,6 +129,9 @@ fn controller(robot: &DhRobot) -> Result<String> {
                     "pendants of {} count joint 3 otherwise than robot descriptions do",
                     maker.title()
                 ),
+                Some(Controller::Abb) => "pendants of ABB arms with a parallelogram (IRB 2400, IRB 4400) count joint 3 \
+                     otherwise than robot descriptions do"
+                    .to_string(),
                 _ => "joint 3 counts against joint 2, as in descriptions of arms whose pendants couple the two".to_string(),
             }
         ),

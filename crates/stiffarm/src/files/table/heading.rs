@@ -154,18 +154,22 @@ impl<'a> Table<'a> {
             let shown = above.map_or("", |heading| heading.shown.as_str());
             group = if shown.is_empty() { group } else { shown };
             let name = normal(&field.text);
-            // Its unit may stand above it.
+            // Its unit may stand above it, or be all that stands below.
             let unit = group.rsplit_once(['[', '(']).map_or("", |(_, unit)| unit);
             let unit = unit.trim_end_matches([']', ')']);
-            let with_unit = [name.clone(), format!("{name} [{unit}]")];
+            let below = field.text.trim_matches(['[', ']', '(', ')']);
+            let with_unit = [
+                name.clone(),
+                format!("{name} [{unit}]"),
+                format!("{shown} [{below}]"),
+            ];
             let own = with_unit.iter().filter_map(|n| own_unit(&normal(n)));
             let bare = known.iter().find(|k| k.stem == name);
             let own = [name.clone()].into_iter().chain(own).find(is_known);
-            let Some(own) = own.or_else(|| bare.map(Known::heading)) else {
-                continue;
-            };
-            names.push(own);
-            found += 1;
+            let own = own.or_else(|| bare.map(Known::heading));
+            found += usize::from(own.is_some());
+            // What is not understood keeps its place.
+            names.push(own.unwrap_or_else(|| [shown, &field.text].join(" ").trim().to_string()));
         }
         let error = self.heading_error(
             None,

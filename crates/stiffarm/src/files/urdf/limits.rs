@@ -50,8 +50,9 @@ fn meant(rad: f64) -> f64 {
     let digits = rad.to_string();
     let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
     let decimals = decimals.max(FEWEST_DECIMALS);
-    let last = rad_to_deg(10f64.powi(-(decimals as i32)));
     let deg = rad_to_deg(rad);
+    // Of all digits the conversion itself costs the last.
+    let last = rad_to_deg(10f64.powi(-(decimals as i32))).max(4.0 * f64::EPSILON * deg.abs());
     let rounded = |decimals: usize| {
         let factor = 10f64.powi(decimals as i32);
         (deg * factor).round() / factor

@@ -186,7 +186,8 @@ impl DhRobot {
         let against = |c: &DMatrix<f64>| c[(2, 1)] * c[(2, 2)] > 0.0;
         Ok(level.filter(|c| match self.maker {
             Some(Controller::Kuka) => false,
-            Some(maker) if maker.couples_joint_3() => true,
+            // Of ABB's the arms with a parallelogram.
+            Some(maker) if maker.couples_joint_3() || maker == Controller::Abb => true,
             _ => against(c),
         }))
     }

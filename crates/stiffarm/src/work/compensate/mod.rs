@@ -186,7 +186,7 @@ pub fn compensate(
     let arm = LoadedArm::new(cell, predictor)?;
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = in_order_watched(postures, "compensating", control, |(_, posture)| {
-        point(&arm, bands.as_ref(), posture).map_err(|e| posture.at(e))
+        point(&arm, bands.as_ref(), posture).map_err(|e| predictor.explain(posture.at(e)))
     })?;
     let confidence = bands.map(|b| b.confidence);
     let mut out = summarise(points, options, confidence);

@@ -173,7 +173,7 @@ pub fn predict(
     }
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = in_order_watched(postures, "bending", control, |(_, posture)| {
-        point(&arm, bands.as_ref(), posture, options).map_err(|e| posture.at(e))
+        point(&arm, bands.as_ref(), posture, options).map_err(|e| predictor.explain(posture.at(e)))
     })?;
     let mut out = summarise(points, options, bands.map(|b| b.confidence));
     out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);

@@ -124,12 +124,14 @@ fn a_text_names_a_maker_where_it_names_no_other() {
 /// The descriptions of FANUC's arms have J3 + J2 as joint 3: C with the forearm level gives the catalogue's.
 #[test]
 fn the_pendants_coupling_is_found_in_the_geometry() {
-    let pendant = Robot::from_catalogue("fanuc-r2000ic165f").unwrap();
-    let mut described = pendant.coupling().clone();
-    described[(2, 1)] = 0.0;
-    let described = pendant.clone().with_coupling(described).unwrap();
-    assert_eq!(described.level_forearm().as_ref(), Some(pendant.coupling()));
-    assert_eq!(pendant.level_forearm(), None, "coupled already");
+    for key in ["fanuc-r2000ic165f", "abb-irb2400-12-155"] {
+        let pendant = Robot::from_catalogue(key).unwrap();
+        let mut described = pendant.coupling().clone();
+        described[(2, 1)] = 0.0;
+        let described = pendant.clone().with_coupling(described).unwrap();
+        assert_eq!(described.level_forearm().as_ref(), Some(pendant.coupling()));
+        assert_eq!(pendant.level_forearm(), None, "coupled already");
+    }
     let panda = Robot::from_catalogue("panda").unwrap();
     assert_eq!(panda.level_forearm(), None, "axes 2 and 3 are not parallel");
 }
