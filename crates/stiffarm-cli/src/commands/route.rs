@@ -17,6 +17,7 @@ use stiffarm::files::table::write_postures;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::forbidden;
 use stiffarm::plan::route::{Route, RouteMove, RouteOptions, blocked_moves, rounded, route};
 use stiffarm::units::rad_to_deg;
@@ -79,6 +80,9 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
         write_all(session, &[(target, write_postures(&stops))])?;
     }
     let mut findings = not_allowed(cell, &stops)?;
+    if args.equivalents {
+        findings.extend(robot_doubts(&cell.setup.robot));
+    }
     findings.extend(remarks(cell, &stops, &found));
     let result = Routed {
         posture_names: stops.iter().map(|stop| stop.name.clone()).collect(),

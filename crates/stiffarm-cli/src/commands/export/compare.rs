@@ -1,5 +1,6 @@
 //! `stiffarm export --compare`: a program against the plan.
 
+use super::super::wrapped_line;
 use super::Task;
 use crate::args::ExportArgs;
 use crate::input::Line;
@@ -15,7 +16,9 @@ use stiffarm::files::program::{
     missing_stops, read_program, write_program,
 };
 use stiffarm::files::source::Source;
+use stiffarm::findings::Finding;
 use stiffarm::model::posture::Posture;
+use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::{Violation, violations};
 use stiffarm::units::deg_to_rad;
 
@@ -42,6 +45,8 @@ pub struct Compared {
     differences: Vec<Difference>,
     /// Limits of the cell that the program's postures violate.
     violations: Vec<Violation>,
+    /// What is doubtful about the angles of the cell's robot.
+    findings: Vec<Finding>,
 }
 
 /// Reads the program and compares it.
@@ -67,6 +72,7 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
         found_postures: postures.len(),
         differences,
         violations: violations(&task.cell.cell, &postures)?,
+        findings: robot_doubts(&task.cell.cell.setup.robot),
     };
     let is_finding = !result.same || !result.violations.is_empty();
     let text = table(task, &result);
@@ -126,6 +132,8 @@ fn other_lines(task: &Task, files: &[ProgramFile], found: &Program) -> Result<Ve
 
 fn table(task: &Task, result: &Compared) -> String {
     let mut out = task.cell.line();
+    let doubts = result.findings.iter().map(|f| wrapped_line(f) + "\n");
+    out.extend(doubts);
     out += &match result.same {
         true => format!(
             "program {}: the same {} postures as the plan, within {TOLERANCE_DEG}°, and no other line\n",
