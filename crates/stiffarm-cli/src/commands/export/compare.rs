@@ -1,8 +1,8 @@
 //! `stiffarm export --compare`: a program against the plan.
 
-use super::super::wrapped_line;
 use super::Task;
 use crate::args::ExportArgs;
+use crate::commands::wrapped_line;
 use crate::input::Line;
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};
