@@ -1,9 +1,7 @@
 //! The page of `evaluate`: indices and expected errors of given postures.
 
 use super::context::Context;
-use super::worth::{
-    UNSURE, Worth, is_beyond_first_order, joint_names, worst_joint, worth_sections,
-};
+use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
 use crate::page::{Block, DataTable, Part, Section, Text};
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
@@ -152,14 +150,12 @@ fn came(
             "{begin} joint stiffness can be expected with a relative standard error (RMS over the joints) of "
         ))
         .number(error.percent().significant(3));
-    if let Some(joint) = worst_joint(group.evaluation) {
-        let names = joint_names(&result.joints, group.evaluation);
-        let below = format!("{}/relative_standard_error/{joint}", group.at);
-        text = text
-            .words(format!("; least sure is {}, to ", names[joint]))
-            .number(context.number(&below).percent().significant(3).plus_minus());
-    }
-    text.words(".")
+    text.words(" by noise alone.").then(least_sure(
+        context,
+        &group.at,
+        group.evaluation,
+        &result.joints,
+    ))
 }
 
 /// One row per group.

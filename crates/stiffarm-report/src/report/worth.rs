@@ -59,12 +59,41 @@ pub(super) fn index_says(index: Index) -> &'static str {
     }
 }
 
-/// The joint with the largest relative standard error.
-pub(super) fn worst_joint(evaluation: &GroupEvaluation) -> Option<usize> {
-    let errors = evaluation.relative_standard_error.iter().enumerate();
-    let known = errors.filter_map(|(j, error)| Some((j, (*error)?)));
-    let worst = known.max_by(|a, b| a.1.total_cmp(&b.1));
-    worst.map(|(j, _)| j)
+/// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise alone.
+/// `at` is the evaluation's place below `/result`.
+pub(super) fn least_sure(
+    context: &Context<'_>,
+    at: &str,
+    evaluation: &GroupEvaluation,
+    joints: &[String],
+) -> Text {
+    let errors = &evaluation.relative_standard_error;
+    let forecast = evaluation.forecast.as_ref().map(|forecast| &forecast.total);
+    let forecast = forecast.filter(|total| total.iter().all(Option::is_some));
+    let known = forecast.unwrap_or(errors).iter().enumerate();
+    let known = known.filter_map(|(j, error)| Some((j, (*error)?)));
+    let Some((worst, _)) = known.max_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return Text::default();
+    };
+    let name = &joint_names(joints, evaluation)[worst];
+    let (begin, below, end) = match forecast {
+        Some(_) => (
+            format!(" Least sure will be {name}: "),
+            "forecast/total",
+            " in what identify prints, systematic errors included.",
+        ),
+        None => (
+            format!(" By noise alone {name} is least sure, with a standard error of "),
+            "relative_standard_error",
+            ".",
+        ),
+    };
+    let number = context.number(&format!("{at}/{below}/{worst}")).percent();
+    let number = match forecast {
+        Some(_) => number.significant(2).plus_minus(),
+        None => number.significant(3),
+    };
+    Text::new(begin).number(number).words(end)
 }
 
 /// Whether some joint's error is beyond what the first order says.

@@ -18,7 +18,6 @@ use stiffarm::files::program::{
 use stiffarm::files::source::Source;
 use stiffarm::findings::Finding;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::{Violation, violations};
 use stiffarm::units::deg_to_rad;
 
@@ -45,7 +44,7 @@ pub struct Compared {
     differences: Vec<Difference>,
     /// Limits of the cell that the program's postures violate.
     violations: Vec<Violation>,
-    /// What is doubtful about the angles of the cell's robot.
+    /// What is doubtful about the angles of the cell's robot, and which postures of the plan sit on a limit.
     findings: Vec<Finding>,
 }
 
@@ -72,7 +71,7 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
         found_postures: postures.len(),
         differences,
         violations: violations(&task.cell.cell, &postures)?,
-        findings: robot_doubts(&task.cell.cell.setup.robot),
+        findings: task.findings()?,
     };
     let is_finding = !result.same || !result.violations.is_empty();
     let text = table(task, &result);

@@ -28,7 +28,7 @@ use stiffarm::model::cell::LimitKind;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::Controller;
 use stiffarm::plan::check::robot_doubts;
-use stiffarm::plan::feasibility::{Violation, violations};
+use stiffarm::plan::feasibility::{PostureLimits, Violation, on_limits, violations};
 use stiffarm::units::rad_to_deg;
 use stiffarm::{Code, Error, Result};
 
@@ -77,7 +77,7 @@ pub struct Exported {
     rounding_deg: f64,
     /// Limits of the cell that postures violate.
     violations: Vec<Violation>,
-    /// What to distrust about the robot.
+    /// What to distrust about the robot, and which postures sit on a limit.
     findings: Vec<Finding>,
 }
 
@@ -114,6 +114,16 @@ pub fn run(session: &Session, args: &ExportArgs) -> Result<Exit> {
 }
 
 impl Task {
+    /// What to know before the arm is driven: doubts about its angles, postures on limits.
+    fn findings(&self) -> Result<Vec<Finding>> {
+        let cell = &self.cell.cell;
+        let limits = self.plan.iter().map(|p| PostureLimits::new(cell, &p.q));
+        let limits = limits.collect::<Result<Vec<_>>>()?;
+        let mut findings = robot_doubts(&cell.setup.robot);
+        findings.extend(on_limits(cell, &self.plan, &limits));
+        Ok(findings)
+    }
+
     fn new(session: &Session, args: &ExportArgs) -> Result<Self> {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
@@ -314,7 +324,7 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
         checked: task.driven.checked.clone(),
         rounding_deg: rounding,
         violations: task.violations.clone(),
-        findings: robot_doubts(&task.cell.cell.setup.robot),
+        findings: task.findings()?,
     };
     let doubts = result.findings.iter().map(|f| wrapped_line(f) + "\n");
     let doubts: String = doubts.collect();

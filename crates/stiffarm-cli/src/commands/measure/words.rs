@@ -219,7 +219,7 @@ fn proposal(cell: &Cell, better: &NextPosture, found: &Judgement) -> String {
     out += &format!(", q [deg] {}", angles(&better.angles));
     if let Some((error, name)) = worst(&better.after) {
         out += &format!(
-            ": standard error of every joint at most {} % ({name})",
+            ": a standard error of at most {} % ({name}) by the scatter of the readings alone",
             short(error)
         );
     }

@@ -2,6 +2,7 @@
 
 use super::certificate::efficient;
 use super::job::{Job, shown, statistic, to_usize};
+use super::table::told;
 use crate::commands::{evaluate, posture_table};
 use crate::numbers::counted;
 use crate::progress::Progress;
@@ -81,6 +82,7 @@ fn table(job: &Job<'_>, candidates: &[Candidate], chosen: &[Posture], result: &C
             left_out.len() - FORBIDDEN
         );
     }
+    out += &told(&result.findings);
     out += &title("Postures");
     out += &posture_table(cell, chosen).to_string();
     let names = vec![result.posture_names.iter().map(String::as_str).collect()];

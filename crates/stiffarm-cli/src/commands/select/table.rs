@@ -11,7 +11,7 @@ use crate::numbers::{coarse_mm, counted, percent, significant};
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title, yellow};
 use stiffarm::Termination;
-use stiffarm::findings::list;
+use stiffarm::findings::{Finding, list};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
@@ -44,12 +44,7 @@ pub fn plan(job: &Job<'_>, request: &PlanRequest, planned: &Planned<Plan, PlanOp
         out += &format!("{what}: none; {why}\n");
     }
     out += &remarks(cell, given, selected, plan);
-    let told = [MOVE_BLOCKED, ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE];
-    let told = plan
-        .findings
-        .iter()
-        .filter(|f| told.contains(&f.code.as_str()));
-    out += &told.map(|f| wrapped_line(f) + "\n").collect::<String>();
+    out += &told(&plan.findings);
     if let Some(chosen) = &selection.load {
         out += &title("Load chosen with the postures");
         out +=
@@ -101,7 +96,27 @@ fn index_line(job: &Job<'_>, plan: &Plan) -> String {
         }
         out += &format!(" ({})", selection.termination.describe());
     }
-    out + "\n"
+    if !plan.repeats.is_empty() {
+        let count = plan.posture_names.len();
+        out += &format!(
+            "; {count} postures, {} different",
+            different(&plan.repeats, count)
+        );
+    }
+    wrapped(&out, columns()) + "\n"
+}
+
+/// Findings about moves and postures that one wants to know before the tables.
+pub(super) fn told(findings: &[Finding]) -> String {
+    let codes = [MOVE_BLOCKED, ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE];
+    let own = findings.iter().filter(|f| codes.contains(&f.code.as_str()));
+    own.map(|f| wrapped_line(f) + "\n").collect()
+}
+
+/// How many of `count` postures differ.
+fn different(repeats: &[Vec<String>], count: usize) -> usize {
+    let again = repeats.iter().map(|same| same.len().saturating_sub(1));
+    count - again.sum::<usize>()
 }
 
 /// How a global search went, and how to have the same result again.
@@ -197,11 +212,7 @@ fn repeated(repeats: &[Vec<String>], count: usize, several_loads: bool) -> Strin
         "{}: {} different postures; measure {}: drive away in between. Against noise alone posture {} is worth more a second time than any \
          other once; what else may be wrong shows better at another posture{}",
         yellow("note"),
-        count
-            - repeats
-                .iter()
-                .map(|same| same.len().saturating_sub(1))
-                .sum::<usize>(),
+        different(repeats, count),
         list(&each),
         first[0],
         match several_loads {

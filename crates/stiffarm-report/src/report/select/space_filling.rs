@@ -2,7 +2,7 @@
 
 use super::super::context::Context;
 use super::super::postures::{posture_table, route_section};
-use super::super::worth::{UNSURE, Worth, is_beyond_first_order, worst_joint, worth_sections};
+use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
 use crate::page::{Part, Text};
 use serde::Deserialize;
 use stiffarm::Result;
@@ -55,14 +55,12 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         )
         .number(error.percent().significant(3))
         .words(".");
-        if let Some(joint) = worst_joint(evaluation) {
-            let names = super::super::worth::joint_names(&result.joints, evaluation);
-            let below = format!("/evaluation/relative_standard_error/{joint}");
-            text = text
-                .words(format!(" Least sure is {}, to ", names[joint]))
-                .number(context.number(&below).percent().significant(3).plus_minus())
-                .words(".");
-        }
+        text = text.then(least_sure(
+            context,
+            "/evaluation",
+            evaluation,
+            &result.joints,
+        ));
         text
     } else {
         Text::new("The condition number of the observation matrix is ")

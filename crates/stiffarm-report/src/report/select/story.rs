@@ -1,9 +1,7 @@
 //! The story of a plan in three sentences.
 
 use super::super::context::Context;
-use super::super::worth::{
-    index_number, index_says, is_beyond_first_order, joint_names, worst_joint,
-};
+use super::super::worth::{index_number, index_says, is_beyond_first_order, least_sure};
 use super::planned::Plan;
 use crate::page::Text;
 use stiffarm::Termination;
@@ -124,17 +122,8 @@ fn came(context: &Context<'_>, plan: &Plan) -> Text {
             )
             .words(" of what is possible.");
     }
-    let evaluation = plan.evaluation.as_ref();
-    let worst = evaluation.and_then(|e| Some((worst_joint(e)?, joint_names(&plan.joints, e))));
-    if let Some((joint, names)) = worst
-        && index != Index::WorstJoint
-    {
-        let below = format!("/evaluation/relative_standard_error/{joint}");
-        let error = context.number(&below).percent().significant(3).plus_minus();
-        text = text
-            .words(format!(" Least sure is {}, to ", names[joint]))
-            .number(error)
-            .words(".");
+    if let Some(evaluation) = plan.evaluation.as_ref() {
+        text = text.then(least_sure(context, "/evaluation", evaluation, &plan.joints));
     }
     text.words(on_limits(context))
 }

@@ -9,6 +9,7 @@ use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::characteristic_length::with_length;
 use crate::plan::check::robot_doubts;
+use crate::plan::feasibility::{PostureLimits, on_limits};
 use crate::plan::index::Index;
 use crate::plan::select::{CandidateOptions, CandidateSelection, select_candidates};
 use serde::{Deserialize, Serialize};
@@ -86,7 +87,7 @@ pub struct Chosen {
     pub postures: Vec<Vec<f64>>,
     /// Their names.
     pub posture_names: Vec<String>,
-    /// What to distrust about the robot of the catalogue.
+    /// What to distrust about the robot of the catalogue, and what sits on a limit.
     pub findings: Vec<Finding>,
 }
 
@@ -115,13 +116,17 @@ pub fn plan_candidates(
         q: candidates[*p].q.clone(),
     });
     let postures: Vec<Posture> = chosen.collect();
+    let limits = postures.iter().map(|p| PostureLimits::new(&cell, &p.q));
+    let limits = limits.collect::<Result<Vec<_>>>()?;
+    let mut findings = robot_doubts(&cell.setup.robot);
+    findings.extend(on_limits(&cell, &postures, &limits));
     let result = Chosen {
         joints: cell.setup.robot.spring_names(),
         candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
         measured_wrenches: candidates.iter().any(|c| c.wrench.is_some()),
         postures: postures.iter().map(|p| p.q.clone()).collect(),
         posture_names: postures.iter().map(|p| p.name.clone()).collect(),
-        findings: robot_doubts(&cell.setup.robot),
+        findings,
         selection,
     };
     let options = ChosenOptions {
