@@ -414,6 +414,59 @@ class CollinearSet(Record):
         return self._value("unknowns")
 
 
+class CommonErrors(Record):
+    """What errors common to an experiment may be, as far as its readings tell.
+
+    Each part is c standard uncertainties large. Before the readings c has mean zero and covariance I;
+    ``mean`` and ``covariance`` are those of c after them. The identified values are not corrected by the
+    mean, so that what counts are the moments about zero, covariance + mean meanᵀ.
+    """
+
+    __slots__ = ()
+
+    @property
+    def covariance(self) -> Any:
+        """Covariance of c, parts × parts: row i up to column i."""
+        return self._value("covariance")
+
+    @property
+    def mean(self) -> NDArray[Any]:
+        """Mean of c, one entry for each part."""
+        return self._numbers("mean")
+
+    @property
+    def parts(self) -> list[CommonPart]:
+        """The parts."""
+        return self._many("parts", CommonPart)
+
+
+class CommonPart(Record):
+    """One independent part of a common error, of one standard uncertainty: an axis, a joint, or all of a source
+    that is one number.
+    """
+
+    __slots__ = ()
+
+    @property
+    def at_work(self) -> Any:
+        """The term by which it acts again at work, where it does, and its size in the term's unit: lost motion
+        and a tilting base stay with the arm, an anchor or a registration with the experiment.
+        """
+        return self._value("at_work")
+
+    @property
+    def change(self) -> NDArray[Any]:
+        """Change of the identified unknowns while the part is there: compliances [rad/(N·m)], then further terms
+        in their own units.
+        """
+        return self._numbers("change")
+
+    @property
+    def source(self) -> str:
+        """Name of the source, as in [``SystematicErrors``](super::systematic::SystematicErrors)."""
+        return self._value("source")
+
+
 class CorrelatedPair(Record):
     """Two unknowns that the data can hardly tell apart."""
 
@@ -841,6 +894,13 @@ class EvaluatedGroup(Record):
         return self._value("expected_deviation")
 
     @property
+    def forecast(self) -> Forecast | None:
+        """How sure ``identify`` is expected to be once the group is measured; absent where nobody asked, without
+        a prior, and where the load is measured.
+        """
+        return self._maybe("forecast", Forecast)
+
+    @property
     def indices(self) -> Indices:
         """All indices."""
         return self._one("indices", Indices)
@@ -961,6 +1021,39 @@ class ForceDirection(Record):
         return self._value("state")
 
 
+class Forecast(Record):
+    """The ± of each joint's stiffness that ``identify`` is expected to print once a group is measured: every
+    measuring point once under the cell's load.
+    """
+
+    __slots__ = ()
+
+    @property
+    def confidence(self) -> float:
+        """Confidence of the half widths."""
+        return self._value("confidence")
+
+    @property
+    def largest_source(self) -> Any:
+        """The source of systematic error that will contribute most."""
+        return self._value("largest_source")
+
+    @property
+    def readings(self) -> Any:
+        """Half width by the scatter of the readings alone."""
+        return self._value("readings")
+
+    @property
+    def systematic(self) -> Any:
+        """Half width by systematic errors alone, as far as the readings will leave them."""
+        return self._value("systematic")
+
+    @property
+    def total(self) -> Any:
+        """Half width by readings and systematic errors together, joint by joint (fraction of k)."""
+        return self._value("total")
+
+
 class GeneralSpring(Record):
     """The compliance of a joint or of the base beyond the joint's axis."""
 
@@ -995,6 +1088,13 @@ class GroupEvaluation(Record):
     def expected_deviation(self) -> Any:
         """Expected |k̂ − k|/k per joint, sqrt(2/π) times the standard error (fraction)."""
         return self._value("expected_deviation")
+
+    @property
+    def forecast(self) -> Forecast | None:
+        """How sure ``identify`` is expected to be once the group is measured; absent where nobody asked, without
+        a prior, and where the load is measured.
+        """
+        return self._maybe("forecast", Forecast)
 
     @property
     def indices(self) -> Indices:
@@ -1234,7 +1334,10 @@ class JointEfficiency(Record):
 
 
 class JointEstimate(Record):
-    """Estimate of one joint."""
+    """Estimate of one joint. A fit alone knows the scatter of the readings; with the systematic errors, as
+    [``Identified``](crate::estimate::identified::Identified) has them, ± and interval hold all errors, and
+    ``interval_holds`` says so.
+    """
 
     __slots__ = ()
 
@@ -1245,20 +1348,30 @@ class JointEstimate(Record):
 
     @property
     def compliance_standard_error(self) -> float | None:
-        """σ_H [rad/(N·m)]."""
+        """σ_H by the scatter of the readings [rad/(N·m)]."""
         return self._value("compliance_standard_error")
 
     @property
     def determined(self) -> bool:
-        """True when the data determine this joint."""
+        """True when the data carry information about this joint; how well they determine it says ``verdict``."""
         return self._value("determined")
 
     @property
+    def half_width(self) -> float | None:
+        """± of k at the confidence of the fit (fraction of k): half width of H over H."""
+        return self._value("half_width")
+
+    @property
     def interval(self) -> Any:
-        """Interval of k [N·m/rad]: [1/(H + tσ_H), 1/(H − tσ_H)]; the upper end is ``None`` where the data give
-        only a lower bound, both where there is none.
+        """Interval of k [N·m/rad]: 1/(H ± half width of H); the upper end is ``None`` where the data give only a
+        lower bound, both where there is none.
         """
         return self._value("interval")
+
+    @property
+    def interval_holds(self) -> str:
+        """Which errors ``half_width``, ``standard_error``, ``interval`` and ``verdict`` hold."""
+        return self._value("interval_holds")
 
     @property
     def name(self) -> str:
@@ -1266,8 +1379,18 @@ class JointEstimate(Record):
         return self._value("name")
 
     @property
+    def readings_interval(self) -> Any:
+        """Interval by the scatter of the readings alone [N·m/rad]: [1/(H + tσ_H), 1/(H − tσ_H)]."""
+        return self._value("readings_interval")
+
+    @property
+    def readings_standard_error(self) -> float | None:
+        """Standard error by the scatter of the readings alone [N·m/rad]."""
+        return self._value("readings_standard_error")
+
+    @property
     def standard_error(self) -> float | None:
-        """k²·σ_H [N·m/rad], first order."""
+        """Standard uncertainty of k by the errors that the interval holds [N·m/rad]: k²·σ_H, first order."""
         return self._value("standard_error")
 
     @property
@@ -1697,17 +1820,9 @@ class MeasuredCoverage(Record):
 
 
 class MixedResult(Record):
-    """Values of the mixed model with what is known about them."""
+    """Values of the mixed model; what predicts with their covariance is sealed in the result."""
 
     __slots__ = ()
-
-    @property
-    def covariance(self) -> Any:
-        """Covariance of all unknowns, lower triangle row by row: joint axes, then the entries of the springs,
-        class by class (shift, turn, coupling), within a class spring by spring, within a spring by row and
-        column of its upper triangle.
-        """
-        return self._value("covariance")
 
     @property
     def interval_degrees_of_freedom(self) -> int | None:
@@ -1728,14 +1843,6 @@ class MixedResult(Record):
     def residual_std_m(self) -> float:
         """σ of a displacement component [m]."""
         return self._value("residual_std_m")
-
-    @property
-    def size_covariance(self) -> Any:
-        """How well the sizes are known: covariance of ln σ² and of the logarithms of the ratios of the classes'
-        variances to σ², lower triangle row by row. Empty in results of earlier versions, which take the sizes
-        as known.
-        """
-        return self._value("size_covariance")
 
     @property
     def sizes(self) -> list[ElasticSize]:
@@ -1791,7 +1898,9 @@ class NearestOnTheWay(Record):
 
     @property
     def distance_m(self) -> float:
-        """Distance [m]: of shapes from each other, of a point from the limit; looked at every half degree."""
+        """Distance [m]: of shapes from each other, of a point from the limit. Never more than the truth: a bound
+        that is proved, mostly to 0.01 mm.
+        """
         return self._value("distance_m")
 
     @property
@@ -2829,6 +2938,22 @@ class Profile(Record):
         return self._many("joints", JointProfile)
 
 
+class Range_of_uint(Record):
+    """Range_of_uint"""
+
+    __slots__ = ()
+
+    @property
+    def end(self) -> int:
+        """end"""
+        return self._value("end")
+
+    @property
+    def start(self) -> int:
+        """start"""
+        return self._value("start")
+
+
 class Reduced(Record):
     """What became of raw readings on their way to displacements."""
 
@@ -3040,6 +3165,61 @@ class Screening(Record):
         return self._value("unloaded_rms_m")
 
 
+class Sealed(Record):
+    """What later commands calculate with: all that they take from the result of an identification."""
+
+    __slots__ = ()
+
+    @property
+    def common(self) -> CommonErrors:
+        """What errors common to the whole experiment do to the values, and at work."""
+        return self._one("common", CommonErrors)
+
+    @property
+    def doubts(self) -> list[Finding]:
+        """What to know about the values: whatever is calculated with them says so. Serious where something was
+        wrong with what they were identified from.
+        """
+        return self._many("doubts", Finding)
+
+    @property
+    def extra(self) -> Any:
+        """The further terms."""
+        return self._value("extra")
+
+    @property
+    def largest_displacement_m(self) -> float | None:
+        """Size of the largest displacement of a point that was seen [m]; ``None`` with the flange fixed."""
+        return self._value("largest_displacement_m")
+
+    @property
+    def largest_force_n(self) -> float | None:
+        """Size of the largest force that was seen [N]."""
+        return self._value("largest_force_n")
+
+    @property
+    def postures(self) -> list[str]:
+        """Postures it was identified from."""
+        return self._value("postures")
+
+    @property
+    def spread(self) -> Spread | None:
+        """How sure the values are, where that is known."""
+        return self._maybe("spread", Spread)
+
+    @property
+    def springs(self) -> list[str]:
+        """Names of the springs: the first of the values."""
+        return self._value("springs")
+
+    @property
+    def undetermined(self) -> NDArray[Any]:
+        """Unknowns that nothing bounds, counted from 0: their value is 0 and means nothing, and what depends on
+        them cannot be calculated.
+        """
+        return self._numbers("undetermined")
+
+
 class SecondOrderShare(Record):
     """What the linear model leaves out at one posture and load."""
 
@@ -3076,6 +3256,22 @@ class SecondOrderShare(Record):
         return self._value("state")
 
 
+class Select_Spread(Record):
+    """The index under random errors, relative to the plan's (1 is no change)."""
+
+    __slots__ = ()
+
+    @property
+    def mean(self) -> float:
+        """Mean ratio."""
+        return self._value("mean")
+
+    @property
+    def worst(self) -> float:
+        """Worst ratio."""
+        return self._value("worst")
+
+
 class Sensitivity(Record):
     """How a plan stands up to wrong assumptions."""
 
@@ -3092,9 +3288,9 @@ class Sensitivity(Record):
         return self._one("options", SensitivityOptions)
 
     @property
-    def postures(self) -> Spread | None:
+    def postures(self) -> Select_Spread | None:
         """Postures that are not quite reached; ``None`` where an index stopped existing."""
-        return self._maybe("postures", Spread)
+        return self._maybe("postures", Select_Spread)
 
     @property
     def priors(self) -> list[PriorCase]:
@@ -3102,9 +3298,9 @@ class Sensitivity(Record):
         return self._many("priors", PriorCase)
 
     @property
-    def tool_points(self) -> Spread | None:
+    def tool_points(self) -> Select_Spread | None:
         """Loading and measuring points that are not quite where they were thought."""
-        return self._maybe("tool_points", Spread)
+        return self._maybe("tool_points", Select_Spread)
 
     @property
     def value(self) -> float:
@@ -3205,20 +3401,65 @@ class Size(Record):
         return self._value("value")
 
 
-class Spread(Record):
-    """The index under random errors, relative to the plan's (1 is no change)."""
+class SizeDoubt(Record):
+    """How well the sizes of a mixed model are known."""
 
     __slots__ = ()
 
     @property
-    def mean(self) -> float:
-        """Mean ratio."""
-        return self._value("mean")
+    def classes(self) -> list[Range_of_uint]:
+        """Unknowns of each class, counted from 0."""
+        return self._many("classes", Range_of_uint)
 
     @property
-    def worst(self) -> float:
-        """Worst ratio."""
-        return self._value("worst")
+    def covariance(self) -> Any:
+        """Covariance of ln σ² and of the logarithms of the ratios of the classes' variances to σ², 1 + classes:
+        row i up to column i.
+        """
+        return self._value("covariance")
+
+    @property
+    def prior(self) -> NDArray[Any]:
+        """Variance of each unknown before the data; zero for those that are no random effects."""
+        return self._numbers("prior")
+
+
+class Spread(Record):
+    """How far predictions and readings may scatter."""
+
+    __slots__ = ()
+
+    @property
+    def confidence(self) -> float:
+        """Confidence of the bands."""
+        return self._value("confidence")
+
+    @property
+    def covariance(self) -> Any:
+        """Covariance of the unknowns: row i up to column i; zero beside undetermined ones."""
+        return self._value("covariance")
+
+    @property
+    def degrees_of_freedom(self) -> int | None:
+        """Degrees of freedom of Student's t; ``None`` for normal quantiles."""
+        return self._value("degrees_of_freedom")
+
+    @property
+    def doubt(self) -> SizeDoubt | None:
+        """How well the sizes of a mixed model are known: quantiles of its combinations have degrees of freedom
+        of their own, no more than these.
+        """
+        return self._maybe("doubt", SizeDoubt)
+
+    @property
+    def shift_m(self) -> float:
+        """τ of a shift common to a posture's points, at its largest load [m]."""
+        return self._value("shift_m")
+
+    @property
+    def sigma_m(self) -> float:
+        """σ of a displacement component [m]."""
+        return self._value("sigma_m")
 
 
 class StateWeight(Record):
@@ -3308,6 +3549,11 @@ class Suspicion(Record):
     def angles_deg(self) -> NDArray[Any]:
         """Angle as written and as the readings have it, or offset of a joint [deg]."""
         return self._numbers("angles_deg")
+
+    @property
+    def axis_slips(self) -> list[str]:
+        """Slips of the tracker's axes with which it stands as it is given, or parallel to the base."""
+        return self._value("axis_slips")
 
     @property
     def before_m(self) -> float | None:
@@ -3976,9 +4222,16 @@ class CompensatedKeys(Record):
         return self._value("residual_rms_m")
 
     @property
-    def stiffness_nm_per_rad(self) -> NDArray[Any]:
-        """Joint stiffness that the commands were found with [N·m/rad], one per spring."""
-        return self._numbers("stiffness_nm_per_rad")
+    def stiffness_nm_per_rad(self) -> Any:
+        """Joint stiffness that the commands were found with [N·m/rad], one per spring; ``null`` for one without
+        a positive stiffness.
+        """
+        return self._value("stiffness_nm_per_rad")
+
+    @property
+    def tip_point(self) -> str | None:
+        """Name of the measuring point that stands for the tip; ``null`` where the cell gives the tip."""
+        return self._value("tip_point")
 
     @property
     def uncompensated_max_m(self) -> float:
@@ -4276,6 +4529,11 @@ class IdentifiedKeys(Record):
         return self._value("scaled_condition")
 
     @property
+    def sealed(self) -> Sealed | None:
+        """What later commands calculate with; ``null`` where the readings determine nothing."""
+        return self._maybe("sealed", Sealed)
+
+    @property
     def total_std_m(self) -> float | None:
         """s of the residuals of least squares with independent rows, for the comparison with the expected noise
         [m].
@@ -4361,9 +4619,16 @@ class PlacementKeys(Record):
         return self._value("searched_points")
 
     @property
-    def stiffness_nm_per_rad(self) -> NDArray[Any]:
-        """Joint stiffness that the search was made with [N·m/rad], one per spring."""
-        return self._numbers("stiffness_nm_per_rad")
+    def stiffness_nm_per_rad(self) -> Any:
+        """Joint stiffness that the search was made with [N·m/rad], one per spring; ``null`` for one without a
+        positive stiffness.
+        """
+        return self._value("stiffness_nm_per_rad")
+
+    @property
+    def tip_point(self) -> str | None:
+        """Name of the measuring point that stands for the tip; ``null`` where the cell gives the tip."""
+        return self._value("tip_point")
 
 
 class PlanKeys(Record):
@@ -4589,9 +4854,16 @@ class PredictedKeys(Record):
         return self._maybe("postures", PosturePathSummary)
 
     @property
-    def stiffness_nm_per_rad(self) -> NDArray[Any]:
-        """Joint stiffness that the prediction was made with [N·m/rad], one per spring."""
-        return self._numbers("stiffness_nm_per_rad")
+    def stiffness_nm_per_rad(self) -> Any:
+        """Joint stiffness that the prediction was made with [N·m/rad], one per spring; ``null`` for one without
+        a positive stiffness.
+        """
+        return self._value("stiffness_nm_per_rad")
+
+    @property
+    def tip_point(self) -> str | None:
+        """Name of the measuring point that stands for the tip; ``null`` where the cell gives the tip."""
+        return self._value("tip_point")
 
 
 class RegisteredKeys(Record):
@@ -4824,9 +5096,16 @@ class StiffnessMapKeys(Record):
         return self._maybe("stiffness_n_per_m", MapRange)
 
     @property
-    def stiffness_nm_per_rad(self) -> NDArray[Any]:
-        """Joint stiffness that the map was made with [N·m/rad], one per spring."""
-        return self._numbers("stiffness_nm_per_rad")
+    def stiffness_nm_per_rad(self) -> Any:
+        """Joint stiffness that the map was made with [N·m/rad], one per spring; ``null`` for one without a
+        positive stiffness.
+        """
+        return self._value("stiffness_nm_per_rad")
+
+    @property
+    def tip_point(self) -> str | None:
+        """Name of the measuring point that stands for the tip; ``null`` where the cell gives the tip."""
+        return self._value("tip_point")
 
     @property
     def x_m(self) -> NDArray[Any]:
@@ -4927,5 +5206,7 @@ class ValidatedKeys(Record):
 
     @property
     def unpredicted(self) -> list[str]:
-        """Postures that a cross-validation could not predict: the others do not determine all that moves them."""
+        """Postures that could not be predicted: what was identified, in a cross-validation from the others, does
+        not determine all that moves them.
+        """
         return self._value("unpredicted")
