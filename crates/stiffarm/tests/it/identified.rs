@@ -120,7 +120,7 @@ fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     // Read again nothing moves; a result of an earlier version comes to the same.
     let mut again: Identified = serde_json::from_value(saved).unwrap();
     again.hold_all_errors();
-    assert_eq!(again, all);
+    assert_eq!(again.identification, all.identification);
     again.identification.estimates.joints.clone_from(alone);
     again.hold_all_errors();
     assert_eq!(again.identification, all.identification);

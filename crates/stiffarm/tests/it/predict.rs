@@ -449,7 +449,7 @@ fn says_which_model_and_whether_the_linear_one_would_do() {
     let heavy = run(2e4, Model::Linear);
     assert!(!heavy.linear_suffices);
     let codes: Vec<&str> = heavy.findings.iter().map(|f| f.code.as_str()).collect();
-    assert_eq!(codes, ["model", "no-band"]);
+    assert_eq!(codes, ["model", "no-band", "tip-assumed"]);
     let none = run(0.0, Model::Equilibrium);
     assert!(none.findings.iter().any(|f| f.code == "no-load"));
     assert_eq!(none.deflection_max_m, 0.0);

@@ -324,7 +324,9 @@ fn very_many_postures_take_no_more_room_than_their_unknowns() {
     let (below, above) = (value(170), value(171));
     assert!(above <= below && above > 0.98 * below, "{above} {below}");
     let many = of(20_000);
-    assert!(many.prediction.unwrap() < 0.2 * below);
+    // What the load never bends stays unknown, however many postures there are.
+    let least = many.prediction.unwrap();
+    assert!(least < below && least > 0.99 * below, "{least} {below}");
     // What is expected of the joints falls with the root of the number.
     let few = of(1_000);
     let ratio = few.expected_error.unwrap() / many.expected_error.unwrap();
