@@ -261,7 +261,8 @@ def edit(folder, plain, edited):
     result = renamed(json.loads((folder / plain).read_text(encoding="utf-8")))
     sealed = result["result"]["sealed"]
     del result["seal"]
-    result["seal"] = {"file": sha256(spelled(result)), "sealed": sha256(spelled(sealed))}
+    whole = {key: value for key, value in result.items() if key != "arguments"}
+    result["seal"] = {"file": sha256(spelled(whole)), "sealed": sha256(spelled(sealed))}
     (folder / edited).write_text(json.dumps(result), encoding="utf-8")
 
 

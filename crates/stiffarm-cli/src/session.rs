@@ -3,7 +3,7 @@
 use crate::Captured;
 use crate::args::Global;
 use crate::arguments::arguments;
-use crate::files::Target;
+use crate::files::target::Target;
 use crate::identity::{FileId, Input};
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -137,15 +137,11 @@ def contents(folder: Path) -> dict[str, dict[str, str]]:
 def readable(
     cell: stiffarm.Cell, truth: stiffarm.Cell, postures: stiffarm.Postures, file: Path
 ) -> stiffarm.results.Identified:
-    """What the mixed model finds in simulated readings, and can be read again: see test_mixed_is_read_again."""
+    """What the mixed model finds in simulated readings."""
     forces = [key for key in stiffarm.Table.from_csv(file.read_text(encoding="utf-8")) if key.endswith("_n")]
     known = stiffarm.Table.from_csv(file.read_text(encoding="utf-8"))
-    for seed in range(60):
-        table = dict(stiffarm.simulate_measurements(truth, postures, seed=100 + seed))
-        found = stiffarm.identify(cell, {**table, **{key: known[key] for key in forces}}, elastic="mixed")
-        if all(max(row) <= 1.0 for row in found.elastic.mixed.to_dict()["size_covariance"]):
-            return found
-    raise AssertionError("No mixed model can be read again.")
+    table = dict(stiffarm.simulate_measurements(truth, postures, seed=100))
+    return stiffarm.identify(cell, {**table, **{key: known[key] for key in forces}}, elastic="mixed")
 
 
 def clamped(cell: stiffarm.Cell, postures: stiffarm.Postures) -> str:

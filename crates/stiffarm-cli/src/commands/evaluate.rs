@@ -69,11 +69,12 @@ pub const DEVIATION: &str =
 
 /// The ± that `identify` is expected to print; nothing where there is none.
 pub fn forecast(joints: &[String], evaluation: &GroupEvaluation) -> String {
-    let Some(found) = &evaluation.forecast else {
+    let known = evaluation.forecast.as_ref();
+    let Some(found) = known.filter(|found| found.total.iter().any(Option::is_some)) else {
         return String::new();
     };
     let mut out = title(&format!(
-        "± of the stiffness that `identify` will print for {} [%]",
+        "{}: ± of the stiffness that `identify` will print [%]",
         evaluation.name
     ));
     let level = format!("± {} %", confidence(found.confidence));

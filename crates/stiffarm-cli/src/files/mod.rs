@@ -7,6 +7,7 @@
 //! made meanwhile, costs the file and not the result: it is printed.
 
 mod contents;
+pub mod target;
 mod temporary;
 
 use crate::identity::folder_of;
@@ -17,26 +18,11 @@ use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
+pub use target::Target;
 use temporary::Temporary;
 
 /// Links that a link may lead over; as many as Linux follows.
 const MOST_LINKS: usize = 40;
-
-/// A place to write to that was checked beforehand.
-#[derive(Debug, Clone)]
-pub enum Target {
-    /// Standard output.
-    Stdout,
-    /// A file.
-    File {
-        /// Where it is.
-        path: PathBuf,
-        /// True where it may take the place of another.
-        force: bool,
-    },
-    /// A device or pipe: written in place.
-    Device(PathBuf),
-}
 
 impl Target {
     /// Checks `path` (`-` is standard output) before any work is done for it.

@@ -393,8 +393,8 @@ fn doubts_are_said_where_the_robot_is_used() {
         .read("cell/cell.toml")
         .replace("# limits_deg", &format!("{own}\n# limits_deg"));
     let limited = limited
-        .replace("[-89.954374, 159.855225]", "[-89, 150]")
-        .replace("[-179.908748, 180]", "[-100, 180]");
+        .replace("[-88.954374, 158.855225]", "[-89, 150]")
+        .replace("[-178.908748, 180]", "[-100, 180]");
     folder.write("own.toml", limited);
     let checked = folder.run("check own.toml");
     assert_eq!(times(&checked.out), 0, "{}{}", checked.out, checked.err);

@@ -54,7 +54,11 @@ fn a_stopped_identification_keeps_its_estimates() {
     let line = "identify builtin:comau m.csv --bootstrap 1000000 --output k.json";
     for signal in ["-INT", "-TERM"] {
         let found = result(&folder, &format!("{line} --force"), signal);
-        assert_eq!(found["joints"], whole["result"]["joints"]);
+        let values = |result: &Value| -> Vec<Value> {
+            let joints = result["joints"].as_array().unwrap().iter();
+            joints.map(|joint| joint["stiffness"].clone()).collect()
+        };
+        assert_eq!(values(&found), values(&whole["result"]));
         let named = found["not_computed"].as_array().unwrap();
         assert_eq!(named[0], "bootstrap");
         assert!(found["bootstrap"].is_null());
@@ -108,7 +112,7 @@ fn every_command_ends_with_130_and_a_word() {
     let lines = [
         "evaluate builtin:comau many.csv",
         "pose builtin:comau many.csv",
-        "export builtin:comau many.csv --language pdl2",
+        "export builtin:comau many.csv --language pdl2 --output-dir program",
         "route builtin:comau plan.csv",
     ];
     for line in lines {

@@ -105,8 +105,9 @@ fn a_load_that_can_hardly_be_meant_is_a_finding() {
         assert!(ran.out.contains("weighs 1618 N"), "{}", ran.out);
         folder.ok(&format!("{command} 300,0,0"));
     }
-    let line =
-        format!("compensate builtin:comau prior builtin:contour {load} 200000,0,0 --output -");
+    let line = format!(
+        "compensate builtin:comau prior builtin:contour {load} 200000,0,0 --beyond-data --output -"
+    );
     let ran = folder.run(&line);
     assert_eq!(ran.code, Some(1));
     assert!(ran.err.contains("can hardly be meant"), "{}", ran.err);

@@ -580,7 +580,7 @@ fn a_posture_that_is_planned_twice_is_said_so() {
     }
     let out = folder.ok(line);
     assert!(
-        out.contains("note: measure posture ") && out.contains("twice"),
+        out.contains("; 8 postures, ") && out.contains(" different postures; measure posture "),
         "{out}"
     );
     folder.refused("select builtin:comau --index prediction --largest-load-n 600");

@@ -53,10 +53,17 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
             .code("stiffarm select")
             .words("."),
     };
-    let mut key = DataTable::new(
-        "Range over the map, and the most dexterous posture of the best zone",
-        ["quantity", "smallest", "median", "largest", "best posture"],
-    );
+    let has_zone = zones.best.is_some();
+    let mut key = match has_zone {
+        true => DataTable::new(
+            "Range over the map, and the most dexterous posture of the best zone",
+            ["quantity", "smallest", "median", "largest", "best posture"],
+        ),
+        false => DataTable::new(
+            "Range over the map",
+            ["quantity", "smallest", "median", "largest"],
+        ),
+    };
     let rows = [
         (
             "dexterity 1/k(J_N)",
@@ -83,8 +90,8 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
             Text::from(number.significant(3))
         };
         let ends = ["smallest", "median", "largest"].map(|end| of(format!("/{range}/{end}")));
-        let best = of(format!("/best/{best}"));
-        key.row(name, ends.into_iter().chain([best]));
+        let best = has_zone.then(|| of(format!("/best/{best}")));
+        key.row(name, ends.into_iter().chain(best));
     }
     let mut sections = Vec::new();
     if let Some(best) = &zones.best {

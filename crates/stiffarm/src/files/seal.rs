@@ -13,12 +13,15 @@ use std::fmt;
 pub(super) const SECTION: &str = "result.sealed";
 /// Key of the seal.
 const SEAL: &str = "seal";
+/// Key of the words that make the result again: those of a command line or of a call from Python, so that
+/// one result has one seal.
+const ARGUMENTS: &str = "arguments";
 
 /// What a saved result was when it was written.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Seal {
-    /// SHA-256 of all of the file but the seal: of its values, not of their layout.
+    /// SHA-256 of all of the file but the seal and `arguments`: of its values, not of their layout.
     pub file: String,
     /// The same of `result.sealed`, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -39,9 +42,10 @@ struct Section {
 }
 
 impl Seal {
-    fn of(all: &Node, parts: Parts) -> Self {
+    fn of(mut all: BTreeMap<String, Node>, parts: Parts) -> Self {
+        all.remove(ARGUMENTS);
         Seal {
-            file: sha256_hex(&all.0),
+            file: sha256_hex(&Node::object(all).0),
             sealed: parts.result.sealed.map(|node| sha256_hex(&node.0)),
         }
     }
@@ -56,7 +60,7 @@ impl Seal {
             Error::new(Code::Internal, message)
         })?;
         let parts = serde_json::from_str(text);
-        Ok(Seal::of(&all, parts.unwrap_or_default()))
+        Ok(Seal::of(all, parts.unwrap_or_default()))
     }
 }
 
@@ -74,8 +78,8 @@ pub(super) fn unseal(json: &mut Value) -> Result<()> {
             .key(SEAL)
             .hint("make it again with this version, for a stiffness: identify again"));
     };
-    let all = Node::deserialize(&*json).map_err(|e| fault(&format!("{e}.")))?;
-    let own = Seal::of(&all, Parts::deserialize(&*json).unwrap_or_default());
+    let all = BTreeMap::deserialize(&*json).map_err(|e| fault(&format!("{e}.")))?;
+    let own = Seal::of(all, Parts::deserialize(&*json).unwrap_or_default());
     let changed = match (own.sealed != seal.sealed, own.file != seal.file) {
         (true, _) => {
             fault("What is calculated with was changed after it was written.").key(SECTION)
@@ -106,6 +110,15 @@ impl Node {
         let mut out = vec![kind];
         out.extend(sha256_hex(bytes).as_bytes());
         Node(out)
+    }
+
+    fn object(entries: BTreeMap<String, Node>) -> Self {
+        let mut all = Vec::new();
+        for (key, Node(value)) in entries {
+            Node::text(&mut all, &key);
+            all.extend(value);
+        }
+        Node::hashed(b'{', &all)
     }
 
     fn number(value: f64) -> Self {
@@ -167,14 +180,9 @@ impl<'d> Visitor<'d> for NodeVisitor {
 
     fn visit_map<A: MapAccess<'d>>(self, mut entries: A) -> std::result::Result<Node, A::Error> {
         let mut sorted = BTreeMap::new();
-        while let Some((key, Node(value))) = entries.next_entry::<String, Node>()? {
+        while let Some((key, value)) = entries.next_entry::<String, Node>()? {
             sorted.insert(key, value);
         }
-        let mut all = Vec::new();
-        for (key, value) in sorted {
-            Node::text(&mut all, &key);
-            all.extend(value);
-        }
-        Ok(Node::hashed(b'{', &all))
+        Ok(Node::object(sorted))
     }
 }

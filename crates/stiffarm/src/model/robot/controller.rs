@@ -1,6 +1,6 @@
 //! Whose pendant shows the angles q.
 
-use super::{DhRobot, Robot};
+use super::Robot;
 use crate::error::{Code, Error, Result, did_you_mean};
 use nalgebra::{DMatrix, Vector3};
 
@@ -170,25 +170,5 @@ impl Robot {
             level[(2, 1)] = -along.signum() * coupling[(1, 1)];
             level
         })
-    }
-}
-
-impl DhRobot {
-    /// C as the maker's pendant probably has it (see [`Robot::level_forearm`]) where the
-    /// description does not: the maker couples joint 3 to joint 2, or the description counts joint 3
-    /// against joint 2, as those of such arms do.
-    ///
-    /// # Errors
-    /// As [`robot`](Self::robot).
-    pub fn suspected_coupling(&self) -> Result<Option<DMatrix<f64>>> {
-        let level = self.robot()?.level_forearm();
-        // Where both count the same way the entry has the sign of joint 3 against joint 2 in −C.
-        let against = |c: &DMatrix<f64>| c[(2, 1)] * c[(2, 2)] > 0.0;
-        Ok(level.filter(|c| match self.maker {
-            Some(Controller::Kuka) => false,
-            // Of ABB's the arms with a parallelogram.
-            Some(maker) if maker.couples_joint_3() || maker == Controller::Abb => true,
-            _ => against(c),
-        }))
     }
 }
