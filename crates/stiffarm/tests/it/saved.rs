@@ -390,7 +390,7 @@ fn a_compliance_below_zero_is_a_broad_one() {
     };
     let (open_bend, closed_bend) = (bend(&open).unwrap(), bend(&closed).unwrap());
     assert_eq!(open_bend.stiffness_nm_per_rad[3], None);
-    let width = |bend: &stiffarm::Prediction| bend.points[0].band.unwrap().size_m[0];
+    let width = |bend: &stiffarm::Prediction| bend.points[0].band.unwrap().rms_m;
     assert!(width(&open_bend) > 2.0 * width(&closed_bend));
     let far =
         Vector3::from(open_bend.points[0].shift_m) - Vector3::from(closed_bend.points[0].shift_m);

@@ -7,7 +7,6 @@ use crate::page::Text;
 use stiffarm::Termination;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
-use stiffarm::plan::index::Index;
 
 /// Below this share of what is possible a longer search is worth its time.
 const WORTH_SEARCHING: f64 = 0.9;
