@@ -275,7 +275,7 @@ impl Identified {
             None => found,
         };
         let missing = |part: &&str| self.not_computed.iter().any(|name| name == part);
-        if ["elastic", "budget"].iter().any(|part| missing(part)) {
+        if ["elastic", "budget"].iter().any(missing) {
             let sentence = "The identification was stopped before it had the elastic model and the systematic errors: bands hold the \
                             scatter of the readings alone. Identify again and let it end.";
             let code = "stiffness-unfinished";
