@@ -700,7 +700,8 @@ def test_arrays_frames_and_files(work: dict[str, dict[str, str]]) -> None:
     # An array has no names of its own: these are "1", "2", ..., as here.
     assert own.names == [str(i + 1) for i in range(len(own))]
     assert stiffarm.evaluate(cell, {"plan": own.angles}).to_json() == expected
-    assert stiffarm.evaluate(cell, {"plan": own.degrees}, degrees=True).to_json() == expected
+    in_degrees = stiffarm.evaluate(cell, {"plan": own.degrees}, degrees=True).to_json()
+    assert without_arguments(in_degrees) == without_arguments(expected)
     assert stiffarm.evaluate(cell, {"plan": np.asfortranarray(own.angles)}).to_json() == expected
     assert stiffarm.evaluate(cell, {"plan": own.angles.tolist()}).to_json() == expected
     assert Path(file).read_text(encoding="utf-8") == own.to_csv() == table.to_csv()
