@@ -171,8 +171,7 @@ impl IdentifiedCompliance {
 
     /// `error`, met in calculating with these values, with what is seriously wrong with them as its hint.
     pub(crate) fn explain(&self, error: Error) -> Error {
-        let mut doubts = self.doubts.iter();
-        match doubts.find(|doubt| doubt.severity == Severity::Serious) {
+        match self.serious().next() {
             Some(doubt) => error.hint(doubt.sentence.clone()),
             None => error,
         }

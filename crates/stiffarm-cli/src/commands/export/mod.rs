@@ -28,7 +28,8 @@ use stiffarm::model::cell::LimitKind;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::Controller;
 use stiffarm::plan::check::robot_doubts;
-use stiffarm::plan::feasibility::{PostureLimits, Violation, on_limits, violations};
+use stiffarm::plan::feasibility::{Violation, on_limits, violations};
+use stiffarm::plan::select::limits_of;
 use stiffarm::units::rad_to_deg;
 use stiffarm::{Code, Error, Result};
 
@@ -117,8 +118,7 @@ impl Task {
     /// What to know before the arm is driven: doubts about its angles, postures on limits.
     fn findings(&self) -> Result<Vec<Finding>> {
         let cell = &self.cell.cell;
-        let limits = self.plan.iter().map(|p| PostureLimits::new(cell, &p.q));
-        let limits = limits.collect::<Result<Vec<_>>>()?;
+        let limits = limits_of(cell, &self.plan)?;
         let mut findings = robot_doubts(&cell.setup.robot);
         findings.extend(on_limits(cell, &self.plan, &limits));
         Ok(findings)

@@ -18,7 +18,7 @@ use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
 use stiffarm::plan::index::{GroupEvaluation, Index, expected_deviation};
 use stiffarm::plan::planned::{Plan, PlanOptions, PlanRequest, Planned};
 use stiffarm::plan::route::MOVE_BLOCKED;
-use stiffarm::plan::select::Selection;
+use stiffarm::plan::select::{Selection, different};
 
 /// k(J_N) above which a posture counts as near a singularity.
 const NEAR_SINGULAR: f64 = 50.0;
@@ -100,7 +100,7 @@ fn index_line(job: &Job<'_>, plan: &Plan) -> String {
         let count = plan.posture_names.len();
         out += &format!(
             "; {count} postures, {} different",
-            different(&plan.repeats, count)
+            different(count, &plan.repeats)
         );
     }
     wrapped(&out, columns()) + "\n"
@@ -111,12 +111,6 @@ pub(super) fn told(findings: &[Finding]) -> String {
     let codes = [MOVE_BLOCKED, ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE];
     let own = findings.iter().filter(|f| codes.contains(&f.code.as_str()));
     own.map(|f| wrapped_line(f) + "\n").collect()
-}
-
-/// How many of `count` postures differ.
-fn different(repeats: &[Vec<String>], count: usize) -> usize {
-    let again = repeats.iter().map(|same| same.len().saturating_sub(1));
-    count - again.sum::<usize>()
 }
 
 /// How a global search went, and how to have the same result again.
@@ -212,7 +206,7 @@ fn repeated(repeats: &[Vec<String>], count: usize, several_loads: bool) -> Strin
         "{}: {} different postures; measure {}: drive away in between. Against noise alone posture {} is worth more a second time than any \
          other once; what else may be wrong shows better at another posture{}",
         yellow("note"),
-        different(repeats, count),
+        different(count, repeats),
         list(&each),
         first[0],
         match several_loads {

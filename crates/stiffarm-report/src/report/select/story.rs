@@ -7,6 +7,7 @@ use crate::page::Text;
 use stiffarm::Termination;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
+use stiffarm::plan::select::different;
 
 /// Below this share of what is possible a longer search is worth its time.
 const WORTH_SEARCHING: f64 = 0.9;
@@ -22,15 +23,11 @@ pub(super) fn verdict(context: &Context<'_>, plan: &Plan) -> [Text; 3] {
 
 /// `12 postures (11 different)`.
 pub(super) fn counted(plan: &Plan) -> String {
-    let again: usize = plan
-        .repeats
-        .iter()
-        .map(|same| same.len().saturating_sub(1))
-        .sum();
-    match (plan.selection.group.len(), again) {
+    let count = plan.selection.group.len();
+    match (count, different(count, &plan.repeats)) {
         (1, _) => "One posture".to_string(),
-        (count, 0) => format!("{count} postures"),
-        (count, again) => format!("{count} postures ({} different)", count - again),
+        (_, all) if all == count => format!("{count} postures"),
+        (_, some) => format!("{count} postures ({some} different)"),
     }
 }
 

@@ -9,9 +9,9 @@ use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::characteristic_length::with_length;
 use crate::plan::check::robot_doubts;
-use crate::plan::feasibility::{PostureLimits, on_limits};
+use crate::plan::feasibility::on_limits;
 use crate::plan::index::Index;
-use crate::plan::select::{CandidateOptions, CandidateSelection, select_candidates};
+use crate::plan::select::{CandidateOptions, CandidateSelection, limits_of, select_candidates};
 use serde::{Deserialize, Serialize};
 
 /// What is asked of a choice out of a list.
@@ -116,8 +116,7 @@ pub fn plan_candidates(
         q: candidates[*p].q.clone(),
     });
     let postures: Vec<Posture> = chosen.collect();
-    let limits = postures.iter().map(|p| PostureLimits::new(&cell, &p.q));
-    let limits = limits.collect::<Result<Vec<_>>>()?;
+    let limits = limits_of(&cell, &postures)?;
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(on_limits(&cell, &postures, &limits));
     let result = Chosen {

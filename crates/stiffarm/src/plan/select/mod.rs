@@ -26,7 +26,7 @@ pub use global::{GlobalOptions, select, select_watched};
 pub use load_design::{DesignedLoad, LoadDesign};
 pub use posture_value::{Dropped, PostureValue, drop_postures, evaluations as drop_evaluations};
 pub use price::{LimitPrice, limit_prices};
-pub use selection::{RoundReport, Selection, repeats, smallest_margin};
+pub use selection::{RoundReport, Selection, different, limits_of, repeats, smallest_margin};
 pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
 };

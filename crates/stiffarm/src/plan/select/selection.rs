@@ -180,6 +180,12 @@ pub fn repeats<Q: AsRef<[f64]>>(group: &[Q]) -> Vec<Vec<usize>> {
     out
 }
 
+/// How many of `count` postures differ, of which these groups are the same ([`repeats`]).
+pub fn different<P>(count: usize, repeats: &[Vec<P>]) -> usize {
+    let again = repeats.iter().map(|same| same.len().saturating_sub(1));
+    count - again.sum::<usize>()
+}
+
 /// Refuses bounds that no angle meets.
 pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
     let reversed = |b: &[f64; 2]| b[0].is_nan() || b[1].is_nan() || b[0] > b[1];
@@ -195,8 +201,11 @@ pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
     }
 }
 
-/// How near each posture comes to the cell's limits; empty without limits.
-pub(super) fn limits_of<Q: AsRef<[f64]>>(cell: &Cell, group: &[Q]) -> Result<Vec<PostureLimits>> {
+/// How near each posture (controller angles, rad) comes to the cell's limits; empty without limits.
+///
+/// # Errors
+/// As [`PostureLimits::new`].
+pub fn limits_of<Q: AsRef<[f64]>>(cell: &Cell, group: &[Q]) -> Result<Vec<PostureLimits>> {
     if cell.is_unlimited() {
         return Ok(Vec::new());
     }
