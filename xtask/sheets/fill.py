@@ -154,10 +154,9 @@ def write_ordered(path, readings):
 
 
 def result(stiffarm, measurements):
-    """What identify says, without the names and sums of its inputs."""
+    """What identify says, without the names and sums of its inputs and the seal over them."""
     found = json.loads(run(stiffarm, "identify", CELL, str(measurements), "--json"))
-    found.pop("inputs", None)
-    return found
+    return {key: value for key, value in found.items() if key not in ("inputs", "seal")}
 
 
 def main():
