@@ -1,7 +1,7 @@
 //! `cargo xtask lint` and `cargo xtask ci`: what must hold before a change is taken.
 
 use crate::arguments::{OutputsOptions, TestOptions};
-use crate::run::{Failure, WITHOUT_PYTHON, Workspace, step};
+use crate::run::{Failure, Workspace, step};
 use crate::{fuzz, generate, outputs, structure, test};
 
 /// Every check that is not a test; stops at the first that fails.
@@ -16,7 +16,7 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
 /// What [`lint`] does, a little fuzzing, all commands on 1, 2 and 4 threads, then the tests. Their closing line is the last line of all.
 pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     check_code(workspace)?;
-    let build = test::build(workspace);
+    let build = workspace.build();
     step(&build, || build.run())?;
     step("cargo xtask generate --check", || {
         generate::run_built(workspace, true)
@@ -46,9 +46,8 @@ fn check_code(workspace: &Workspace) -> Result<(), Failure> {
     // All features of everything first: the other two combinations that matter leave parts of the library out, and
     // the nightly workflow checks every one. Clippy and not `cargo check`, because only it can refuse warnings
     // without compiling every dependency anew.
-    let all = [&WITHOUT_PYTHON[..], &["--all-targets", "--all-features"]].concat();
     for selection in [
-        &all[..],
+        &["--workspace", "--all-targets", "--all-features"][..],
         &["--package", "stiffarm"],
         &["--package", "stiffarm", "--no-default-features"],
     ] {
@@ -92,9 +91,14 @@ fn clippy(workspace: &Workspace, selection: &[&str]) -> Result<(), Failure> {
 }
 
 fn document(workspace: &Workspace) -> Result<(), Failure> {
-    let words = ["--no-deps", "--all-features", "--locked"];
     let doc = workspace
-        .cargo(&[&["doc"], &WITHOUT_PYTHON[..], &words].concat())
+        .cargo(&[
+            "doc",
+            "--workspace",
+            "--no-deps",
+            "--all-features",
+            "--locked",
+        ])
         .env("RUSTDOCFLAGS", "-D warnings");
     step(&doc, || doc.run())
 }

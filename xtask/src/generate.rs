@@ -66,17 +66,13 @@ enum Drift {
 /// What to do about [`Drift::Stray`].
 const STRAY_FIX: &str = "delete it, or move it to the folder that is copied";
 
-/// Builds `stiffarm` by itself, then writes what is generated, or with `check` only compares it.
+/// Builds everything, then writes what is generated, or with `check` only compares it.
 pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
-    workspace
-        .cargo(&["build", "--locked", "--package", "stiffarm-cli"])
-        .run()?;
+    workspace.build().run()?;
     run_built(workspace, check)
 }
 
-/// [`run`] with the `stiffarm` that has been built into the folder of this program. A build of the tests leaves it
-/// there, with other features of its dependencies than a build of the command alone, which would compile most of them
-/// a second time.
+/// [`run`] with the `stiffarm` that has been built into the folder of this program.
 pub fn run_built(workspace: &Workspace, check: bool) -> Result<(), Failure> {
     let program = beside_this_program("stiffarm")?;
     let stiffarm = |arguments: &[&str]| printed(&program, arguments);

@@ -35,7 +35,7 @@ const SCRIPT: Script = Script {
 
 /// Makes the pages and checks them.
 pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Failure> {
-    let build = workspace.cargo(&["build", "--package", "stiffarm-cli", "--locked"]);
+    let build = workspace.build();
     println!("{build}");
     build.run()?;
 

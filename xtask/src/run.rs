@@ -55,10 +55,6 @@ impl Failure {
     }
 }
 
-/// The whole workspace without the Python package, which cargo builds only where Python is: a machine with nothing but
-/// Rust must not notice that there is one.
-pub const WITHOUT_PYTHON: [&str; 3] = ["--workspace", "--exclude", "stiffarm-py"];
-
 /// The folder that holds the workspace's `Cargo.toml`.
 pub struct Workspace {
     root: PathBuf,
@@ -96,6 +92,20 @@ impl Workspace {
             arguments: arguments.iter().map(|a| a.to_string()).collect(),
             fix: "correct what it printed above, then run it again",
         }
+    }
+
+    /// The one build that every part of the tests takes its programs from: all tests, the command, and the extension
+    /// module of Python. A build of one of them alone would compile the library once more, because the others want
+    /// more features of what it stands on.
+    pub fn build(&self) -> Cargo<'_> {
+        self.cargo(&[
+            "build",
+            "--workspace",
+            "--locked",
+            "--lib",
+            "--bins",
+            "--tests",
+        ])
     }
 }
 

@@ -29,7 +29,7 @@ const INSTALL: &str = "cargo xtask sheets --install";
 
 /// Fills sheets by each program; with `install`, what is missing is installed first.
 pub fn run(workspace: &Workspace, install: bool) -> Result<Vec<Filled>, Failure> {
-    let build = workspace.cargo(&["build", "--package", "stiffarm-cli", "--locked"]);
+    let build = workspace.build();
     println!("{build}");
     build.run()?;
     let place = Place {

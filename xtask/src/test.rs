@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
-use crate::run::{Cargo, Failure, WITHOUT_PYTHON, Workspace, quoted};
+use crate::run::{Failure, Workspace, quoted};
 use crate::sheets::{self, Filled, Outcome};
 use crate::tally::{Ignored, Tally, Total};
 use crate::tools::Missing;
@@ -94,19 +94,7 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
 
 /// What `cargo test` runs, a call for each. Named one by one, because a plain `cargo test` also builds every example,
 /// optimised; clippy has checked them already.
-const TARGETS: [&[&str]; 2] = [&["--lib", "--bins", "--tests"], &["--doc"]];
-
-/// The build of everything that [`run`] runs but the doc tests.
-pub fn build(workspace: &Workspace) -> Cargo<'_> {
-    let arguments = [
-        &["test"],
-        &WITHOUT_PYTHON[..],
-        &["--locked", "--no-run"],
-        TARGETS[0],
-    ]
-    .concat();
-    workspace.cargo(&arguments)
-}
+const TARGETS: [&str; 2] = ["--tests", "--doc"];
 
 /// `cargo test` with doc tests, and with the tests that need the reference data where there is its folder. The text
 /// is a failure that no test accounts for.
@@ -118,8 +106,7 @@ fn run_rust(
     let mut complaint = None;
     for targets in TARGETS {
         let failed = tally.failed;
-        let words = ["--locked", "--no-fail-fast"];
-        let mut arguments = [&["test"], &WITHOUT_PYTHON[..], &words, targets].concat();
+        let mut arguments = vec!["test", "--workspace", "--locked", "--no-fail-fast", targets];
         if reference.is_some() {
             arguments.extend(["--", "--include-ignored"]);
         }
@@ -170,8 +157,7 @@ fn skip_of(test: &Ignored, reference: &Result<PathBuf, String>) -> Skip {
                 .clone()
                 .unwrap_or_else(|| "marked #[ignore] without a reason".to_string()),
             fix: format!(
-                "cargo test {} --locked -- --ignored --exact {}",
-                WITHOUT_PYTHON.join(" "),
+                "cargo test --workspace --locked -- --ignored --exact {}",
                 quoted(&test.name)
             ),
         },
@@ -232,7 +218,7 @@ mod tests {
         assert_eq!(
             described(&skips[1]),
             "src/lib.rs - f (line 5): slow; fix: \
-             cargo test --workspace --exclude stiffarm-py --locked -- --ignored --exact 'src/lib.rs - f (line 5)'"
+             cargo test --workspace --locked -- --ignored --exact 'src/lib.rs - f (line 5)'"
         );
     }
 

@@ -1,29 +1,41 @@
 //! The wheel: built from the checkout, and installed where its bytes are new.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use super::Place;
 use crate::checked::Checked;
 use crate::run::Failure;
-use crate::tools::{call, program_in};
+use crate::tools::{self, call, program_in};
 
-/// Builds the wheel in the release profile and installs it into the virtual environment; none where it does not build,
-/// which is noted as a failure.
+/// What cargo calls the extension module.
+const MODULE: &str = if cfg!(windows) {
+    "_stiffarm.dll"
+} else if cfg!(target_os = "macos") {
+    "lib_stiffarm.dylib"
+} else {
+    "lib_stiffarm.so"
+};
+
+/// Puts the wheel together with the extension module of the one build and installs it into the virtual environment;
+/// none where it cannot be made, which is noted as a failure.
 pub fn built_and_installed(
     place: &Place,
     checked: &mut Checked,
 ) -> Result<Option<PathBuf>, Failure> {
     let folder = place.folder.join("wheels");
     empty(&folder)?;
-    if !maturin(place, &["build", "--release", "--locked"], &folder)? {
-        let why = "the wheel does not build; fix: correct the first error above";
-        checked.failures.push(why.to_string());
-        return Ok(None);
-    }
+    let build = place.workspace.build();
+    println!("{build}");
+    build.run()?;
+    let script = place.workspace.root().join("xtask/python/wheel.py");
+    let module = tools::target(place.workspace).join("debug").join(MODULE);
+    let paths = [&script, &place.package, &module, &folder].map(|path| path.to_string_lossy());
+    let made = call(&place.python, &paths.each_ref().map(|path| path.as_ref()));
     let Some(wheel) = only_file(&folder, "whl") else {
-        let why = format!("maturin left no wheel in {}", folder.display());
-        checked.failures.push(why);
+        let why = made.err().unwrap_or_default();
+        checked
+            .failures
+            .push(format!("the wheel cannot be made: {why}"));
         return Ok(None);
     };
     let noted = place.folder.join("venv/stiffarm.whl");
@@ -51,10 +63,21 @@ pub fn built_and_installed(
 }
 
 /// The source distribution, beside the wheel.
-pub fn sdist(place: &Place) -> Result<Option<PathBuf>, Failure> {
+pub fn sdist(place: &Place) -> Result<PathBuf, String> {
     let folder = place.folder.join("wheels");
-    let made = maturin(place, &["sdist"], &folder)?;
-    Ok(only_file(&folder, "gz").filter(|_| made))
+    let manifest = place.package.join("Cargo.toml");
+    let [manifest, out] = [&manifest, &folder].map(|path| path.to_string_lossy());
+    let words = [
+        "-m",
+        "maturin",
+        "sdist",
+        "--manifest-path",
+        &manifest,
+        "--out",
+        &out,
+    ];
+    call(&place.python, &words)?;
+    only_file(&folder, "gz").ok_or_else(|| "maturin made none".to_string())
 }
 
 /// A virtual environment of another Python with the wheel, and with what [`super::SMOKE`] needs in the versions that
@@ -102,32 +125,6 @@ fn install(
     }
     install()?;
     std::fs::write(noted, &bytes).map_err(|error| error.to_string())
-}
-
-/// maturin on the package; whether it ended well.
-fn maturin(place: &Place, words: &[&str], folder: &Path) -> Result<bool, Failure> {
-    println!("maturin {} --out {}", words.join(" "), folder.display());
-    let mut call = Command::new(&place.python);
-    call.args(["-m", "maturin"])
-        .args(words)
-        .arg("--manifest-path")
-        .arg(place.package.join("Cargo.toml"))
-        .arg("--out")
-        .arg(folder);
-    if words[0] == "build" {
-        call.arg("--interpreter").arg(&place.python);
-    }
-    let status = call
-        .current_dir(place.workspace.root())
-        .stdin(Stdio::null())
-        .status()
-        .map_err(|error| {
-            Failure::internal(
-                format!("maturin could not be run: {error}"),
-                "delete target/python, and run it again",
-            )
-        })?;
-    Ok(status.success())
 }
 
 /// An empty folder: what an earlier version left would be taken for the new.
