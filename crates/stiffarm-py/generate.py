@@ -319,7 +319,7 @@ def described(name: str, one: Any, level: int) -> list[str]:
 
 
 def signature(name: str, one: Any) -> str:
-    """How it is called."""
+    """How it is called; types are an editor's to show."""
     found = inspect.signature(one)
     kept = [p for p in found.parameters.values() if p.name not in ("self", "cls")]
     words: list[str] = []
@@ -327,10 +327,9 @@ def signature(name: str, one: Any) -> str:
         if parameter.kind is parameter.KEYWORD_ONLY and "*" not in words:
             words.append("*")
         stars = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
-        kind = "" if parameter.annotation is parameter.empty else f": {parameter.annotation}"
         default = parameter.default
         shown = json.dumps(default) if isinstance(default, str) else repr(default)
-        words.append(f"{stars}{parameter.name}{kind}{'' if default is parameter.empty else f' = {shown}'}")
+        words.append(f"{stars}{parameter.name}{'' if default is parameter.empty else f'={shown}'}")
     end = "" if found.return_annotation is found.empty else f" -> {found.return_annotation}"
     text = f"{name}({', '.join(words)}){end}"
     return text if len(text) <= 100 else f"{name}(\n" + "".join(f"    {word},\n" for word in words) + f"){end}"
