@@ -308,14 +308,19 @@ def described(name: str, one: Any, level: int) -> list[str]:
     out += ["", *said] if said else []
     generated = [f"`{key}`" for key in keys if not any(line.startswith(f"- `{key}`:") for line in said)]
     out += ["", f"Keys: {', '.join(generated)}."] if generated else []
+    short: list[str] = []
+    long: list[str] = []
     for key, value in vars(one).items():
         function = value.__func__ if isinstance(value, (classmethod, staticmethod)) else value
         if key.startswith("_") or not inspect.isfunction(function):
             continue
         dot = f"{name}.{key}" if isinstance(value, (classmethod, staticmethod)) else f".{key}"
-        out += ["", f"{mark}# `{dot}`", "", "```python", signature(dot, function), "```", ""]
-        out += [marked(inspect.getdoc(function) or "")]
-    return out
+        called, words = signature(dot, function), marked(inspect.getdoc(function) or "")
+        if "\n" in called or "\n\n" in words:
+            long += ["", f"{mark}# `{dot}`", "", "```python", called, "```", "", words]
+        else:
+            short.append(f"- `{called}`: {' '.join(words.split())}")
+    return [*out, *([""] if short else []), *short, *long]
 
 
 def signature(name: str, one: Any) -> str:
