@@ -4,7 +4,7 @@
     python bench/campaigns.py --items 200      # a smoke run
 
 Needs the package with its extra: pip install "stiffarm[campaign]" psutil. Prints the tables of
-docs/scale.md and writes the raw numbers as JSON.
+docs/campaigns.md and writes the raw numbers as JSON.
 
 Own time is the time of an item in its worker as the wall clock has it, so on a machine that others
 use too it is longer for the item and for what is compared with it. Processor time is that of all

@@ -249,18 +249,29 @@ SECTIONS = {
 }
 
 
+#: What would stand at many functions: arguments that `ONCE` explains.
+REPEATED = {"cell: The cell.", "progress: Called as `progress(what, done, of)`; `True` shows a bar."}
+ONCE = """\
+Everywhere `cell` is the cell, and `progress` is called as `progress(what, done, of)`; `True` shows a bar.
+
+[Figures](plots.md) and [campaigns](campaigns.md), grids of such calls, have pages of their own."""
+RETURNED = """\
+Classes of `stiffarm.results`, all of them a `Result`. `help(stiffarm.results.Plan)`, an editor and `stiffarm schema
+result-select` say what each key is."""
+
+
 def page() -> str:
     """The text of ``docs/python.md``."""
     import stiffarm
     from stiffarm import results
 
     out = ["# Python", "", "Made of the docstrings by `crates/stiffarm-py/generate.py`.", ""]
-    out += [marked(inspect.getdoc(stiffarm) or "")]
+    out += [marked(inspect.getdoc(stiffarm) or ""), "", ONCE]
     for title, names in SECTIONS.items():
         out += ["", f"## {title}"]
         for name in names:
             out += described(name, getattr(stiffarm, name), 3)
-    out += ["", "## What the functions return", "", "Classes of `stiffarm.results`, all of them a `Result`."]
+    out += ["", "## What the functions return", "", RETURNED]
     for name in sorted(results.__all__):
         one = getattr(results, name)
         if isinstance(one, type) and issubclass(one, stiffarm.Result) and one is not stiffarm.Result:
@@ -282,28 +293,38 @@ def described(name: str, one: Any, level: int) -> list[str]:
         if not issubclass(one, dict) and name not in ("Record", "Result"):
             out += ["", "```python", signature(name, one), "```", "", marked(inspect.getdoc(one.__init__) or "")]
     keys: list[str] = []
+    said: list[str] = []
     for base in one.__mro__:
         if base.__name__.endswith("Keys") or base is one or base.__name__ == "_WithPostures":
             for key, value in vars(base).items():
-                if key.startswith("_") or key in keys:
+                if key.startswith("_") or key in keys or not isinstance(value, property):
                     continue
-                if isinstance(value, property):
-                    kind = str(inspect.signature(value.fget).return_annotation) if value.fget else ""
-                    first = (inspect.getdoc(value) or "").split("\n\n")[0]
-                    out += ["", f"- `{key}`: `{kind}`. {flat(first)}"] if not keys else [f"- `{key}`: `{kind}`. {flat(first)}"]
-                    keys.append(key)
+                keys.append(key)
+                if base.__name__.endswith("Keys"):
+                    continue
+                kind = str(inspect.signature(value.fget).return_annotation) if value.fget else ""
+                first = (inspect.getdoc(value) or "").split("\n\n")[0]
+                said.append(f"- `{key}`: `{kind}`. {flat(first)}")
+    out += ["", *said] if said else []
+    generated = [f"`{key}`" for key in keys if not any(line.startswith(f"- `{key}`:") for line in said)]
+    out += ["", f"Keys: {', '.join(generated)}."] if generated else []
+    short: list[str] = []
+    long: list[str] = []
     for key, value in vars(one).items():
         function = value.__func__ if isinstance(value, (classmethod, staticmethod)) else value
         if key.startswith("_") or not inspect.isfunction(function):
             continue
         dot = f"{name}.{key}" if isinstance(value, (classmethod, staticmethod)) else f".{key}"
-        out += ["", f"{mark}# `{dot}`", "", "```python", signature(dot, function), "```", ""]
-        out += [marked(inspect.getdoc(function) or "")]
-    return out
+        called, words = signature(dot, function), marked(inspect.getdoc(function) or "")
+        if "\n" in called or "\n\n" in words:
+            long += ["", f"{mark}# `{dot}`", "", "```python", called, "```", "", words]
+        else:
+            short.append(f"- `{called}`: {' '.join(words.split())}")
+    return [*out, *([""] if short else []), *short, *long]
 
 
 def signature(name: str, one: Any) -> str:
-    """How it is called."""
+    """How it is called; types are an editor's to show."""
     found = inspect.signature(one)
     kept = [p for p in found.parameters.values() if p.name not in ("self", "cls")]
     words: list[str] = []
@@ -311,10 +332,9 @@ def signature(name: str, one: Any) -> str:
         if parameter.kind is parameter.KEYWORD_ONLY and "*" not in words:
             words.append("*")
         stars = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
-        kind = "" if parameter.annotation is parameter.empty else f": {parameter.annotation}"
         default = parameter.default
         shown = json.dumps(default) if isinstance(default, str) else repr(default)
-        words.append(f"{stars}{parameter.name}{kind}{'' if default is parameter.empty else f' = {shown}'}")
+        words.append(f"{stars}{parameter.name}{'' if default is parameter.empty else f'={shown}'}")
     end = "" if found.return_annotation is found.empty else f" -> {found.return_annotation}"
     text = f"{name}({', '.join(words)}){end}"
     return text if len(text) <= 100 else f"{name}(\n" + "".join(f"    {word},\n" for word in words) + f"){end}"
@@ -342,6 +362,9 @@ def marked(text: str) -> str:
                 block.append(lines[number][4:])
                 number += 1
             items = re.split(r"\n(?=\S)", "\n".join(block).strip()) if head[1] != "Returns" else ["\n".join(block)]
+            items = [item for item in items if flat(item) not in REPEATED and not item.startswith("StiffarmError: ")]
+            if not items:
+                continue
             out += [f"**{title}**", ""]
             for item in items:
                 name, colon, said = item.partition(": ")

@@ -41,11 +41,13 @@ from fixed seeds: the same numbers for any number of threads.
 
 - A displacement is the difference of two readings, each with the cell's tracker noise; displacements follow the linear model.
 - Postures are drawn at random within the cell's limits, or selected for the smallest expected error where the row says so.
-- *Coverage* comes with its Monte Carlo standard error; *joints* is the range from the joint with the lowest to that with the
-  highest coverage. An interval that is open above counts as holding the truth when the truth is above its lower end; a joint
-  without an interval (negative stiffness beyond noise) counts as missed.
-- *Half-width* is the mean half-width of the interval of the compliance 1/k, relative to the true compliance.
-- Degrees of freedom are those of the interval's quantile; \"normal\" where the size of the noise is known.
+- Cells hold the coverage [%] and, in brackets, the mean half-width of the interval of the compliance 1/k over the true
+  compliance [%]. Columns are postures × measuring points of each, then the degrees of freedom of the interval's quantile
+  where all rows have the same.
+- An interval that is open above counts as holding the truth when the truth is above its lower end; a joint without an
+  interval (negative stiffness beyond noise) counts as missed.
+
+Standard errors, the joints one by one and the share of open intervals of each cell are in `crates/stiffarm/data/coverage.json`.
 ";
 
 fn exact(records: &[&Record]) -> String {
@@ -61,19 +63,20 @@ fn exact(records: &[&Record]) -> String {
         "## Exact intervals\n\n\
          Linear estimators with normal errors: the interval is exact whatever the postures, also with three degrees of freedom.\n\n\
          {}\n\
-         The largest distance from 95 % is {:.2} percentage points: {verdict}.\n",
-        table(records, false),
+         {} The largest distance from 95 % is {:.2} percentage points: {verdict}.\n",
+        table(records),
+        counted(records),
         100.0 * worst
     )
 }
 
 fn two_variance(records: &[&Record]) -> String {
-    let least = |joints: bool| {
-        let value = |r: &&Record| if joints { r.lowest } else { r.coverage };
-        100.0 * records.iter().map(value).fold(f64::INFINITY, f64::min)
+    let least = || {
+        let shares = records.iter().map(|r| r.coverage);
+        100.0 * shares.fold(f64::INFINITY, f64::min)
     };
     let most = 100.0 * records.iter().map(|r| r.coverage).fold(0.0, f64::max);
-    let verdict = match least(false) >= 94.0 {
+    let verdict = match least() >= 94.0 {
         true => "not below 94 %, the least this project accepts",
         false => "**below 94 %, the least this project accepts**",
     };
@@ -83,11 +86,10 @@ fn two_variance(records: &[&Record]) -> String {
          that all points of a posture share. Its t quantile has 3·postures − n degrees of freedom, as if each posture were one \
          reading. That is careful, most of all without a shift, and the more so the fewer the postures.\n\n\
          {}\n\
-         From {:.2} to {most:.2} %, {verdict}; the lowest single joint has {:.2} %. Without a common shift the intervals are wider than \
-         they need be: the price of not knowing that there is none.\n",
-        table(records, false),
-        least(false),
-        least(true)
+         {} From {:.2} to {most:.2} %, {verdict}.\n",
+        table(records),
+        counted(records),
+        least()
     )
 }
 
@@ -130,9 +132,10 @@ fn inexact(records: &[&Record]) -> String {
         // Writing to a string cannot fail.
         let _ = write!(
             out,
-            "\n### {title}\n\n{words}\n\n{}\nAs assumed: {}; against the assumptions: {}. No coverage is claimed below {smallest} \
-             degrees of freedom.\n",
-            table(&own, true),
+            "\n### {title}\n\n{words}\n\n{}\n{} As assumed: {}; against the assumptions: {}. No coverage is claimed below \
+             {smallest} degrees of freedom.\n",
+            table(&own),
+            counted(&own),
             range(false),
             range(true)
         );
@@ -156,36 +159,74 @@ fn beside(records: &[&Record]) -> String {
         "## Beside the model\n\n\
          Errors that no interval models, on six random postures. Intervals state the noise; what is common to all postures (force scale, \
          loading point) shows in no residual, and belongs to the common-mode part of the result. What differs from posture to posture \
-         (force of a posture, part of the lost motion) the two-variance model takes up in part as its shift.\n\n{}",
-        table(records, false)
+         (force of a posture, part of the lost motion) the two-variance model takes up in part as its shift.\n\n{}\n{}\n",
+        table(records),
+        counted(records)
     )
 }
 
-fn table(records: &[&Record], mark: bool) -> String {
-    let mut out = "| simulated | postures × points | degrees of freedom | coverage | joints | half-width | open above | experiments |\n\
-                   |:--|:--|--:|--:|--:|--:|--:|--:|\n"
-        .to_string();
+/// A row for each situation, a column for each size of the experiment.
+fn table(records: &[&Record]) -> String {
+    let mut situations: Vec<(&str, bool)> = Vec::new();
+    let mut sizes: Vec<(usize, usize)> = Vec::new();
     for r in records {
-        let dof = r
-            .degrees_of_freedom
-            .map_or("normal".to_string(), |d| d.to_string());
-        let against = if mark && r.adverse { "*against*: " } else { "" };
-        let width = r
-            .relative_half_width
-            .map_or("–".to_string(), |w| format!("{:.1} %", 100.0 * w));
-        let _ = writeln!(
-            out,
-            "| {against}{} | {} × {} | {dof} | {:.2} ± {:.2} % | {:.1}–{:.1} % | {width} | {:.1} % | {} |",
-            r.situation,
-            r.postures,
-            r.points,
-            100.0 * r.coverage,
-            100.0 * r.standard_error,
-            100.0 * r.lowest,
-            100.0 * r.highest,
-            100.0 * r.open_above,
-            r.experiments,
-        );
+        let situation = (r.situation.as_str(), r.adverse);
+        if !situations.contains(&situation) {
+            situations.push(situation);
+        }
+        if !sizes.contains(&(r.postures, r.points)) {
+            sizes.push((r.postures, r.points));
+        }
+    }
+    let mut out = "| simulated |".to_string();
+    for &(postures, points) in &sizes {
+        let own = || {
+            records
+                .iter()
+                .filter(|r| (r.postures, r.points) == (postures, points))
+                .map(|r| r.degrees_of_freedom)
+        };
+        let first = own().next().flatten();
+        let dof = match first {
+            Some(dof) if own().all(|d| d == first) => format!(", {dof}"),
+            _ => String::new(),
+        };
+        out += &format!(" {postures} × {points}{dof} |");
+    }
+    out += &format!("\n|:--|{}\n", "--:|".repeat(sizes.len()));
+    for (situation, adverse) in situations {
+        let against = if adverse { "*against*: " } else { "" };
+        out += &format!("| {against}{situation} |");
+        for &size in &sizes {
+            let found = records
+                .iter()
+                .find(|r| r.situation == situation && (r.postures, r.points) == size);
+            out += &format!(" {} |", found.map(|r| share(r)).unwrap_or_default());
+        }
+        out.push('\n');
     }
     out
+}
+
+/// Coverage and half-width, in per cent.
+fn share(r: &Record) -> String {
+    let coverage = 100.0 * r.coverage;
+    match r.relative_half_width {
+        Some(width) => format!("{coverage:.2} ({:.1})", 100.0 * width),
+        None => format!("{coverage:.2}"),
+    }
+}
+
+/// How much was counted, and how far joints and standard errors go.
+fn counted(records: &[&Record]) -> String {
+    let experiments = records.iter().map(|r| r.experiments).min().unwrap_or(0);
+    let low = records.iter().map(|r| r.lowest).fold(1.0, f64::min);
+    let high = records.iter().map(|r| r.highest).fold(0.0, f64::max);
+    let error = records.iter().map(|r| r.standard_error).fold(0.0, f64::max);
+    format!(
+        "{experiments} experiments a cell, standard errors up to {:.2} %; single joints have {:.1} to {:.1} %.",
+        100.0 * error,
+        100.0 * low,
+        100.0 * high
+    )
 }

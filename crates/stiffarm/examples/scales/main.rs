@@ -1,5 +1,5 @@
 //! How often faults of scale are named, and how often sound experiments are
-//! suspected of one: the table of docs/scales.md.
+//! suspected of one: the table of docs/readings.md.
 //!
 //! `cargo run --release -p stiffarm --example scales [EXPERIMENTS [SOUND [SEED [NAME]]]]`
 //!

@@ -65,7 +65,7 @@ fn the_built_in_cells_are_usable() {
         assert_eq!(checked.postures_sampled, SAMPLES as usize);
     }
     let checked = check(&comau()).unwrap();
-    // 27 % of random postures meet the default cell's limits (docs/method.md).
+    // 27 % of random postures meet the default cell's limits.
     let share = checked.postures_within_limits as f64 / f64::from(SAMPLES);
     assert!((0.2..0.35).contains(&share), "{share}");
     the(&checked, "one-reading", "One reading");

@@ -17,7 +17,7 @@ use stiffarm::model::robot::{DhConvention, DhRow, Robot};
 use stiffarm::nalgebra::Isometry3;
 use stiffarm::prepare;
 
-/// Another seed than that of the table in docs/scales.md.
+/// Another seed than that of the table in docs/readings.md.
 const SEED: u64 = 7;
 
 #[test]

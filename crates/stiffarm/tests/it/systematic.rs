@@ -161,7 +161,7 @@ fn every_source_is_the_error_really_made() {
     }
 }
 
-/// The numbers of docs/method.md on the default cell's expected-error plan.
+/// The budget on the default cell's expected-error plan.
 #[test]
 fn the_budget_of_the_default_cell() {
     let mut cell = quiet_cell();

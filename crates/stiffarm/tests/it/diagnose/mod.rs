@@ -229,7 +229,7 @@ fn the_linear_model_is_judged_posture_by_posture() {
     let measured = measure(&cell, 1);
     let shares = second_order_shares(&cell, &measured, &truth(&cell)).unwrap();
     assert_eq!(shares.len(), 12);
-    // docs/method.md: below 4 µm at 500 N in Group 1.
+    // Below 4 µm at 500 N in Group 1.
     assert!(
         shares[..6]
             .iter()
