@@ -72,7 +72,7 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
     // Each has a folder of its own, so they need not wait for each other.
     let start = Instant::now();
     let ran: Vec<_> = std::thread::scope(|scope| {
-        let run = |(filled, threads): &(PathBuf, Option<usize>)| {
+        let run = |(filled, threads): &(PathBuf, Option<u16>)| {
             let (binary, calls, filled, threads) = (&binary, &calls, filled.clone(), *threads);
             scope.spawn(move || run_all(binary, &filled, calls, threads))
         };
@@ -95,7 +95,7 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
 }
 
 /// The folder of the same outputs on `threads` threads.
-fn beside(folder: &Path, threads: usize) -> PathBuf {
+fn beside(folder: &Path, threads: u16) -> PathBuf {
     let mut name = folder.as_os_str().to_owned();
     name.push(format!("-{threads}"));
     PathBuf::from(name)
@@ -128,7 +128,7 @@ fn run_all(
     binary: &Path,
     folder: &Path,
     calls: &[Call],
-    threads: Option<usize>,
+    threads: Option<u16>,
 ) -> Result<Vec<String>, Failure> {
     let mut unexpected = Vec::new();
     for (done, call) in (1..).zip(calls) {
@@ -157,7 +157,7 @@ fn run_one(
     binary: &Path,
     folder: &Path,
     call: &Call,
-    threads: Option<usize>,
+    threads: Option<u16>,
 ) -> Result<Output, Failure> {
     let error = |error: std::io::Error| {
         Failure::internal(
