@@ -179,7 +179,7 @@ const ELSEWHERE: &[(&str, About, &str)] = &[
 ];
 
 /// The doubts about the robot `name`: what each is about, and the sentence.
-pub fn of(name: &str, remarks: &[&str], pendant: &str) -> Vec<(String, String)> {
+pub fn of(name: &str, remarks: &[String], pendant: &str) -> Vec<(String, String)> {
     let mut doubts = Vec::new();
     for remark in remarks {
         match DOUBTS.iter().find(|(text, _)| remark.contains(text)) {
@@ -207,7 +207,7 @@ pub fn pendant(remark: &str) -> &str {
 mod tests {
     #[test]
     fn a_remark_nobody_put_into_words_is_kept() {
-        let doubts = super::of("x", &["Something new."], "as they are");
+        let doubts = super::of("x", &["Something new.".to_string()], "as they are");
         assert_eq!(
             doubts,
             [("Geometry".to_string(), "Something new.".to_string())]

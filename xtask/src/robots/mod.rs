@@ -6,13 +6,17 @@
 mod capsules;
 mod doubts;
 mod entry;
-mod json;
 
+use std::collections::BTreeMap;
+use std::fmt;
 use std::path::Path;
+
+use serde::de::{Deserialize, DeserializeOwned, Deserializer, MapAccess, Visitor};
 
 use crate::generate::first_difference;
 use crate::run::{Failure, Workspace};
-use json::Json;
+use capsules::{Capsules, Distances};
+use entry::Robot;
 
 /// The data file, relative to the workspace root.
 const TARGET: &str = "crates/stiffarm/data/robots.rs";
@@ -55,32 +59,65 @@ pub fn run(workspace: &Workspace, folder: &Path, check: bool) -> Result<(), Fail
 
 /// The data file of the robots in `folder`.
 fn generated(folder: &Path) -> Result<String, Failure> {
-    let wrong = |path: &Path, message: String| {
-        Failure::usage(
-            format!("{}: {message}", path.display()),
-            "name the folder of the robots, for example ../shared/reference/robots",
-        )
-    };
-    let read = |name: &str| -> Result<Json, Failure> {
-        let path = folder.join(name);
-        let text = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e.to_string()))?;
-        Json::parse(&text).map_err(|e| wrong(&path, e))
-    };
-    let Json::Object(robots) = read("robots_catalogue.json")? else {
-        return Err(wrong(folder, "no object of robots".to_string()));
-    };
-    let (capsules, distances) = (read("capsules.json")?, read("distances.json")?);
+    let Robots(robots) = read(&folder.join("robots_catalogue.json"))?;
+    let capsules: BTreeMap<String, Capsules> = read(&folder.join("capsules.json"))?;
+    let distances: BTreeMap<String, Distances> = read(&folder.join("distances.json"))?;
     let mut out = HEADING.to_string();
     for (name, robot) in &robots {
         let path = folder.join("urdf").join(format!("{name}.urdf"));
-        let urdf = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e.to_string()))?;
+        let urdf = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e))?;
+        let (Some(capsules), Some(distances)) = (capsules.get(name), distances.get(name)) else {
+            return Err(wrong(
+                folder,
+                format!("{name} has no capsules or distances"),
+            ));
+        };
         let fields = entry::fields(name, robot, &urdf)
-            .and_then(|own| Ok(own + &capsules::fields(name, &capsules, &distances)?))
+            .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances)?))
             .map_err(|e| wrong(folder, format!("{name}: {e}")))?;
         out +=
             &format!("    CatalogueEntry {{\n{fields}        ..CatalogueEntry::UNKNOWN\n    }},\n");
     }
     Ok(out + "]\n")
+}
+
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Failure> {
+    let text = std::fs::read_to_string(path).map_err(|e| wrong(path, e))?;
+    serde_json::from_str(&text).map_err(|e| wrong(path, e))
+}
+
+fn wrong(path: &Path, message: impl fmt::Display) -> Failure {
+    Failure::usage(
+        format!("{}: {message}", path.display()),
+        "name the folder of the robots, for example ../shared/reference/robots",
+    )
+}
+
+/// The robots in the order in which they are described, which is that of the catalogue.
+struct Robots(Vec<(String, Robot)>);
+
+impl<'de> Deserialize<'de> for Robots {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct InOrder;
+
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Robots;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object of robots")
+            }
+
+            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Robots, M::Error> {
+                let mut robots = Vec::new();
+                while let Some(robot) = map.next_entry()? {
+                    robots.push(robot);
+                }
+                Ok(Robots(robots))
+            }
+        }
+
+        deserializer.deserialize_map(InOrder)
+    }
 }
 
 #[cfg(test)]
