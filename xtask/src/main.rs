@@ -6,6 +6,7 @@
 mod arguments;
 mod checked;
 mod checks;
+mod files;
 mod fuzz;
 mod generate;
 mod outputs;
