@@ -126,17 +126,6 @@ impl Cargo<'_> {
         self.check(status)
     }
 
-    /// Runs it and returns what it wrote to standard output; standard error goes to the terminal.
-    pub fn output(&self) -> Result<Vec<u8>, Failure> {
-        let mut command = self.command();
-        let output = command
-            .stderr(Stdio::inherit())
-            .output()
-            .map_err(|e| self.unstarted(&e))?;
-        self.check(output.status)?;
-        Ok(output.stdout)
-    }
-
     /// Runs it, shows its standard output as it comes and hands every line of it to `see`.
     pub fn stream(&self, see: impl FnMut(&str)) -> Result<ExitStatus, Failure> {
         let mut command = self.command();
