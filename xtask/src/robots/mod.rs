@@ -13,7 +13,7 @@ use std::path::Path;
 
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, MapAccess, Visitor};
 
-use crate::generate::first_difference;
+use crate::files::first_difference;
 use crate::run::{Failure, Workspace};
 use capsules::{Capsules, Distances};
 use entry::Robot;
