@@ -130,7 +130,6 @@ fn run_rust(
         println!("{call}");
 
         let status = call.stream(|line| tally.see(line))?;
-        tally.close();
         if !status.success() && tally.failed == failed {
             complaint = Some(format!(
                 "rust: cargo test ended with {status} though no test failed, most often because the code does not \
