@@ -80,12 +80,11 @@ pub fn brief(calls: Vec<Call>) -> Vec<Call> {
 
 /// The calls of one line of the list: `KIND NAME WORDS… [< FILE]`.
 fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
-    let mut words: Vec<&str> = line.split_whitespace().collect();
-    let input = match words.iter().position(|word| *word == "<") {
-        Some(at) if at + 2 == words.len() => words.drain(at..).nth(1).map(String::from),
-        Some(_) => return Err("`<` and a file are the end of a line"),
-        None => None,
+    let (line, input) = match line.split_once(" < ") {
+        Some((line, file)) => (line, Some(file.trim().to_string())),
+        None => (line, None),
     };
+    let words: Vec<&str> = line.split_whitespace().collect();
     let [kind, name, words @ ..] = words.as_slice() else {
         return Err("it has no name");
     };
@@ -165,7 +164,6 @@ mod tests {
                 "it begins with none of once, both, wrong",
             ),
             ("once a check\nboth a check", "its name is taken"),
-            ("\nonce a check - <", "`<` and a file are the end of a line"),
         ] {
             let message = calls(list).unwrap_err().message;
             assert!(message.starts_with("line 2 of the list"), "{message}");

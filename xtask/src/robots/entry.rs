@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::doubts;
+use super::doubts::Words;
 
 /// Published stiffness belongs to the library: its name there, for the robots that have some.
 const STIFFNESS: &[(&str, &str)] = &[("kuka_kr500_r2800_2", "KR500_STIFFNESS")];
@@ -61,7 +61,7 @@ struct Urdf {
 ///
 /// # Errors
 /// What does not fit together.
-pub fn fields(name: &str, robot: &Robot, urdf: &str) -> Result<String, String> {
+pub fn fields(name: &str, robot: &Robot, urdf: &str, words: &Words) -> Result<String, String> {
     let (dh, theta) = (&robot.dh, &robot.theta_from_pendant);
     if theta.offset_rad.len() != dh.len() || theta.coupling.len() != dh.len() {
         return Err("dh, offsets and C are not of one size".to_string());
@@ -87,8 +87,8 @@ pub fn fields(name: &str, robot: &Robot, urdf: &str) -> Result<String, String> {
     line(format!("commit: {:?},", robot.source.commit));
     line(format!("licence: {:?},", robot.source.licence));
     let remark = &robot.pendant_note;
-    line(format!("pendant: {:?},", doubts::pendant(remark)));
-    let doubts = doubts::of(name, &robot.doubts, remark);
+    line(format!("pendant: {:?},", words.pendant(remark)));
+    let doubts = words.doubts(name, &robot.doubts, remark);
     if !doubts.is_empty() {
         line("doubts: &[".to_string());
         for (about, sentence) in doubts {

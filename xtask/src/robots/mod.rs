@@ -1,7 +1,7 @@
 //! `cargo xtask robots FOLDER`: the catalogue's data file from descriptions of robots.
 //!
-//! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added there; nothing here knows one by name
-//! except what other sources say of it (`ELSEWHERE` in `doubts`).
+//! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added there;
+//! nothing here knows one by name except what other sources say of it (`elsewhere` in `doubts.json`).
 
 mod capsules;
 mod doubts;
@@ -11,11 +11,12 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
-use serde::de::{Deserialize, DeserializeOwned, Deserializer, MapAccess, Visitor};
+use serde::de::DeserializeOwned;
 
-use crate::files::first_difference;
+use crate::files::{self, first_difference};
 use crate::run::{Failure, Workspace};
 use capsules::{Capsules, Distances};
+use doubts::Words;
 use entry::Robot;
 
 /// The data file, relative to the workspace root.
@@ -39,11 +40,9 @@ pub fn run(workspace: &Workspace, folder: &Path, check: bool) -> Result<(), Fail
     let text = generated(folder)?;
     let path = workspace.root().join(TARGET);
     if !check {
-        return std::fs::write(&path, text)
-            .map_err(|e| Failure::internal(format!("{TARGET}: {e}"), "make it writable"));
+        return files::write(&path, text);
     }
-    let there = std::fs::read(&path)
-        .map_err(|e| Failure::internal(format!("{TARGET}: {e}"), "run it without --check"))?;
+    let there = files::read(&path)?;
     if there == text.as_bytes() {
         return Ok(());
     }
@@ -59,11 +58,16 @@ pub fn run(workspace: &Workspace, folder: &Path, check: bool) -> Result<(), Fail
 
 /// The data file of the robots in `folder`.
 fn generated(folder: &Path) -> Result<String, Failure> {
-    let Robots(robots) = read(&folder.join("robots_catalogue.json"))?;
+    let robots: BTreeMap<String, Robot> = read(&folder.join("robots_catalogue.json"))?;
     let capsules: BTreeMap<String, Capsules> = read(&folder.join("capsules.json"))?;
     let distances: BTreeMap<String, Distances> = read(&folder.join("distances.json"))?;
+    let words = Words::read();
+    // The catalogue has the order of its description, which a map forgets.
+    let text = files::text(&folder.join("robots_catalogue.json"))?;
+    let mut robots = Vec::from_iter(&robots);
+    robots.sort_by_key(|(name, _)| text.find(&format!("\"{name}\":")));
     let mut out = HEADING.to_string();
-    for (name, robot) in &robots {
+    for (name, robot) in robots {
         let path = folder.join("urdf").join(format!("{name}.urdf"));
         let urdf = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e))?;
         let (Some(capsules), Some(distances)) = (capsules.get(name), distances.get(name)) else {
@@ -72,7 +76,7 @@ fn generated(folder: &Path) -> Result<String, Failure> {
                 format!("{name} has no capsules or distances"),
             ));
         };
-        let fields = entry::fields(name, robot, &urdf)
+        let fields = entry::fields(name, robot, &urdf, &words)
             .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances)?))
             .map_err(|e| wrong(folder, format!("{name}: {e}")))?;
         out +=
@@ -91,33 +95,6 @@ fn wrong(path: &Path, message: impl fmt::Display) -> Failure {
         format!("{}: {message}", path.display()),
         "name the folder of the robots, for example ../shared/reference/robots",
     )
-}
-
-/// The robots in the order in which they are described, which is that of the catalogue.
-struct Robots(Vec<(String, Robot)>);
-
-impl<'de> Deserialize<'de> for Robots {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct InOrder;
-
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Robots;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object of robots")
-            }
-
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Robots, M::Error> {
-                let mut robots = Vec::new();
-                while let Some(robot) = map.next_entry()? {
-                    robots.push(robot);
-                }
-                Ok(Robots(robots))
-            }
-        }
-
-        deserializer.deserialize_map(InOrder)
-    }
 }
 
 #[cfg(test)]
