@@ -146,14 +146,4 @@ mod tests {
         assert!(told(false).unwrap_err().ends_with(": cells/old.toml"));
         assert!(root.join("cells/old.toml").is_file());
     }
-
-    #[test]
-    fn every_original_is_there() {
-        let workspace = Workspace::find().unwrap();
-        let failure = expected(workspace.root(), Path::new("no-such-program")).unwrap_err();
-        assert!(failure.message.starts_with("`stiffarm docs errors` failed"));
-        for original in COPIES.map(|(_, original)| original) {
-            assert!(workspace.root().join(original).is_file(), "{original}");
-        }
-    }
 }

@@ -1,7 +1,5 @@
 //! Reading what `cargo test` prints: results and ignored tests.
 
-use std::fmt;
-
 /// What the lines of `cargo test` add up to.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Tally {
@@ -31,27 +29,6 @@ impl Tally {
             self.failed += failed;
         }
         self.ignored.extend(parse_ignored(&line));
-    }
-}
-
-/// The counts of one whole run, shown as its closing line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Total {
-    /// Tests that passed.
-    pub passed: usize,
-    /// Tests that failed.
-    pub failed: usize,
-    /// Tests that were not run.
-    pub skipped: usize,
-}
-
-impl fmt::Display for Total {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (passed, failed, skipped) = (self.passed, self.failed, self.skipped);
-        write!(
-            f,
-            "total: {passed} passed, {failed} failed, {skipped} skipped"
-        )
     }
 }
 

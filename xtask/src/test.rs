@@ -7,7 +7,7 @@ use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Cargo, Failure, WITHOUT_PYTHON, Workspace, quoted};
 use crate::sheets::{self, Filled, Outcome};
-use crate::tally::{Ignored, Tally, Total};
+use crate::tally::{Ignored, Tally};
 use crate::tools::Missing;
 use crate::{pages, python};
 
@@ -79,13 +79,10 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
         println!("FAILED {failure}");
     }
     println!("tests took {:.1} s", start.elapsed().as_secs_f64());
-    let total = Total {
-        passed: tally.passed,
-        failed: tally.failed + failures.len(),
-        skipped: allowed.len(),
-    };
-    println!("{total}");
-    if total.failed == 0 {
+    let (passed, failed) = (tally.passed, tally.failed + failures.len());
+    let skipped = allowed.len();
+    println!("total: {passed} passed, {failed} failed, {skipped} skipped");
+    if failed == 0 {
         Ok(())
     } else {
         Err(Failure::already_told())

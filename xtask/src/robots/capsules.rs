@@ -5,25 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::entry::millimetres;
-
-/// What capsules leave out: the first text is in the names of the parts, the second says it.
-const LEFT_OUT: &[(&str, &str)] = &[
-    (
-        "cylinder",
-        "Cylinder and piston of the balancer are in no capsule.",
-    ),
-    (
-        "lever_a",
-        "The levers of the parallelogram are in no capsule.",
-    ),
-    ("hand", "The hand and its fingers are in no capsule."),
-];
-
-/// What makes capsules larger than the links, by robot.
-const TOO_LARGE: &[(&str, &str)] = &[(
-    "kuka_kr300_r2800_2_mt",
-    "The capsules of link 2 are too large: their source is a convex hull 1.21 m wide where the KR 500's is 0.47 m.",
-)];
+use super::words::Words;
 
 /// What `capsules.json` says of a robot.
 #[derive(Deserialize)]
@@ -66,7 +48,12 @@ struct Pairs {
 ///
 /// # Errors
 /// Something else than a pair of links.
-pub fn fields(name: &str, capsules: &Capsules, distances: &Distances) -> Result<String, String> {
+pub fn fields(
+    name: &str,
+    capsules: &Capsules,
+    distances: &Distances,
+    words: &Words,
+) -> Result<String, String> {
     let mut out = "        capsules: &[\n".to_string();
     for (link, shape) in &capsules.links {
         for Capsule { a, b, radius } in &shape.capsules {
@@ -90,27 +77,16 @@ pub fn fields(name: &str, capsules: &Capsules, distances: &Distances) -> Result<
     if !ignored.is_empty() {
         out += &format!("        ignored_pairs: &{ignored:?},\n");
     }
-    let remark = remark(name, &capsules.not_covered);
+    let parts: Vec<String> = capsules
+        .not_covered
+        .iter()
+        .map(|part| part.link.clone())
+        .collect();
+    let remark = words.capsules(name, &parts);
     if !remark.is_empty() {
         out += &format!("        capsules_remark: {remark:?},\n");
     }
     Ok(out)
-}
-
-/// What the capsules leave out or make too large, in plain words.
-fn remark(name: &str, not_covered: &[Part]) -> String {
-    let names: Vec<&str> = not_covered.iter().map(|part| part.link.as_str()).collect();
-    let names = names.join(", ");
-    let known = LEFT_OUT.iter().find(|(text, _)| names.contains(text));
-    let left_out = match known {
-        Some((_, said)) => (*said).to_string(),
-        None if names.is_empty() => String::new(),
-        // Nothing is lost: parts nobody has put into words keep their names.
-        None => format!("No capsule holds {names}."),
-    };
-    let too_large = TOO_LARGE.iter().find(|(robot, _)| *robot == name);
-    let too_large = too_large.map(|(_, said)| *said).unwrap_or_default();
-    format!("{left_out} {too_large}").trim().to_string()
 }
 
 #[cfg(test)]
@@ -126,7 +102,7 @@ mod tests {
         let capsules = serde_json::from_str(capsules).unwrap();
         let distances = serde_json::from_str(distances).unwrap();
         assert_eq!(
-            fields("x", &capsules, &distances).unwrap(),
+            fields("x", &capsules, &distances, &Words::read()).unwrap(),
             "        capsules: &[\n            \
              (1, [1.0, 0.0, -250.01], [0.0, 0.0, 1000.0], 100.0),\n        ],\n        \
              ignored_pairs: &[(0, 2), (2, 4)],\n        \

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::doubts::Words;
+use super::words::Words;
 
 /// Published stiffness belongs to the library: its name there, for the robots that have some.
 const STIFFNESS: &[(&str, &str)] = &[("kuka_kr500_r2800_2", "KR500_STIFFNESS")];

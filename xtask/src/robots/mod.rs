@@ -1,11 +1,11 @@
 //! `cargo xtask robots FOLDER`: the catalogue's data file from descriptions of robots.
 //!
 //! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added there;
-//! nothing here knows one by name except what other sources say of it (`elsewhere` in `doubts.json`).
+//! nothing here knows one by name except what other sources say of it (`elsewhere` in `words.json`).
 
 mod capsules;
-mod doubts;
 mod entry;
+mod words;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -16,8 +16,8 @@ use serde::de::DeserializeOwned;
 use crate::files::{self, first_difference};
 use crate::run::{Failure, Workspace};
 use capsules::{Capsules, Distances};
-use doubts::Words;
 use entry::Robot;
+use words::Words;
 
 /// The data file, relative to the workspace root.
 const TARGET: &str = "crates/stiffarm/data/robots.rs";
@@ -77,7 +77,7 @@ fn generated(folder: &Path) -> Result<String, Failure> {
             ));
         };
         let fields = entry::fields(name, robot, &urdf, &words)
-            .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances)?))
+            .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances, &words)?))
             .map_err(|e| wrong(folder, format!("{name}: {e}")))?;
         out +=
             &format!("    CatalogueEntry {{\n{fields}        ..CatalogueEntry::UNKNOWN\n    }},\n");

@@ -1,8 +1,8 @@
-//! What the descriptions' remarks say to somebody who uses the robot, in plain words: `doubts.json` has them.
+//! What the descriptions' remarks say to somebody who uses the robot, in plain words: `words.json` has them.
 
 use serde::Deserialize;
 
-/// What `doubts.json` holds.
+/// What `words.json` holds.
 #[derive(Deserialize)]
 pub struct Words {
     remarks: Vec<Remark>,
@@ -12,6 +12,10 @@ pub struct Words {
     angles: Vec<[String; 2]>,
     /// What other sources say against a description: robot, what it is about, and the sentence.
     elsewhere: Vec<[String; 3]>,
+    /// What capsules leave out: the first text is in the names of the parts, the second says it.
+    left_out: Vec<[String; 2]>,
+    /// What makes capsules larger than the links, by robot.
+    too_large: Vec<[String; 2]>,
 }
 
 /// A remark that contains the text becomes these doubts; none where it concerns nothing that is shipped.
@@ -26,7 +30,7 @@ type Doubt = (String, String);
 
 impl Words {
     pub fn read() -> Self {
-        serde_json::from_str(include_str!("doubts.json")).expect("a test reads it")
+        serde_json::from_str(include_str!("words.json")).expect("a test reads it")
     }
 
     /// The doubts about the robot `name`.
@@ -53,6 +57,21 @@ impl Words {
     pub fn pendant<'a>(&'a self, remark: &'a str) -> &'a str {
         let known = self.pendant.iter().find(|[text, _]| remark.contains(text));
         known.map_or(remark, |[_, said]| said)
+    }
+
+    /// What the capsules of the robot `name` leave out, and where they are larger than its links.
+    pub fn capsules(&self, name: &str, not_covered: &[String]) -> String {
+        let parts = not_covered.join(", ");
+        let known = self.left_out.iter().find(|[text, _]| parts.contains(text));
+        let left_out = match known {
+            Some([_, said]) => said.clone(),
+            None if parts.is_empty() => String::new(),
+            // Nothing is lost: parts nobody has put into words keep their names.
+            None => format!("No capsule holds {parts}."),
+        };
+        let too_large = self.too_large.iter().find(|[robot, _]| robot == name);
+        let too_large = too_large.map(|[_, said]| said.as_str()).unwrap_or_default();
+        format!("{left_out} {too_large}").trim().to_string()
     }
 }
 
