@@ -118,6 +118,10 @@ impl Cargo<'_> {
     /// Runs it with the terminal as its own; an unsuccessful end is a failure with the same exit code.
     pub fn run(&self) -> Result<(), Failure> {
         let status = self.command().status().map_err(|e| self.unstarted(&e))?;
+        self.check(status)
+    }
+
+    fn check(&self, status: ExitStatus) -> Result<(), Failure> {
         if status.success() {
             return Ok(());
         }
@@ -255,7 +259,8 @@ mod tests {
         let workspace = Workspace::find().unwrap();
         let call = workspace.cargo(&["no-such-subcommand-of-cargo"]);
         assert!(!call.succeeds());
-        let failure = call.run().unwrap_err();
+        let status = call.command().stderr(Stdio::null()).status().unwrap();
+        let failure = call.check(status).unwrap_err();
         assert_eq!(failure.code, 101);
         let start = "`cargo no-such-subcommand-of-cargo` failed";
         assert!(failure.message.starts_with(start));
