@@ -24,16 +24,13 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
     let architecture = files::text(&workspace.root().join("ARCHITECTURE.md"))?;
     let order = order_of_modules(&architecture);
     let mut faults = Vec::new();
-    for name in [
-        "crates/stiffarm",
-        "crates/stiffarm-cli",
-        "crates/stiffarm-py",
-        "crates/stiffarm-report",
-        "fuzz",
-        "xtask",
-    ] {
+    let sources = files::below(&workspace.root().join("crates"))?;
+    let names = sources.keys().filter_map(|path| path.split_once("/src/"));
+    let mut names: BTreeSet<String> = names.map(|(name, _)| format!("crates/{name}")).collect();
+    names.extend(["fuzz", "xtask"].map(String::from));
+    for name in names {
         let mut codes = Vec::new();
-        for (path, place) in files::below(&workspace.root().join(name).join("src"))? {
+        for (path, place) in files::below(&workspace.root().join(&name).join("src"))? {
             if !path.ends_with(".rs") {
                 continue;
             }
