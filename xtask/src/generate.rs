@@ -1,70 +1,30 @@
 //! `cargo xtask generate`: files that are made from the code, so that they cannot contradict it.
 
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
+use crate::files::{self, first_difference};
 use crate::run::{Failure, Workspace};
+use crate::tools;
 
-/// Everything that is generated. A new generated file is one more row.
-const GENERATED: &[Generated] = &[
-    Generated {
-        target: "docs/errors.md",
-        source: Source::Stiffarm(&["docs", "errors"]),
-    },
-    Generated {
-        target: "docs/commands.md",
-        source: Source::Stiffarm(&["docs", "commands"]),
-    },
-    Generated {
-        target: "docs/cell.schema.json",
-        source: Source::Stiffarm(&["schema", "cell"]),
-    },
-    Generated {
-        target: "cells",
-        source: Source::CopyOf("crates/stiffarm/data/cells"),
-    },
-    // The licences go into the wheel, which takes nothing from outside its folder.
-    Generated {
-        target: "crates/stiffarm-py/LICENSE-APACHE",
-        source: Source::CopyOfFile("LICENSE-APACHE"),
-    },
-    Generated {
-        target: "crates/stiffarm-py/LICENSE-MIT",
-        source: Source::CopyOfFile("LICENSE-MIT"),
-    },
+/// Files that the `stiffarm` command prints, and with which arguments. Paths begin at the workspace root.
+const PRINTED: [(&str, [&str; 2]); 3] = [
+    ("docs/errors.md", ["docs", "errors"]),
+    ("docs/commands.md", ["docs", "commands"]),
+    ("docs/cell.schema.json", ["schema", "cell"]),
 ];
 
-/// One generated file or folder, relative to the workspace root.
-struct Generated {
-    target: &'static str,
-    source: Source,
-}
+/// Copies of files. The licences go into the wheel, which takes nothing from outside its folder.
+const COPIES: [(&str, &str); 2] = [
+    ("crates/stiffarm-py/LICENSE-APACHE", "LICENSE-APACHE"),
+    ("crates/stiffarm-py/LICENSE-MIT", "LICENSE-MIT"),
+];
 
-/// Where the bytes come from.
-enum Source {
-    /// Standard output of the `stiffarm` command with these arguments.
-    Stiffarm(&'static [&'static str]),
-    /// Every file of this folder under its own name; the target folder holds nothing else.
-    CopyOf(&'static str),
-    /// This file.
-    CopyOfFile(&'static str),
-}
+/// A folder that holds the files of another and nothing else.
+const FOLDER: (&str, &str) = ("cells", "crates/stiffarm/data/cells");
 
 /// File contents by path relative to the workspace root, with `/` on every system.
 type Files = BTreeMap<String, Vec<u8>>;
-
-/// How a file in the tree differs from what would be generated.
-#[derive(Debug, PartialEq, Eq)]
-enum Drift {
-    Missing,
-    Differs { line: usize },
-    Stray,
-}
-
-/// What to do about [`Drift::Stray`].
-const STRAY_FIX: &str = "delete it, or move it to the folder that is copied";
 
 /// Builds everything, then writes what is generated, or with `check` only compares it.
 pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
@@ -74,15 +34,8 @@ pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
 
 /// [`run`] with the `stiffarm` that has been built into the folder of this program.
 pub fn run_built(workspace: &Workspace, check: bool) -> Result<(), Failure> {
-    let program = beside_this_program("stiffarm")?;
-    let stiffarm = |arguments: &[&str]| printed(&program, arguments);
-    let expected = expected_files(workspace.root(), GENERATED, stiffarm)?;
-    let drifts = drifts(workspace.root(), GENERATED, &expected)?;
-    if check {
-        report(&drifts, expected.len())
-    } else {
-        write(workspace.root(), &expected, &drifts)
-    }
+    let expected = expected(workspace.root(), &beside_this_program("stiffarm")?)?;
+    compare(workspace.root(), &expected, check)
 }
 
 /// The program `name` in the folder of this one.
@@ -98,341 +51,95 @@ pub fn beside_this_program(name: &str) -> Result<PathBuf, Failure> {
     }
 }
 
-/// What `program` writes to standard output; standard error goes to the terminal.
-fn printed(program: &Path, arguments: &[&str]) -> Result<Vec<u8>, Failure> {
-    let mut command = Command::new(program);
-    command
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stderr(Stdio::inherit());
-    let call = || format!("`{} {}`", program.display(), arguments.join(" "));
-    match command.output() {
-        Ok(output) if output.status.success() => Ok(output.stdout),
-        Ok(output) => Err(Failure::internal(
-            format!("{} failed: {}", call(), output.status),
-            "correct what it printed above, then run it again",
-        )),
-        Err(error) => Err(Failure::internal(
-            format!("{} could not be run: {error}", call()),
-            "check that the file may be executed",
-        )),
+/// What every generated file should hold.
+fn expected(root: &Path, stiffarm: &Path) -> Result<Files, Failure> {
+    let mut expected = Files::new();
+    for (target, words) in PRINTED {
+        let text = tools::call(stiffarm, &words).map_err(|why| {
+            Failure::internal(
+                format!("`stiffarm {}` failed: {why}", words.join(" ")),
+                "correct it, then run it again",
+            )
+        })?;
+        expected.insert(target.to_string(), text.into_bytes());
     }
+    for (target, original) in COPIES {
+        expected.insert(target.to_string(), files::read(&root.join(original))?);
+    }
+    let (folder, originals) = FOLDER;
+    for (name, path) in files::below(&root.join(originals))? {
+        expected.insert(format!("{folder}/{name}"), files::read(&path)?);
+    }
+    Ok(expected)
 }
 
-/// What every generated file should hold; `stiffarm` runs the command and returns its standard output.
-fn expected_files(
-    root: &Path,
-    generated: &[Generated],
-    stiffarm: impl Fn(&[&str]) -> Result<Vec<u8>, Failure>,
-) -> Result<Files, Failure> {
-    let mut files = Files::new();
-    for entry in generated {
-        match entry.source {
-            Source::Stiffarm(arguments) => {
-                let content = stiffarm(arguments)?;
-                if content.is_empty() {
-                    return Err(Failure::internal(
-                        format!("`stiffarm {}` printed nothing", arguments.join(" ")),
-                        format!(
-                            "make it print the content of `{}` to standard output",
-                            entry.target
-                        ),
-                    ));
-                }
-                files.insert(entry.target.to_string(), content);
-            }
-            Source::CopyOf(folder) => {
-                for (name, content) in files_in(root, folder)? {
-                    files.insert(format!("{}/{name}", entry.target), content);
-                }
-            }
-            Source::CopyOfFile(path) => {
-                let content = std::fs::read(root.join(path)).map_err(|e| unreadable(path, &e))?;
-                files.insert(entry.target.to_string(), content);
-            }
-        }
-    }
-    Ok(files)
-}
-
-/// Compares the tree under `root` with `expected`, in the order of the paths.
-fn drifts(
-    root: &Path,
-    generated: &[Generated],
-    expected: &Files,
-) -> Result<BTreeMap<String, Drift>, Failure> {
-    let mut drifts = BTreeMap::new();
+/// Writes every file below `root` that is not as expected, or with `check` tells it. What nothing generates is left for
+/// a person to judge.
+fn compare(root: &Path, expected: &Files, check: bool) -> Result<(), Failure> {
+    let mut faults = Vec::new();
     for (path, content) in expected {
-        match std::fs::read(root.join(path)) {
-            Ok(present) if present == *content => {}
-            Ok(present) => {
-                let line = first_difference(&present, content);
-                drifts.insert(path.clone(), Drift::Differs { line });
-            }
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                drifts.insert(path.clone(), Drift::Missing);
-            }
-            Err(error) => return Err(unreadable(path, &error)),
+        let target = root.join(path);
+        let present = std::fs::read(&target).unwrap_or_default();
+        if present == *content {
+            continue;
+        }
+        if check {
+            let line = first_difference(&present, content);
+            println!("{path}:{line}: out of date from this line on; fix: cargo xtask generate");
+            faults.push(path.clone());
+        } else {
+            files::write(&target, content)?;
+            println!("wrote {path}");
         }
     }
-    for entry in generated {
-        if let Source::CopyOf(_) = entry.source
-            && root.join(entry.target).is_dir()
-        {
-            for name in files_in(root, entry.target)?.into_keys() {
-                let path = format!("{}/{name}", entry.target);
-                if !expected.contains_key(&path) {
-                    drifts.insert(path, Drift::Stray);
-                }
-            }
+    for name in files::below(&root.join(FOLDER.0))?.into_keys() {
+        let path = format!("{}/{name}", FOLDER.0);
+        if !expected.contains_key(&path) {
+            println!(
+                "{path}: nothing generates it; fix: delete it, or move it to {}",
+                FOLDER.1
+            );
+            faults.push(path);
         }
     }
-    Ok(drifts)
-}
-
-/// Prints what differs and how to repair it.
-fn report(drifts: &BTreeMap<String, Drift>, count: usize) -> Result<(), Failure> {
-    for (path, drift) in drifts {
-        match drift {
-            Drift::Missing => println!("{path}: missing; fix: cargo xtask generate"),
-            Drift::Differs { line } => {
-                println!("{path}:{line}: out of date from this line on; fix: cargo xtask generate");
-            }
-            Drift::Stray => println!("{path}: nothing generates it; fix: {STRAY_FIX}"),
-        }
+    if faults.is_empty() {
+        println!("{} generated files are up to date", expected.len());
+        return Ok(());
     }
-    if drifts.is_empty() {
-        println!("{count} generated files are up to date");
-        Ok(())
-    } else {
-        Err(Failure::finding(
-            format!(
-                "generated files differ from what the code generates: {}",
-                Vec::from_iter(drifts.keys().map(String::as_str)).join(", ")
-            ),
-            "run `cargo xtask generate`, look at the change with `git diff` and commit it",
-        ))
-    }
-}
-
-/// Writes every file that drifted. A stray file is left for a person to judge, and is a finding.
-fn write(root: &Path, expected: &Files, drifts: &BTreeMap<String, Drift>) -> Result<(), Failure> {
-    let mut strays = Vec::new();
-    for (path, drift) in drifts {
-        match expected.get(path) {
-            Some(content) if *drift != Drift::Stray => {
-                let target = root.join(path);
-                let folder = target.parent().unwrap_or(root);
-                std::fs::create_dir_all(folder)
-                    .and_then(|()| std::fs::write(&target, content))
-                    .map_err(|error| {
-                        Failure::internal(
-                            format!("`{path}` could not be written: {error}"),
-                            "make it writable, then run `cargo xtask generate` again",
-                        )
-                    })?;
-                println!("wrote {path}");
-            }
-            _ => strays.push(path.as_str()),
-        }
-    }
-    println!(
-        "{} generated files are up to date, {} of them written now",
-        expected.len(),
-        drifts.len() - strays.len()
-    );
-    if strays.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::finding(
-            format!(
-                "a generated folder holds what nothing generates: {}",
-                strays.join(", ")
-            ),
-            STRAY_FIX,
-        ))
-    }
-}
-
-/// The files of one folder, by name. Generated folders are flat, so a folder in it is refused.
-fn files_in(root: &Path, folder: &str) -> Result<Files, Failure> {
-    let error = |error: std::io::Error| unreadable(folder, &error);
-    let mut files = Files::new();
-    for entry in std::fs::read_dir(root.join(folder)).map_err(error)? {
-        let entry = entry.map_err(error)?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if entry.path().is_dir() {
-            return Err(Failure::internal(
-                format!("`{folder}/{name}` is a folder, and generated folders hold files only"),
-                "move its files up",
-            ));
-        }
-        files.insert(name, std::fs::read(entry.path()).map_err(error)?);
-    }
-    Ok(files)
-}
-
-fn unreadable(path: &str, error: &std::io::Error) -> Failure {
-    Failure::internal(
-        format!("`{path}` could not be read: {error}"),
-        "check that it exists and is readable",
-    )
-}
-
-/// The number of the first line in which two different contents differ, counted from 1.
-pub fn first_difference(left: &[u8], right: &[u8]) -> usize {
-    let same = left.iter().zip(right).take_while(|(l, r)| l == r).count();
-    1 + left[..same].iter().filter(|byte| **byte == b'\n').count()
+    Err(Failure::finding(
+        format!(
+            "generated files differ from what the code generates: {}",
+            faults.join(", ")
+        ),
+        "run `cargo xtask generate`, look at the change with `git diff` and commit it",
+    ))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::PathBuf;
 
-    const TABLE: &[Generated] = &[
-        Generated {
-            target: "docs/errors.md",
-            source: Source::Stiffarm(&["docs", "errors"]),
-        },
-        Generated {
-            target: "cells",
-            source: Source::CopyOf("data/cells"),
-        },
-        Generated {
-            target: "package/LICENSE",
-            source: Source::CopyOfFile("LICENSE"),
-        },
-    ];
-
-    /// A workspace root with one original cell, removed at the end of the test.
-    struct Root(PathBuf);
-
-    impl Root {
-        fn new(name: &str) -> Self {
-            let id = std::process::id();
-            let root = Root(std::env::temp_dir().join(format!("xtask-{name}-{id}")));
-            root.put("data/cells/comau.toml", "format = 1\n");
-            root.put("LICENSE", "free\n");
-            root
+    #[test]
+    fn files_are_compared_and_repaired_and_strays_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        let files = [
+            ("cells/comau.toml", "format = 1\n"),
+            ("docs/errors.md", "# Errors\n"),
+        ];
+        let expected = files.map(|(path, text)| (path.to_string(), text.as_bytes().to_vec()));
+        let expected = Files::from(expected);
+        files::write(&root.join("cells/comau.toml"), "format = 2\n").unwrap();
+        let told = |check| compare(root, &expected, check).map_err(|failure| failure.message);
+        let both = told(true).unwrap_err();
+        assert!(both.ends_with(": cells/comau.toml, docs/errors.md"));
+        told(false).unwrap();
+        told(true).unwrap();
+        for (path, text) in files {
+            assert_eq!(files::text(&root.join(path)).unwrap(), text);
         }
-
-        fn put(&self, path: &str, content: &str) {
-            let path = self.0.join(path);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, content).unwrap();
-        }
-
-        fn expected(&self) -> Files {
-            expected_files(&self.0, TABLE, echo).unwrap()
-        }
-
-        fn drifts(&self) -> Vec<(String, Drift)> {
-            let drifts = drifts(&self.0, TABLE, &self.expected()).unwrap();
-            drifts.into_iter().collect()
-        }
-    }
-
-    impl Drop for Root {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-
-    /// Stands for the command: prints its own arguments.
-    fn echo(arguments: &[&str]) -> Result<Vec<u8>, Failure> {
-        Ok(format!("# {}\n", arguments.join(" ")).into_bytes())
-    }
-
-    #[test]
-    fn generating_once_leaves_nothing_to_do() {
-        let root = Root::new("once");
-        let missing = |path: &str| (path.to_string(), Drift::Missing);
-        assert_eq!(
-            root.drifts(),
-            [
-                missing("cells/comau.toml"),
-                missing("docs/errors.md"),
-                missing("package/LICENSE")
-            ]
-        );
-        let expected = root.expected();
-        let found = drifts(&root.0, TABLE, &expected).unwrap();
-        assert_eq!(report(&found, 2).unwrap_err().code, 1);
-        write(&root.0, &expected, &found).unwrap();
-        assert_eq!(
-            std::fs::read(root.0.join("docs/errors.md")).unwrap(),
-            b"# docs errors\n"
-        );
-        assert_eq!(
-            std::fs::read(root.0.join("cells/comau.toml")).unwrap(),
-            b"format = 1\n"
-        );
-        assert_eq!(
-            std::fs::read(root.0.join("package/LICENSE")).unwrap(),
-            b"free\n"
-        );
-        assert_eq!(root.drifts(), []);
-        report(&BTreeMap::new(), 2).unwrap();
-    }
-
-    #[test]
-    fn a_changed_file_is_named_with_its_line_and_repaired() {
-        let root = Root::new("changed");
-        root.put("docs/errors.md", "# docs errors\n");
-        root.put("package/LICENSE", "free\n");
-        root.put("cells/comau.toml", "format = 1\nname = \"mine\"\n");
-        let path = "cells/comau.toml".to_string();
-        assert_eq!(root.drifts(), [(path, Drift::Differs { line: 2 })]);
-        let expected = root.expected();
-        write(
-            &root.0,
-            &expected,
-            &drifts(&root.0, TABLE, &expected).unwrap(),
-        )
-        .unwrap();
-        assert_eq!(root.drifts(), []);
-    }
-
-    #[test]
-    fn a_stray_copy_is_told_and_kept() {
-        let root = Root::new("stray");
-        root.put("docs/errors.md", "# docs errors\n");
-        root.put("package/LICENSE", "free\n");
-        root.put("cells/comau.toml", "format = 1\n");
-        root.put("cells/old.toml", "format = 1\n");
-        let stray = "cells/old.toml".to_string();
-        assert_eq!(root.drifts(), [(stray, Drift::Stray)]);
-        let expected = root.expected();
-        let found = drifts(&root.0, TABLE, &expected).unwrap();
-        let failure = write(&root.0, &expected, &found).unwrap_err();
-        assert!(failure.message.ends_with(": cells/old.toml"));
-        assert!(root.0.join("cells/old.toml").is_file());
-    }
-
-    #[test]
-    fn a_command_that_prints_nothing_generates_nothing() {
-        let root = Root::new("silent");
-        let failure = expected_files(&root.0, TABLE, |_| Ok(Vec::new())).unwrap_err();
-        assert_eq!(failure.message, "`stiffarm docs errors` printed nothing");
-    }
-
-    #[test]
-    fn missing_originals_are_an_error() {
-        let root = Root::new("originals");
-        std::fs::remove_dir_all(root.0.join("data")).unwrap();
-        let failure = expected_files(&root.0, TABLE, echo).unwrap_err();
-        assert!(
-            failure
-                .message
-                .starts_with("`data/cells` could not be read")
-        );
-    }
-
-    #[test]
-    fn the_first_difference_is_counted_in_lines() {
-        assert_eq!(first_difference(b"", b"a"), 1);
-        assert_eq!(first_difference(b"a\nb\nc", b"a\nb\nd"), 3);
-        assert_eq!(first_difference(b"a\n", b"a\nb\n"), 2);
+        files::write(&root.join("cells/old.toml"), "").unwrap();
+        assert!(told(false).unwrap_err().ends_with(": cells/old.toml"));
+        assert!(root.join("cells/old.toml").is_file());
     }
 }

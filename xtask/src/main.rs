@@ -1,11 +1,12 @@
 //! Developer commands of the stiffarm workspace: `cargo xtask <command>`.
 //!
-//! Standard library only, so that they compile in seconds and need nothing but Rust. `cargo xtask help` lists the
-//! commands; CI runs the same ones.
+//! They need nothing but Rust, and compile what the command compiles too. `cargo xtask help` lists them; CI runs the
+//! same ones.
 
 mod arguments;
 mod checked;
 mod checks;
+mod files;
 mod fuzz;
 mod generate;
 mod outputs;
@@ -23,12 +24,12 @@ mod viewer;
 
 use std::process::ExitCode;
 
-use arguments::Command;
+use arguments::{Arguments, Command};
+use clap::{CommandFactory, Parser};
 use run::{Failure, Workspace};
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match dispatch(&arguments) {
+    match run(Arguments::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             failure.print();
@@ -37,26 +38,24 @@ fn main() -> ExitCode {
     }
 }
 
-/// Parses `arguments` and runs the command they name.
-fn dispatch(arguments: &[String]) -> Result<(), Failure> {
-    let command = arguments::parse(arguments)?;
+fn run(command: Option<Command>) -> Result<(), Failure> {
     let workspace = Workspace::find()?;
     match command {
-        Command::Help => {
-            print!("{}", arguments::HELP);
+        None => {
+            println!("{}", Arguments::command().render_help());
             Ok(())
         }
-        Command::Test(options) => test::run(&workspace, &options),
-        Command::Generate { check } => generate::run(&workspace, check),
-        Command::Outputs(options) => outputs::run(&workspace, &options),
-        Command::Robots { folder, check } => robots::run(&workspace, &folder, check),
-        Command::Fuzz(words) => fuzz::run(&workspace, &words),
-        Command::Pages(options) => pages::alone(&workspace, &options),
-        Command::Sheets { install } => sheets::alone(&workspace, install),
-        Command::Python(options) => python::alone(&workspace, &options),
-        Command::Viewer { check } => viewer::run(&workspace, check),
-        Command::Lint => checks::lint(&workspace),
-        Command::Features => checks::features(&workspace),
-        Command::Ci(options) => checks::ci(&workspace, &options),
+        Some(Command::Test(options)) => test::run(&workspace, &options),
+        Some(Command::Generate { check }) => generate::run(&workspace, check),
+        Some(Command::Outputs(options)) => outputs::run(&workspace, &options),
+        Some(Command::Robots { folder, check }) => robots::run(&workspace, &folder, check),
+        Some(Command::Fuzz { words }) => fuzz::run(&workspace, &words),
+        Some(Command::Pages(options)) => pages::alone(&workspace, &options),
+        Some(Command::Sheets { install }) => sheets::alone(&workspace, install),
+        Some(Command::Python(options)) => python::alone(&workspace, &options),
+        Some(Command::Viewer { check }) => viewer::run(&workspace, check),
+        Some(Command::Lint) => checks::lint(&workspace),
+        Some(Command::Features) => checks::features(&workspace),
+        Some(Command::Ci(options)) => checks::ci(&workspace, &options),
     }
 }

@@ -65,18 +65,13 @@ impl Workspace {
     pub fn find() -> Result<Self, Failure> {
         let package = std::env::var_os("CARGO_MANIFEST_DIR")
             .unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
-        match Path::new(&package).parent() {
-            Some(root) if root.join("Cargo.toml").is_file() => Ok(Workspace {
-                root: root.to_path_buf(),
-            }),
-            _ => Err(Failure::internal(
-                format!(
-                    "`{}` does not lie in the workspace",
-                    package.to_string_lossy()
-                ),
+        let root = Path::new(&package).parent().map(Path::to_path_buf);
+        root.map(|root| Workspace { root }).ok_or_else(|| {
+            Failure::internal(
+                "xtask does not lie in the workspace",
                 "start it as `cargo xtask` inside the checkout",
-            )),
-        }
+            )
+        })
     }
 
     /// The root itself.
@@ -136,31 +131,21 @@ impl Cargo<'_> {
         self.check(status)
     }
 
-    /// Runs it and returns what it wrote to standard output; standard error goes to the terminal.
-    pub fn output(&self) -> Result<Vec<u8>, Failure> {
-        let mut command = self.command();
-        let output = command
-            .stderr(Stdio::inherit())
-            .output()
-            .map_err(|e| self.unstarted(&e))?;
-        self.check(output.status)?;
-        Ok(output.stdout)
+    fn check(&self, status: ExitStatus) -> Result<(), Failure> {
+        if status.success() {
+            return Ok(());
+        }
+        let code = status.code().and_then(|code| u8::try_from(code).ok());
+        Err(Failure::new(
+            format!("`{self}` failed: {status}"),
+            self.fix,
+            code.unwrap_or(3),
+        ))
     }
 
-    /// Runs it, shows its standard output as it comes and hands every line of it to `see`.
+    /// [`stream`] of this call.
     pub fn stream(&self, see: impl FnMut(&str)) -> Result<ExitStatus, Failure> {
-        let mut command = self.command();
-        command.stdout(Stdio::piped());
-        let mut child = command.spawn().map_err(|e| self.unstarted(&e))?;
-        if let Some(output) = child.stdout.take() {
-            copy_lines(BufReader::new(output), std::io::stdout(), see).map_err(|e| {
-                Failure::internal(
-                    format!("the output of `{self}` could not be passed on: {e}"),
-                    "leave the output open until the command ends",
-                )
-            })?;
-        }
-        child.wait().map_err(|e| self.unstarted(&e))
+        stream(&mut self.command(), see).map_err(|e| self.unstarted(&e))
     }
 
     /// Whether it succeeds; prints nothing.
@@ -183,18 +168,6 @@ impl Cargo<'_> {
             command.env(name, value);
         }
         command
-    }
-
-    fn check(&self, status: ExitStatus) -> Result<(), Failure> {
-        if status.success() {
-            return Ok(());
-        }
-        let code = status.code().and_then(|code| u8::try_from(code).ok());
-        Err(Failure::new(
-            format!("`{self}` failed: {status}"),
-            self.fix,
-            code.unwrap_or(3),
-        ))
     }
 
     fn unstarted(&self, error: &std::io::Error) -> Failure {
@@ -228,8 +201,17 @@ pub fn quoted(word: &str) -> String {
     }
 }
 
+/// Runs a program, shows its standard output as it comes and hands every line of it to `see`.
+pub fn stream(command: &mut Command, see: impl FnMut(&str)) -> std::io::Result<ExitStatus> {
+    let mut child = command.stdout(Stdio::piped()).spawn()?;
+    if let Some(output) = child.stdout.take() {
+        copy_lines(BufReader::new(output), std::io::stdout(), see)?;
+    }
+    child.wait()
+}
+
 /// Copies `from` to `to` line by line, at once, and hands every line without its end to `see`.
-pub fn copy_lines(
+fn copy_lines(
     mut from: impl BufRead,
     mut to: impl Write,
     mut see: impl FnMut(&str),
@@ -290,10 +272,7 @@ mod tests {
         let status = call.command().stderr(Stdio::null()).status().unwrap();
         let failure = call.check(status).unwrap_err();
         assert_eq!(failure.code, 101);
-        assert!(
-            failure
-                .message
-                .starts_with("`cargo no-such-subcommand-of-cargo` failed")
-        );
+        let start = "`cargo no-such-subcommand-of-cargo` failed";
+        assert!(failure.message.starts_with(start));
     }
 }

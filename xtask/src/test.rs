@@ -7,7 +7,7 @@ use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace, quoted};
 use crate::sheets::{self, Filled, Outcome};
-use crate::tally::{Ignored, Tally, Total};
+use crate::tally::{Ignored, Tally};
 use crate::tools::Missing;
 use crate::{pages, python};
 
@@ -79,13 +79,10 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
         println!("FAILED {failure}");
     }
     println!("tests took {:.1} s", start.elapsed().as_secs_f64());
-    let total = Total {
-        passed: tally.passed,
-        failed: tally.failed + failures.len(),
-        skipped: allowed.len(),
-    };
-    println!("{total}");
-    if total.failed == 0 {
+    let (passed, failed) = (tally.passed, tally.failed + failures.len());
+    let skipped = allowed.len();
+    println!("total: {passed} passed, {failed} failed, {skipped} skipped");
+    if failed == 0 {
         Ok(())
     } else {
         Err(Failure::already_told())
@@ -117,7 +114,6 @@ fn run_rust(
         println!("{call}");
 
         let status = call.stream(|line| tally.see(line))?;
-        tally.close();
         if !status.success() && tally.failed == failed {
             complaint = Some(format!(
                 "rust: cargo test ended with {status} though no test failed, most often because the code does not \

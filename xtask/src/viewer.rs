@@ -4,6 +4,9 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use serde_json::Value;
+
+use crate::files;
 use crate::run::{Failure, Workspace};
 
 const ASSETS: &str = "crates/stiffarm-report/assets";
@@ -33,24 +36,15 @@ pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
             ));
         }
     }
-    let licence = read(&folder.join("node_modules/three/LICENSE"))?;
-    let bundle = read(&folder.join("node_modules/bundle.js"))?;
-    let version = version(&read(&folder.join("package.json"))?)?;
-    let files = [
-        (BUNDLE, with_licence(&version, &licence, &bundle)),
-        (LICENCE, licence),
-    ];
-    for (name, text) in files {
+    let licence = files::text(&folder.join("node_modules/three/LICENSE"))?;
+    let bundle = files::text(&folder.join("node_modules/bundle.js"))?;
+    let bundle = with_licence(&version(workspace)?, &licence, &bundle);
+    for (name, text) in [(BUNDLE, bundle), (LICENCE, licence)] {
         let path = workspace.root().join(ASSETS).join(name);
         if !check {
-            std::fs::write(&path, text).map_err(|error| {
-                Failure::internal(
-                    format!("{} could not be written: {error}", path.display()),
-                    "check the rights on the checkout",
-                )
-            })?;
+            files::write(&path, text)?;
             println!("wrote {ASSETS}/{name}");
-        } else if read(&path)? != text {
+        } else if files::text(&path)? != text {
             return Err(Failure::finding(
                 format!("{ASSETS}/{name} is not what xtask/viewer gives"),
                 "run `cargo xtask viewer` and commit what it writes",
@@ -67,15 +61,15 @@ fn with_licence(version: &str, licence: &str, bundle: &str) -> String {
 }
 
 /// The version of three.js that `package.json` pins.
-fn version(manifest: &str) -> Result<String, Failure> {
-    let line = manifest.lines().find_map(|line| {
-        let line = line.trim().strip_prefix("\"three\": \"")?;
-        line.split('"').next()
-    });
-    line.map(String::from).ok_or_else(|| {
+fn version(workspace: &Workspace) -> Result<String, Failure> {
+    let path = "xtask/viewer/package.json";
+    let text = files::text(&workspace.root().join(path))?;
+    let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
+    let version = manifest["dependencies"]["three"].as_str();
+    version.map(String::from).ok_or_else(|| {
         Failure::finding(
-            "xtask/viewer/package.json names no version of three",
-            "write \"three\": \"VERSION\" on a line of its own",
+            format!("{path} names no version of three"),
+            "name it among its dependencies",
         )
     })
 }
@@ -97,33 +91,18 @@ fn npm(folder: &Path, arguments: &[&str]) -> Result<bool, Failure> {
     })
 }
 
-fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|error| {
-        Failure::internal(
-            format!("{} could not be read: {error}", path.display()),
-            "check that the checkout is complete",
-        )
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_committed_bundle_says_version_and_licence_of_the_manifest() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let manifest = read(&root.join("xtask/viewer/package.json")).unwrap();
-        let bundle = read(&root.join(ASSETS).join(BUNDLE)).unwrap();
-        let licence = read(&root.join(ASSETS).join(LICENCE)).unwrap();
-        let head = with_licence(&version(&manifest).unwrap(), &licence, "");
+    fn the_committed_bundle_carries_its_licence_and_cannot_end_a_script_element() {
+        let workspace = Workspace::find().unwrap();
+        let assets = workspace.root().join(ASSETS);
+        let bundle = files::text(&assets.join(BUNDLE)).unwrap();
+        let licence = files::text(&assets.join(LICENCE)).unwrap();
+        let head = with_licence(&version(&workspace).unwrap(), &licence, "");
         assert!(bundle.starts_with(&head), "{}", &bundle[..200]);
-    }
-
-    #[test]
-    fn the_committed_bundle_cannot_end_a_script_element() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let bundle = read(&root.join(ASSETS).join(BUNDLE)).unwrap();
         let bundle = bundle.to_lowercase();
         assert!(!bundle.contains("</script") && !bundle.contains("<!--"));
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::unwritable;
+use crate::files;
 use crate::run::Failure;
 
 /// Files of the reference data, and what their columns are called in a table of measurements.
@@ -28,18 +28,22 @@ pub fn folder(reference: Result<PathBuf, String>) -> Result<PathBuf, String> {
 pub fn write(folder: &Path, target: &Path) -> Result<(), Failure> {
     let mut parts = Vec::new();
     for (name, _) in PARTS {
-        let path = folder.join(name);
-        parts.push(std::fs::read_to_string(&path).map_err(|e| unusable(&path, &e.to_string()))?);
+        parts.push(files::text(&folder.join(name))?);
     }
-    let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
-    let table = table(&parts);
-    let table =
-        table.ok_or_else(|| unusable(folder, "its files have different numbers of rows"))?;
-    std::fs::write(target, table).map_err(|error| unwritable(target, &error))
+    let table = table(&parts).ok_or_else(|| {
+        Failure::internal(
+            format!(
+                "the files in `{}` have different numbers of rows",
+                folder.display()
+            ),
+            "check the folder that STIFFARM_REFERENCE_DATA names, or unset it",
+        )
+    })?;
+    files::write(target, table)
 }
 
 /// The rows of all parts side by side below one heading, numbered as postures.
-fn table(parts: &[&str]) -> Option<String> {
+fn table(parts: &[String]) -> Option<String> {
     let rows: Vec<Vec<&str>> = parts.iter().map(|p| p.lines().skip(1).collect()).collect();
     let count = rows.first()?.len();
     if rows.iter().any(|rows| rows.len() != count) {
@@ -54,25 +58,18 @@ fn table(parts: &[&str]) -> Option<String> {
     Some(table)
 }
 
-fn unusable(path: &Path, why: &str) -> Failure {
-    Failure::internal(
-        format!("`{}` could not be used: {why}", path.display()),
-        "check the folder that STIFFARM_REFERENCE_DATA names, or unset it",
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn rows_are_put_side_by_side() {
-        let parts = ["q\n1,2\n3,4\r\n", "f\n5\n6\n", "d\n7\n8\n"];
+        let parts = ["q\n1,2\n3,4\r\n", "f\n5\n6\n", "d\n7\n8\n"].map(String::from);
         assert_eq!(
             table(&parts).unwrap(),
             "posture,point,q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad,fx_n,fy_n,fz_n,dx_m,dy_m,dz_m\n\
              1,TCP,1,2,5,7\n2,TCP,3,4,6,8\n"
         );
-        assert_eq!(table(&["q\n1\n", "f\n", "d\n7\n"]), None);
+        assert_eq!(table(&["q\n1\n", "f\n", "d\n7\n"].map(String::from)), None);
     }
 }

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{PRINTED, absolute, unwritable};
+use super::absolute;
+use crate::files;
 use crate::run::{Failure, Workspace};
 
 /// The file by which a folder of outputs is known, and what it holds.
@@ -56,30 +57,19 @@ pub fn other(other: &Path, folder: &Path) -> Result<PathBuf, Failure> {
 
 /// Empties the folder and puts the inputs into it.
 pub fn prepare(workspace: &Workspace, folder: &Path) -> Result<(), Failure> {
-    let error = |error: std::io::Error| unwritable(folder, &error);
     if folder.exists() {
-        std::fs::remove_dir_all(folder).map_err(error)?;
+        std::fs::remove_dir_all(folder).map_err(|error| {
+            Failure::internal(
+                format!("`{}` could not be emptied: {error}", folder.display()),
+                "make it writable, or name another folder",
+            )
+        })?;
     }
-    std::fs::create_dir_all(folder.join(PRINTED)).map_err(error)?;
-    std::fs::write(folder.join(MARK), MARK_TEXT).map_err(error)?;
+    files::write(&folder.join(MARK), MARK_TEXT)?;
     for (from, to) in INPUTS {
-        copy(&workspace.root().join(from), &folder.join(to))?;
-    }
-    Ok(())
-}
-
-/// Copies the files of one folder.
-fn copy(from: &Path, to: &Path) -> Result<(), Failure> {
-    let error = |error: std::io::Error| {
-        Failure::internal(
-            format!("`{}` could not be copied: {error}", from.display()),
-            "check that the checkout is complete",
-        )
-    };
-    std::fs::create_dir_all(to).map_err(error)?;
-    for entry in std::fs::read_dir(from).map_err(error)? {
-        let entry = entry.map_err(error)?;
-        std::fs::copy(entry.path(), to.join(entry.file_name())).map_err(error)?;
+        for (name, path) in files::below(&workspace.root().join(from))? {
+            files::write(&folder.join(to).join(name), files::read(&path)?)?;
+        }
     }
     Ok(())
 }
@@ -88,29 +78,11 @@ fn copy(from: &Path, to: &Path) -> Result<(), Failure> {
 mod tests {
     use super::*;
 
-    /// A folder for folders, removed at the end of the test.
-    struct Root(PathBuf);
-
-    impl Root {
-        fn new(name: &str) -> Self {
-            let id = std::process::id();
-            let root = Root(std::env::temp_dir().join(format!("xtask-folder-{name}-{id}")));
-            std::fs::create_dir_all(&root.0).unwrap();
-            root
-        }
-    }
-
-    impl Drop for Root {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-
     #[test]
     fn only_outputs_are_emptied() {
-        let root = Root::new("emptied");
+        let root = tempfile::tempdir().unwrap();
         let workspace = Workspace::find().unwrap();
-        let folder = root.0.join("outputs");
+        let folder = root.path().join("outputs");
         check(&folder).unwrap();
         prepare(&workspace, &folder).unwrap();
         assert!(folder.join("cells/comau.toml").is_file());
@@ -124,20 +96,17 @@ mod tests {
         let failure = check(&folder).unwrap_err();
         assert_eq!(failure.code, 2);
         assert!(failure.message.contains("something else than the outputs"));
-        let file = root.0.join("file");
-        std::fs::write(&file, "mine").unwrap();
-        assert_eq!(check(&file).unwrap_err().code, 2);
     }
 
     #[test]
     fn a_comparison_needs_outputs_beside_the_folder() {
-        let root = Root::new("other");
+        let root = tempfile::tempdir().unwrap();
         let workspace = Workspace::find().unwrap();
-        let [first, second] = ["first", "second"].map(|name| root.0.join(name));
+        let [first, second] = ["first", "second"].map(|name| root.path().join(name));
         assert_eq!(other(&first, &second).unwrap_err().code, 2);
         prepare(&workspace, &first).unwrap();
         assert_eq!(other(&first, &second).unwrap(), first);
-        for folder in [&first, &root.0, &first.join("inside")] {
+        for folder in [&first, root.path(), &first.join("inside")] {
             let failure = other(&first, folder).unwrap_err();
             assert!(failure.message.ends_with("lie one in the other"));
         }

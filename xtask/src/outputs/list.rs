@@ -1,5 +1,7 @@
 //! The list of commands: text to [`Call`].
 
+use std::collections::BTreeSet;
+
 use crate::run::Failure;
 
 /// The commands that need nothing but this repository.
@@ -33,12 +35,11 @@ pub struct Call {
 impl Call {
     /// The call as it would be typed.
     pub fn line(&self) -> String {
-        let input = self.input.as_ref().map(|file| format!(" < {file}"));
-        format!(
-            "stiffarm {}{}",
-            self.words.join(" "),
-            input.unwrap_or_default()
-        )
+        let line = format!("stiffarm {}", self.words.join(" "));
+        match &self.input {
+            Some(file) => format!("{line} < {file}"),
+            None => line,
+        }
     }
 
     /// The exit codes that it may end with.
@@ -66,31 +67,24 @@ pub fn calls(list: &str) -> Result<Vec<Call>, Failure> {
 /// The calls that compute: of one that is made twice the one with --json, which has every digit; none
 /// that is there to be wrong, and no text that is always the same.
 pub fn brief(calls: Vec<Call>) -> Vec<Call> {
-    let twice: Vec<String> = calls
-        .iter()
-        .filter_map(|call| Some(call.file.strip_suffix(".json.txt")?.to_string()))
-        .collect();
+    let files: BTreeSet<String> = calls.iter().map(|call| call.file.clone()).collect();
+    let texts = ["--version", "schema", "docs", "man", "completions"];
     let computes = |call: &Call| {
-        let name = call.file.trim_end_matches(".txt");
-        let asks = call
-            .words
-            .iter()
-            .any(|w| ["--help", "-h"].contains(&w.as_str()));
-        let always = ["--version", "schema", "docs", "man", "completions"];
-        let is_text = asks || always.contains(&call.words[0].as_str());
-        !(call.is_wrong || is_text || twice.iter().any(|twice| twice == name))
+        let asks = call.words.iter().any(|w| w == "--help" || w == "-h");
+        let is_text = asks || texts.contains(&call.words[0].as_str());
+        let with_json = call.file.replace(".txt", ".json.txt");
+        !(call.is_wrong || is_text || files.contains(&with_json))
     };
     calls.into_iter().filter(computes).collect()
 }
 
 /// The calls of one line of the list: `KIND NAME WORDS… [< FILE]`.
 fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
-    let mut words: Vec<&str> = line.split_whitespace().collect();
-    let input = match words.iter().position(|word| *word == "<") {
-        Some(at) if at + 2 == words.len() => words.drain(at..).nth(1).map(String::from),
-        Some(_) => return Err("`<` and a file are the end of a line"),
-        None => None,
+    let (line, input) = match line.split_once(" < ") {
+        Some((line, file)) => (line, Some(file.trim().to_string())),
+        None => (line, None),
     };
+    let words: Vec<&str> = line.split_whitespace().collect();
     let [kind, name, words @ ..] = words.as_slice() else {
         return Err("it has no name");
     };
@@ -110,10 +104,9 @@ fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
     if has_json {
         // What it writes is there already.
         let writes = !is_wrong && words.iter().any(|word| WRITING.contains(word));
-        let added: &[&str] = if writes {
-            &["--force", "--json"]
-        } else {
-            &["--json"]
+        let added: &[&str] = match writes {
+            true => &["--force", "--json"],
+            false => &["--json"],
         };
         calls.push(call(format!("{name}.json.txt"), added));
     }
@@ -131,49 +124,34 @@ fn malformed(number: usize, line: &str, why: &str) -> Failure {
 mod tests {
     use super::*;
 
-    fn lines(list: &str) -> Vec<(String, String)> {
-        let calls = calls(list).unwrap();
-        calls.iter().map(|c| (c.file.clone(), c.line())).collect()
-    }
-
-    fn pair(file: &str, line: &str) -> (String, String) {
-        (file.to_string(), line.to_string())
-    }
-
     #[test]
     fn a_line_is_one_call_or_two() {
         let list = "# Comment\n\nonce  man  man --output-dir man\nboth  check  check - < cell.toml\n\
                     both  plan  select a --output b\nwrong  slip  check --output b\n";
+        let calls = calls(list).unwrap();
+        let lines = calls.iter().map(|c| format!("{}: {}", c.file, c.line()));
         assert_eq!(
-            lines(list),
+            lines.collect::<Vec<_>>(),
             [
-                pair("man.txt", "stiffarm man --output-dir man"),
-                pair("check.txt", "stiffarm check - < cell.toml"),
-                pair("check.json.txt", "stiffarm check - --json < cell.toml"),
-                pair("plan.txt", "stiffarm select a --output b"),
-                pair(
-                    "plan.json.txt",
-                    "stiffarm select a --output b --force --json"
-                ),
-                pair("slip.txt", "stiffarm check --output b"),
-                pair("slip.json.txt", "stiffarm check --output b --json"),
+                "man.txt: stiffarm man --output-dir man",
+                "check.txt: stiffarm check - < cell.toml",
+                "check.json.txt: stiffarm check - --json < cell.toml",
+                "plan.txt: stiffarm select a --output b",
+                "plan.json.txt: stiffarm select a --output b --force --json",
+                "slip.txt: stiffarm check --output b",
+                "slip.json.txt: stiffarm check --output b --json",
             ]
         );
-        let calls = calls(list).unwrap();
-        assert_eq!(
-            (calls[0].codes(), calls[5].codes()),
-            (&[0, 1][..], &[2][..])
-        );
+        let codes = [&calls[0], &calls[5]].map(Call::codes);
+        assert_eq!(codes, [&[0, 1][..], &[2]]);
     }
 
     #[test]
     fn a_brief_list_computes_everything_once() {
         let list = "once  help  select --help\nboth  plan  select a --output b\nwrong  slip  check --output b\n\
                     once  plan-sheet  select b --sheet c\nboth  help-me  schema cell\n";
-        let files: Vec<String> = brief(calls(list).unwrap())
-            .into_iter()
-            .map(|call| call.file)
-            .collect();
+        let brief = brief(calls(list).unwrap());
+        let files: Vec<&str> = brief.iter().map(|call| call.file.as_str()).collect();
         assert_eq!(files, ["plan.json.txt", "plan-sheet.txt"]);
     }
 
@@ -186,7 +164,6 @@ mod tests {
                 "it begins with none of once, both, wrong",
             ),
             ("once a check\nboth a check", "its name is taken"),
-            ("\nonce a check - <", "`<` and a file are the end of a line"),
         ] {
             let message = calls(list).unwrap_err().message;
             assert!(message.starts_with("line 2 of the list"), "{message}");
@@ -207,16 +184,8 @@ mod tests {
         // Searches that would go on until nothing improves depend on no clock either, but take long.
         for call in all.iter().filter(|c| !c.is_wrong && c.words[0] == "select") {
             let has = |word: &str| call.words.iter().any(|w| w == word);
-            let ends = [
-                "--rounds",
-                "--from",
-                "--drop",
-                "--space-filling",
-                "--candidates",
-            ]
-            .map(has);
-            let asks = ["--help", "-h"].map(has);
-            assert!(ends.contains(&true) || asks.contains(&true), "{call:?}");
+            let ends = "--rounds --from --drop --space-filling --candidates --help -h";
+            assert!(ends.split(' ').any(has), "{call:?}");
             assert!(!has("--time-limit"), "{call:?}");
         }
     }

@@ -1,6 +1,5 @@
 //! `cargo xtask outputs`: everything that `stiffarm` prints and writes, to compare before with after.
 
-mod binary;
 mod compare;
 pub mod fanuc;
 mod folder;
@@ -11,12 +10,13 @@ use std::process::{Command, Output, Stdio};
 use std::time::Instant;
 
 use crate::arguments::OutputsOptions;
+use crate::files;
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace};
+use crate::tools;
+use compare::Comparison;
 use list::{COMMANDS, Call, FANUC, brief, calls};
 
-/// The folder of what the commands print.
-const PRINTED: &str = "printed";
 /// Variables that change what a command prints or how it works.
 const UNSET: [&str; 5] = [
     "NO_COLOR",
@@ -33,7 +33,7 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
     let folder = absolute(&options.folder)?;
     folder::check(&folder)?;
     let against = options.against.as_deref();
-    let against = against
+    let mut against = against
         .map(|other| folder::other(other, &folder))
         .transpose()?;
     let robot = fanuc::folder(reference_folder(std::env::var_os(REFERENCE_VARIABLE)));
@@ -47,147 +47,156 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
     if options.is_brief {
         calls = brief(calls);
     }
-    let binary = match &options.binary {
-        Some(binary) => binary::given(binary)?,
-        None => binary::built(workspace)?,
-    };
-    // Without a wish once, with the machine's own number of threads.
-    let wishes = match options.threads.as_slice() {
-        [] => vec![None],
-        threads => threads.iter().copied().map(Some).collect(),
-    };
-    let mut passes = Vec::new();
-    for (i, threads) in wishes.into_iter().enumerate() {
-        let filled = match threads.filter(|_| i > 0) {
-            Some(threads) => beside(&folder, threads),
-            None => folder.clone(),
-        };
-        folder::check(&filled)?;
-        folder::prepare(workspace, &filled)?;
+    let binary = binary(workspace, options.binary.as_deref())?;
+    // The first wish fills the folder itself. Without one it runs once, with the machine's own number of threads.
+    let mut passes = vec![Pass {
+        folder: folder.clone(),
+        threads: options.threads.first().copied(),
+    }];
+    for threads in options.threads.iter().skip(1) {
+        let mut beside = folder.clone().into_os_string();
+        beside.push(format!("-{threads}"));
+        passes.push(Pass {
+            folder: beside.into(),
+            threads: Some(*threads),
+        });
+    }
+    for pass in &passes {
+        folder::check(&pass.folder)?;
+        folder::prepare(workspace, &pass.folder)?;
         if let Ok(robot) = &robot {
-            fanuc::write(robot, &filled.join("fanuc.csv"))?;
+            fanuc::write(robot, &pass.folder.join("fanuc.csv"))?;
         }
-        passes.push((filled, threads));
     }
     // Each has a folder of its own, so they need not wait for each other.
     let start = Instant::now();
     let ran: Vec<_> = std::thread::scope(|scope| {
-        let run = |(filled, threads): &(PathBuf, Option<usize>)| {
-            let (binary, calls, filled, threads) = (&binary, &calls, filled.clone(), *threads);
-            scope.spawn(move || run_all(binary, &filled, calls, threads))
-        };
+        let (binary, calls) = (&binary, &calls);
+        let run = |pass| scope.spawn(move || run_all(binary, pass, calls));
         let running: Vec<_> = passes.iter().map(run).collect();
         running.into_iter().map(|pass| pass.join()).collect()
     });
     println!("{:.1} s", start.elapsed().as_secs_f64());
-    let mut against = against;
     let mut ended = Ok(());
-    for ((filled, threads), unexpected) in passes.iter().zip(ran) {
+    for (pass, unexpected) in passes.iter().zip(ran) {
         let unexpected = unexpected.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        let on = threads.map_or(String::new(), |threads| format!(" on {threads} threads"));
-        println!("{} runs of stiffarm{on}", calls.len());
-        let reported = report(filled, against.as_deref(), &unexpected);
-        ended = ended.and(reported);
+        println!("{} runs of stiffarm{}", calls.len(), pass.on());
+        ended = ended.and(report(&pass.folder, against.as_deref(), &unexpected));
         // Every other number of threads gives the same bytes as the first.
         against = Some(folder.clone());
     }
     ended
 }
 
-/// The folder of the same outputs on `threads` threads.
-fn beside(folder: &Path, threads: usize) -> PathBuf {
-    let mut name = folder.as_os_str().to_owned();
-    name.push(format!("-{threads}"));
-    PathBuf::from(name)
+/// All calls in one folder.
+struct Pass {
+    folder: PathBuf,
+    /// None leaves it to the machine.
+    threads: Option<u16>,
+}
+
+impl Pass {
+    fn on(&self) -> String {
+        let threads = self.threads;
+        threads.map_or(String::new(), |threads| format!(" on {threads} threads"))
+    }
+}
+
+/// The given executable, or the one that is built for release.
+fn binary(workspace: &Workspace, given: Option<&Path>) -> Result<PathBuf, Failure> {
+    let Some(given) = given else {
+        let words = [
+            "build",
+            "--release",
+            "--locked",
+            "--package",
+            "stiffarm-cli",
+        ];
+        workspace.cargo(&words).run()?;
+        let name = format!("release/stiffarm{}", std::env::consts::EXE_SUFFIX);
+        return Ok(tools::target(workspace).join(name));
+    };
+    match given.is_file() {
+        true => absolute(given),
+        false => Err(Failure::usage(
+            format!("`--binary {}`: there is no such file", given.display()),
+            "name the executable, for example target/release/stiffarm",
+        )),
+    }
 }
 
 /// Prints what differs, what ended unexpectedly, and the closing line.
 fn report(folder: &Path, against: Option<&Path>, unexpected: &[String]) -> Result<(), Failure> {
-    let comparison = against.map(|other| compare::compare(folder, other));
-    let comparison = comparison.transpose()?;
-    if let Some(comparison) = &comparison {
-        print!("{}", comparison.details());
+    let comparison = match against {
+        Some(other) => compare::compare(folder, other)?,
+        None => Comparison {
+            changes: Vec::new(),
+            closing: format!("outputs: {} files", files::below(folder)?.len()),
+        },
+    };
+    for line in &comparison.changes {
+        println!("{line}");
     }
     for line in unexpected {
         println!("UNEXPECTED {line}");
     }
-    match &comparison {
-        Some(comparison) => println!("{}", comparison.closing()),
-        None => println!("outputs: {} files", compare::count(folder)?),
-    }
-    if unexpected.is_empty() && comparison.is_none_or(|comparison| comparison.is_same()) {
-        Ok(())
-    } else {
-        Err(Failure::already_told())
+    println!("{}", comparison.closing);
+    match unexpected.is_empty() && comparison.changes.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::already_told()),
     }
 }
 
 /// Runs the calls in their order and keeps what they print. The result names those that ended with another exit code
 /// than the list expects.
-fn run_all(
-    binary: &Path,
-    folder: &Path,
-    calls: &[Call],
-    threads: Option<usize>,
-) -> Result<Vec<String>, Failure> {
+fn run_all(binary: &Path, pass: &Pass, calls: &[Call]) -> Result<Vec<String>, Failure> {
     let mut unexpected = Vec::new();
     for (done, call) in (1..).zip(calls) {
-        let output = run_one(binary, folder, call, threads)?;
+        let output = run_one(binary, pass, call).map_err(|error| {
+            Failure::internal(
+                format!("`{}` could not be run: {error}", call.line()),
+                "check that it is an executable of this system",
+            )
+        })?;
         let code = output.status.code();
         if !code.is_some_and(|code| call.codes().contains(&code)) {
-            unexpected.push(format!(
-                "{}: `{}`: {}",
-                call.file,
-                call.line(),
-                output.status
-            ));
+            let (line, status) = (call.line(), output.status);
+            unexpected.push(format!("{}: `{line}`: {status}", call.file));
         }
-        let path = folder.join(PRINTED).join(&call.file);
-        std::fs::write(&path, transcript(call, &output)).map_err(|e| unwritable(&path, &e))?;
+        let path = pass.folder.join("printed").join(&call.file);
+        files::write(&path, transcript(call, &output))?;
         if done % TOLD_EVERY == 0 {
-            let on = threads.map_or(String::new(), |threads| format!(" on {threads} threads"));
-            println!("{done} of {} runs{on}", calls.len());
+            println!("{done} of {} runs{}", calls.len(), pass.on());
         }
     }
     Ok(unexpected)
 }
 
 /// Runs one call in the folder, in surroundings that are always the same.
-fn run_one(
-    binary: &Path,
-    folder: &Path,
-    call: &Call,
-    threads: Option<usize>,
-) -> Result<Output, Failure> {
-    let error = |error: std::io::Error| {
-        Failure::internal(
-            format!("`{}` could not be run: {error}", call.line()),
-            "check that it is an executable of this system",
-        )
-    };
+fn run_one(binary: &Path, pass: &Pass, call: &Call) -> std::io::Result<Output> {
     let mut command = Command::new(binary);
     // Its usage lines show the name it was called by.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::arg0(&mut command, "stiffarm");
     command
         .args(&call.words)
-        .current_dir(folder)
+        .current_dir(&pass.folder)
         .env("TERM", "dumb")
         .stdin(Stdio::null());
     for name in UNSET {
         command.env_remove(name);
     }
-    if let Some(threads) = threads {
+    if let Some(threads) = pass.threads {
         // Not as an option, which would stand in what is printed.
         command.env("RAYON_NUM_THREADS", threads.to_string());
     }
     // Without a file that an earlier command should have written, this one fails and is named too.
     if let Some(input) = &call.input
-        && let Ok(input) = std::fs::File::open(folder.join(input))
+        && let Ok(input) = std::fs::File::open(pass.folder.join(input))
     {
         command.stdin(input);
     }
-    command.output().map_err(error)
+    command.output()
 }
 
 /// What one run left on both streams, and its exit code.
@@ -213,13 +222,6 @@ fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::internal(
-        format!("`{}` could not be written: {error}", path.display()),
-        "make it writable, or name another folder",
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -239,13 +241,15 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn an_unexpected_end_is_named_and_the_rest_still_runs() {
-        let folder = std::env::temp_dir().join(format!("xtask-outputs-{}", std::process::id()));
-        std::fs::create_dir_all(folder.join(PRINTED)).unwrap();
-        std::fs::write(folder.join("input.sh"), "exit 7").unwrap();
+        let root = tempfile::tempdir().unwrap();
+        let pass = Pass {
+            folder: root.path().to_path_buf(),
+            threads: None,
+        };
+        files::write(&pass.folder.join("input.sh"), "exit 7").unwrap();
         let list = "once seven -s < input.sh\nwrong well -c true\n";
-        let ended = run_all(Path::new("/bin/sh"), &folder, &calls(list).unwrap(), None);
-        let printed = std::fs::read_dir(folder.join(PRINTED)).unwrap().count();
-        std::fs::remove_dir_all(&folder).unwrap();
+        let ended = run_all(Path::new("/bin/sh"), &pass, &calls(list).unwrap());
+        let printed = files::below(&pass.folder.join("printed")).unwrap().len();
         let names: Vec<String> = ended
             .unwrap()
             .iter()

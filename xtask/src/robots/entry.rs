@@ -1,7 +1,8 @@
 //! One robot as an entry of the data file.
 
-use super::doubts;
-use super::json::Json;
+use serde::Deserialize;
+
+use super::words::Words;
 
 /// Published stiffness belongs to the library: its name there, for the robots that have some.
 const STIFFNESS: &[(&str, &str)] = &[("kuka_kr500_r2800_2", "KR500_STIFFNESS")];
@@ -9,43 +10,85 @@ const STIFFNESS: &[(&str, &str)] = &[("kuka_kr500_r2800_2", "KR500_STIFFNESS")];
 /// A transform closer to whole quarter turns than this is one [-].
 const NOISE: f64 = 1e-12;
 
+/// A robot of the descriptions.
+#[derive(Deserialize)]
+pub struct Robot {
+    brand: String,
+    model: String,
+    payload_kg: Option<f64>,
+    payload_source: Option<String>,
+    reach_m: Option<f64>,
+    reach_source: Option<String>,
+    reach_wrist_centre_computed_m: Option<f64>,
+    source: RobotSource,
+    pendant_note: String,
+    doubts: Vec<String>,
+    /// Rows of alpha, a, offset and d.
+    dh: Vec<[f64; 4]>,
+    theta_from_pendant: Theta,
+    joint_limits_deg: Vec<[f64; 2]>,
+    pendant_to_urdf: Urdf,
+    joint_velocity_deg_s: Vec<f64>,
+    base_transform: [[f64; 4]; 4],
+    tool: [[f64; 4]; 4],
+}
+
+#[derive(Deserialize)]
+struct RobotSource {
+    repository: String,
+    file: String,
+    commit: String,
+    licence: String,
+}
+
+/// theta = offset + C q of the pendant's angles q.
+#[derive(Deserialize)]
+struct Theta {
+    #[serde(rename = "C")]
+    coupling: Vec<Vec<f64>>,
+    offset_rad: Vec<f64>,
+}
+
+/// The description's angles, M q + offset of the pendant's angles q.
+#[derive(Deserialize)]
+struct Urdf {
+    #[serde(rename = "M")]
+    matrix: Vec<Vec<f64>>,
+    offset_rad: Vec<f64>,
+}
+
 /// The fields of the robot `name`, all but its capsules.
 ///
 /// # Errors
-/// A key that is missing or holds something else.
-pub fn fields(name: &str, robot: &Json, urdf: &str) -> Result<String, String> {
-    let brand = string(robot, &["brand"])?;
-    let model = string(robot, &["model"])?;
-    let remark = string(robot, &["pendant_note"])?;
-    let coupling = rows(robot, &["theta_from_pendant", "C"])?;
-    let offset = numbers(robot, &["theta_from_pendant", "offset_rad"])?;
-    let dh = rows(robot, &["dh"])?;
-    let n = dh.len();
-    if dh.iter().any(|row| row.len() != 4) || offset.len() != n || coupling.len() != n {
+/// What does not fit together.
+pub fn fields(name: &str, robot: &Robot, urdf: &str, words: &Words) -> Result<String, String> {
+    let (dh, theta) = (&robot.dh, &robot.theta_from_pendant);
+    if theta.offset_rad.len() != dh.len() || theta.coupling.len() != dh.len() {
         return Err("dh, offsets and C are not of one size".to_string());
     }
     let mut out = String::new();
     let mut line = |text: String| out += &format!("        {text}\n");
     line(format!("key: {:?},", name.replace('_', "-")));
-    line(format!("brand: {brand:?},"));
-    line(format!("name: {:?},", format!("{brand} {model}")));
+    line(format!("brand: {:?},", robot.brand));
     line(format!(
-        "payload: {},",
-        quantity(robot, "payload_kg", "payload_source")?
+        "name: {:?},",
+        format!("{} {}", robot.brand, robot.model)
     ));
-    line(format!("reach: {},", reach(robot)?));
-    for (field, key) in [
-        ("source", "repository"),
-        ("file", "file"),
-        ("commit", "commit"),
-        ("licence", "licence"),
-    ] {
-        line(format!("{field}: {:?},", string(robot, &["source", key])?));
-    }
-    line(format!("pendant: {:?},", doubts::pendant(remark)));
-    let remarks = at(robot, &["doubts"])?.list().ok_or("doubts is no list")?;
-    let remarks: Option<Vec<&str>> = remarks.iter().map(Json::text).collect();
-    let doubts = doubts::of(name, &remarks.ok_or("a doubt is no text")?, remark);
+    // `Some((value, "source"))`, or `None` where it is not known.
+    let payload = robot.payload_kg.zip(robot.payload_source.as_ref());
+    line(format!("payload: {payload:?},"));
+    // The maker's reach, else the one that the lengths give.
+    let computed = "to the wrist centre, computed as a1 + a2 + hypot(a3, d4)";
+    let stated = robot.reach_m.zip(robot.reach_source.as_deref());
+    let reach = stated.or(robot.reach_wrist_centre_computed_m.map(|m| (m, computed)));
+    line(format!("reach: {reach:?},"));
+    line(format!("source: {:?},", robot.source.repository));
+    line(format!("file: {:?},", robot.source.file));
+    line(format!("commit: {:?},", robot.source.commit));
+    line(format!("licence: {:?},", robot.source.licence));
+    let remark = &robot.pendant_note;
+    line(format!("pendant: {:?},", words.pendant(remark)));
+    let doubts = words.doubts(name, &robot.doubts, remark);
     if !doubts.is_empty() {
         line("doubts: &[".to_string());
         for (about, sentence) in doubts {
@@ -59,92 +102,33 @@ pub fn fields(name: &str, robot: &Json, urdf: &str) -> Result<String, String> {
         line(format!("stiffness: {set},"));
     }
     line("rows: &[".to_string());
-    for (row, offset) in dh.iter().zip(&offset) {
-        let row = [
-            degrees(row[0]),
-            millimetres(row[1]),
-            millimetres(row[3]),
-            degrees(*offset),
-        ];
+    for ([alpha, a, _, d], offset) in dh.iter().zip(&theta.offset_rad) {
+        let (alpha, offset) = (degrees(*alpha), degrees(*offset));
+        let row = [alpha, millimetres(*a), millimetres(*d), offset];
         line(format!("    {row:?},"));
     }
     line("],".to_string());
-    let entries: Vec<String> = entries(&coupling)
-        .iter()
-        .map(|e| format!("{e:?}"))
-        .collect();
-    line(format!("coupling: &[{}],", entries.join(", ")));
+    line(format!("coupling: &{:?},", entries(&theta.coupling)));
     line("limits_deg: &[".to_string());
-    for limits in limits(robot)? {
+    for limits in limits(&robot.joint_limits_deg, &robot.pendant_to_urdf)? {
         line(format!("    {limits:?},"));
     }
     line("],".to_string());
-    let speeds = numbers(robot, &["joint_velocity_deg_s"])?;
     // A description that has no speeds writes zeros.
+    let speeds = &robot.joint_velocity_deg_s;
     if speeds.iter().all(|v| *v > 0.0) {
         line(format!("speeds_deg_s: &{speeds:?},"));
     }
-    let controller_base = controller_base(urdf)?;
-    let poses = [
-        ("base", pose(&rows(robot, &["base_transform"])?)),
-        ("flange", pose(&rows(robot, &["tool"])?)),
-        ("controller_base", controller_base),
-    ];
-    for (field, pose) in poses {
+    for (field, pose) in [
+        ("base", pose(&robot.base_transform)),
+        ("flange", pose(&robot.tool)),
+        ("controller_base", controller_base(urdf)?),
+    ] {
         if pose != [0.0; 6] {
             line(format!("{field}: {pose:?},"));
         }
     }
     Ok(out)
-}
-
-pub(super) fn at<'j>(robot: &'j Json, path: &[&str]) -> Result<&'j Json, String> {
-    let found = path.iter().try_fold(robot, |json, key| json.get(key));
-    found.ok_or_else(|| format!("{} is missing", path.join(".")))
-}
-
-pub(super) fn string<'j>(robot: &'j Json, path: &[&str]) -> Result<&'j str, String> {
-    at(robot, path)?
-        .text()
-        .ok_or_else(|| format!("{} is no text", path.join(".")))
-}
-
-pub(super) fn numbers(robot: &Json, path: &[&str]) -> Result<Vec<f64>, String> {
-    at(robot, path)?
-        .numbers()
-        .ok_or_else(|| format!("{} is no list of numbers", path.join(".")))
-}
-
-fn rows(robot: &Json, path: &[&str]) -> Result<Vec<Vec<f64>>, String> {
-    at(robot, path)?
-        .rows()
-        .ok_or_else(|| format!("{} is no list of rows", path.join(".")))
-}
-
-/// `Some((value, "source"))`, or `None` where it is not known.
-fn quantity(robot: &Json, key: &str, source: &str) -> Result<String, String> {
-    Ok(match at(robot, &[key])?.number() {
-        Some(value) => format!("Some(({value:?}, {:?}))", string(robot, &[source])?),
-        None => "None".to_string(),
-    })
-}
-
-/// The maker's reach, else the one that the lengths give.
-fn reach(robot: &Json) -> Result<String, String> {
-    let stated = quantity(robot, "reach_m", "reach_source")?;
-    if stated != "None" {
-        return Ok(stated);
-    }
-    Ok(
-        match at(robot, &["reach_wrist_centre_computed_m"])?.number() {
-            Some(value) => {
-                format!(
-                    "Some(({value:?}, \"to the wrist centre, computed as a1 + a2 + hypot(a3, d4)\"))"
-                )
-            }
-            None => stated,
-        },
-    )
 }
 
 /// Radians as the shortest degrees that mean the same to 1e-12 deg.
@@ -153,7 +137,7 @@ fn degrees(rad: f64) -> f64 {
 }
 
 /// Metres as the shortest millimetres that mean the same to 1e-9 mm.
-pub(super) fn millimetres(m: f64) -> f64 {
+pub fn millimetres(m: f64) -> f64 {
     rounded(1e3 * m, 1e9)
 }
 
@@ -173,14 +157,11 @@ fn entries(coupling: &[Vec<f64>]) -> Vec<(usize, usize, f64)> {
 /// Limits of the pendant's angles \[deg\] from those of the description's, q_urdf = M q + offset.
 ///
 /// Where joint 3 is coupled to joint 2 they are those at joint 2 = 0; a doubt says so.
-fn limits(robot: &Json) -> Result<Vec<[f64; 2]>, String> {
-    let own = rows(robot, &["joint_limits_deg"])?;
-    let m = rows(robot, &["pendant_to_urdf", "M"])?;
-    let offset = numbers(robot, &["pendant_to_urdf", "offset_rad"])?;
-    let limit = |(j, own): (usize, &Vec<f64>)| -> Option<[f64; 2]> {
-        let (sign, offset) = (*m.get(j)?.get(j)?, offset.get(j)?.to_degrees());
-        let pendant = |angle: f64| rounded((angle - offset) / sign, 1e9);
-        let ends = [pendant(*own.first()?), pendant(*own.get(1)?)];
+fn limits(own: &[[f64; 2]], urdf: &Urdf) -> Result<Vec<[f64; 2]>, String> {
+    let limit = |(j, own): (usize, &[f64; 2])| -> Option<[f64; 2]> {
+        let sign = urdf.matrix.get(j)?.get(j)?;
+        let offset = urdf.offset_rad.get(j)?.to_degrees();
+        let ends = own.map(|angle| rounded((angle - offset) / sign, 1e9));
         Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
     };
     let limits: Option<Vec<[f64; 2]>> = own.iter().enumerate().map(limit).collect();
@@ -188,7 +169,7 @@ fn limits(robot: &Json) -> Result<Vec<[f64; 2]>, String> {
 }
 
 /// A 4 × 4 matrix as x, y, z \[mm\] and turns about fixed x, then y, then z \[deg\].
-fn pose(matrix: &[Vec<f64>]) -> [f64; 6] {
+fn pose(matrix: &[[f64; 4]; 4]) -> [f64; 6] {
     let r = |i: usize, j: usize| {
         let value = matrix[i][j];
         let whole = value.round();
@@ -233,16 +214,10 @@ fn controller_base(urdf: &str) -> Result<[f64; 6], String> {
     let attribute = |name: &str| -> Result<[f64; 3], String> {
         let start = format!("{name}=\"");
         let text = origin.and_then(|o| o.split(start.as_str()).nth(1)?.split('"').next());
-        let mut values = [0.0; 3];
-        for (value, word) in values
-            .iter_mut()
-            .zip(text.unwrap_or("0 0 0").split_whitespace())
-        {
-            *value = word
-                .parse()
-                .map_err(|_| format!("{name} of the frame base: {word}"))?;
-        }
-        Ok(values)
+        let words = text.unwrap_or("0 0 0").split_whitespace();
+        let values: Result<Vec<f64>, _> = words.map(str::parse).collect();
+        let values = values.ok().and_then(|values| values.try_into().ok());
+        values.ok_or_else(|| format!("{name} of the frame base"))
     };
     let [x, y, z] = attribute("xyz")?.map(millimetres);
     let [roll, pitch, yaw] = attribute("rpy")?.map(degrees);
@@ -255,21 +230,22 @@ mod tests {
 
     #[test]
     fn poses_have_no_noise_of_rounding() {
-        let quarter = vec![
-            vec![6.1e-17, -6.1e-17, 1.0, 0.0],
-            vec![6.1e-17, -1.0, -6.1e-17, 2.9e-17],
-            vec![1.0, 6.1e-17, -6.1e-17, 0.14],
-            vec![0.0, 0.0, 0.0, 1.0],
+        let quarter = [
+            [6.1e-17, -6.1e-17, 1.0, 0.0],
+            [6.1e-17, -1.0, -6.1e-17, 2.9e-17],
+            [1.0, 6.1e-17, -6.1e-17, 0.14],
+            [0.0, 0.0, 0.0, 1.0],
         ];
         assert_eq!(pose(&quarter), [0.0, 0.0, 140.0, 0.0, -90.0, 180.0]);
     }
 
     #[test]
     fn limits_become_the_pendants() {
-        let text = r#"{"joint_limits_deg": [[-10, 20], [-45, 85]],
-            "pendant_to_urdf": {"M": [[-1, 0], [0, 1]], "offset_rad": [0, 1.5707963267948966]}}"#;
-        let robot = Json::parse(text).unwrap();
-        assert_eq!(limits(&robot).unwrap(), [[-20.0, 10.0], [-135.0, -5.0]]);
+        let text = r#"{"M": [[-1, 0], [0, 1]], "offset_rad": [0, 1.5707963267948966]}"#;
+        let urdf = serde_json::from_str(text).unwrap();
+        let own = [[-10.0, 20.0], [-45.0, 85.0]];
+        let pendant = [[-20.0, 10.0], [-135.0, -5.0]];
+        assert_eq!(limits(&own, &urdf).unwrap(), pendant);
     }
 
     #[test]

@@ -1,18 +1,23 @@
 //! `cargo xtask robots FOLDER`: the catalogue's data file from descriptions of robots.
 //!
-//! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added there; nothing here knows one by name
-//! except what other sources say of it (`ELSEWHERE` in `doubts`).
+//! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added there;
+//! nothing here knows one by name except what other sources say of it (`elsewhere` in `words.json`).
 
 mod capsules;
-mod doubts;
 mod entry;
-mod json;
+mod words;
 
+use std::collections::BTreeMap;
+use std::fmt;
 use std::path::Path;
 
-use crate::generate::first_difference;
+use serde::de::DeserializeOwned;
+
+use crate::files::{self, first_difference};
 use crate::run::{Failure, Workspace};
-use json::Json;
+use capsules::{Capsules, Distances};
+use entry::Robot;
+use words::Words;
 
 /// The data file, relative to the workspace root.
 const TARGET: &str = "crates/stiffarm/data/robots.rs";
@@ -35,11 +40,9 @@ pub fn run(workspace: &Workspace, folder: &Path, check: bool) -> Result<(), Fail
     let text = generated(folder)?;
     let path = workspace.root().join(TARGET);
     if !check {
-        return std::fs::write(&path, text)
-            .map_err(|e| Failure::internal(format!("{TARGET}: {e}"), "make it writable"));
+        return files::write(&path, text);
     }
-    let there = std::fs::read(&path)
-        .map_err(|e| Failure::internal(format!("{TARGET}: {e}"), "run it without --check"))?;
+    let there = files::read(&path)?;
     if there == text.as_bytes() {
         return Ok(());
     }
@@ -55,32 +58,43 @@ pub fn run(workspace: &Workspace, folder: &Path, check: bool) -> Result<(), Fail
 
 /// The data file of the robots in `folder`.
 fn generated(folder: &Path) -> Result<String, Failure> {
-    let wrong = |path: &Path, message: String| {
-        Failure::usage(
-            format!("{}: {message}", path.display()),
-            "name the folder of the robots, for example ../shared/reference/robots",
-        )
-    };
-    let read = |name: &str| -> Result<Json, Failure> {
-        let path = folder.join(name);
-        let text = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e.to_string()))?;
-        Json::parse(&text).map_err(|e| wrong(&path, e))
-    };
-    let Json::Object(robots) = read("robots_catalogue.json")? else {
-        return Err(wrong(folder, "no object of robots".to_string()));
-    };
-    let (capsules, distances) = (read("capsules.json")?, read("distances.json")?);
+    let robots: BTreeMap<String, Robot> = read(&folder.join("robots_catalogue.json"))?;
+    let capsules: BTreeMap<String, Capsules> = read(&folder.join("capsules.json"))?;
+    let distances: BTreeMap<String, Distances> = read(&folder.join("distances.json"))?;
+    let words = Words::read();
+    // The catalogue has the order of its description, which a map forgets.
+    let text = files::text(&folder.join("robots_catalogue.json"))?;
+    let mut robots = Vec::from_iter(&robots);
+    robots.sort_by_key(|(name, _)| text.find(&format!("\"{name}\":")));
     let mut out = HEADING.to_string();
-    for (name, robot) in &robots {
+    for (name, robot) in robots {
         let path = folder.join("urdf").join(format!("{name}.urdf"));
-        let urdf = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e.to_string()))?;
-        let fields = entry::fields(name, robot, &urdf)
-            .and_then(|own| Ok(own + &capsules::fields(name, &capsules, &distances)?))
+        let urdf = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e))?;
+        let (Some(capsules), Some(distances)) = (capsules.get(name), distances.get(name)) else {
+            return Err(wrong(
+                folder,
+                format!("{name} has no capsules or distances"),
+            ));
+        };
+        let fields = entry::fields(name, robot, &urdf, &words)
+            .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances, &words)?))
             .map_err(|e| wrong(folder, format!("{name}: {e}")))?;
         out +=
             &format!("    CatalogueEntry {{\n{fields}        ..CatalogueEntry::UNKNOWN\n    }},\n");
     }
     Ok(out + "]\n")
+}
+
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Failure> {
+    let text = std::fs::read_to_string(path).map_err(|e| wrong(path, e))?;
+    serde_json::from_str(&text).map_err(|e| wrong(path, e))
+}
+
+fn wrong(path: &Path, message: impl fmt::Display) -> Failure {
+    Failure::usage(
+        format!("{}: {message}", path.display()),
+        "name the folder of the robots, for example ../shared/reference/robots",
+    )
 }
 
 #[cfg(test)]

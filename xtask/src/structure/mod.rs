@@ -1,12 +1,12 @@
 //! What the text of the code shows about its structure, checked against ARCHITECTURE.md: no module of the library
 //! imports upward, no circle of files, no long file, few public modules.
 
-mod circles;
 mod source;
 mod uses;
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
 
+use crate::files;
 use crate::run::{Failure, Workspace};
 use uses::Crate;
 
@@ -21,13 +21,41 @@ const ORDER_HEADING: &str = "```modules";
 
 /// All checks of the structure; every fault is told before the first stops `cargo xtask lint`.
 pub fn check(workspace: &Workspace) -> Result<(), Failure> {
-    let faults = [
-        upward_imports(workspace)?,
-        circles(workspace)?,
-        long_files(workspace)?,
-        too_many_modules(workspace)?,
-    ]
-    .concat();
+    let architecture = files::text(&workspace.root().join("ARCHITECTURE.md"))?;
+    let order = order_of_modules(&architecture);
+    let mut faults = Vec::new();
+    let sources = files::below(&workspace.root().join("crates"))?;
+    let names = sources.keys().filter_map(|path| path.split_once("/src/"));
+    let mut names: BTreeSet<String> = names.map(|(name, _)| format!("crates/{name}")).collect();
+    names.extend(["fuzz", "xtask"].map(String::from));
+    for name in names {
+        let mut codes = Vec::new();
+        for (path, place) in files::below(&workspace.root().join(&name).join("src"))? {
+            if !path.ends_with(".rs") {
+                continue;
+            }
+            let text = files::text(&place)?;
+            let code = source::code(&text);
+            let lines = code.lines().count();
+            if lines > LONGEST_FILE {
+                faults.push(format!("{name}/src/{path}: {lines} lines of code"));
+            }
+            codes.push((path, code.to_string()));
+        }
+        let one = Crate::new(codes);
+        for (from, to) in one.circles() {
+            let (from, to) = (one.path(&from), one.path(&to));
+            faults.push(format!("{name}: in a circle, {from} uses {to}"));
+        }
+        if name == "crates/stiffarm" {
+            faults.extend(upward(&one, &order));
+        }
+    }
+    let root = files::text(&workspace.root().join("crates/stiffarm/src/lib.rs"))?;
+    let count = public_modules(&root);
+    if count > PUBLIC_MODULES {
+        faults.push(format!("stiffarm has {count} public modules"));
+    }
     if faults.is_empty() {
         return Ok(());
     }
@@ -38,218 +66,71 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
     ))
 }
 
-/// Imports of the library that go up or sideways in the order of modules of ARCHITECTURE.md.
-fn upward_imports(workspace: &Workspace) -> Result<Vec<String>, Failure> {
-    let text = read(&workspace.root().join("ARCHITECTURE.md"))?;
-    let order = order_of_modules(&text).ok_or_else(|| {
-        Failure::finding(
-            format!("ARCHITECTURE.md has no block that begins with `{ORDER_HEADING}`"),
-            "write the modules of the library there, one level a line, lowest first",
-        )
-    })?;
-    let library = Crate::read("stiffarm", &workspace.root().join("crates/stiffarm/src"))?;
-    Ok(upward(&library, &order))
-}
-
 /// The levels of the block that begins with [`ORDER_HEADING`], lowest first.
-fn order_of_modules(text: &str) -> Option<Vec<Vec<String>>> {
-    let mut lines = text.lines().skip_while(|line| *line != ORDER_HEADING);
-    lines.next()?;
-    let levels = lines.take_while(|line| *line != "```");
-    Some(
-        levels
-            .map(|line| line.split_whitespace().map(String::from).collect())
-            .collect(),
-    )
+fn order_of_modules(text: &str) -> Vec<Vec<&str>> {
+    text.lines()
+        .skip_while(|line| *line != ORDER_HEADING)
+        .skip(1)
+        .take_while(|line| *line != "```")
+        .map(|line| line.split_whitespace().collect())
+        .collect()
 }
 
 /// The faults of `library` against `order`: a module that imports upward or sideways, and one without a level.
-fn upward(library: &Crate, order: &[Vec<String>]) -> Vec<String> {
-    let level = |name: &String| order.iter().position(|modules| modules.contains(name));
-    let mut faults = Vec::new();
-    for used in library.uses() {
+fn upward(library: &Crate, order: &[Vec<&str>]) -> BTreeSet<String> {
+    let level = |name: &str| order.iter().position(|modules| modules.contains(&name));
+    let mut faults = BTreeSet::new();
+    for (user, holder) in library.uses() {
         // The root holds no items of its own.
-        let (Some(from), Some(to)) = (used.from.first(), used.to.first()) else {
+        let (Some(from), Some(to)) = (user.first(), holder.first()) else {
             continue;
         };
-        let fault = match (level(from), level(to)) {
-            (None, _) => format!("`{from}` has no level in ARCHITECTURE.md"),
-            (_, None) => format!("`{to}` has no level in ARCHITECTURE.md"),
-            (Some(low), Some(high)) if from != to && high >= low => format!(
-                "{} uses {}: `{from}` must not know `{to}`",
-                library.path(&used.from).display(),
-                library.path(&used.to).display()
-            ),
-            _ => continue,
-        };
-        if !faults.contains(&fault) {
-            faults.push(fault);
+        match (level(from), level(to)) {
+            (Some(low), Some(high)) if from != to && high >= low => {
+                let (user, holder) = (library.path(&user), library.path(&holder));
+                faults.insert(format!(
+                    "{user} uses {holder}: `{from}` must not know `{to}`"
+                ));
+            }
+            (Some(_), Some(_)) => {}
+            (None, _) => {
+                faults.insert(format!("`{from}` has no level in ARCHITECTURE.md"));
+            }
+            (_, None) => {
+                faults.insert(format!("`{to}` has no level in ARCHITECTURE.md"));
+            }
         }
     }
     faults
 }
 
-/// Circles of files in every crate, each as the files in the order in which they use each other.
-fn circles(workspace: &Workspace) -> Result<Vec<String>, Failure> {
-    let mut faults = Vec::new();
-    for (name, source) in sources(workspace)? {
-        let one = Crate::read(&name, &source)?;
-        for circle in circles::circles(&one.uses()) {
-            let files: Vec<String> = circle
-                .iter()
-                .chain(circle.first())
-                .map(|module| one.path(module).display().to_string())
-                .collect();
-            faults.push(format!("{}: circle {}", one.name, files.join(" -> ")));
-        }
-    }
-    Ok(faults)
-}
-
-/// Files with more than [`LONGEST_FILE`] lines of code.
-fn long_files(workspace: &Workspace) -> Result<Vec<String>, Failure> {
-    let mut faults = Vec::new();
-    for (_, source) in sources(workspace)? {
-        let mut files = Vec::new();
-        find_rust_files(&source, &mut files)?;
-        for path in files {
-            let lines = source::lines_of_code(&read(&path)?);
-            if lines > LONGEST_FILE {
-                let shown = path.strip_prefix(workspace.root()).unwrap_or(&path);
-                faults.push(format!("{}: {lines} lines of code", shown.display()));
-            }
-        }
-    }
-    Ok(faults)
-}
-
-/// The library's root when it shows more than [`PUBLIC_MODULES`].
-fn too_many_modules(workspace: &Workspace) -> Result<Vec<String>, Failure> {
-    let root = read(&workspace.root().join("crates/stiffarm/src/lib.rs"))?;
-    let shown = public_modules(&root);
-    let fault = format!(
-        "stiffarm has {} public modules: {}",
-        shown.len(),
-        shown.join(", ")
-    );
-    Ok(Vec::from_iter(
-        (shown.len() > PUBLIC_MODULES).then_some(fault),
-    ))
-}
-
-/// The modules that the documentation of a root shows.
-fn public_modules(root: &str) -> Vec<String> {
-    let mut shown = Vec::new();
-    let mut hidden = false;
-    for line in root.lines() {
-        if let Some(rest) = line.strip_prefix("pub mod ") {
-            let name = rest.trim_end_matches([';', '{', ' ']);
-            shown.extend((!hidden).then(|| name.to_string()));
-        }
-        // An attribute or a comment may stand between the mark and its module.
-        hidden = line == "#[doc(hidden)]" || hidden && line.starts_with(['#', '/']);
-    }
-    shown
-}
-
-/// Name and `src` folder of every crate.
-fn sources(workspace: &Workspace) -> Result<Vec<(String, PathBuf)>, Failure> {
-    let crates = workspace.root().join("crates");
-    let mut folders = entries(&crates)?;
-    folders.push(workspace.root().join("fuzz"));
-    folders.push(workspace.root().join("xtask"));
-    Ok(folders
-        .into_iter()
-        .filter(|folder| folder.join("src").is_dir())
-        .map(|folder| {
-            let name = folder.file_name().unwrap_or_default();
-            (name.to_string_lossy().into_owned(), folder.join("src"))
-        })
-        .collect())
-}
-
-/// Adds the Rust files below `folder` to `found`, in the order of their names.
-fn find_rust_files(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    for path in entries(folder)? {
-        if path.is_dir() {
-            find_rust_files(&path, found)?;
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
-        }
-    }
-    Ok(())
-}
-
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let paths = std::fs::read_dir(folder)
-        .and_then(|entries| entries.map(|entry| entry.map(|e| e.path())).collect());
-    let mut paths: Vec<PathBuf> = paths.map_err(|error| unread(folder, &error))?;
-    paths.sort();
-    Ok(paths)
-}
-
-fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|error| unread(path, &error))
-}
-
-fn unread(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::internal(
-        format!("`{}` could not be read: {error}", path.display()),
-        "check that the checkout is complete",
-    )
+/// How many modules the documentation of a root shows.
+fn public_modules(root: &str) -> usize {
+    let lines: Vec<&str> = root.lines().collect();
+    lines
+        .windows(2)
+        .filter(|pair| pair[1].starts_with("pub mod ") && pair[0] != "#[doc(hidden)]")
+        .count()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn workspace() -> Workspace {
-        Workspace::find().unwrap()
-    }
-
-    fn nothing(faults: Result<Vec<String>, Failure>) {
-        let faults = faults.unwrap();
-        assert!(faults.is_empty(), "\n{}", faults.join("\n"));
-    }
-
     #[test]
-    fn no_module_imports_upward() {
-        nothing(upward_imports(&workspace()));
-    }
-
-    #[test]
-    fn no_circle_of_files() {
-        nothing(circles(&workspace()));
-    }
-
-    #[test]
-    fn no_long_file() {
-        nothing(long_files(&workspace()));
-    }
-
-    #[test]
-    fn the_root_shows_few_modules() {
-        nothing(too_many_modules(&workspace()));
-    }
-
-    #[test]
-    fn the_order_is_read_from_its_block() {
-        let text = "# A\n\n```text\nz\n```\n```modules\na b\nc\n```\nd\n";
-        assert_eq!(order_of_modules(text).unwrap(), [vec!["a", "b"], vec!["c"]]);
-        assert_eq!(order_of_modules("a\nb\n"), None);
+    fn the_code_is_as_it_should_be() {
+        let found = check(&Workspace::find().unwrap());
+        assert!(found.is_ok(), "{}", found.unwrap_err().message);
     }
 
     fn library(files: &[(&str, &str)]) -> Crate {
-        let texts = files
-            .iter()
-            .map(|(path, text)| (PathBuf::from(path), text.to_string()));
-        Crate::of_texts("library", texts.collect())
+        let codes = files.iter();
+        Crate::new(codes.map(|(path, code)| (path.to_string(), code.to_string())))
     }
 
-    const ORDER: &str = "```modules\nlow\nleft right\nhigh\n```";
-
     fn faults(files: &[(&str, &str)]) -> Vec<String> {
-        upward(&library(files), &order_of_modules(ORDER).unwrap())
+        let order = order_of_modules("z\n```modules\nlow\nleft right\nhigh\n```\nd");
+        Vec::from_iter(upward(&library(files), &order))
     }
 
     #[test]
@@ -284,7 +165,7 @@ mod tests {
 
     #[test]
     fn circles_are_found_through_re_exports_and_a_parent_makes_none() {
-        let circle = [
+        let mut files = [
             ("lib.rs", "mod a; mod d;"),
             (
                 "a/mod.rs",
@@ -294,20 +175,25 @@ mod tests {
             ("a/c.rs", "use super::B;"),
             ("d.rs", "use std::fmt;"),
         ];
-        let found = circles::circles(&library(&circle).uses());
-        assert_eq!(found, [[["a", "b"], ["a", "c"]]]);
-
-        let mut through_the_parent = circle;
-        through_the_parent[3].1 = "";
-        assert!(circles::circles(&library(&through_the_parent).uses()).is_empty());
-        through_the_parent[4].1 = "use crate::a::B;";
-        let found = circles::circles(&library(&through_the_parent).uses());
-        assert_eq!(found, [vec![vec!["a"], vec!["d"], vec!["a", "b"]]]);
+        let found = |files: &[(&str, &str)]| {
+            let library = library(files);
+            let circles = library.circles().into_iter();
+            let uses = circles.map(|(from, to)| [library.path(&from), library.path(&to)].join(" "));
+            uses.collect::<Vec<String>>()
+        };
+        assert_eq!(found(&files), ["a/b.rs a/c.rs", "a/c.rs a/b.rs"]);
+        files[3].1 = "";
+        assert!(found(&files).is_empty());
+        files[4].1 = "use crate::a::B;";
+        assert_eq!(
+            found(&files),
+            ["a/mod.rs d.rs", "a/b.rs a/mod.rs", "d.rs a/b.rs"]
+        );
     }
 
     #[test]
     fn hidden_modules_are_not_shown() {
-        let root = "pub mod a;\nmod b;\n#[doc(hidden)]\n/// C.\npub mod c {\n}\npub mod d;\n";
-        assert_eq!(public_modules(root), ["a", "d"]);
+        let root = "\npub mod a;\nmod b;\n#[doc(hidden)]\npub mod c {\n}\npub mod d;\n";
+        assert_eq!(public_modules(root), 2);
     }
 }

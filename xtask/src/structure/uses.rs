@@ -1,95 +1,75 @@
 //! Which file of a crate uses which other: the paths in its code, followed to the file that holds the item.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::source::words;
-use crate::run::Failure;
+use super::source::{is_name, words};
 
 /// A module of a crate, as the names from the root to it; the root itself is empty.
-type Module = Vec<String>;
+pub type Module = Vec<String>;
 
 /// The files of one crate and what they use.
 pub struct Crate {
-    /// Name of the crate's folder.
-    pub name: String,
     files: BTreeMap<Module, File>,
 }
 
 /// One file of a crate.
 struct File {
-    path: PathBuf,
+    path: String,
     words: Vec<String>,
     /// What the file's `use` items call its own: name in this file to path from the crate's root.
-    names: BTreeMap<String, Vec<String>>,
-}
-
-/// One use of an item of another file.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Use {
-    /// The module that uses.
-    pub from: Module,
-    /// The module that holds the item.
-    pub to: Module,
+    names: BTreeMap<String, Module>,
 }
 
 impl Crate {
-    /// Reads every file below `source`, the `src` folder of the crate `name`.
-    pub fn read(name: &str, source: &Path) -> Result<Self, Failure> {
-        let mut found = Vec::new();
-        super::find_rust_files(source, &mut found)?;
-        let texts = found.into_iter().map(|path| {
-            let text = super::read(&path)?;
-            let below = path.strip_prefix(source).unwrap_or(&path).to_path_buf();
-            Ok((below, text))
-        });
-        Ok(Self::of_texts(name, texts.collect::<Result<_, Failure>>()?))
-    }
-
-    /// The crate with these files: path below `src`, and text.
-    pub fn of_texts(name: &str, texts: Vec<(PathBuf, String)>) -> Self {
-        let mut files: BTreeMap<Module, File> = texts
-            .into_iter()
-            .map(|(path, text)| {
-                let file = File {
-                    words: words(&text),
-                    names: BTreeMap::new(),
-                    path: path.clone(),
-                };
-                (module_of(&path), file)
-            })
-            .collect();
+    /// The crate with these files: path below `src`, and code.
+    pub fn new(codes: impl IntoIterator<Item = (String, String)>) -> Self {
+        let mut files = BTreeMap::new();
+        for (path, code) in codes {
+            let (words, names) = (words(&code), BTreeMap::new());
+            files.insert(module_of(Path::new(&path)), File { path, words, names });
+        }
         let modules: BTreeSet<Module> = files.keys().cloned().collect();
         for (module, file) in &mut files {
             file.names = imported_names(module, &file.words, &modules);
         }
-        Crate {
-            name: name.to_string(),
-            files,
-        }
+        Crate { files }
     }
 
     /// The path below `src` of the file of `module`.
-    pub fn path(&self, module: &Module) -> &Path {
-        self.files.get(module).map_or(Path::new("?"), |f| &f.path)
+    pub fn path(&self, module: &Module) -> &str {
+        &self.files[module].path
     }
 
-    /// Every use of another file's items, each once. A parent's use of its own descendants is none: that is how a
-    /// folder shows what it holds.
-    pub fn uses(&self) -> BTreeSet<Use> {
+    /// Every use of another file's items, each once: the module that uses, and the one that holds the item. A parent's
+    /// use of its own descendants is none: that is how a folder shows what it holds.
+    pub fn uses(&self) -> BTreeSet<(Module, Module)> {
         let mut uses = BTreeSet::new();
         for (module, file) in &self.files {
             for path in paths(module, &file.words) {
-                let Some(to) = self.holder(&path.segments, 0) else {
+                let Some(holder) = self.holder(&path, 0) else {
                     continue;
                 };
-                if to != *module && !to.starts_with(module) {
-                    let from = module.clone();
-                    uses.insert(Use { from, to });
+                if !holder.starts_with(module) {
+                    uses.insert((module.clone(), holder));
                 }
             }
         }
         uses
+    }
+
+    /// The uses on circles of files and between such circles: without them no file is both used and uses another.
+    pub fn circles(&self) -> BTreeSet<(Module, Module)> {
+        let mut uses = self.uses();
+        loop {
+            let users: BTreeSet<Module> = uses.iter().map(|(from, _)| from.clone()).collect();
+            let used: BTreeSet<Module> = uses.iter().map(|(_, to)| to.clone()).collect();
+            let count = uses.len();
+            uses.retain(|(from, to)| used.contains(from) && users.contains(to));
+            if uses.len() == count {
+                return uses;
+            }
+        }
     }
 
     /// The module whose file holds the item at `path` from the root, through re-exports.
@@ -112,25 +92,13 @@ impl Crate {
 
 /// The module that the file at `path` below `src` holds.
 fn module_of(path: &Path) -> Module {
-    let mut module: Module = path
-        .with_extension("")
-        .iter()
+    let path = match path.file_stem().and_then(|stem| stem.to_str()) {
+        Some("mod" | "lib" | "main") => path.with_file_name(""),
+        _ => path.with_extension(""),
+    };
+    path.iter()
         .map(|part| part.to_string_lossy().into_owned())
-        .collect();
-    if matches!(
-        module.last().map(String::as_str),
-        Some("mod" | "lib" | "main")
-    ) {
-        module.pop();
-    }
-    module
-}
-
-/// One path of the code, from the crate's root.
-struct FoundPath {
-    segments: Vec<String>,
-    /// What the file calls it, for a path in a `use`.
-    name: Option<String>,
+        .collect()
 }
 
 /// The names that `use` items give to items of this crate.
@@ -138,42 +106,35 @@ fn imported_names(
     module: &Module,
     words: &[String],
     modules: &BTreeSet<Module>,
-) -> BTreeMap<String, Vec<String>> {
-    let mut names = BTreeMap::new();
+) -> BTreeMap<String, Module> {
+    let mut found = Vec::new();
     for at in (0..words.len()).filter(|&i| words[i] == "use") {
-        let first = words.get(at + 1).map_or("", String::as_str);
-        let child = [module.as_slice(), &[first.to_string()]].concat();
-        let mut found = Vec::new();
+        let child = [module.as_slice(), &words[at + 1..at + 2]].concat();
         if modules.contains(&child) {
             read_tree(words, at + 1, module.clone(), &mut found);
         } else if let Some((start, base)) = base(module, words, at + 1) {
             read_tree(words, start, base, &mut found);
         }
-        for path in found {
-            if let Some(name) = path.name {
-                names.insert(name, path.segments);
-            }
-        }
     }
-    names
+    found.into_iter().collect()
 }
 
 /// Every path in `words` that begins with `crate`, `super` or `self`.
-fn paths(module: &Module, words: &[String]) -> Vec<FoundPath> {
+fn paths(module: &Module, words: &[String]) -> Vec<Module> {
     let mut found = Vec::new();
     for at in 0..words.len() {
-        let inside = at > 0 && words[at - 1] == "::";
-        if let Some((start, base)) = base(module, words, at).filter(|_| !inside) {
+        let is_inside = at > 0 && words[at - 1] == "::";
+        if let Some((start, base)) = base(module, words, at).filter(|_| !is_inside) {
             read_tree(words, start, base, &mut found);
         }
     }
-    found
+    found.into_iter().map(|(_, path)| path).collect()
 }
 
 /// The module that `crate::`, `self::` or `super::super::` at `at` means, and where the path goes on.
-fn base(module: &Module, words: &[String], mut at: usize) -> Option<(usize, Module)> {
+fn base(module: &Module, words: &[String], start: usize) -> Option<(usize, Module)> {
     let mut base = module.clone();
-    let start = at;
+    let mut at = start;
     while words.get(at + 1).is_some_and(|word| word == "::") {
         match words[at].as_str() {
             "crate" => base.clear(),
@@ -188,58 +149,41 @@ fn base(module: &Module, words: &[String], mut at: usize) -> Option<(usize, Modu
     (at > start).then_some((at, base))
 }
 
-/// Reads the path or `use` tree at `at` below `base` into `found`; returns where it ends.
+/// Reads the path or `use` tree at `at` below `base`: every path with the name that it gets. Returns where it ends.
 fn read_tree(
     words: &[String],
     mut at: usize,
-    mut base: Vec<String>,
-    found: &mut Vec<FoundPath>,
+    mut base: Module,
+    found: &mut Vec<(String, Module)>,
 ) -> usize {
+    let word = |at: usize| words.get(at).map_or("", String::as_str);
     loop {
-        match words.get(at).map(String::as_str) {
-            Some("{") => {
+        match word(at) {
+            "{" => {
                 at += 1;
-                while at < words.len() && words[at] != "}" {
-                    let before = at;
-                    at = read_tree(words, at, base.clone(), found);
-                    if words.get(at).is_some_and(|word| word == ",") || at == before {
-                        at += 1;
-                    }
+                while at < words.len() && word(at) != "}" {
+                    // A comma is no path: it is passed over.
+                    at = read_tree(words, at, base.clone(), found).max(at + 1);
                 }
                 return at + 1;
             }
-            Some("*") => {
-                found.push(FoundPath {
-                    segments: base,
-                    name: None,
-                });
-                return at + 1;
-            }
-            Some(word) if is_name(word) => {
-                if word != "self" {
-                    base.push(word.to_string());
-                }
-                at += 1;
+            "self" | "*" => {}
+            name if name.starts_with(is_name) => {
+                base.push(name.to_string());
             }
             _ => return at,
         }
-        if words.get(at).is_some_and(|word| word == "::") {
+        at += 1;
+        if word(at) == "::" {
             at += 1;
             continue;
         }
-        let mut name = base.last().cloned();
-        if words.get(at).is_some_and(|word| word == "as") {
-            name = words.get(at + 1).cloned();
+        let mut name = base.last().cloned().unwrap_or_default();
+        if word(at) == "as" {
+            name = word(at + 1).to_string();
             at += 2;
         }
-        found.push(FoundPath {
-            segments: base,
-            name,
-        });
+        found.push((name, base));
         return at;
     }
-}
-
-fn is_name(word: &str) -> bool {
-    word.starts_with(|sign: char| sign.is_alphabetic() || sign == '_')
 }
