@@ -72,7 +72,7 @@ pub fn predict(
         let points = path.as_ref().map(|path| path.table.points.as_slice());
         let result = watched.with(|control| {
             let loaded = request.loaded(under.clone(), &saved.predictor, points, control)?;
-            request.predict(&loaded, &saved.predictor, control)
+            request.predict(&loaded, &saved, control)
         });
         let result = match &path {
             Some(path) => result.map_err(|e| path.in_file(e))?,

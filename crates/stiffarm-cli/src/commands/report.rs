@@ -132,11 +132,9 @@ fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Resul
     for from in &args.cell {
         let named = session.read_cell(from)?;
         let text = session.text_of(&named.name).unwrap_or_default();
-        let own = [
-            session.last_hash("cell").unwrap_or_default(),
-            hash_without_work(&text),
-        ];
-        let Some(hash) = own.into_iter().find(|hash| wanted.contains(&hash.as_str())) else {
+        let own = session.last_hash("cell").into_iter();
+        let mut own = own.chain(WORK.iter().map(|left_out| hash_without(&text, left_out)));
+        let Some(hash) = own.find(|hash| wanted.contains(&hash.as_str())) else {
             let message = "No result was made with this version of the cell.";
             return Err(Error::new(Code::Conflict, message)
                 .file(&named.name)
@@ -158,14 +156,16 @@ fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Resul
     Ok(cells)
 }
 
-/// Hash of a cell file as it was before `[work]` and tasks, on which no measurement depends, were
-/// added to it.
-fn hash_without_work(text: &str) -> String {
+/// Tables on which no measurement depends, in the ways in which they may have been added to a cell later.
+const WORK: [&[&str]; 3] = [&["[work"], &["[[task"], &["[work", "[[task"]];
+
+/// Hash of a cell file as it was before the tables that begin so were added to it.
+fn hash_without(text: &str, left_out: &[&str]) -> String {
     let mut kept = String::new();
     let mut keep = true;
     for line in text.split_inclusive('\n') {
         if line.starts_with('[') {
-            keep = !["[work", "[[task"].iter().any(|own| line.starts_with(own));
+            keep = !left_out.iter().any(|own| line.starts_with(own));
         }
         if keep {
             kept += line;

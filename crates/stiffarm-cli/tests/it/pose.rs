@@ -94,9 +94,35 @@ fn the_frame_is_the_controllers() {
             .unwrap()
     };
     assert!((height("") + 450.0 - height("--frame cell")).abs() < 1e-9);
+    let own = "z on the pendant is smaller";
+    assert!(!folder.ok("pose fanuc/cell.toml zero.csv").contains(own));
     let ur = folder.ok("pose ur/cell.toml zero.csv");
     is_narrow(&ur);
     insta::assert_snapshot!("pose_ur", ur.replace('\\', "/"));
+}
+
+/// A robot of one's own cannot say where its pendant counts heights from: a maker that counts from axis 2 is named.
+#[test]
+fn a_height_that_the_pendant_counts_otherwise_is_named() {
+    let folder = Folder::new();
+    let rows = "joint,alpha_deg,a_mm,d_mm,offset_deg,low_deg,high_deg\n1,0,0,450,0,-170,170\n\
+                2,-90,150,0,-90,-90,160\n3,0,600,0,0,-180,180\n4,-90,200,640,0,-190,190\n\
+                5,90,0,0,0,-140,140\n6,-90,0,100,180,-360,360\n";
+    folder.write("rows.csv", rows);
+    folder.ok("init --dh rows.csv --output-dir own");
+    let cell = folder.read("own/cell.toml");
+    folder.write("zero.csv", POSTURES.replace("-90,90", "0,0"));
+    for (maker, counted) in [("fanuc", true), ("yaskawa", true), ("kuka", false)] {
+        let key = format!("[robot]\ncontroller = \"{maker}\"\n");
+        folder.write("own/cell.toml", cell.replacen("[robot]\n", &key, 1));
+        let printed = folder.ok("pose own/cell.toml zero.csv");
+        is_narrow(&printed);
+        let printed = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = "from the height of axis 2, 450 mm above the frame of these poses";
+        assert_eq!(printed.contains(said), counted, "{printed}");
+        let printed = folder.ok("pose own/cell.toml zero.csv --frame cell");
+        assert!(!printed.contains("the pendant is"), "{printed}");
+    }
 }
 
 /// Postures that differ by full turns are counted for each pose and branch, whatever the

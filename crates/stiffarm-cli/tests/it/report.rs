@@ -116,6 +116,14 @@ fn work_that_was_added_to_a_cell_changes_no_picture() {
     folder.ok("report own.json --cell own.toml --output page.html");
     let page = folder.read("page.html");
     assert!(page.contains("<div class=\"scene\""));
+    // [work] beside tasks that were there already.
+    let (before, _) = cell.split_once("\n[work]").unwrap();
+    folder.write("own.toml", format!("{}\n", before.trim_end()));
+    folder.write("own.json", folder.ok("predict own.toml prior --json"));
+    let added = format!("{}\n\n[work]\ntip_mm = [0, 0, 300]\n", before.trim_end());
+    folder.write("own.toml", added);
+    folder.ok("report own.json --cell own.toml --output page.html --force");
+    assert!(folder.read("page.html").contains("<div class=\"scene\""));
 }
 
 #[test]

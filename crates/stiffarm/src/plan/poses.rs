@@ -12,8 +12,11 @@ use crate::model::posture::Posture;
 use crate::model::robot::Controller;
 use crate::plan::check::robot_doubts;
 use crate::units::{m_to_mm, rad_to_shortest_deg};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 use serde::Serialize;
+
+/// Heights that differ by less are the same \[m\].
+const SAME_HEIGHT: f64 = 1e-4;
 
 /// Frames that poses are given in.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -184,6 +187,44 @@ impl Request {
         }
     }
 
+    /// How high above the frame of the poses axis 2 lies \[m\], where the robot's pendant counts heights from there and
+    /// the poses do not: so with a robot of one's own, which cannot say it.
+    pub fn height_left_out(&self, cell: &Cell) -> Option<f64> {
+        let robot = &cell.setup.robot;
+        let counts = robot
+            .controller()
+            .is_some_and(Controller::counts_from_axis_2);
+        if self.frame == PoseFrame::Cell || !counts {
+            return None;
+        }
+        let frames = Frames::new(robot, &vec![0.0; robot.joint_count()]);
+        let axis = frames.origins().get(1)?;
+        let from_frame = self
+            .frame_in(cell)
+            .inverse_transform_point(&Point3::from(*axis));
+        Some(from_frame.z).filter(|height| height.abs() > SAME_HEIGHT)
+    }
+
+    /// What to distrust about the poses.
+    fn doubts(&self, cell: &Cell) -> Vec<Finding> {
+        let mut findings = robot_doubts(&cell.setup.robot);
+        let maker = cell.setup.robot.controller().map(Controller::title);
+        if let Some((height, maker)) = self.height_left_out(cell).zip(maker) {
+            let sentence = format!(
+                "Pendants of {maker} count z from the height of axis 2, {:.0} mm above the frame of these poses, which is \
+                 the cell's: z on the pendant is smaller by that.",
+                m_to_mm(height)
+            );
+            findings.push(Finding::new(
+                "pendant-height",
+                Severity::Caution,
+                "robot.controller",
+                sentence,
+            ));
+        }
+        findings
+    }
+
     fn pose(&self, pose: &Isometry3<f64>) -> Pose {
         let p = pose.translation.vector.map(m_to_mm);
         Pose {
@@ -215,7 +256,7 @@ impl Request {
             });
         Poses {
             postures: listed.collect(),
-            findings: robot_doubts(&cell.setup.robot),
+            findings: self.doubts(cell),
         }
     }
 
@@ -248,7 +289,7 @@ impl Request {
         let mut result = Found {
             method: inverse.method().as_str(),
             poses: Vec::with_capacity(poses.len()),
-            findings: robot_doubts(robot),
+            findings: self.doubts(cell),
         };
         let mut all = Vec::new();
         for named in poses {

@@ -1,6 +1,7 @@
 //! How far the robot bends at work, and what to command instead.
 
 mod at_work;
+mod beyond_data;
 
 pub mod along;
 pub mod compensate;

@@ -3,6 +3,7 @@
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::saved::Saved;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::{Axes, Wrench};
@@ -101,16 +102,18 @@ impl Request {
         }
     }
 
-    /// How to predict.
+    /// How to predict with the stiffness `saved`.
     ///
     /// # Errors
     /// As [`PathOptions::load_uncertainty`].
-    pub fn predict_options(&self) -> Result<PredictOptions> {
+    pub fn predict_options(&self, saved: &Saved) -> Result<PredictOptions> {
         Ok(PredictOptions {
             model: self.model,
             load_uncertainty: self.path.load_uncertainty()?,
             load_at: self.load_at(),
             stiffness: self.matrix,
+            measured_up_to: saved.largest_displacement,
+            loaded_up_to: saved.largest_force,
         })
     }
 
@@ -164,11 +167,17 @@ impl Request {
     pub fn predict(
         &self,
         loaded: &Loaded,
-        predictor: &IdentifiedCompliance,
+        saved: &Saved,
         control: Control<'_>,
     ) -> Result<Predicted> {
-        let options = self.predict_options()?;
-        let prediction = predict(&loaded.cell, predictor, &loaded.postures, &options, control)?;
+        let options = self.predict_options(saved)?;
+        let prediction = predict(
+            &loaded.cell,
+            &saved.predictor,
+            &loaded.postures,
+            &options,
+            control,
+        )?;
         Ok(Predicted {
             prediction,
             postures: loaded.summary.clone(),

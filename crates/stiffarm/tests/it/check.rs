@@ -517,6 +517,10 @@ fn what_is_missing_or_contradicts() {
     );
     let finding = the(&checked, "bounds-outside-machine-limits", "joint 1");
     assert_eq!(finding.subject, "bounds.q_deg[1]");
+    cell.validation[0].q[1] = cell.setup.robot.joints()[1].limits[1];
+    let on_limit = check(&cell).unwrap();
+    let finding = the(&on_limit, "on-machine-limit", "Posture V9 has joint 2 on");
+    assert_eq!(finding.subject, "validation.posture");
     let order: Vec<Severity> = checked.findings.iter().map(|f| f.severity).collect();
     assert!(order.is_sorted_by(|a, b| a >= b), "{order:?}");
 }

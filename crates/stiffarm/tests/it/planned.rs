@@ -10,7 +10,7 @@ use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
-use stiffarm::plan::index::evaluate;
+use stiffarm::plan::index::{Evaluated, evaluate};
 use stiffarm::plan::planned::{
     CandidateRequest, CurveRequest, DropRequest, Mode, PlanRequest, SpaceFillingRequest, Stage,
     plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
@@ -363,6 +363,18 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     let shapes = limits[2].nearest.iter_mut();
     let shapes = shapes.filter(|near| near.kind == LimitKind::Shapes);
     shapes.for_each(|near| near.margin_m = Some(5e-5));
+    // `evaluate` says the same of postures that nobody chose here.
+    let group = PostureGroup {
+        name: "mine".to_string(),
+        postures: postures.clone(),
+    };
+    let evaluated = Evaluated::new(&cell, &[group]).unwrap();
+    let own = evaluated
+        .findings
+        .iter()
+        .find(|f| f.code == ON_MACHINE_LIMIT);
+    assert_eq!(own.unwrap().subject, "mine");
+
     let found = on_limits(&cell, &postures, &limits);
     let codes: Vec<&str> = found.iter().map(|f| f.code.as_str()).collect();
     assert_eq!(codes, [ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE]);

@@ -107,7 +107,7 @@ fn deflections_at_the_tasks_are_those_of_predict() {
         .loaded(cell.clone(), &saved.predictor, None, control)
         .unwrap();
     assert_eq!(loaded.postures.len(), cell.tasks.len());
-    let found = request.predict(&loaded, &saved.predictor, control).unwrap();
+    let found = request.predict(&loaded, &saved, control).unwrap();
     let by_parts = predict(
         &loaded.cell,
         &saved.predictor,
@@ -117,6 +117,16 @@ fn deflections_at_the_tasks_are_those_of_predict() {
     );
     assert_eq!(found.prediction, by_parts.unwrap());
     assert!(found.postures.is_none());
+    // A stiffness that has seen less than the tasks ask for says so, as `compensate` does.
+    let seen_less = Saved {
+        largest_displacement: Some(1e-6),
+        largest_force: Some(1.0),
+        ..saved.clone()
+    };
+    let found = request.predict(&loaded, &seen_less, control).unwrap();
+    let codes = found.prediction.findings.iter().map(|f| f.code.as_str());
+    let beyond: Vec<&str> = codes.filter(|code| code.starts_with("beyond-")).collect();
+    assert_eq!(beyond, ["beyond-measured", "beyond-load"]);
     let unknown = predicted::Request {
         cell_load: true,
         load_case: Some("nobody".to_string()),

@@ -27,6 +27,9 @@ impl Job<'_> {
         let base = self.request.frame_in(self.cell());
         let frame = match self.request.frame {
             PoseFrame::Cell => "the cell's base frame".to_string(),
+            PoseFrame::Controller if self.request.height_left_out(self.cell()).is_some() => {
+                "the cell's base frame; the pendant counts z from axis 2".to_string()
+            }
             PoseFrame::Controller if base == Isometry3::identity() => {
                 "the controller's base frame, which is the cell's".to_string()
             }

@@ -42,7 +42,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     named.cell = request
         .under_case(named.cell)
         .map_err(|e| of_usage(of_option(e, &["load_case"]), &["cell_load", "load_case"]))?;
-    request.predict_options().map_err(of_path_usage)?;
+    request.predict_options(&saved).map_err(of_path_usage)?;
     if args.path.is_some() && !args.cell_load {
         let wrong = request.path.posture_options(&named.cell);
         wrong.map_err(of_path_usage)?;
@@ -67,7 +67,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     let (loaded, result) = progress
         .watch(|control| {
             let loaded = request.loaded(named.cell.clone(), predictor, points, control)?;
-            let result = request.predict(&loaded, predictor, control)?;
+            let result = request.predict(&loaded, &saved, control)?;
             Ok((loaded, result))
         })
         .map_err(in_file)?;

@@ -75,6 +75,14 @@ impl Controller {
         matches!(self, Controller::Fanuc | Controller::Comau)
     }
 
+    /// Whether its pendants count heights from axis 2, not from the foot.
+    pub fn counts_from_axis_2(self) -> bool {
+        matches!(
+            self,
+            Controller::Fanuc | Controller::Staubli | Controller::Yaskawa
+        )
+    }
+
     /// The controller of this name.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ use crate::model::cell::{Cell, LimitMargin};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::robot::{DoubtAbout, Robot};
-use crate::plan::feasibility::{obstruction_among, spread};
+use crate::plan::feasibility::{obstruction_among, on_machine_limits, spread};
 use crate::units::rad_to_shortest_deg;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -218,6 +218,10 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
     let Ok(mut margins) = cell.posture_margins() else {
         return;
     };
+    for mut finding in on_machine_limits(cell, &cell.validation) {
+        finding.subject = "validation.posture".to_string();
+        findings.push(finding);
+    }
     for posture in &cell.validation {
         if check_angles(&setup.robot, &posture.q).is_err() {
             continue;

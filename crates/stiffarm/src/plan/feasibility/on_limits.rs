@@ -18,10 +18,8 @@ const TO_SPARE: f64 = 1e-4;
 /// Most postures that a sentence names.
 const MOST_NAMES: usize = 12;
 
-/// What to know of postures that sit on limits: the machine's limit of a joint, which it may refuse to reach, and
-/// distances of shapes and rope, which a tool or table that is not quite where the cell says uses up. `limits` are
-/// those of the postures.
-pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) -> Vec<Finding> {
+/// Which postures have a joint on the machine's limit, which the robot may refuse to reach.
+pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let robot = &cell.setup.robot;
     let known = robot
@@ -37,8 +35,8 @@ pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) ->
                 continue;
             }
             let sentence = format!(
-                "{} {} on the machine's limit, {}°, which the robot may refuse to reach: let bounds.q_deg end a degree \
-                 before it.",
+                "{} {} on the machine's limit, {}°, which the robot may refuse to reach: keep postures, and bounds.q_deg, \
+                 a degree before it.",
                 have(&near, postures.len()),
                 joint.name,
                 rad_to_shortest_deg(limit),
@@ -52,10 +50,18 @@ pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) ->
             ));
         }
     }
+    findings
+}
+
+/// What to know of postures that sit on limits: [`on_machine_limits`], and distances of shapes and rope, which a tool
+/// or table that is not quite where the cell says uses up. `limits` are those of the postures.
+pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) -> Vec<Finding> {
+    let mut findings = on_machine_limits(cell, postures);
+    // A distance that is too small is told where limits are, as a violation.
     let has_none = |own: &PostureLimits| {
         let kinds = [LimitKind::Shapes, LimitKind::RopeClearance];
         let mut rooms = kinds.into_iter().filter_map(|kind| own.of(kind)?.margin_m);
-        rooms.any(|room| room <= TO_SPARE)
+        rooms.any(|room| room.abs() <= TO_SPARE)
     };
     let tight = postures.iter().zip(limits).filter(|(_, own)| has_none(own));
     let tight: Vec<&Posture> = tight.map(|(posture, _)| posture).collect();

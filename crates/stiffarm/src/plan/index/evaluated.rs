@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
 use crate::model::posture::{Posture, PostureGroup};
+use crate::plan::feasibility::on_machine_limits;
 use serde::{Deserialize, Serialize};
 
 /// A group of postures with its indices and expected errors.
@@ -117,7 +118,9 @@ fn findings(cell: &Cell, groups: &[PostureGroup], evaluated: &[EvaluatedGroup]) 
             let code = "undetermined-joints";
             findings.push(Finding::new(code, Severity::Serious, &group.name, sentence));
         }
-        for mut finding in cell.posture_findings(&group.postures) {
+        let outside = cell.posture_findings(&group.postures);
+        let on_limits = on_machine_limits(cell, &group.postures);
+        for mut finding in outside.into_iter().chain(on_limits) {
             finding.subject.clone_from(&group.name);
             finding.sentence = format!("{}: {}", group.name, finding.sentence);
             findings.push(finding);

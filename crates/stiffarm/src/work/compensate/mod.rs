@@ -16,7 +16,7 @@ pub use command::{Command, command};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::rms;
-use crate::findings::{Finding, Severity, length, percent};
+use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
 use crate::model::implausible;
 use crate::model::path::LoadedPosture;
@@ -24,6 +24,7 @@ use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use crate::work::at_work::forbidden;
+use crate::work::beyond_data::{BEYOND, Seen, beyond_data};
 use crate::work::predict::{Bands, LoadedArm, PathExtremes, TipBand, motion};
 use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -134,12 +135,6 @@ pub struct Compensation {
     /// Point by point.
     pub points: Vec<PointCompensation>,
 }
-
-/// Larger by this part is as large.
-const ROUNDING: f64 = 1e-6;
-
-/// Codes of findings that say that corrections go beyond what the identification has seen.
-const BEYOND: [&str; 2] = ["beyond-measured", "beyond-load"];
 
 impl Compensation {
     /// What speaks against commanding the path: what is serious, and that it goes beyond the data.
@@ -324,38 +319,14 @@ fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> 
             ),
         )),
     }
-    let share = |beyond: &dyn Fn(&PointCompensation) -> bool| {
-        let beyond = result.points.iter().filter(|p| beyond(p)).count();
-        percent(beyond as f64 / count as f64)
+    let points = result.points.iter();
+    let points: Vec<(f64, f64)> = points
+        .map(|p| (p.uncompensated_m, Vector3::from(p.force_n).norm()))
+        .collect();
+    let seen = Seen {
+        displacement: options.measured_up_to,
+        force: options.loaded_up_to,
     };
-    let slack = |seen: f64| seen * (1.0 + ROUNDING);
-    if let Some(measured) = options.measured_up_to.map(slack)
-        && result.uncompensated_max_m > measured
-    {
-        out.push(Finding::new(
-            BEYOND[0],
-            Severity::Caution,
-            "correction",
-            format!(
-                "{} of the points bend by more than any displacement that the identification has seen ({}): the model is trusted beyond its data there.",
-                share(&|p| p.uncompensated_m > measured),
-                length(measured)
-            ),
-        ));
-    }
-    let force = |p: &PointCompensation| Vector3::from(p.force_n).norm();
-    if let Some(loaded) = options.loaded_up_to.map(slack)
-        && result.points.iter().any(|p| force(p) > loaded)
-    {
-        out.push(Finding::new(
-            BEYOND[1],
-            Severity::Caution,
-            "correction",
-            format!(
-                "{} of the points are under a larger force than any that the identification has seen ({loaded:.0} N): the model is trusted beyond its data there.",
-                share(&|p| force(p) > loaded),
-            ),
-        ));
-    }
+    out.extend(beyond_data("correction", &points, seen));
     out
 }

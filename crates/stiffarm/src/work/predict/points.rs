@@ -13,6 +13,7 @@ use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::work::at_work::forbidden;
+use crate::work::beyond_data::{Seen, beyond_data};
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -47,6 +48,11 @@ pub struct PredictOptions {
     pub load_at: LoadPoint,
     /// Whether to give the Cartesian stiffness of each point.
     pub stiffness: bool,
+    /// Size of the largest displacement of a point that the identification has seen \[m\], where
+    /// it is known: deflections beyond it extrapolate.
+    pub measured_up_to: Option<f64>,
+    /// Size of the largest force that it has seen \[N\], where it is known.
+    pub loaded_up_to: Option<f64>,
 }
 
 impl Default for PredictOptions {
@@ -56,6 +62,8 @@ impl Default for PredictOptions {
             load_uncertainty: 0.0,
             load_at: LoadPoint::Tip,
             stiffness: false,
+            measured_up_to: None,
+            loaded_up_to: None,
         }
     }
 }
@@ -185,6 +193,14 @@ pub fn predict(
     out.findings.extend(cell.work.tip_assumed(&cell.setup.tool));
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
+    let forces = postures.iter().map(|p| p.wrench.force.norm());
+    let sizes = out.points.iter().map(|p| p.deflection_m).zip(forces);
+    let seen = Seen {
+        displacement: options.measured_up_to,
+        force: options.loaded_up_to,
+    };
+    let beyond = beyond_data("deflection", &sizes.collect::<Vec<_>>(), seen);
+    out.findings.extend(beyond);
     let angles = postures.iter().map(|p| (p, p.q.as_slice()));
     out.findings.extend(forbidden(cell, arm.tip(), angles)?);
     Ok(out)
