@@ -180,4 +180,4 @@ pub const REPORT: &str = "Examples:
   $ stiffarm report k.json --cell builtin:comau --output again.html --force
 
   Its pictures for a paper, with their data:
-  $ stiffarm report k.json --figures figures --width-mm 88 --format pdf,csv";
+  $ stiffarm report k.json --figures figures --width-mm 88 --format svg";

@@ -2,6 +2,7 @@
 
 use crate::args::PathArgs;
 use crate::error::of_usage;
+use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, ends_in, write_all};
 use crate::numbers::significant;
 use crate::session::Session;
@@ -70,7 +71,7 @@ impl Outputs {
     /// Checks both places before any work.
     ///
     /// # Errors
-    /// As [`Target::new`] and [`check_targets`].
+    /// As [`Target::new`], [`check_picture_name`] and [`check_targets`].
     pub fn new(
         session: &Session,
         table: Option<&str>,
@@ -79,6 +80,7 @@ impl Outputs {
     ) -> Result<Self> {
         let target = |path: Option<&str>| path.map(|path| Target::new(path, force)).transpose();
         let not_a_table = table.is_some_and(|path| ends_in(path, "json"));
+        figure.map(check_picture_name).transpose()?;
         let (table, figure) = (target(table)?, target(figure)?);
         check_targets(session, &[table.as_ref(), figure.as_ref()])?;
         if not_a_table {

@@ -18,13 +18,12 @@ pub mod identified;
 mod map;
 #[cfg(feature = "page")]
 pub mod page;
+pub mod paper;
 mod path;
 mod path_components;
 mod placement;
 mod plan_page;
 mod point_deflection;
-#[cfg(feature = "print")]
-pub mod print;
 #[cfg(feature = "page")]
 pub mod report;
 pub mod scene;

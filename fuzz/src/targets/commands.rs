@@ -354,7 +354,7 @@ fn outputs_are_read(scratch: &Scratch, words: &[String], given: &str) -> Result<
         "out-r.csv",
         "folder/map.csv",
         "folder/zones.csv",
-        "folder/study.md",
+        "folder/indices.csv",
         "folder/map.svg",
         "folder/zones.svg",
         "folder/cell.svg",

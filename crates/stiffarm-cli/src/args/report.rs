@@ -2,13 +2,13 @@
 
 #[cfg(feature = "report")]
 use super::values::above_zero;
-use clap::Args;
 #[cfg(feature = "report")]
-use clap::ValueEnum;
+use crate::files::picture::{INSTEAD, is_foreign};
+use clap::Args;
 #[cfg(feature = "report")]
 use std::path::PathBuf;
 #[cfg(feature = "report")]
-use stiffarm_report::print::{Format, PaperOptions};
+use stiffarm_report::paper::{Format, PaperOptions};
 
 /// The page of a result that a command has just made.
 #[derive(Debug, Clone, Default, Args)]
@@ -58,27 +58,25 @@ pub struct ReportArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Pictures for a paper")]
 pub struct PaperArgs {
-    /// Formats, with commas between them
+    /// Formats with commas between them: svg, and csv for the numbers of charts
     #[arg(
         long,
         value_name = "FORMAT,...",
         value_delimiter = ',',
-        default_value = "svg,pdf,png,csv",
+        default_value = "svg,csv",
+        value_parser = format,
         requires = "figures"
     )]
-    pub format: Vec<FormatArg>,
+    pub format: Vec<Format>,
     /// Width of each picture, 20 to 500; one column of a journal is about 88
     #[arg(long, value_name = "MM", default_value = "88", value_parser = above_zero("mm"), requires = "figures")]
     pub width_mm: f64,
-    /// Font family; DejaVu Sans comes with the program, others must be installed
+    /// Font family, by its name only: the machine that shows the picture must have it
     #[arg(long, value_name = "FAMILY", requires = "figures")]
     pub font: Option<String>,
     /// Size of the smallest text, 4 to 30
     #[arg(long, value_name = "PT", default_value = "8", value_parser = above_zero("pt"), requires = "figures")]
     pub font_pt: f64,
-    /// Pixels per inch of PNG, 72 to 1200
-    #[arg(long, value_name = "DPI", default_value = "300", value_parser = above_zero("dpi"), requires = "figures")]
-    pub dpi: f64,
     /// Draw the titles, which a paper has in its captions
     #[arg(long, requires = "figures")]
     pub titles: bool,
@@ -92,35 +90,19 @@ impl PaperArgs {
             width_mm: self.width_mm,
             font_pt: self.font_pt,
             font_family: self.font.clone().unwrap_or_default(),
-            dpi: self.dpi,
             titles: self.titles,
-            formats: self.format.iter().map(|format| format.format()).collect(),
+            formats: self.format.clone(),
         }
     }
 }
 
 /// Format of a picture.
 #[cfg(feature = "report")]
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum FormatArg {
-    /// Vectors; the font is named only
-    Svg,
-    /// Vectors with their font
-    Pdf,
-    /// Pixels
-    Png,
-    /// The numbers of a chart
-    Csv,
-}
-
-#[cfg(feature = "report")]
-impl FormatArg {
-    fn format(self) -> Format {
-        match self {
-            FormatArg::Svg => Format::Svg,
-            FormatArg::Pdf => Format::Pdf,
-            FormatArg::Png => Format::Png,
-            FormatArg::Csv => Format::Csv,
-        }
-    }
+fn format(text: &str) -> Result<Format, String> {
+    let mut all = Format::ALL.into_iter();
+    let found = all.find(|format| text == format.extension());
+    found.ok_or_else(|| match is_foreign(text) {
+        true => format!("svg and csv are written; {INSTEAD}"),
+        false => "svg and csv are written".to_string(),
+    })
 }

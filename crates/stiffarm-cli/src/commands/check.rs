@@ -2,6 +2,7 @@
 
 use super::finding_line;
 use crate::args::CheckArgs;
+use crate::files::picture::check_picture_name;
 use crate::files::{only_target, write_all};
 use crate::input::Line;
 use crate::numbers::{NONE, coarse_mm, mm, optional, significant, stiffness};
@@ -28,6 +29,7 @@ pub struct Options {}
 
 /// Checks the cell, and draws it where that is asked for.
 pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
+    args.figure.as_deref().map(check_picture_name).transpose()?;
     let target = only_target(session, args.figure.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let (postures, full) = match &target {

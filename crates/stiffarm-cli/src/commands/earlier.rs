@@ -82,11 +82,11 @@ impl Earlier {
     }
 }
 
-/// A plain file name with one of the endings that a study writes.
+/// A plain file name with one of the endings that a study writes, or the page of a study before it was one to look at in
+/// a browser.
 fn is_ours(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '.';
     let endings = [".svg", ".csv"];
-    name.chars().all(plain)
-        && !name.starts_with('.')
-        && endings.iter().any(|ending| name.ends_with(ending))
+    let is_known = name == "study.md" || endings.iter().any(|ending| name.ends_with(ending));
+    name.chars().all(plain) && !name.starts_with('.') && is_known
 }

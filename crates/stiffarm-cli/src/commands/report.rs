@@ -14,7 +14,7 @@ use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::files::table::sha256_hex;
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::page::{Page, pictures, render_page};
-use stiffarm_report::print::{paper_files, paper_names};
+use stiffarm_report::paper::{paper_files, paper_names};
 use stiffarm_report::report::{Given, report};
 
 /// The page where nothing else is asked for.
@@ -108,7 +108,7 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
 }
 
 /// Files by their names.
-type Files = Vec<(String, Vec<u8>)>;
+type Files = Vec<(String, String)>;
 
 /// The pictures for a paper; the folder can take them.
 fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Result<Files> {

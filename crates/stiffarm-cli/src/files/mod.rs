@@ -7,6 +7,7 @@
 //! made meanwhile, costs the file and not the result: it is printed.
 
 mod contents;
+pub mod picture;
 pub mod target;
 mod temporary;
 
@@ -226,7 +227,7 @@ fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
 
 fn is_table(path: &Path) -> bool {
     !path.extension().is_some_and(|e| {
-        ["svg", "pdf", "png", "json", "xlsx", "html"]
+        ["svg", "json", "xlsx", "html"]
             .iter()
             .any(|other| e.eq_ignore_ascii_case(other))
     })

@@ -116,6 +116,9 @@ fn wrong_requests_are_answered() {
     for line in [
         "check --figure taken.svg",
         "check --figure nowhere/cell.svg",
+        "check --figure cell.PDF",
+        "select builtin:comau --figure plan.png",
+        "predict builtin:comau prior builtin:contour --figure path.pdf --json",
         "check --posture V1",
         "check --postures builtin:comau-group1",
         "check --figure cell.svg --posture V9",

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::tables::data_table;
 use crate::page::{Block, DataTable, Part, Section, Text};
-use crate::study::{figures, tables};
+use crate::study::{PAPER, figures, published_for, starts_summary, stiffness_side_by_side, tables};
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -16,6 +16,12 @@ const STORY: [&str; 4] = [
     "first-order-means",
     "other-starts",
 ];
+
+/// What the rows of the table of indices mean.
+const INDICES: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section III.B), \
+                       within the bounds of the joints and the limits of the cell. classical is max k(J_N), condition is \
+                       cond(Ψ), novel is their product; scaled is max k(J_N) × cond(Ψ·diag(1/k)); expected_error is the \
+                       RMS relative standard error of the joint stiffness. o1 to o5 are larger-is-better.";
 
 /// The part of a page for a result of `study`.
 pub(super) fn part(context: &Context<'_>) -> Result<Part> {
@@ -79,23 +85,51 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         let blocks = [picture(&id), table(&id)].into_iter().flatten().collect();
         Block::Details(format!("Postures of {}", visible(&group.name)), blocks)
     });
+    let is_papers = published_for(&study.robot).is_some();
+    let text = |words: &str| Some(Block::Text(words.into()));
+    let of_paper = |words: &str| is_papers.then(|| Block::Text(words.into()));
+    let is_validated = groups.iter().any(|group| group.validation.is_some());
+    let has_starts = !study.starts.kinds.is_empty();
     sections.extend([
         section("story", "What it says about the paper", vec![said(&STORY)]),
         section(
+            "set-up",
+            "Set-up",
+            vec![Some(Block::Text(set_up(context, &study)))],
+        ),
+        section(
             "expected",
             "What each group is expected to give",
-            vec![picture("expected-deviation"), table("indices")],
+            vec![
+                picture("expected-deviation"),
+                text(INDICES),
+                table("indices"),
+            ],
         ),
         section(
             "noise",
             "Deviation against noise (the paper's Fig. 8)",
-            vec![picture("deviation-by-noise"), table("illustration-case")],
+            vec![
+                picture("deviation-by-noise"),
+                table("illustration-case"),
+                text("This table is one run: a single run is luck, the averages above are not."),
+                of_paper(
+                    "The paper's columns are its own groups, which it shows only as pictures; ours start from another \
+                     Group 1, so the columns are beside each other for scale, not for equality.",
+                ),
+            ],
+        ),
+        section(
+            "bound",
+            "The bound of Eq. (19)",
+            vec![said(&["error-bound"]), Some(Block::Table(bound(context, &study)))],
         ),
         section(
             "starts",
             "Other initial groups",
             vec![
                 picture("other-starts"),
+                has_starts.then(|| Block::Table(data_table(&starts_summary(&study)))),
                 picture("classical-q1"),
                 said(&["classical-q1"]),
             ],
@@ -104,10 +138,27 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
             "identification",
             "Identification and validation, simulated (Tables 6 and 7, Fig. 10)",
             vec![
-                table("stiffness"),
+                text(
+                    "Each group is measured once with tracker noise and identified. The noise is the only error here, so \
+                     this shows what the tracker allows, not what an experiment reaches, and each column is one draw: \
+                     differences of the size of the intervals are luck.",
+                ),
+                Some(Block::Table(data_table(&stiffness_side_by_side(&study)))),
+                of_paper(
+                    "The paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its three \
+                     groups differ up to fourfold. Its raw readings are not published, so they cannot be recomputed.",
+                ),
                 picture("validation"),
                 table("validation"),
+                is_validated
+                    .then_some("The validation postures took no part in the identification.")
+                    .and_then(text),
                 said(&["validation-limit"]),
+                is_validated
+                    .then_some(
+                        "The paper measured 0.17 to 0.87 mm: model error, not tracker noise, dominated that experiment.",
+                    )
+                    .and_then(of_paper),
                 table("elastic"),
                 said(&["beyond-axes"]),
             ],
@@ -148,6 +199,43 @@ fn key(context: &Context<'_>, study: &Study) -> DataTable {
         )
     });
     table.row(Text::default().strong("mean"), means);
+    table
+}
+
+/// What was simulated.
+fn set_up(context: &Context<'_>, study: &Study) -> Text {
+    let noise = context.number("/noise_std_m").times(1e6).unit("µm");
+    let length = match study.characteristic_length_m {
+        Some(_) => Text::default().number(context.number("/characteristic_length_m").mm()),
+        None => Text::new("none"),
+    };
+    Text::new(format!(
+        "Section IV of the paper ({PAPER}) on this cell. Robot: {}. Every number is simulated unless it is marked as the \
+         paper's; the true joint stiffness stands beside the identified one below. Displacement noise at variance factor \
+         1: ",
+        visible(&study.robot)
+    ))
+    .number(noise)
+    .words(" per axis. Characteristic length of Eq. (20): ")
+    .then(length)
+    .words(".")
+}
+
+/// Eq. (19) beside what it bounds.
+fn bound(context: &Context<'_>, study: &Study) -> DataTable {
+    let mut table = DataTable::new(
+        "Relative error of the vector H of joint compliances: the bound of Eq. (19) and what is to be expected",
+        ["group", "cond(Ψ)", "bound [%]", "expected [%]"],
+    );
+    for (g, group) in study.groups.iter().enumerate() {
+        let number = |key: &str| context.number(&format!("/groups/{g}/{key}"));
+        let cells = [
+            number("evaluation/indices/condition").into(),
+            number("error_bound/bound").percent().bare().into(),
+            number("expected_relative_norm").percent().bare().into(),
+        ];
+        table.row(visible(&group.name).into_owned(), cells);
+    }
     table
 }
 

@@ -118,7 +118,15 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         .iter()
         .filter(|f| f.severity == Severity::Note);
     let notes: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
-    let mut blocks = vec![Block::Figure(measured_figure(&study))];
+    let how = Text::new("The measured displacements have an RMS of ")
+        .number(context.number("/displacement_rms_m").mm().decimals(3))
+        .words(
+            ". An index knows angles and wrenches but no reading. Joint stiffness, or the mixed model with its sizes, is \
+             identified from the chosen postures alone and predicts the others. The index prediction takes the pool's own \
+             postures for the work to be done. Splits share postures: standard errors are those of the mean over splits, \
+             not over robots.",
+        );
+    let mut blocks = vec![Block::Figure(measured_figure(&study)), Block::Text(how)];
     if !notes.is_empty() {
         blocks.push(Block::List(notes));
     }

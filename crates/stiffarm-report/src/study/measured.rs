@@ -1,10 +1,7 @@
 //! Choices of postures on measured readings: a figure and a table.
 
-use super::markdown::{fenced, text};
-use super::page::{write_picture, write_table};
 use super::table::{Cell, Table};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use std::fmt::Write;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::study::{Choice, MeasuredChoice, MeasuredStudy};
 
@@ -104,34 +101,4 @@ pub fn measured_table(study: &MeasuredStudy) -> Table {
         ]);
     }
     table
-}
-
-/// The page, in Markdown. `command` is the command line that repeats the study; the
-/// figure is referred to as `measured-choices.svg` beside the page.
-pub fn measured_page(study: &MeasuredStudy, version: &str, command: &str) -> String {
-    let (figure, table) = (measured_figure(study), measured_table(study));
-    let mut out = format!(
-        "# Choosing postures on measured readings: {}\n\n",
-        text(&study.cell)
-    );
-    for finding in &study.findings {
-        let _ = writeln!(out, "- {}", text(&finding.sentence));
-    }
-    write_picture(&mut out, &figure);
-    let _ = write!(
-        out,
-        "\nOf {} measured postures (RMS displacement {:.3} mm) a pool of {} is drawn {} times. From the pool, postures are \
-         chosen by chance or by an index, which knows angles and wrenches but no reading. Joint stiffness, or the mixed \
-         model with its sizes, is identified from the chosen postures alone and predicts the other {}. The index prediction \
-         takes the pool's own postures for the work to be done. Splits share postures: standard errors are those of the \
-         mean over splits, not over robots.\n",
-        study.posture_count,
-        1e3 * study.displacement_rms_m,
-        study.pool_count,
-        study.split_count,
-        study.posture_count - study.pool_count,
-    );
-    write_table(&mut out, &table);
-    let _ = write!(out, "\nMade by stiffarm {version}:\n\n{}", fenced(command));
-    out
 }

@@ -1,6 +1,5 @@
 //! One table, for a CSV file and for the page.
 
-use super::markdown::cell;
 use crate::figure::csv;
 
 /// One cell: the page rounds numbers, the CSV file has every digit.
@@ -16,14 +15,6 @@ impl Cell {
     /// A fraction in percent.
     pub(super) fn percent(fraction: Option<f64>) -> Self {
         Cell::Number(fraction.map(|f| 100.0 * f))
-    }
-
-    /// Four significant digits, `–` for none.
-    fn rounded(&self) -> String {
-        match self {
-            Cell::Text(text) => text.clone(),
-            Cell::Number(value) => significant(*value),
-        }
     }
 
     /// Every digit, empty for none; text as a table of comma-separated values has it.
@@ -94,24 +85,6 @@ impl Table {
         );
         lines.iter().map(|cells| cells.join(",") + "\n").collect()
     }
-
-    /// The table as Markdown.
-    pub fn markdown(&self) -> String {
-        let line = |cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|text| cell(text)).collect();
-            format!("| {} |\n", cells.join(" | "))
-        };
-        let mut out = line(&self.headings);
-        out.push('|');
-        for (i, _) in self.headings.iter().enumerate() {
-            out.push_str(if i == 0 { ":--|" } else { "--:|" });
-        }
-        out.push('\n');
-        for row in &self.rows {
-            out.push_str(&line(&row.iter().map(Cell::rounded).collect::<Vec<_>>()));
-        }
-        out
-    }
 }
 
 /// Number with four significant digits, `–` where there is none.
@@ -131,10 +104,6 @@ pub(super) fn significant(value: Option<f64>) -> String {
         }
         _ => format!("{v:.3e}"),
     }
-}
-
-pub(super) fn percent(value: Option<f64>) -> String {
-    significant(value.map(|v| 100.0 * v))
 }
 
 #[cfg(test)]

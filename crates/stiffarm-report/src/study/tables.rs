@@ -95,11 +95,6 @@ fn row(name: impl Into<Cell>, cells: impl IntoIterator<Item = Cell>) -> Vec<Cell
     std::iter::once(name.into()).chain(cells).collect()
 }
 
-/// A table of the study by its identifier.
-pub(super) fn find<'a>(tables: &'a [Table], id: &str) -> Option<&'a Table> {
-    tables.iter().find(|t| t.id == id)
-}
-
 fn with_groups(first: &str, study: &Study) -> Vec<String> {
     std::iter::once(first.to_string())
         .chain(study.groups.iter().map(|g| g.name.clone()))
@@ -273,7 +268,8 @@ fn starts(study: &Study) -> Table {
 }
 
 /// The same counted and as medians, for the page.
-pub(super) fn starts_summary(study: &Study) -> Table {
+#[cfg(feature = "page")]
+pub(crate) fn starts_summary(study: &Study) -> Table {
     let headings = [
         "initial groups",
         "index",
@@ -339,7 +335,8 @@ fn stiffness(study: &Study) -> Table {
 }
 
 /// The same side by side, beside the paper's Table 6, for the page.
-pub(super) fn stiffness_side_by_side(study: &Study) -> Table {
+#[cfg(feature = "page")]
+pub(crate) fn stiffness_side_by_side(study: &Study) -> Table {
     let published = published_for(&study.robot);
     let mut headings = vec!["joint".to_string(), "truth".to_string()];
     headings.extend(study.groups.iter().map(|g| g.name.clone()));

@@ -13,7 +13,6 @@ mod maps;
 mod page;
 #[cfg(feature = "page")]
 mod pages;
-#[cfg(feature = "print")]
-mod print;
+mod paper;
 mod render;
 mod scenes;

@@ -2,6 +2,7 @@
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::commands::wrapped_line;
+use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, write_all};
 use crate::input::Line;
 use crate::numbers::optional;
@@ -166,6 +167,7 @@ impl Outputs {
         };
         let format = args.sheet.as_deref().map(SheetFormat::of).transpose()?;
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
+        args.figure.as_deref().map(check_picture_name).transpose()?;
         let (figure, print) = (target(&args.figure)?, target(&args.print)?);
         let all = [&main, &sheet, &figure, &print].map(Option::as_ref);
         check_targets(session, &all)?;

@@ -1,6 +1,6 @@
 //! `stiffarm study --measured`: which postures and which model predict a measured robot.
 
-use super::{folder_words, quoted};
+use super::{REPORT, RESULT};
 use crate::args::StudyArgs;
 use crate::commands::earlier::Earlier;
 use crate::files::{check_folder, write_folder};
@@ -21,15 +21,10 @@ use stiffarm::measure::{is_of_table, prepare};
 use stiffarm::plan::index::Index;
 use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
 use stiffarm_report::render_svg;
-use stiffarm_report::study::{measured_figure, measured_page, measured_table};
+use stiffarm_report::study::{measured_figure, measured_table};
 
-/// Files of the study.
-const FILES: [&str; 4] = [
-    "study.json",
-    "study.md",
-    "measured-choices.svg",
-    "measured-choices.csv",
-];
+/// Figure and table of the study.
+const FILES: [&str; 2] = ["measured-choices.svg", "measured-choices.csv"];
 
 /// Options of the result: those of the study stand in it.
 #[derive(Serialize, JsonSchema)]
@@ -58,7 +53,9 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
     }
     let measurements = session.read_measurements(&[from.to_string()], None, &named.cell)?;
     let reduce = session.read_registration(args.splits.registration.as_deref())?;
-    check_folder(session, &args.output_dir, FILES, args.force)?;
+    let page_name = cfg!(feature = "report").then_some(REPORT);
+    let names = || std::iter::once(RESULT).chain(FILES).chain(page_name);
+    check_folder(session, &args.output_dir, names(), args.force)?;
     let measured = prepare(&named.cell, measurements, &reduce)?;
     let of_table = measured.findings().filter(|f| is_of_table(f));
     of_table.for_each(|f| session.remark(&format!("{}\n", f.sentence)));
@@ -68,7 +65,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
     drop(progress);
     let interrupted = study.split_count < options.splits;
     let written = Written {
-        files: FILES.map(String::from).to_vec(),
+        files: names().map(String::from).collect(),
         study,
     };
     let study = &written.study;
@@ -78,14 +75,14 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         Options { measured: true },
         &written,
     );
-    let command = repeat_command(args, from, interrupted);
     let texts = [
         write_result(&envelope)?,
-        measured_page(study, env!("CARGO_PKG_VERSION"), &command),
         render_svg(&measured_figure(study)),
         measured_table(study).csv(),
     ];
-    let files = FILES.map(String::from).into_iter().zip(texts).collect();
+    let page = session.page_of(&envelope, Some(&named.cell))?;
+    let files = names().map(String::from).zip(texts.into_iter().chain(page));
+    let files = files.collect();
     let earlier = Earlier::of(&args.output_dir);
     write_folder(session, &args.output_dir, files, args.force)?;
     let removed = match session.has_failed() {
@@ -93,7 +90,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         false => earlier.remove_all_but(&args.output_dir, &written.files),
     };
     session.show(&envelope, || {
-        let place = args.output_dir.join("study.md");
+        let place = args.output_dir.join(page_name.unwrap_or(RESULT));
         format!(
             "{}{}{removed}{}",
             named.line(),
@@ -102,7 +99,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
                 true => String::new(),
                 false => format!(
                     "\nwrote {} files to {}: start with {}\n",
-                    FILES.len(),
+                    written.files.len(),
                     args.output_dir.display(),
                     place.display()
                 ),
@@ -139,35 +136,6 @@ fn options(args: &StudyArgs) -> Result<MeasuredStudyOptions> {
         });
     }
     Ok(options)
-}
-
-/// The command line that repeats this study, without what is so by itself.
-fn repeat_command(args: &StudyArgs, from: &str, interrupted: bool) -> String {
-    let mut words = vec![
-        "stiffarm study".to_string(),
-        quoted(&args.cell),
-        format!("--measured {}", quoted(from)),
-    ];
-    let given = &args.splits;
-    let joined = |all: &[String]| all.join(",");
-    let choose: Vec<String> = given.choose.iter().map(u64::to_string).collect();
-    let pairs = [
-        ("--splits", given.splits.map(|n| n.to_string())),
-        ("--pool", given.pool.map(|n| n.to_string())),
-        ("--choose", (!choose.is_empty()).then(|| joined(&choose))),
-        (
-            "--indices",
-            (!given.indices.is_empty()).then(|| quoted(&joined(&given.indices))),
-        ),
-        ("--size-factor", given.size_factor.map(|x| x.to_string())),
-        ("--registration", given.registration.as_deref().map(quoted)),
-        ("--seed", (args.seed != 1).then(|| args.seed.to_string())),
-    ];
-    for (flag, value) in pairs {
-        words.extend(value.map(|value| format!("{flag} {value}")));
-    }
-    words.extend(folder_words(args, interrupted));
-    words.join(" ")
 }
 
 fn summary(study: &MeasuredStudy, interrupted: bool) -> String {

@@ -24,11 +24,13 @@ use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Code, Error, Result};
-use stiffarm_report::study::{cell_picture, figures, page, tables};
+use stiffarm_report::study::{cell_picture, figures, tables};
 use stiffarm_report::{render_drawing, render_svg};
 
 /// Group 1 of the built-in COMAU cells.
 const GROUP_1: &str = "builtin:comau-group1";
+/// The result itself.
+const RESULT: &str = "study.json";
 /// The page with the cell in 3D.
 const REPORT: &str = "report.html";
 /// Postures of an initial group that nobody gave, as many as in the paper.
@@ -84,14 +86,8 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     let result = progress.watch(|control| study(&named.cell, &initial, &options, control))?;
     drop(progress);
 
-    let version = env!("CARGO_PKG_VERSION");
-    let drawing = cell_picture(&result, &named.cell)?;
-    let command = repeat_command(args, result.interrupted);
-    let mut files = vec![(
-        "study.md".to_string(),
-        page(&result, drawing.as_ref(), version, &command),
-    )];
-    if let Some(drawing) = &drawing {
+    let mut files = Vec::new();
+    if let Some(drawing) = &cell_picture(&result, &named.cell)? {
         files.push((format!("{}.svg", drawing.id), render_drawing(drawing)));
     }
     for figure in figures(&result) {
@@ -100,7 +96,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     for table in tables(&result) {
         files.push((format!("{}.csv", table.id), table.csv()));
     }
-    let names = std::iter::once("study.json").chain(files.iter().map(|(name, _)| name.as_str()));
+    let names = std::iter::once(RESULT).chain(files.iter().map(|(name, _)| name.as_str()));
     let page_name = cfg!(feature = "report").then_some(REPORT);
     let result = Written {
         files: names.chain(page_name).map(String::from).collect(),
@@ -115,7 +111,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         },
         &result,
     );
-    files.insert(0, ("study.json".to_string(), write_result(&envelope)?));
+    files.insert(0, (RESULT.to_string(), write_result(&envelope)?));
     files.extend(
         session
             .page_of(&envelope, Some(&named.cell))?
@@ -140,9 +136,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
                 false => format!(
                     "\nwrote {count} files to {}: start with {}\n",
                     args.output_dir.display(),
-                    args.output_dir
-                        .join(page_name.unwrap_or("study.md"))
-                        .display()
+                    args.output_dir.join(page_name.unwrap_or(RESULT)).display()
                 ),
             }
         )
@@ -197,8 +191,7 @@ fn initial_group(
 /// Files that every study of `cell` writes.
 fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
     let mut names = vec![
-        "study.json".to_string(),
-        "study.md".to_string(),
+        RESULT.to_string(),
         "cell.svg".to_string(),
         REPORT.to_string(),
         "expected-deviation.svg".to_string(),
@@ -215,66 +208,6 @@ fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
         names.push("validation.svg".to_string());
     }
     names
-}
-
-/// The command line that repeats this study, without what is so by itself.
-fn repeat_command(args: &StudyArgs, interrupted: bool) -> String {
-    let mut words = vec!["stiffarm study".to_string()];
-    if args.cell != "builtin:comau" {
-        words.push(quoted(&args.cell));
-    }
-    if let Some(initial) = &args.initial {
-        words.push(format!("--initial {}", quoted(initial)));
-    }
-    for (flag, value, default) in [
-        ("--seed", args.seed, 1),
-        ("--runs", args.runs as u64, 200),
-        ("--starts", args.starts as u64, 60),
-    ] {
-        if value != default {
-            words.push(format!("{flag} {value}"));
-        }
-    }
-    match args.elastic.map_or(ElasticChoice::Axes, Into::into) {
-        ElasticChoice::Axes => {}
-        choice => words.push(format!("--elastic {}", choice.as_str())),
-    }
-    words.extend(folder_words(args, interrupted));
-    words.join(" ")
-}
-
-/// The end of a command line that repeats a study.
-fn folder_words(args: &StudyArgs, interrupted: bool) -> Vec<String> {
-    let mut words = Vec::new();
-    let folder = args.output_dir.to_string_lossy();
-    if folder != "study" {
-        words.push(format!("--output-dir {}", quoted(&folder)));
-    }
-    if interrupted {
-        // The whole study takes the place of this one.
-        words.push("--force".to_string());
-    }
-    words
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_./:=,@%+-".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_string();
-    }
-    if !word.chars().any(char::is_control) {
-        return format!("'{}'", word.replace('\'', r"'\''"));
-    }
-    let mut out = "$'".to_string();
-    for c in word.chars() {
-        match c {
-            '\'' | '\\' => out.extend(['\\', c]),
-            c if c.is_control() => out += &format!("\\u{:04x}", u32::from(c)),
-            c => out.push(c),
-        }
-    }
-    out + "'"
 }
 
 fn summary(study: &Study) -> String {
@@ -300,23 +233,4 @@ fn summary(study: &Study) -> String {
         out += &format!("- {}\n", finding.sentence);
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::quoted;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_would_split_them() {
-        for (word, shell) in [
-            ("cells/my-cell.toml", "cells/my-cell.toml"),
-            ("my cell.toml", "'my cell.toml'"),
-            ("it's.toml", r"'it'\''s.toml'"),
-            ("a$(b).toml", "'a$(b).toml'"),
-            ("", "''"),
-            ("a\nb", r"$'a\u000ab'"),
-        ] {
-            assert_eq!(quoted(word), shell, "{word}");
-        }
-    }
 }

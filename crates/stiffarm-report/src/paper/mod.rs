@@ -1,15 +1,6 @@
-//! Pictures for papers: as SVG, PDF and PNG at a stated width and in a stated
-//! typeface, with their data beside them.
+//! Pictures for papers: as SVG at a stated width and in a stated typeface, with their data beside them.
 
-mod embedded;
-mod fonts;
 mod names;
-mod pdf;
-mod png;
-
-pub use fonts::{Fonts, USUAL_FAMILY};
-pub use pdf::to_pdf;
-pub use png::to_png;
 
 use crate::figure::Figure;
 use crate::figure::csv::figure_csv;
@@ -24,8 +15,6 @@ use stiffarm::{Code, Error, Result};
 const WIDTHS_MM: [f64; 2] = [20.0, 500.0];
 /// Sizes of the smallest text \[pt\].
 const FONTS_PT: [f64; 2] = [4.0, 30.0];
-/// Resolutions of PNG \[1/inch\].
-const DPI: [f64; 2] = [72.0, 1200.0];
 /// Most characters of a font family.
 const FAMILY_LENGTH: usize = 60;
 
@@ -34,24 +23,18 @@ const FAMILY_LENGTH: usize = 60;
 pub enum Format {
     /// Vectors; the font is named and not part of the file.
     Svg,
-    /// Vectors with the glyphs that are used.
-    Pdf,
-    /// Pixels.
-    Png,
     /// The data of charts as a table; drawings have none.
     Csv,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 4] = [Format::Svg, Format::Pdf, Format::Png, Format::Csv];
+    pub const ALL: [Format; 2] = [Format::Svg, Format::Csv];
 
     /// End of the file names, without the dot.
     pub fn extension(self) -> &'static str {
         match self {
             Format::Svg => "svg",
-            Format::Pdf => "pdf",
-            Format::Png => "png",
             Format::Csv => "csv",
         }
     }
@@ -64,10 +47,8 @@ pub struct PaperOptions {
     pub width_mm: f64,
     /// Smallest text \[pt\], 4 to 30.
     pub font_pt: f64,
-    /// Font family; empty for DejaVu Sans, which is the same on every machine.
+    /// Font family; empty for the usual list of sans-serif families.
     pub font_family: String,
-    /// Pixels per inch of PNG, 72 to 1200.
-    pub dpi: f64,
     /// Whether titles are drawn; in papers they are usually in the caption.
     pub titles: bool,
     /// What is written of each picture.
@@ -75,13 +56,12 @@ pub struct PaperOptions {
 }
 
 impl Default for PaperOptions {
-    /// One column of a journal, text of 8 pt, every format, 300 dpi.
+    /// One column of a journal, text of 8 pt, every format.
     fn default() -> Self {
         PaperOptions {
             width_mm: 88.0,
             font_pt: 8.0,
             font_family: String::new(),
-            dpi: 300.0,
             titles: false,
             formats: Format::ALL.to_vec(),
         }
@@ -97,7 +77,6 @@ impl PaperOptions {
     pub fn check(&self) -> Result<()> {
         within("width", self.width_mm, WIDTHS_MM, "mm")?;
         within("font size", self.font_pt, FONTS_PT, "pt")?;
-        within("resolution", self.dpi, DPI, "dpi")?;
         let is_known = |c: char| c.is_alphanumeric() || " -_.".contains(c);
         let family = &self.font_family;
         if !family.chars().all(is_known) || family.chars().count() > FAMILY_LENGTH {
@@ -108,20 +87,17 @@ impl PaperOptions {
         match self.formats.is_empty() {
             true => Err(
                 Error::new(Code::InvalidValue, "There is no format to write.")
-                    .hint("choose among svg, pdf, png and csv"),
+                    .hint("choose svg, csv or both"),
             ),
             false => Ok(()),
         }
     }
 
-    fn has(&self, format: Format) -> bool {
-        self.formats.contains(&format)
-    }
-
     /// Formats without those that are there twice, in their own order.
     fn of_picture(&self, has_data: bool) -> impl Iterator<Item = Format> {
-        let wanted =
-            move |format: &Format| self.has(*format) && (has_data || *format != Format::Csv);
+        let wanted = move |format: &Format| {
+            self.formats.contains(format) && (has_data || *format != Format::Csv)
+        };
         Format::ALL.into_iter().filter(wanted)
     }
 }
@@ -143,15 +119,13 @@ pub fn paper_names(
 }
 
 /// Pictures as files: name and contents, the figures first. The names come from
-/// their ids. Equal inputs give equal bytes, on every machine where no font
-/// family is stated.
+/// their ids. Equal inputs give equal bytes.
 ///
 /// # Errors
-/// As [`PaperOptions::check`]; the stated font is not installed though PDF or
-/// PNG is written; a PNG of more than 80 million pixels.
+/// As [`PaperOptions::check`].
 ///
 /// ```
-/// use stiffarm_report::print::{Format, PaperOptions, paper_files};
+/// use stiffarm_report::paper::{PaperOptions, paper_files};
 /// use stiffarm_report::{Axis, Figure, Panel, Series, Style};
 ///
 /// let figure = Figure {
@@ -167,51 +141,30 @@ pub fn paper_names(
 ///         equal_aspect: false,
 ///     }],
 /// };
-/// let options = PaperOptions { formats: vec![Format::Pdf, Format::Csv], ..PaperOptions::default() };
-/// let files = paper_files(&[figure], &[], &options)?;
-/// assert_eq!(files[0].0, "deviation.pdf");
-/// assert!(files[0].1.starts_with(b"%PDF-1."));
+/// let files = paper_files(&[figure], &[], &PaperOptions::default())?;
+/// assert_eq!(files[0].0, "deviation.svg");
+/// assert!(files[0].1.contains(r#"width="88mm""#));
 /// # Ok::<(), stiffarm::Error>(())
 /// ```
 pub fn paper_files(
     figures: &[Figure],
     drawings: &[Drawing],
     options: &PaperOptions,
-) -> Result<Vec<(String, Vec<u8>)>> {
+) -> Result<Vec<(String, String)>> {
     options.check()?;
-    // SVG names its font only; the machine that shows it must have it.
-    let fonts = match options.has(Format::Pdf) || options.has(Format::Png) {
-        true => Fonts::with_family(&options.font_family)?,
-        false => Fonts::usual(),
-    };
-    let family = match fonts.family() {
-        "" => options.font_family.as_str(),
-        exact => exact,
-    };
     let layout = Layout::paper(options.width_mm, options.font_pt)
-        .with_font(family)
+        .with_font(options.font_family.as_str())
         .with_title(options.titles);
     let mut contents = Vec::new();
-    let mut add = |svg: String, title: &str, data: Option<&Figure>| -> Result<()> {
-        for format in options.of_picture(data.is_some()) {
-            contents.push(match (format, data) {
-                (Format::Pdf, _) => to_pdf(&svg, title, &fonts)?,
-                (Format::Png, _) => to_png(&svg, options.dpi, &fonts)?,
-                (Format::Csv, Some(figure)) => figure_csv(figure).into_bytes(),
-                (Format::Svg | Format::Csv, _) => svg.clone().into_bytes(),
-            });
-        }
-        Ok(())
-    };
     for figure in figures {
-        add(
-            render_svg_with(figure, &layout),
-            &figure.title,
-            Some(figure),
-        )?;
+        contents.extend(options.of_picture(true).map(|format| match format {
+            Format::Svg => render_svg_with(figure, &layout),
+            Format::Csv => figure_csv(figure),
+        }));
     }
     for drawing in drawings {
-        add(render_drawing_with(drawing, &layout), &drawing.title, None)?;
+        let formats = options.of_picture(false);
+        contents.extend(formats.map(|_| render_drawing_with(drawing, &layout)));
     }
     let names = paper_names(figures, drawings, options);
     Ok(names.into_iter().zip(contents).collect())
