@@ -7,7 +7,7 @@
 
 The folder holds ``results.parquet`` (one row for each item, with equal bytes whatever ran it),
 ``timings.parquet``, ``journal.jsonl`` (each item as it was done; what a stopped run is resumed
-from) and ``campaign.json``. Nothing but the standard library is imported before it is needed.
+from) and ``campaign.json``.
 """
 
 from __future__ import annotations

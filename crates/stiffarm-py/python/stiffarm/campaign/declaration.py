@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from . import axes as axis_kinds
-from .axes import unknown_key
-from .errors import CampaignError, load
-from .tasks import COLUMNS, Task, task_of
+from . import kinds
+from .errors import CampaignError, at, load, unknown_key
+from .task import COLUMNS, Task
+from .tasks import task_of
 from .values import Value, canonical, digest, plain
 
 #: Version of the form of campaign files.
@@ -95,12 +95,12 @@ def read_toml(path: Path) -> Declaration:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise CampaignError("file-read", f"{reason}.", place=place) from error
+        raise CampaignError(f"{reason}.", "file-read", place) from error
     toml = toml_reader()
     try:
         data = toml.loads(text)
     except toml.TOMLDecodeError as error:
-        raise CampaignError("toml-syntax", f"This is no TOML: {error}.", place=place) from error
+        raise CampaignError(f"This is no TOML: {error}.", "toml-syntax", place) from error
     return read_dict(data, folder=path.parent, place=place)
 
 
@@ -127,42 +127,29 @@ def read_dict(
     """
     here = dict(place or {})
     if not isinstance(data, Mapping):
-        raise CampaignError("wrong-type", "A campaign is a table of keys.", place=here)
+        raise CampaignError("A campaign is a table of keys.", "wrong-type", here)
     try:
         data = plain(data)
     except (TypeError, ValueError) as error:
-        raise CampaignError("wrong-type", f"A value {error}.", place=here) from error
+        raise CampaignError(f"A value {error}.", "wrong-type", here) from error
     for key in data:
         if key not in _KEYS:
             raise unknown_key(key, _KEYS, here)
     if data.get("format", FORMAT) != FORMAT:
-        raise CampaignError(
-            "unsupported",
-            f"This file has format {data['format']!r}; this version reads format {FORMAT}.",
-            place={**here, "key": "format"},
-        )
-    name = _text(data, "name", here)
+        message = f"This file has format {data['format']!r}; this version reads format {FORMAT}."
+        raise CampaignError(message, "unsupported", at(here, "format"))
     task = task_of(_text(data, "task", here), here)
     tables = {key: _tables(data, key, here) for key in ("cells", "tools", "loads")}
     axes = _axes(data, task, tables, here)
-    options = task.read_options(_table(data, "options", here), here)
+    options = _table(data, "options", here)
+    if task.options is not None:
+        options = kinds.read_options(options, task.options, here)
     declaration = Declaration(
-        name=name,
-        task=task.name,
-        axes=axes,
-        options=options,
-        cells=tables["cells"],
-        tools=tables["tools"],
-        loads=tables["loads"],
-        folder=folder if folder is not None else Path(),
+        _text(data, "name", here), task.name, axes, options, **tables, folder=Path() if folder is None else folder
     )
     if len(declaration) > MOST_ITEMS:
-        raise CampaignError(
-            "invalid-value",
-            f"This grid has {len(declaration)} items; a campaign has at most {MOST_ITEMS}.",
-            place={**here, "key": "axes"},
-            hint="Split it into several campaigns.",
-        )
+        message = f"This grid has {len(declaration)} items; a campaign has at most {MOST_ITEMS}."
+        raise CampaignError(message, "invalid-value", at(here, "axes"), "Split it into several campaigns.")
     task.check(axes, options, here)
     return declaration
 
@@ -170,18 +157,16 @@ def read_dict(
 def _text(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> str:
     value = data.get(key)
     if value is None:
-        raise CampaignError(
-            "missing-key", f"The key {key} is missing.", place={**place, "key": key}
-        )
+        raise CampaignError(f"The key {key} is missing.", "missing-key", at(place, key))
     if not isinstance(value, str) or not value.strip():
-        raise CampaignError("wrong-type", f"{value!r} is no text.", place={**place, "key": key})
+        raise CampaignError(f"{value!r} is no text.", "wrong-type", at(place, key))
     return value
 
 
 def _table(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> dict[str, Any]:
     value = data.get(key, {})
     if not isinstance(value, dict):
-        raise CampaignError("wrong-type", f"{value!r} is no table.", place={**place, "key": key})
+        raise CampaignError(f"{value!r} is no table.", "wrong-type", at(place, key))
     return value
 
 
@@ -189,38 +174,26 @@ def _tables(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> dict
     tables = _table(data, key, place)
     for name, table in tables.items():
         if not isinstance(table, dict):
-            raise CampaignError(
-                "wrong-type",
-                f"{table!r} is no table.",
-                place={**place, "key": f"{key}.{name}"},
-                hint=f"Write [{key}.{name}] and the keys below it.",
-            )
+            hint = f"Write [{key}.{name}] and the keys below it."
+            raise CampaignError(f"{table!r} is no table.", "wrong-type", at(place, f"{key}.{name}"), hint)
     return tables
 
 
 def _axes(
-    data: Mapping[str, Any], task: Task, tables: Mapping[str, Any], place: dict[str, Any]
+    data: Mapping[str, Any], task: Task, tables: Mapping[str, Any], place: Mapping[str, Any]
 ) -> dict[str, tuple[Value, ...]]:
     written = _table(data, "axes", place)
     if not written:
-        raise CampaignError(
-            "missing-key",
-            "The table [axes] is missing or empty.",
-            place={**place, "key": "axes"},
-            hint='For example [axes] with cell = ["builtin:comau"] and seed = [1, 2, 3].',
-        )
+        hint = 'For example [axes] with cell = ["builtin:comau"] and seed = [1, 2, 3].'
+        raise CampaignError("The table [axes] is missing or empty.", "missing-key", at(place, "axes"), hint)
     result: dict[str, tuple[Value, ...]] = {}
     for name, values in written.items():
         if task.axes is not None and name not in task.axes:
             raise unknown_key(name, task.axes, place, "axes")
         if not _NAME.match(name) or name in COLUMNS:
-            raise CampaignError(
-                "invalid-value",
-                f"{name!r} cannot be the name of an axis.",
-                place={**place, "key": f"axes.{name}"},
-                hint="Names have small letters, digits and _, and no column of the table has them.",
-            )
-        kind = axis_kinds.KINDS[name] if task.axes is not None else axis_kinds.ANY_KIND
-        names = tables.get(kind.names_of or "", {})
-        result[name] = axis_kinds.read_axis(name, values, kind, names, place)
+            message = f"{name!r} cannot be the name of an axis."
+            hint = "Names have small letters, digits and _, and no column of the table has them."
+            raise CampaignError(message, "invalid-value", at(place, f"axes.{name}"), hint)
+        kind = kinds.AXES[name] if task.axes is not None else kinds.ANY_AXIS
+        result[name] = kinds.read_axis(name, values, kind, tables.get(kind.names_of or "", {}), place)
     return result

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from .._errors import StiffarmError, nearest
-
-__all__ = ["INSTALL", "CampaignError", "StiffarmError", "load", "nearest"]
 
 INSTALL = 'pip install "stiffarm[campaign]"'
 
@@ -17,32 +15,22 @@ class CampaignError(StiffarmError):
     """A campaign that cannot be read, started or resumed.
 
     What goes wrong inside one item is not an error of the campaign: it is a row of its table.
-
-    Attributes:
-        message: One sentence, without place and hint.
-        code: Stable name of what is wrong, for example ``unknown-key``.
-        place: Where, for example ``{"file": "campaign.toml", "key": "axes.seed"}``.
-        hint: What to do about it, or None.
     """
 
-    def __init__(
-        self,
-        code: str,
-        message: str,
-        *,
-        place: Mapping[str, Any] | None = None,
-        hint: str | None = None,
-    ) -> None:
-        super().__init__(message, code, dict(place or {}), hint)
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (self.code, self.message, self.place, self.hint)
+def at(place: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """The place of a key."""
+    return {**place, "key": key}
 
 
-def _again(
-    code: str, message: str, place: Mapping[str, Any], hint: str | None
+def unknown_key(
+    name: str, known: Iterable[str], place: Mapping[str, Any], above: str = "", hint: str | None = None
 ) -> CampaignError:
-    return CampaignError(code, message, place=place, hint=hint)
+    """The error of a key that nothing reads, with the nearest one that something does."""
+    known = list(known)
+    hint = hint or nearest(name, known) or f"Known here: {', '.join(known)}."
+    key = f"{above}.{name}" if above else name
+    return CampaignError(f"{name!r} is not known here.", "unknown-key", at(place, key), hint)
 
 
 def load(name: str, wanted_for: str) -> Any:
@@ -58,9 +46,5 @@ def load(name: str, wanted_for: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        package = name.partition(".")[0]
-        raise CampaignError(
-            "missing-package",
-            f"{wanted_for} needs the package {package}, which cannot be imported here ({error}).",
-            hint=f"{INSTALL} installs it.",
-        ) from error
+        message = f"{wanted_for} needs the package {name.partition('.')[0]}, which cannot be imported here ({error})."
+        raise CampaignError(message, "missing-package", hint=f"{INSTALL} installs it.") from error

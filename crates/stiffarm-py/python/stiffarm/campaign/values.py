@@ -19,8 +19,7 @@ def canonical(value: Any) -> str:
 
 def digest(text: str | bytes) -> str:
     """SHA-256 of a text, 64 hexadecimal digits."""
-    data = text.encode() if isinstance(text, str) else text
-    return hashlib.sha256(data).hexdigest()
+    return hashlib.sha256(text.encode() if isinstance(text, str) else text).hexdigest()
 
 
 def show(value: Value) -> str:
@@ -29,15 +28,11 @@ def show(value: Value) -> str:
         return "|".join(show(part) for part in value)
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.15g}"
-    return str(value)
+    return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
 def plain(value: Any) -> Any:
-    """A copy of what TOML or Python gave, of plain types: dict, list, text, numbers.
-
-    Arrays and numbers of NumPy become lists and numbers.
+    """A copy of what TOML or Python gave, of plain types: dict, list, text, numbers; arrays become lists.
 
     Raises:
         TypeError: Something that a declaration cannot hold, for example a function or a date.
@@ -55,19 +50,6 @@ def plain(value: Any) -> Any:
         return {str(key): plain(part) for key, part in value.items()}
     if isinstance(value, (Sequence, range)) and not isinstance(value, (bytes, bytearray)):
         return [plain(part) for part in value]
-    tolist = getattr(value, "tolist", None)
-    if tolist is not None:
-        return plain(tolist())
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
     raise TypeError(f"{type(value).__name__} is neither text, number, list nor table")
-
-
-def overlay(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """``base`` with ``changes`` laid over it: tables key by key, anything else as a whole."""
-    result = dict(base)
-    for key, value in changes.items():
-        below = result.get(key)
-        if isinstance(below, Mapping) and isinstance(value, Mapping):
-            result[key] = overlay(below, value)
-        else:
-            result[key] = value
-    return result
