@@ -10,7 +10,7 @@ import pytest
 from campaign_helpers import needs_library, needs_ray, rows, sha
 
 from stiffarm.campaign import Campaign, CampaignError
-from stiffarm.campaign.errors import StiffarmError
+from stiffarm import StiffarmError
 
 pytestmark = needs_library
 

@@ -29,6 +29,7 @@ from campaign_helpers import (
     wait_until,
 )
 
+from stiffarm import StiffarmError
 from stiffarm.campaign import Campaign, CampaignError, Progress
 from stiffarm.campaign.journal import Journal
 from stiffarm.campaign.table import write_results
@@ -260,16 +261,16 @@ def test_without_pyarrow_nothing_is_run(
     ("arguments", "code"),
     [
         ({"workers": 0}, "invalid-value"),
-        ({"workers": "some"}, "invalid-value"),
-        ({"workers": True}, "invalid-value"),
-        ({"workers": None}, "invalid-value"),
+        ({"workers": "some"}, "wrong-type"),
+        ({"workers": True}, "wrong-type"),
+        ({"workers": None}, "wrong-type"),
         ({"time_limit_s": 0.0}, "invalid-value"),
     ],
 )
 def test_arguments_that_cannot_be(
     grid: dict[str, Any], tmp_path: Path, arguments: dict[str, Any], code: str
 ) -> None:
-    with pytest.raises(CampaignError) as caught:
+    with pytest.raises(StiffarmError) as caught:
         Campaign.from_dict(grid).run(tmp_path / "a", **arguments)
     assert caught.value.code == code
     assert not (tmp_path / "a").exists()

@@ -8,12 +8,12 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from datetime import timedelta
 from pathlib import Path
 
 from .._errors import StiffarmError
-from .campaign import JOURNAL, Campaign, Outcome, open_folder
+from .campaign import JOURNAL, Campaign, open_folder
 from .journal import Journal
-from .progress import duration
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -52,15 +52,9 @@ def _run(arguments: argparse.Namespace) -> int:
         progress=False if arguments.quiet else None,
         retry_failed=arguments.retry_failed,
     )
-    print(_said(outcome))
-    if outcome.interrupted:
-        return 130
-    return 1 if outcome.failed else 0
-
-
-def _said(outcome: Outcome) -> str:
     text = f"{outcome.done} of {outcome.total} items, {outcome.failed} failed: {outcome.results}"
-    return f"Interrupted. {text}" if outcome.interrupted else text
+    print(f"Interrupted. {text}" if outcome.interrupted else text)
+    return 130 if outcome.interrupted else int(outcome.failed > 0)
 
 
 def _status(arguments: argparse.Namespace) -> int:
@@ -70,18 +64,17 @@ def _status(arguments: argparse.Namespace) -> int:
         print(f"{campaign.name}: 0 of {len(campaign)} items")
         return 0
     with Journal(path, len(campaign), writable=False) as journal:
-        own = [record.get("own_s") or 0.0 for record in journal.records()]
-        text = f"{campaign.name}: {len(journal)} of {len(campaign)} items"
-        print(f"{text}, {len(journal.failed)} failed")
+        own = [record.get("own_s", 0.0) for record in journal.records()]
+        print(f"{campaign.name}: {len(journal)} of {len(campaign)} items, {len(journal.failed)} failed")
     left = len(campaign) - len(own)
     if own and left:
-        rest = duration(sum(own) / len(own) * left)
+        rest = timedelta(seconds=round(sum(own) / len(own) * left))
         print(f"{left} left, about {rest} on one worker")
     return 0
 
 
 def _summary(arguments: argparse.Namespace) -> int:
-    print(open_folder(arguments.folder).summary().text())
+    print(open_folder(arguments.folder).summary())
     return 0
 
 

@@ -1,9 +1,8 @@
 """The four built-in tasks: what an item of each computes and which figures it keeps.
 
-Figures are the numbers of the library's results under names with their units; what is relative
-has no unit. Figures of single joints are columns of their own, ``…_joint1`` to ``…_joint6``:
-robots with other numbers of joints have others, empty elsewhere. ``postures_deg`` is a list of
-postures, each a list of angles in degrees.
+Figures are the numbers of the library's results under names with their units; what is relative has no unit. Figures of
+single joints are columns of their own, ``…_joint1`` to ``…_joint6``: robots with other numbers of joints have others,
+empty elsewhere. ``postures_deg`` is a list of postures, each a list of angles in degrees.
 """
 
 from __future__ import annotations
@@ -12,9 +11,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .. import measure, plan
-from .errors import CampaignError, at
+from .._checks import number, texts, truth, whole
+from .errors import CampaignError
 from .item_cell import Values, cell_of, file_of
-from .kinds import NAMES, NUMBER, TEXT, WHOLE, YES_NO, Known
+from .kinds import Known, text
 from .task import Task
 
 
@@ -40,14 +40,15 @@ def _selection(values: Values, options: Mapping[str, Any], shared: Mapping[str, 
 def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
     """Postures chosen under an index; figures are the indices of the chosen group.
 
-    With ``prior_scatter`` the choice is made with the scattered prior, and all indices but
-    ``index_value`` are those of the chosen group under the cell's own stiffness.
+    With ``prior_scatter`` the choice is made with the scattered prior, and all indices but ``index_value`` are those of
+    the chosen group under the cell's own stiffness.
     """
     result = _selection(values, {"certificate": False, **options}, shared)
     data = result.to_dict()
     evaluation = data["evaluation"]
     if float(values.get("prior_scatter", 0.0)) > 0.0:
-        evaluation = _evaluated(values, data["postures_deg"], shared)
+        evaluated = plan.evaluate(cell_of(values, shared), data["postures_deg"], degrees=True)
+        evaluation = evaluated.to_dict()["groups"][0]
     figures: dict[str, Any] = {"index_value": data["value"]}
     figures |= {
         _INDEX_UNITS.get(name, f"index_{name}"): value
@@ -56,20 +57,12 @@ def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
     }
     margin = data.get("smallest_margin_m")
     figures["smallest_margin_mm"] = None if margin is None else margin * 1e3
-    figures["evaluations"] = data["evaluations"]
-    figures["rounds"] = data["rounds"]
-    figures["termination"] = data["termination"]
+    figures |= {name: data[name] for name in ("evaluations", "rounds", "termination")}
     if data.get("certificate"):
         figures["efficiency"] = data["certificate"].get("efficiency")
     figures |= by_joint("expected_relative_deviation", evaluation["expected_deviation"])
     figures["postures_deg"] = data["postures_deg"]
     return figures
-
-
-def _evaluated(values: Values, postures_deg: Any, shared: Mapping[str, Any]) -> dict[str, Any]:
-    evaluated = plan.evaluate(cell_of(values, shared), postures_deg, degrees=True)
-    group: dict[str, Any] = evaluated.to_dict()["groups"][0]
-    return group
 
 
 def _group(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> Any:
@@ -83,11 +76,7 @@ def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
     """Deviations of the stiffness over simulated identifications, relative to the truth."""
     own = {k: v for k, v in options.items() if k not in ("select", "postures_file")}
     result = measure.simulate(
-        cell_of(values, shared),
-        _group(values, options, shared),
-        levels=[1.0],
-        seed=values.get("seed", 1),
-        **own,
+        cell_of(values, shared), _group(values, options, shared), levels=[1.0], seed=values.get("seed", 1), **own
     )
     group = result.to_dict()["groups"][0]
     level = group["levels"][0]
@@ -111,19 +100,11 @@ def coverage(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
         cell_of(values, shared), _group(values, options, shared), seed=values.get("seed", 1), **own
     )
     data = result.to_dict()
-    figures: dict[str, Any] = {
-        "coverage": data["coverage"],
-        "coverage_standard_error": data["standard_error"],
-        "relative_half_width": data["relative_half_width"],
-        "open_above": data["open_above"],
-        "without_interval": data["without_interval"],
-        "experiments": data["experiments"],
-        "degrees_of_freedom": data["degrees_of_freedom"],
-    }
+    names = ("coverage", "relative_half_width", "open_above", "without_interval", "experiments", "degrees_of_freedom")
+    figures: dict[str, Any] = {name: data[name] for name in names}
+    figures["coverage_standard_error"] = data["standard_error"]
     figures |= by_joint("coverage", [joint["coverage"] for joint in data["joints"]])
-    figures |= by_joint(
-        "relative_half_width", [joint["relative_half_width"] for joint in data["joints"]]
-    )
+    figures |= by_joint("relative_half_width", [joint["relative_half_width"] for joint in data["joints"]])
     return figures
 
 
@@ -156,44 +137,44 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
     return figures
 
 
-def _check(axes: Mapping[str, Any], options: Mapping[str, Any], place: Mapping[str, Any]) -> None:
+def _check(axes: Mapping[str, Any], options: Mapping[str, Any]) -> None:
     if "cell" not in axes:
         hint = 'For example cell = ["builtin:comau"].'
-        raise CampaignError("The axis cell is missing.", "missing-key", at(place, "axes.cell"), hint)
+        raise CampaignError("The axis cell is missing.", "missing-key", {"key": "axes.cell"}, hint)
     if "postures_file" not in options:
         return
     message = "The postures come from a file, so this would change nothing."
     for key in ("axes.postures", "axes.index", "axes.prior_scatter", "options.select"):
         table, _, name = key.partition(".")
         if name in (axes if table == "axes" else options):
-            raise CampaignError(message, "conflict", at(place, key), "Leave it out, or options.postures_file.")
+            raise CampaignError(message, "conflict", {"key": key}, "Leave it out, or options.postures_file.")
 
 
-def _check_identify(axes: Mapping[str, Any], options: Mapping[str, Any], place: Mapping[str, Any]) -> None:
-    _check(axes, options, place)
+def _check_identify(axes: Mapping[str, Any], options: Mapping[str, Any]) -> None:
+    _check(axes, options)
     if ("measurements" in axes) == ("measurements" in options):
         message = "Measurements must be given once: as an axis of files, or as an option with one file."
-        raise CampaignError(message, "missing-key", at(place, "axes.measurements"))
+        raise CampaignError(message, "missing-key", {"key": "axes.measurements"})
 
 
 _CELL_AXES = ("cell", "tool", "load", "anchor_mm", "load_n", "noise_factor", "prior_scatter", "seed")
 _PLANNED = (*_CELL_AXES, "postures", "index")
-_SELECT: Known = {"rounds": WHOLE, "certificate": YES_NO, "angle_step_deg": NUMBER}
-_GROUP: Known = {"runs": WHOLE, "select": _SELECT, "postures_file": TEXT}
+_SELECT: Known = {"rounds": whole, "certificate": truth, "angle_step_deg": number}
+_GROUP: Known = {"runs": whole, "select": _SELECT, "postures_file": text}
 #: Errors of the model in simulations: their standard deviations, in the unit of the name.
 _MODEL_ERRORS = dict.fromkeys(
-    ("force_scale_percent", "force_percent", "joint_angle_deg", "loading_point_mm", "anchor_mm"), NUMBER
+    ("force_scale_percent", "force_percent", "joint_angle_deg", "loading_point_mm", "anchor_mm"), number
 )
 #: How the stiffness is estimated.
 _FIT = {
-    "estimator": TEXT,
-    "terms": NAMES,
-    "weights": TEXT,
-    "prior_std_percent": NUMBER,
-    "noise": TEXT,
-    "confidence": NUMBER,
+    "estimator": text,
+    "terms": texts,
+    "weights": text,
+    "prior_std_percent": number,
+    "noise": text,
+    "confidence": number,
 }
-_IDENTIFY = {"measurements": TEXT, "brief": YES_NO, "exclude": NAMES, "elastic": TEXT, **_FIT}
+_IDENTIFY = {"measurements": text, "brief": truth, "exclude": texts, "elastic": text, **_FIT}
 
 ALL: Mapping[str, Task] = {
     task.name: task
@@ -205,7 +186,7 @@ ALL: Mapping[str, Task] = {
         ),
         Task(
             "coverage", coverage, _check, ("coverage", "relative_half_width"), _PLANNED,
-            {**_GROUP, **_FIT, "bootstrap": WHOLE},
+            {**_GROUP, **_FIT, "bootstrap": whole},
         ),
         Task(
             "identify", identify, _check_identify, ("residual_rms_mm", "condition"), (*_CELL_AXES, "measurements"),

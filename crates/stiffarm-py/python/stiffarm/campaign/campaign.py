@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from .. import _stiffarm
-from . import engines, table
+from . import engines, kinds, table
 from .declaration import Declaration, fingerprint, read_dict, read_toml
 from .errors import CampaignError, load
 from .items import Item, Items
 from .journal import Journal
 from .progress import Meter, Reporter
-from .resources import file_hashes, shared_data
+from .resources import read_resources
 from .summary import Summary, summarise
 from .task import COLUMNS
 from .tasks import task_of
@@ -94,15 +94,13 @@ class Campaign:
         """A campaign from a TOML file; file names in it start from its folder.
 
         Raises:
-            CampaignError: The file cannot be read, or a key in it is unknown, of a wrong type or
-                missing; the place has the path of the key.
+            CampaignError: The file cannot be read, or a key in it is unknown, of a wrong type or missing; the place has
+                the path of the key.
         """
         return cls(read_toml(Path(path)))
 
     @classmethod
-    def from_dict(
-        cls, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None
-    ) -> Campaign:
+    def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None) -> Campaign:
         """A campaign from a dict with the keys of the TOML file.
 
         Args:
@@ -134,9 +132,9 @@ class Campaign:
         """Hash of the declaration, the files it names and the version of the package.
 
         Raises:
-            CampaignError: A file that it names cannot be read.
+            StiffarmError: A file that it names cannot be read.
         """
-        return fingerprint(self.declaration, file_hashes(self.declaration), _stiffarm.__version__)
+        return fingerprint(self.declaration, read_resources(self.declaration)[0], _stiffarm.__version__)
 
     def run(
         self,
@@ -166,26 +164,22 @@ class Campaign:
             What is in the folder now.
 
         Raises:
-            CampaignError: ``other-campaign`` where the folder belongs to another one, ``in-use`` where another run
-                writes to it, ``worker-start``, ``no-cluster``, ``missing-package``, ``invalid-value`` of an argument,
-                and what is wrong with the files the campaign names.
+            StiffarmError: ``other-campaign`` where the folder belongs to another one, ``in-use`` where another run
+                writes to it, ``worker-start``, ``no-cluster``, ``missing-package``, and what is wrong with the
+                arguments or the files that the campaign names.
         """
-        count = workers if isinstance(workers, int) and not isinstance(workers, bool) else None
-        if workers != "all" and (count is None or count < 1):
-            message = f"Workers are a number from 1, or 'all'; not {workers!r}."
-            raise CampaignError(message, "invalid-value", {"key": "workers"})
-        if time_limit_s is not None and not time_limit_s > 0:
-            message = f"A limit must be above 0, not {time_limit_s}."
-            raise CampaignError(message, "invalid-value", {"key": "time_limit_s"})
+        count = None if workers == "all" else kinds.whole_from_1(workers, "workers")
+        if time_limit_s is not None:
+            kinds.positive(time_limit_s, "time_limit_s")
         # Better before the first item than after the last.
         for package in ["pyarrow.parquet"] + ["ray"] * (address is not None):
             load(package, "A campaign" if address is None else "A campaign on a cluster")
-        files = file_hashes(self.declaration)
+        files, shared = read_resources(self.declaration)
         setup = Setup(
             key=uuid.uuid4().hex,
             task=self.declaration.task,
             options=self.declaration.options,
-            shared=pickle.dumps(shared_data(self.declaration)),
+            shared=pickle.dumps(shared),
             columns=(*COLUMNS, *table.all_axis_columns(self.declaration.axes)),
             time_limit_s=time_limit_s,
             path=tuple(folder or os.getcwd() for folder in sys.path),
@@ -198,40 +192,25 @@ class Campaign:
             with Journal(target / JOURNAL, len(self)) as journal:
                 again = journal.failed if retry_failed else frozenset()
                 todo = [number for number in range(len(self)) if number not in journal or number in again]
+                meter, interrupted = Meter(len(self), len(journal), progress), False
+                engine: engines.Processes | engines.OnRay | None = None
                 try:
-                    interrupted = self._work(journal, todo, setup, count, address, progress) if todo else False
+                    if todo and address is None:
+                        engine = engines.Processes(setup, min(count or os.cpu_count() or 1, len(todo)))
+                    elif todo and address is not None:
+                        engine = engines.OnRay(setup, count, address)
+                    for record in engines.results(engine, (self.items[n] for n in todo)) if engine else ():
+                        journal.append(record)
+                        meter.told(len(journal), len(journal.failed))
+                except KeyboardInterrupt:
+                    interrupted = True
                 finally:
+                    if engine is not None:
+                        engine.close()
+                    meter.close()
                     self._write_tables(target, journal)
                 failed = len(journal.failed)
                 return Outcome(target, len(self), len(journal), failed, journal.added, interrupted)
-
-    def _work(
-        self,
-        journal: Journal,
-        todo: list[int],
-        setup: Setup,
-        workers: int | None,
-        address: str | None,
-        progress: Reporter,
-    ) -> bool:
-        """Runs items into the journal; whether Ctrl-C ended it."""
-        meter = Meter(len(self), len(journal), progress)
-        engine: engines.Engine | None = None
-        try:
-            if address is None:
-                engine = engines.Processes(setup, min(workers or os.cpu_count() or 1, len(todo)))
-            else:
-                engine = engines.OnRay(setup, workers, address)
-            for record in engines.results(engine, (self.items[number] for number in todo)):
-                journal.append(record)
-                meter.told(len(journal), len(journal.failed))
-        except KeyboardInterrupt:
-            return True
-        finally:
-            if engine is not None:
-                engine.close()
-            meter.close()
-        return False
 
     def _claim(self, folder: Path, files: Mapping[str, str]) -> None:
         """Writes whose folder this is, or checks it."""
@@ -310,15 +289,15 @@ def _record(path: Path) -> dict[str, Any]:
 
 def _difference(found: Mapping[str, Any], own: Mapping[str, Any]) -> str:
     """What is not the same, the first thing that a user would want to know."""
-    old, new = found["declaration"], own["declaration"]
-    for key in sorted({*old, *new}):
-        if canonical(old.get(key)) != canonical(new.get(key)):
-            return f"its {key} differs"
-    if list(old["axes"]) != list(new["axes"]):
-        return f"its axes come in the order {', '.join(old['axes'])}"
-    for name in sorted({*found["files"], *own["files"]}):
-        if found["files"].get(name) != own["files"].get(name):
-            return f"{name} was changed since"
+    for part, words in (("declaration", "its {} differs"), ("files", "{} was changed since")):
+        old, new = found[part], own[part]
+        for key in sorted({*old, *new}):
+            # Axes in another order are the same here.
+            if canonical(old.get(key)) != canonical(new.get(key)):
+                return words.format(key)
+    old_axes, new_axes = list(found["declaration"]["axes"]), list(own["declaration"]["axes"])
+    if old_axes != new_axes:
+        return f"its axes come in the order {', '.join(old_axes)}"
     return f"it was run with version {found['version']}, this is {own['version']}"
 
 

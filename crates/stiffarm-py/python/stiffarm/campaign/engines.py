@@ -13,7 +13,7 @@ from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from multiprocessing import get_context
-from typing import Any, Protocol
+from typing import Any
 
 from .errors import CampaignError, load
 from .items import Item
@@ -31,42 +31,7 @@ class Died(Exception):
     """A worker died while it ran an item."""
 
 
-class Engine(Protocol):
-    """Runs items.
-
-    Attributes:
-        most: Most items under way.
-    """
-
-    most: int
-
-    def submit(self, values: Mapping[str, Any]) -> Future[Answer]:
-        """Begins an item; its answer comes later, or what was wrong with the worker."""
-        ...
-
-    def answer(self, future: Future[Answer]) -> Answer:
-        """The answer of an item that is done.
-
-        Raises:
-            Died: Its worker died.
-            CampaignError: ``worker-start`` where there can be no worker.
-        """
-        ...
-
-    def look(self) -> None:
-        """Looks whether there can be results.
-
-        Raises:
-            CampaignError: ``no-cluster`` where there was nobody to run items for long.
-        """
-        ...
-
-    def close(self) -> None:
-        """Ends all workers, also those that run items."""
-        ...
-
-
-def results(engine: Engine, items: Iterable[Item]) -> Iterator[dict[str, Any]]:
+def results(engine: Processes | OnRay, items: Iterable[Item]) -> Iterator[dict[str, Any]]:
     """A record of each item, in the order in which they end.
 
     An item whose worker dies is begun again, a bounded number of times: it may be its fault or not.
@@ -104,7 +69,11 @@ def results(engine: Engine, items: Iterable[Item]) -> Iterator[dict[str, Any]]:
 
 
 class Processes:
-    """Processes of this machine. Each has an executor of its own: one that dies takes no other with it."""
+    """Processes of this machine. Each has an executor of its own: one that dies takes no other with it.
+
+    Attributes:
+        most: Most items under way.
+    """
 
     def __init__(self, setup: Setup, workers: int) -> None:
         self.most = workers
@@ -122,7 +91,12 @@ class Processes:
         return self._threads.submit(self._run, values)
 
     def answer(self, future: Future[Answer]) -> Answer:
-        """The answer of an item that is done."""
+        """The answer of an item that is done.
+
+        Raises:
+            Died: Its worker died.
+            CampaignError: ``worker-start`` where there can be no worker.
+        """
         return future.result()
 
     def look(self) -> None:
@@ -223,7 +197,11 @@ class OnRay:
             raise Died from None
 
     def look(self) -> None:
-        """Looks whether the cluster has processors at all; busy ones are waited for."""
+        """Looks whether the cluster has processors at all; busy ones are waited for.
+
+        Raises:
+            CampaignError: ``no-cluster`` where it had none for long.
+        """
         if self._processors() > 0:
             self._seen = time.monotonic()
         elif time.monotonic() - self._seen > WAIT_S:

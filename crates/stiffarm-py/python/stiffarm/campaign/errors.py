@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable, Mapping
 from typing import Any
 
-from .._errors import StiffarmError, nearest
+from .._errors import StiffarmError
 
 INSTALL = 'pip install "stiffarm[campaign]"'
 
@@ -16,21 +15,6 @@ class CampaignError(StiffarmError):
 
     What goes wrong inside one item is not an error of the campaign: it is a row of its table.
     """
-
-
-def at(place: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """The place of a key."""
-    return {**place, "key": key}
-
-
-def unknown_key(
-    name: str, known: Iterable[str], place: Mapping[str, Any], above: str = "", hint: str | None = None
-) -> CampaignError:
-    """The error of a key that nothing reads, with the nearest one that something does."""
-    known = list(known)
-    hint = hint or nearest(name, known) or f"Known here: {', '.join(known)}."
-    key = f"{above}.{name}" if above else name
-    return CampaignError(f"{name!r} is not known here.", "unknown-key", at(place, key), hint)
 
 
 def load(name: str, wanted_for: str) -> Any:

@@ -11,42 +11,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..cell import Cell
 from .errors import CampaignError
 from .values import canonical, digest
 
 Values = Mapping[str, Any]
 
 #: Cells of items before, which the next ones often share.
-_CELLS: dict[str, Any] = {}
+_CELLS: dict[str, Cell] = {}
 _MOST_CELLS = 64
 
 
-def changes_of(values: Values, shared: Mapping[str, Any]) -> dict[str, Any]:
-    """What an item changes in its cell, as keys of a cell file; without the prior's scatter.
+def cell_of(values: Values, shared: Mapping[str, Any], scattered: bool = False) -> Cell:
+    """The cell of an item.
 
     A tool or load takes the place of the cell's own; ``anchor_mm``, ``load_n`` and ``noise_factor`` change one key.
-
-    Raises:
-        CampaignError: ``missing-key`` where there is no variance for ``noise_factor`` to multiply.
-    """
-    keys = shared["cells"][values["cell"]]["keys"]
-    changes: dict[str, Any] = {}
-    for axis, tables in (("tool", "tools"), ("load", "loads")):
-        if axis in values:
-            # None takes a key of the old table away.
-            changes[axis] = {**dict.fromkeys(keys.get(axis, {})), **shared[tables][values[axis]]}
-    if "anchor_mm" in values:
-        changes.setdefault("load", {})["anchor_mm"] = list(values["anchor_mm"])
-    if "load_n" in values:
-        changes.setdefault("load", {})["magnitude_n"] = values["load_n"]
-    if "noise_factor" in values:
-        variance = _known(keys.get("noise", {}).get("variance_mm2"), "noise.variance_mm2", "noise_factor", values)
-        changes["noise"] = {"variance_mm2": variance * values["noise_factor"]}
-    return changes
-
-
-def cell_of(values: Values, shared: Mapping[str, Any], scattered: bool = False) -> Any:
-    """The cell of an item.
 
     Args:
         values: Values of the item.
@@ -57,26 +36,37 @@ def cell_of(values: Values, shared: Mapping[str, Any], scattered: bool = False) 
     Raises:
         CampaignError: ``missing-key`` where the cell lacks what an axis changes.
     """
-    changes = changes_of(values, shared)
-    known = shared["cells"][values["cell"]]
+    cell: Cell = shared["cells"][values["cell"]]
+    keys = cell.to_dict()
+    changes: dict[str, Any] = {}
+    for axis, tables in (("tool", "tools"), ("load", "loads")):
+        if axis in values:
+            # None takes a key of the old table away.
+            changes[axis] = {**dict.fromkeys(keys.get(axis, {})), **shared[tables][values[axis]]}
+    if "anchor_mm" in values:
+        changes.setdefault("load", {})["anchor_mm"] = list(values["anchor_mm"])
+    if "load_n" in values:
+        changes.setdefault("load", {})["magnitude_n"] = values["load_n"]
+    if "noise_factor" in values:
+        variance = _known(keys.get("noise", {}).get("variance_mm2"), "noise.variance_mm2", "noise_factor")
+        changes["noise"] = {"variance_mm2": variance * values["noise_factor"]}
     scatter = values.get("prior_scatter", 0.0)
     if scattered and scatter > 0.0:
-        prior = _known(known["prior_nm_per_rad"], "stiffness.prior_nm_per_rad", "prior_scatter", values)
+        prior = _known(cell.prior_stiffness, "stiffness.prior_nm_per_rad", "prior_scatter").tolist()
         changes["stiffness"] = {"prior_nm_per_rad": scatter_prior(prior, scatter, values.get("seed", 1))}
     if not changes:
-        return known["cell"]
+        return cell
     key = canonical([values["cell"], changes])
     if key not in _CELLS:
         if len(_CELLS) >= _MOST_CELLS:
             _CELLS.clear()
-        _CELLS[key] = known["cell"].with_changes(changes)
+        _CELLS[key] = cell.with_changes(changes)
     return _CELLS[key]
 
 
-def _known(value: Any, key: str, axis: str, values: Values) -> Any:
+def _known(value: Any, key: str, axis: str) -> Any:
     if value is None:
-        message = f"The cell {values['cell']} has nothing that {axis} could change."
-        raise CampaignError(message, "missing-key", {"key": key})
+        raise CampaignError(f"This cell has nothing that {axis} could change.", "missing-key", {"key": key})
     return value
 
 

@@ -15,8 +15,8 @@ class Item:
 
     Attributes:
         number: Place in the order of the campaign, from 0.
-        id: Twelve hexadecimal digits of the hash of task, options and values: the same in every campaign that has
-            this item.
+        id: Twelve hexadecimal digits of the hash of task, options and values: the same in every campaign that has this
+            item.
         name: The values as text, ``index=novel,seed=3``.
         values: Value of each axis.
     """

@@ -1,9 +1,8 @@
 """The journal of a campaign: one line for each item that is done, whole or not at all.
 
-A line is a JSON object whose last key is a checksum of the rest. Lines are appended in one write
-each, so a killed driver leaves at most one torn line at the end, which the next run cuts off.
-What was written survives the end of the process at once, and a loss of power from the last sync
-on, once a second.
+A line is a JSON object whose last key is a checksum of the rest. Lines are appended in one write each, so a killed
+driver leaves at most one torn line at the end, which the next run cuts off. What was written survives the end of the
+process at once, and a loss of power from the last sync on, once a second.
 """
 
 from __future__ import annotations

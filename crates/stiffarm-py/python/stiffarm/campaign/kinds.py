@@ -1,102 +1,85 @@
-"""What the values of axes and options may be, and how they are written."""
+"""What the values of axes and options may be, and how they are written.
+
+Errors have the path of the key alone as their place; :func:`stiffarm.campaign.declaration.read_dict` adds the file.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from .. import _checks
 from .._errors import nearest
-from .errors import CampaignError, at, unknown_key
+from .errors import CampaignError
 from .values import Value
 
 #: Most values of one axis.
 MOST_VALUES = 1_000_000
+#: Takes what was written and its key; gives the value, or raises StiffarmError.
+Kind = Callable[[Any, str], Any]
+#: Options of a task: their kinds, or those of a table's options.
+Known = Mapping[str, "Kind | Known"]
 
 
-@dataclass(frozen=True)
-class Kind:
-    """What a value is.
-
-    Attributes:
-        says: What it must be, for messages.
-        take: Turns what was written into a value, or raises ValueError.
-        names_of: Table of the declaration whose names are the values, if it is that.
-        a_range: Whether ``{ first = 1, last = 20 }`` may stand for a list.
-    """
-
-    says: str
-    take: Callable[[Any], Any]
-    names_of: str | None = None
-    a_range: bool = False
+def text(value: Any, key: str) -> str:
+    """A text that says something."""
+    if not _checks.text(value, key).strip():
+        raise CampaignError("This must not be empty.", "invalid-value", {"key": key})
+    return str(value)
 
 
-def _of(wanted: type | tuple[type, ...], accept: Callable[[Any], bool] = lambda value: True) -> Callable[[Any], Any]:
-    """Takes values of some types; yes and no are numbers to Python, but not here."""
+def table(value: Any, key: str) -> dict[str, Any]:
+    """A table of keys."""
+    if not isinstance(value, dict):
+        raise CampaignError(f"This must be a table, got {_checks.shown(value)}.", "wrong-type", {"key": key})
+    return value
 
-    def take(value: Any) -> Any:
-        if not isinstance(value, wanted) or (isinstance(value, bool) and wanted is not bool) or not accept(value):
-            raise ValueError
+
+def whole_from_1(value: Any, key: str) -> int:
+    """A whole number of 1 or more."""
+    return int(positive(_checks.whole(value, key), key))
+
+
+def positive(value: Any, key: str) -> float:
+    """A number above 0."""
+    if _not_negative(value, key) == 0:
+        raise CampaignError("This must be above 0.", "invalid-value", {"key": key})
+    return float(value)
+
+
+def _not_negative(value: Any, key: str) -> float:
+    number = _checks.number(value, key)
+    if number < 0:
+        raise CampaignError(f"This must be 0 or more, got {number:g}.", "invalid-value", {"key": key})
+    return number
+
+
+def _point(value: Any, key: str) -> tuple[float, ...]:
+    return tuple(_checks.vector(value, key, 3))
+
+
+def scalar(value: Any, key: str) -> Value:
+    """A value of an axis of a task of one's own."""
+    if isinstance(value, (str, bool)) or (isinstance(value, int) and -(2**63) <= value < 2**63):
         return value
+    return _checks.number(value, key)
 
-    return take
-
-
-def _number(accept: Callable[[float], bool]) -> Callable[[Any], float]:
-    written = _of((int, float))
-
-    def take(value: Any) -> float:
-        number = float(written(value))
-        if not math.isfinite(number) or not accept(number):
-            raise ValueError
-        return number
-
-    return take
-
-
-def _triple(value: Any) -> tuple[float, ...]:
-    if not isinstance(value, (list, tuple)) or len(value) != 3:
-        raise ValueError
-    return tuple(NUMBER.take(part) for part in value)
-
-
-def _scalar(value: Any) -> Value:
-    if isinstance(value, (str, bool)):
-        return value
-    taken: Value = (WHOLE if isinstance(value, int) else NUMBER).take(value)
-    return taken
-
-
-def _names(value: Any) -> list[str]:
-    return [_of(str)(part) for part in _of(list)(value)]
-
-
-WHOLE = Kind("a whole number", _of(int, lambda value: -(2**63) <= value < 2**63))
-NUMBER = Kind("a number", _number(lambda value: True))
-YES_NO = Kind("true or false", _of(bool))
-TEXT = Kind("text", _of(str, bool))
-NAMES = Kind("a list of names", _names)
 
 #: Axes of the built-in tasks.
 AXES: Mapping[str, Kind] = {
-    "cell": Kind("a cell: a file, builtin:NAME or a name of [cells]", TEXT.take),
-    "tool": Kind("a name of [tools]", TEXT.take, names_of="tools"),
-    "load": Kind("a name of [loads]", TEXT.take, names_of="loads"),
-    "anchor_mm": Kind("three coordinates [x, y, z] in mm", _triple),
-    "load_n": Kind("a force above 0 in N", _number(lambda force: force > 0)),
-    "postures": Kind("a number of postures, 1 or more", _of(int, lambda count: 1 <= count < 2**63), a_range=True),
-    "index": Kind("the name of an index, for example expected_error", TEXT.take),
-    "noise_factor": Kind("a factor above 0 on the variance of the cell's noise", _number(lambda factor: factor > 0)),
-    "prior_scatter": Kind("a standard deviation of ln(stiffness), 0 or more", _number(lambda scatter: scatter >= 0)),
-    "measurements": Kind("a file of measurements", TEXT.take),
-    "seed": Kind("a whole number, 0 or more", _of(int, lambda seed: 0 <= seed < 2**63), a_range=True),
+    "cell": text,
+    "tool": text,
+    "load": text,
+    "anchor_mm": _point,
+    "load_n": positive,
+    "postures": _checks.count,
+    "index": text,
+    "noise_factor": positive,
+    "prior_scatter": _not_negative,
+    "measurements": text,
+    "seed": _checks.whole,
 }
-#: An axis of a task of one's own.
-ANY_AXIS = Kind("text, a number, true or false", _scalar, a_range=True)
 
-#: Options of a task: their kinds, or those of a table's options.
-Known = Mapping[str, "Kind | Known"]
 _BY_CLOCK = "A search that ends by the clock gives other results each time. Use rounds."
 _WHY_NOT = {
     "time_limit_s": _BY_CLOCK,
@@ -106,91 +89,79 @@ _WHY_NOT = {
 }
 
 
-def _taken(kind: Kind, written: Any, place: Mapping[str, Any]) -> Any:
-    try:
-        return kind.take(written)
-    except (ValueError, OverflowError):
-        raise CampaignError(f"{written!r} is not {kind.says}.", "wrong-type", dict(place)) from None
-
-
-def read_options(
-    written: Mapping[str, Any], known: Known, place: Mapping[str, Any], above: str = "options"
-) -> dict[str, Any]:
-    """The options, checked by name and kind.
+def check_keys(written: Iterable[str], known: Iterable[str], above: str = "") -> None:
+    """Refuses a key that nothing reads, with the nearest one that something does.
 
     Raises:
-        CampaignError: ``unknown-key`` or ``wrong-type`` with the key's path.
+        CampaignError: ``unknown-key``.
     """
-    for name, value in written.items():
+    known = list(known)
+    for name in written:
         if name not in known:
-            raise unknown_key(name, known, place, above, _WHY_NOT.get(name))
-        kind, key = known[name], f"{above}.{name}"
-        if isinstance(kind, Kind):
-            _taken(kind, value, at(place, key))
-        elif isinstance(value, dict):
-            read_options(value, kind, place, key)
+            hint = _WHY_NOT.get(name) or nearest(name, known) or f"Known here: {', '.join(known)}."
+            raise CampaignError(f"{name!r} is not known here.", "unknown-key", {"key": above + name}, hint)
+
+
+def check_options(written: Mapping[str, Any], known: Known, above: str = "options.") -> None:
+    """Checks options by name and kind.
+
+    Raises:
+        StiffarmError: ``unknown-key``, ``wrong-type`` or ``invalid-value``, with the key's path.
+    """
+    check_keys(written, known, above)
+    for name, value in written.items():
+        kind, key = known[name], above + name
+        if callable(kind):
+            kind(value, key)
         else:
-            raise CampaignError(f"{value!r} is not a table of options.", "wrong-type", at(place, key))
-    return dict(written)
+            check_options(table(value, key), kind, f"{key}.")
 
 
-def read_axis(
-    name: str, written: Any, kind: Kind, names: Iterable[str], place: Mapping[str, Any]
-) -> tuple[Value, ...]:
+def read_axis(name: str, written: Any, kind: Kind, tables: Mapping[str, Any]) -> tuple[Value, ...]:
     """The values of one axis, in the order in which they were written.
 
     Args:
         name: Name of the axis.
         written: A list, a single value, or a range ``{first, last, step}``.
         kind: What the values must be.
-        names: Names that are allowed where ``kind.names_of`` is set.
-        place: Place of the declaration, for messages.
+        tables: Tables of the declaration, whose names the axes ``tool`` and ``load`` take.
 
     Raises:
-        CampaignError: ``wrong-type``, ``unknown-key``, ``unknown-name``, ``invalid-value``, ``duplicate``.
+        StiffarmError: ``wrong-type``, ``unknown-key``, ``unknown-name``, ``invalid-value``, ``duplicate``.
     """
-    key = f"axes.{name}"
+    key, named = f"axes.{name}", f"{name}s"
     # A dict keeps the order and finds what stands twice.
     values: dict[Value, None] = {}
-    allowed = list(names)
-    for number, part in enumerate(_parts(written, kind, place, key)):
-        here = at(place, f"{key}[{number}]" if isinstance(written, list) else key)
-        value: Value = _taken(kind, part, here)
-        if kind.names_of and value not in allowed:
-            hint = nearest(str(value), allowed) or f"Add a table [{kind.names_of}.{value}]."
-            raise CampaignError(f"{value!r} is no name of [{kind.names_of}].", "unknown-name", here, hint)
+    for number, part in enumerate(_parts(written, kind, key)):
+        here = f"{key}[{number}]" if isinstance(written, list) else key
+        value: Value = kind(part, here)
+        if kind is text and name in ("tool", "load") and value not in tables[named]:
+            hint = nearest(str(value), tables[named]) or f"Add a table [{named}.{value}]."
+            raise CampaignError(f"{value!r} is no name of [{named}].", "unknown-name", {"key": here}, hint)
         if value in values:
-            hint = "Repetitions are what the axis seed is for."
-            raise CampaignError(f"{part!r} stands twice; each item would be computed twice.", "duplicate", here, hint)
+            message, hint = f"{part!r} stands twice.", "Repetitions are what the axis seed is for."
+            raise CampaignError(message, "duplicate", {"key": here}, hint)
         values[value] = None
     if not values:
-        message = "This axis has no values, so the campaign has no items."
-        raise CampaignError(message, "invalid-value", at(place, key))
+        raise CampaignError("This axis has no values, so there are no items.", "invalid-value", {"key": key})
     return tuple(values)
 
 
-def _parts(written: Any, kind: Kind, place: Mapping[str, Any], key: str) -> Sequence[Any]:
+def _parts(written: Any, kind: Kind, key: str) -> Sequence[Any]:
     if isinstance(written, dict):
-        return _range(written, kind, place, key)
-    if not isinstance(written, list):
-        return [written]
+        return _range(written, key)
     # [1800, 0, 0] alone is one anchor, not three values.
-    alone = kind.take is _triple and written and not any(isinstance(part, list) for part in written)
-    return [written] if alone else written
+    alone = kind is _point and isinstance(written, list) and written and not any(isinstance(x, list) for x in written)
+    return written if isinstance(written, list) and not alone else [written]
 
 
-def _range(written: dict[str, Any], kind: Kind, place: Mapping[str, Any], key: str) -> Sequence[int]:
-    here = at(place, key)
-    if not kind.a_range:
-        raise CampaignError(f"A table is not {kind.says}.", "wrong-type", here, "Write a list.")
-    for part, value in written.items():
-        if part not in ("first", "last", "step"):
-            raise unknown_key(part, ("first", "last", "step"), place, key)
-        _taken(WHOLE, value, at(place, f"{key}.{part}"))
-    if "first" not in written or "last" not in written or written.get("step", 1) < 1:
-        message, hint = "A range needs first and last, and a step of 1 or more.", "For example { first = 1, last = 20 }."
-        raise CampaignError(message, "wrong-type", here, hint)
-    values = range(written["first"], written["last"] + 1, written.get("step", 1))
-    if len(values) > MOST_VALUES:
-        raise CampaignError(f"An axis has at most {MOST_VALUES} values.", "invalid-value", here)
-    return values
+def _range(written: dict[str, Any], key: str) -> Sequence[int]:
+    check_keys(written, ("first", "last", "step"), f"{key}.")
+    if "first" not in written or "last" not in written:
+        hint = "For example { first = 1, last = 20 }."
+        raise CampaignError("A range needs first and last.", "missing-key", {"key": key}, hint)
+    first, last, step = (_checks.whole(written.get(part, 1), f"{key}.{part}") for part in ("first", "last", "step"))
+    if step == 0 or (last - first) // step >= MOST_VALUES:
+        message = f"A step is 1 or more, and an axis has at most {MOST_VALUES} values."
+        raise CampaignError(message, "invalid-value", {"key": key})
+    return range(first, last + 1, step)

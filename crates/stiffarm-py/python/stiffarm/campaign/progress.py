@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import timedelta
 from typing import Union
 
 
@@ -18,8 +19,7 @@ class Progress:
         failed: How many of them failed.
         total: Items of the campaign.
         elapsed_s: Time since this run began [s].
-        remaining_s: Estimated time to the end [s]: items left at the mean rate of this run. None before the first item
-            of this run.
+        remaining_s: Estimated time to the end [s], at the mean rate of this run; None before its first item.
     """
 
     done: int
@@ -27,6 +27,10 @@ class Progress:
     total: int
     elapsed_s: float
     remaining_s: float | None
+
+    def __str__(self) -> str:
+        left = "" if self.remaining_s is None else f", {timedelta(seconds=round(self.remaining_s))} left"
+        return f"{self.done} of {self.total} items, {self.failed} failed{left}"
 
 
 #: None: a line on a terminal, silent in a pipe. False: silent. Or a function of each Progress.
@@ -54,19 +58,8 @@ class Meter:
     def close(self) -> None:
         """Ends the line."""
         if self._line:
-            sys.stderr.write("\n")
+            print(file=sys.stderr)
 
 
 def _show(state: Progress) -> None:
-    left = "" if state.remaining_s is None else f", {duration(state.remaining_s)} left"
-    text = f"{state.done} of {state.total} items, {state.failed} failed{left}"
-    sys.stderr.write(f"\r{text:<70}")
-    sys.stderr.flush()
-
-
-def duration(seconds: float) -> str:
-    """A time as people say it: ``45 s``, ``12 min``, ``3 h 20 min``."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"
+    print(f"\r{state!s:<70}", end="", file=sys.stderr, flush=True)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import html
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,12 +66,6 @@ class Summary:
         Raises:
             CampaignError: ``unknown-name``.
         """
-        rows = self.aggregate(axes, figures)
-        names = [*self._columns(axes), "figure", *_COUNTS, *STATISTICS]
-        return load("pyarrow", "A summary").table({name: [row[name] for row in rows] for name in names})
-
-    def aggregate(self, axes: Sequence[str], figures: Iterable[str] | None = None) -> list[dict[str, Any]]:
-        """As :meth:`by`, as a list of dicts."""
         chosen = tuple(figures) if figures is not None else self.figures
         for figure in chosen:
             if figure not in self.figures:
@@ -89,7 +81,8 @@ class Summary:
             for figure in chosen:
                 found = statistics_of([self.rows[figure][place] for place in places])
                 result.append({**dict(zip(columns, key)), "figure": figure, **counts, **found})
-        return result
+        names = [*columns, "figure", *_COUNTS, *STATISTICS]
+        return load("pyarrow", "A summary").table({name: [row[name] for row in result] for name in names})
 
     def _columns(self, axes: Sequence[str]) -> list[str]:
         columns = []
@@ -116,14 +109,11 @@ class Summary:
         for figure in self.figures[: max(self.headline, 1)]:
             for axis in self.axes or ("",):
                 lines += ["", f"{figure} by {axis}" if axis else figure]
-                lines += _text_table(self.aggregate((axis,) if axis else (), (figure,)), axis)
+                lines += _text_table(self.by(*[axis] if axis else [], figures=[figure]).to_pylist(), axis)
         return "\n".join(lines)
 
     def __str__(self) -> str:
         return self.text()
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(self.text())}</pre>"
 
 
 def summarise(folder: Path, declaration: Declaration, total: int, headline: Sequence[str]) -> Summary:
@@ -138,7 +128,8 @@ def summarise(folder: Path, declaration: Declaration, total: int, headline: Sequ
     # Seeds are repetitions; nobody asks how a figure depends on them.
     axes = tuple(axis for axis in several if axis != "seed") or tuple(several)
     own = {*COLUMNS, *table.all_axis_columns(declaration.axes)}
-    figures = [name for name, column in rows.items() if name not in own and _all_numbers(column)]
+    numbers = [field.name for field in results.schema if str(field.type) in ("double", "int64")]
+    figures = [name for name in numbers if name not in own]
     first = [name for name in headline if name in figures]
     figures = first + [name for name in figures if name not in first]
     return Summary(
@@ -154,20 +145,14 @@ def summarise(folder: Path, declaration: Declaration, total: int, headline: Sequ
     )
 
 
-def is_number(value: Any) -> bool:
-    """Whether a value is a finite number."""
-    return type(value) in (int, float) and math.isfinite(value)
-
-
-def statistics_of(values: Sequence[Any]) -> dict[str, Any]:
-    """Number, mean, standard deviation and quantiles of the finite numbers among the values."""
-    numbers = [float(value) for value in values if is_number(value)]
+def statistics_of(values: Sequence[float | None]) -> dict[str, Any]:
+    """Number, mean, standard deviation and quantiles of the values that there are."""
+    numbers = [float(value) for value in values if value is not None]
     if not numbers:
         return {"values": 0, **dict.fromkeys(STATISTICS)}
     spread = float(np.std(numbers, ddof=1)) if len(numbers) > 1 else None
     quantiles = np.quantile(numbers, (0.05, 0.25, 0.5, 0.75, 0.95)).tolist()
-    found = (math.fsum(numbers) / len(numbers), spread, *quantiles)
-    return {"values": len(numbers), **dict(zip(STATISTICS, found))}
+    return {"values": len(numbers), **dict(zip(STATISTICS, (float(np.mean(numbers)), spread, *quantiles)))}
 
 
 def _failures(rows: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
@@ -177,11 +162,6 @@ def _failures(rows: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
             first = {name: rows[name][place] for name in ("item", "name", "error_message")}
             kinds.setdefault(code, {"error_code": code, "count": 0, **first})["count"] += 1
     return sorted(kinds.values(), key=lambda kind: (-kind["count"], kind["error_code"]))
-
-
-def _all_numbers(values: Sequence[Any]) -> bool:
-    present = [value for value in values if value is not None]
-    return any(map(is_number, present)) and all(type(value) in (int, float) for value in present)
 
 
 def _text_table(rows: Sequence[Mapping[str, Any]], axis: str) -> list[str]:

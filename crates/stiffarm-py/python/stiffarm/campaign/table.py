@@ -1,16 +1,14 @@
 """The table of results: one row for each item that is done, in the order of the items.
 
 Columns: ``item``, ``id``, ``name``, the axes, ``status`` (``ok`` or ``failed``), ``error_code``,
-``error_message``, then the figures in the order in which they first appear. It holds no times,
-hosts or workers: those are in ``timings.parquet``. So equal items give equal bytes, whatever ran
-them.
+``error_message``, then the figures in the order in which they first appear. It holds no times, hosts or workers: those
+are in ``timings.parquet``. So equal items give equal bytes, whatever ran them.
 """
 
 from __future__ import annotations
 
-import itertools
 import os
-from collections.abc import Generator, Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,9 +17,6 @@ from .errors import CampaignError, load
 from .items import Items
 from .journal import Journal
 from .values import Value
-
-#: Rows that are held at a time while a table is written.
-ROWS = 16_384
 
 
 def axis_columns(axis: str, values: Iterable[Value]) -> tuple[str, ...]:
@@ -37,45 +32,12 @@ def all_axis_columns(axes: Mapping[str, tuple[Value, ...]]) -> tuple[str, ...]:
     return tuple(column for axis, values in axes.items() for column in axis_columns(axis, values))
 
 
-class _Kind:
-    """Type of a column, from the values that it has to hold."""
-
-    def __init__(self, values: Iterable[Any] = ()) -> None:
-        self.seen: set[type] = set()
-        self.inner: _Kind | None = None
-        for value in values:
-            self.note(value)
-
-    def note(self, value: Any) -> None:
-        if isinstance(value, (list, tuple)):
-            self.inner = self.inner or _Kind()
-            for part in value:
-                self.inner.note(part)
-        elif value is not None:
-            self.seen.add(type(value))
-
-    @property
-    def _name(self) -> str:
-        if self.inner is not None:
-            return "string" if self.seen else "list_"
-        # Figures that change their type from item to item are text; of nothing but None there is no type.
-        names: list[tuple[set[type], str]] = [(set(), "null"), ({bool}, "bool_"), ({int}, "int64")]
-        names += [({float}, "float64"), ({int, float}, "float64")]
-        return next((name for types, name in names if self.seen == types), "string")
-
-    def arrow(self, pa: Any) -> Any:
-        if self._name == "list_" and self.inner is not None:
-            return pa.list_(self.inner.arrow(pa))
-        return getattr(pa, self._name)()
-
-    def fit(self, value: Any) -> Any:
-        if value is None:
-            return None
-        if self._name == "list_" and self.inner is not None:
-            return [self.inner.fit(part) for part in value]
-        if self._name == "string":
-            return value if isinstance(value, str) else repr(value)
-        return float(value) if self._name == "float64" else value
+def _array(pa: Any, values: Sequence[Any], type: Any = None) -> Any:
+    """A column; a figure that changes its type from item to item is text."""
+    try:
+        return pa.array(values, type=type)
+    except (pa.ArrowInvalid, pa.ArrowTypeError):
+        return pa.array([value if value is None or isinstance(value, str) else repr(value) for value in values])
 
 
 def write_results(
@@ -93,33 +55,32 @@ def write_results(
     Raises:
         CampaignError: ``missing-package`` without pyarrow.
     """
-    figures: dict[str, _Kind] = {}
-    for record in journal.records():
-        for name, value in record.get("figures", {}).items():
-            figures.setdefault(name, _Kind()).note(value)
     pa = load("pyarrow", "The table of results")
-    # Once, not for every row: an axis may have as many values as there are rows.
-    columns = {axis: axis_columns(axis, values) for axis, values in axes.items()}
-    kinds = {axis: _Kind(values) for axis, values in axes.items()}
-    fields: list[tuple[str, Any]] = [("item", pa.int64()), ("id", pa.string()), ("name", pa.string())]
-    for axis, kind in kinds.items():
-        fields += [(column, (kind.inner or kind).arrow(pa)) for column in columns[axis]]
-    fields += [(name, pa.string()) for name in ("status", "error_code", "error_message")]
-    fields += [(name, kind.arrow(pa)) for name, kind in figures.items()]
-
-    def rows() -> Iterator[dict[str, Any]]:
-        for record in journal.records():
-            item = items[record["number"]]
-            row: dict[str, Any] = {"item": item.number, "id": item.id, "name": item.name}
-            for axis, value in item.values.items():
-                row.update(zip(columns[axis], value if isinstance(value, tuple) else (kinds[axis].fit(value),)))
-            row["status"] = "failed" if "code" in record else "ok"
-            row["error_code"], row["error_message"] = record.get("code"), record.get("message")
-            for name, value in record.get("figures", {}).items():
-                row[name] = figures[name].fit(value)
-            yield row
-
-    _write(folder / "results.parquet", pa.schema(fields, metadata=dict(metadata)), rows())
+    records = list(journal.records())
+    done = [items[record["number"]] for record in records]
+    text = pa.string()
+    columns: dict[str, Any] = {
+        "item": pa.array([item.number for item in done], pa.int64()),
+        "id": pa.array([item.id for item in done], text),
+        "name": pa.array([item.name for item in done], text),
+    }
+    for axis, values in axes.items():
+        names = axis_columns(axis, values)
+        for place, name in enumerate(names):
+            # Of the type that all its values need, also while some of their items are not done.
+            parts = [value[place] if isinstance(value, tuple) else value for value in values]
+            types = _array(pa, parts).type
+            found = [
+                value[place] if isinstance(value, tuple) else value for value in (one.values[axis] for one in done)
+            ]
+            columns[name] = _array(pa, found, types)
+    columns["status"] = pa.array(["failed" if "code" in record else "ok" for record in records], text)
+    for column, key in (("error_code", "code"), ("error_message", "message")):
+        columns[column] = pa.array([record.get(key) for record in records], text)
+    figures = dict.fromkeys(name for record in records for name in record.get("figures", ()))
+    for name in figures:
+        columns[name] = _array(pa, [record.get("figures", {}).get(name) for record in records])
+    _write(folder / "results.parquet", pa.table(columns).replace_schema_metadata(dict(metadata)))
 
 
 def write_timings(folder: Path, journal: Journal) -> None:
@@ -129,24 +90,16 @@ def write_timings(folder: Path, journal: Journal) -> None:
     process.
     """
     pa = load("pyarrow", "The table of times")
-    fields = [
-        ("item", pa.int64()), ("own_s", pa.float64()), ("cpu_s", pa.float64()), ("tries", pa.int64()),
-        ("worker", pa.string()),
-    ]  # fmt: skip
-    rows = ({**record, "item": record["number"]} for record in journal.records())
-    _write(folder / "timings.parquet", pa.schema(fields), rows)
+    types = {"own_s": pa.float64(), "cpu_s": pa.float64(), "tries": pa.int64(), "worker": pa.string()}
+    records = list(journal.records())
+    columns = {"item": pa.array([record["number"] for record in records], pa.int64())}
+    columns |= {name: pa.array([record.get(name) for record in records], type) for name, type in types.items()}
+    _write(folder / "timings.parquet", pa.table(columns))
 
 
-def _write(path: Path, schema: Any, rows: Iterator[dict[str, Any]]) -> None:
-    pa, parquet = load("pyarrow", "A table"), load("pyarrow.parquet", "A table")
-    with whole(path) as temporary, parquet.ParquetWriter(str(temporary), schema, compression="zstd") as writer:
-        while True:
-            block = list(itertools.islice(rows, ROWS))
-            if block:
-                arrays = [pa.array([row.get(field.name) for row in block], type=field.type) for field in schema]
-                writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
-            if len(block) < ROWS:
-                break
+def _write(path: Path, found: Any) -> None:
+    with whole(path) as temporary:
+        load("pyarrow.parquet", "A table").write_table(found, str(temporary), compression="zstd")
 
 
 @contextmanager
@@ -169,7 +122,7 @@ def read(path: Path) -> Any:
     if not path.is_file():
         hint = "Run the campaign first; a stopped one is completed by running it again."
         raise CampaignError("There is no such table.", "no-table", {"file": str(path)}, hint)
-    # Through a file of Python's own, without the folder being taken for a data set.
-    # Threads that pyarrow leaves behind can end a short process by an abort when it exits.
+    # Through a file of Python's own, without the folder being taken for a data set. Threads that pyarrow leaves behind
+    # can end a short process by an abort when it exits.
     with open(path, "rb") as file, parquet.ParquetFile(file, pre_buffer=False) as reader:
         return reader.read(use_threads=False)

@@ -19,7 +19,7 @@ class Task:
     Attributes:
         name: Its name in the declaration.
         run: Values, options and shared data of an item → its figures.
-        check: Checks axes and options together, given them and their place.
+        check: Checks axes and options together.
         headline: Figures that the summary shows first.
         axes: Axes of a built-in task, which gets cells; None where any name will do.
         options: Options of a built-in task; None where any name will do.
@@ -28,7 +28,7 @@ class Task:
 
     name: str
     run: Callable[[Mapping[str, Any], Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
-    check: Callable[[Mapping[str, Any], Mapping[str, Any], Mapping[str, Any]], None]
+    check: Callable[[Mapping[str, Any], Mapping[str, Any]], None]
     headline: tuple[str, ...] = ()
     axes: tuple[str, ...] | None = None
     options: Known | None = None

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
-from collections.abc import Mapping, Sequence
 from typing import Any, Union
 
 #: A value of an axis: text, a whole number, a number, yes or no, or three coordinates.
@@ -38,18 +36,12 @@ def plain(value: Any) -> Any:
         TypeError: Something that a declaration cannot hold, for example a function or a date.
         ValueError: A number that is not finite.
     """
-    if value is None or isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, int):
-        return int(value)
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            raise ValueError(f"{value} is not a finite number")
-        return float(value)
-    if isinstance(value, Mapping):
-        return {str(key): plain(part) for key, part in value.items()}
-    if isinstance(value, (Sequence, range)) and not isinstance(value, (bytes, bytearray)):
-        return [plain(part) for part in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    raise TypeError(f"{type(value).__name__} is neither text, number, list nor table")
+
+    def listed(part: Any) -> Any:
+        if isinstance(part, range):
+            return list(part)
+        if hasattr(part, "tolist"):
+            return part.tolist()
+        raise TypeError(f"A value is neither text, number, list nor table, but {type(part).__name__}.")
+
+    return json.loads(json.dumps(value, default=listed, allow_nan=False))

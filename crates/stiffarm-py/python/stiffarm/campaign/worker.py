@@ -27,7 +27,8 @@ from .._stiffarm import set_threads
 from .task import BadResult
 from .tasks import task_of
 
-#: What became of an item: ``figures``, or ``code``, ``message`` and ``detail``; ``own_s``, ``cpu_s`` [s] and ``worker``.
+#: What became of an item: ``figures``, or ``code``, ``message`` and ``detail``; ``own_s``, ``cpu_s`` [s] and
+#: ``worker``.
 Answer = dict[str, Any]
 Run = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 _ADDRESS = re.compile(r"0x[0-9a-fA-F]+")
