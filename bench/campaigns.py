@@ -130,9 +130,7 @@ class Tree:
 def kind_of(words: list[str]) -> str:
     """What a process is, by its command line."""
     line = " ".join(words)
-    if "stiffarm.campaign.child" in line:
-        return "items"
-    return "actors" if line.startswith("ray::Supervisor") else "Ray's own"
+    return "items" if "multiprocessing.spawn" in line or line.startswith("ray::") else "Ray's own"
 
 
 def thinned(data: dict[str, Any], items: int) -> dict[str, Any]:
@@ -144,7 +142,7 @@ def thinned(data: dict[str, Any], items: int) -> dict[str, Any]:
     return {**data, "axes": {**data["axes"], "seed": {"first": 1, "last": last}}}
 
 
-def measure(data: dict[str, Any], engine: str, workers: int, folder: Path) -> dict[str, Any]:
+def measure(data: dict[str, Any], on_ray: bool, workers: int, folder: Path) -> dict[str, Any]:
     """One run: times, memory, sizes."""
     campaign = Campaign.from_dict(data)
     stamps: list[tuple[float, int]] = []
@@ -152,8 +150,8 @@ def measure(data: dict[str, Any], engine: str, workers: int, folder: Path) -> di
     with Tree() as tree:
         outcome = campaign.run(
             folder,
-            engine=engine,
-            workers=workers if engine == "ray" else 1,
+            workers=workers,
+            address="local" if on_ray else None,
             progress=lambda p: stamps.append((time.monotonic(), p.done)),
         )
     wall = time.monotonic() - begun
@@ -166,7 +164,7 @@ def measure(data: dict[str, Any], engine: str, workers: int, folder: Path) -> di
     size = outcome.results.stat().st_size
     return {
         "campaign": data["name"],
-        "engine": engine,
+        "on_ray": on_ray,
         "workers": workers,
         "items": outcome.done,
         "failed": outcome.failed,
@@ -179,7 +177,6 @@ def measure(data: dict[str, Any], engine: str, workers: int, folder: Path) -> di
         "cpu_s": tree.seconds(),
         "memory_mb": {kind: round(mb, 1) for kind, mb in tree.memory.items()},
         "driver_memory_mb": psutil.Process().memory_info().rss / 1e6,
-        "peak_of_items_mb": max(timings["peak_mb"].to_pylist()),
         "table_bytes": size,
         "journal_bytes": (folder / "journal.jsonl").stat().st_size,
         "sha256": hashlib.sha256(outcome.results.read_bytes()).hexdigest(),
@@ -195,7 +192,7 @@ def row(record: dict[str, Any]) -> str:
     beside += max(0.0, cpu.get("items", 0.0) - record["own_cpu_s"])
     cells = [
         record["campaign"],
-        f"{record['engine']}, {record['workers']}",
+        f"{'Ray' if record['on_ray'] else 'here'}, {record['workers']}",
         f"{n}",
         f"{record['own_s'] / n * 1e3:.1f} ms",
         f"{record['own_s']:.1f} s",
@@ -208,7 +205,7 @@ def row(record: dict[str, Any]) -> str:
 
 
 HEAD = """\
-| campaign | engine, workers | items | own time of one | of all | wall | overhead | without start and end | processor time beside the items, each |
+| campaign | where, workers | items | own time of one | of all | wall | overhead | without start and end | processor time beside the items, each |
 |:--|:--|--:|--:|--:|--:|--:|--:|--:|"""
 
 
@@ -216,7 +213,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--items", type=int, default=2000, help="items of select and of simulate")
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--ways", nargs="*", choices=["rayN", "ray1", "serial"], default=["rayN", "serial"])
+    parser.add_argument("--ways", nargs="*", choices=["ray", "here", "one"], default=["ray", "here", "one"])
     parser.add_argument("--only", nargs="*", choices=["select", "simulate", "nothing", "waiting"])
     parser.add_argument("--crowds", nargs="*", type=int, default=[2, 8, 32], help="workers of waiting")
     parser.add_argument("--out", type=Path, default=Path("target/bench-campaigns.json"))
@@ -233,10 +230,10 @@ def main() -> int:
                 continue
             grid = thinned(data, arguments.items if data is not NOTHING else arguments.items * 10)
             hashes = set()
-            ways = {"rayN": ("ray", arguments.workers), "ray1": ("ray", 1), "serial": ("serial", 1)}
-            for engine, workers in (ways[way] for way in arguments.ways):
-                folder = base / f"{data['name']}-{engine}-{workers}"
-                records.append(measure(grid, engine, workers, folder))
+            ways = {"ray": (True, arguments.workers), "here": (False, arguments.workers), "one": (False, 1)}
+            for way in arguments.ways:
+                folder = base / f"{data['name']}-{way}"
+                records.append(measure(grid, *ways[way], folder))
                 hashes.add(records[-1]["sha256"])
                 print(row(records[-1]), flush=True)
                 shutil.rmtree(folder)
@@ -248,7 +245,7 @@ def main() -> int:
                 continue
             # As many items for each worker.
             grid = thinned(WAITING, crowd * 80)
-            records.append(measure(grid, "ray", crowd, base / f"waiting-{crowd}"))
+            records.append(measure(grid, False, crowd, base / f"waiting-{crowd}"))
             print(row(records[-1]), flush=True)
     machine = {"cores": os.cpu_count(), "python": platform.python_version(), "system": platform.platform()}
     arguments.out.parent.mkdir(parents=True, exist_ok=True)

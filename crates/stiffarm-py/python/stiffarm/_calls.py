@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+#: Parameters of each function whose results say how they were made; they come here where they are checked.
+FUNCTIONS: dict[str, Mapping[str, inspect.Parameter]] = {}
 #: Parameters that are inputs, by their annotation: a result names them and holds their hashes, not their values.
 _INPUTS = re.compile("Cell|PosturesLike|TableLike|PathLike")
 #: Parameters that are functions.
@@ -34,23 +36,18 @@ def text(name: str, parameters: Mapping[str, inspect.Parameter], given: Mapping[
 
 def options(call: str) -> dict[str, Any] | None:
     """Options of a call of :func:`text`, defaults included; None where the text is none of the package's functions."""
-    import stiffarm
-
     try:
         found = ast.parse(call, mode="eval").body
         if not isinstance(found, ast.Call) or not isinstance(found.func, ast.Attribute):
             return None
-        name = found.func.attr
-        function = getattr(stiffarm, name) if name in stiffarm.__all__ else None
-        if not inspect.isfunction(function):
-            return None
+        parameters = FUNCTIONS[found.func.attr]
         written = {keyword.arg: keyword.value for keyword in found.keywords}
         known = {
             key: ast.literal_eval(written[key]) if key in written else _listed(parameter.default)
-            for key, parameter in inspect.signature(function).parameters.items()
+            for key, parameter in parameters.items()
             if not _INPUTS.search(str(parameter.annotation)) and not _FUNCTIONS.search(str(parameter.annotation))
         }
-    except (SyntaxError, ValueError):
+    except (SyntaxError, ValueError, KeyError):
         return None
     return known
 

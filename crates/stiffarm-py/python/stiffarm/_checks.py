@@ -175,6 +175,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     from ._result import Result
 
     signature = inspect.signature(function)
+    _calls.FUNCTIONS[function.__name__] = signature.parameters
     checks: dict[str, tuple[Callable[[Any, str], Any], bool]] = {}
     for name, parameter in signature.parameters.items():
         plain, _, none = str(parameter.annotation).partition(" | None")

@@ -12,7 +12,7 @@ import threading
 import time
 from pathlib import Path
 
-from stiffarm.campaign import Campaign, CampaignError, ray_run
+from stiffarm.campaign import Campaign, CampaignError, engines
 
 if __name__ == "__main__":
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
@@ -34,7 +34,7 @@ if __name__ == "__main__":
 
     threading.Thread(target=go, daemon=True).start()
     if alone:
-        ray_run.WAIT_S = 3.0
+        engines.WAIT_S = 3.0
     try:
         outcome = Campaign.read(sys.argv[1]).run(folder, workers="all", address=cluster.address, progress=False)
         print(f"{outcome.done} of {outcome.total} items, {outcome.failed} failed")

@@ -10,7 +10,7 @@ import pytest
 from campaign_helpers import needs_library, needs_ray, rows, sha
 
 from stiffarm.campaign import Campaign, CampaignError
-from stiffarm.campaign.errors import StiffarmError
+from stiffarm import StiffarmError
 
 pytestmark = needs_library
 
@@ -34,7 +34,7 @@ SELECT: dict[str, Any] = {
 
 
 def run(data: dict[str, Any], folder: Path, **arguments: Any) -> list[dict[str, Any]]:
-    Campaign.from_dict(data).run(folder, progress=False, **{"engine": "serial", **arguments})
+    Campaign.from_dict(data).run(folder, progress=False, **arguments)
     found = rows(folder)
     assert [row["error_message"] for row in found] == [None] * len(found)
     return found
@@ -67,11 +67,18 @@ def test_select_is_what_the_library_selects(tmp_path: Path) -> None:
 
 
 @needs_ray
-def test_ray_and_serial_give_the_same_bytes(tmp_path: Path, ray_here: Any) -> None:
-    run(SELECT, tmp_path / "serial")
-    for workers in (1, 2):
-        run(SELECT, tmp_path / f"ray{workers}", engine="ray", workers=workers)
-        assert sha(tmp_path / f"ray{workers}") == sha(tmp_path / "serial")
+def test_one_worker_two_and_ray_give_the_same_bytes(tmp_path: Path, ray_here: Any) -> None:
+    run(SELECT, tmp_path / "one")
+    run(SELECT, tmp_path / "two", workers=2)
+    run(SELECT, tmp_path / "ray", workers=2, address="auto")
+    assert sha(tmp_path / "one") == sha(tmp_path / "two") == sha(tmp_path / "ray")
+
+
+def test_a_search_that_a_limit_ends_is_no_result(tmp_path: Path) -> None:
+    data = with_axes("select", {"rounds": 1_000_000}, seed=[1])
+    Campaign.from_dict(data).run(tmp_path, progress=False, time_limit_s=1.0)
+    (row,) = rows(tmp_path)
+    assert row["error_code"] == "time-limit" and "index_value" not in row
 
 
 def test_simulations_scatter_as_the_selection_expects(tmp_path: Path) -> None:
@@ -126,7 +133,7 @@ def test_identify_reads_files_beside_the_campaign(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text(sa.simulate_measurements(cell, postures, seed=3).to_csv())
     data = with_axes("identify", measurements=["m.csv"])
     campaign = Campaign.from_dict(data, folder=tmp_path)
-    campaign.run(tmp_path / "a", engine="serial", progress=False)
+    campaign.run(tmp_path / "a", progress=False)
     (row,) = rows(tmp_path / "a")
     assert row["status"] == "ok", row["error_message"]
     expected = sa.identify(cell, str(tmp_path / "m.csv"), seed=1, brief=True).to_dict()
@@ -160,7 +167,7 @@ def test_tools_loads_and_anchors_change_the_cell(tmp_path: Path) -> None:
 
 def test_what_the_library_refuses_is_a_row_with_its_code(tmp_path: Path) -> None:
     data = with_axes("select", {"rounds": 1}, index=["expected_error", "expected_eror"], seed=[1])
-    outcome = Campaign.from_dict(data).run(tmp_path, engine="serial", progress=False)
+    outcome = Campaign.from_dict(data).run(tmp_path, progress=False)
     assert (outcome.done, outcome.failed) == (2, 1)
     row = rows(tmp_path)[1]
     assert row["error_code"] == "unknown-name"
@@ -171,7 +178,7 @@ def test_a_cell_that_is_none_ends_the_run_before_it_starts(tmp_path: Path) -> No
     (tmp_path / "cell.toml").write_text("format = 1\n[robot]\ncatalog = 3\n")
     data = with_axes("select", cell=["cell.toml"], seed=[1])
     with pytest.raises(StiffarmError) as caught:
-        Campaign.from_dict(data, folder=tmp_path).run(tmp_path / "a", engine="serial")
+        Campaign.from_dict(data, folder=tmp_path).run(tmp_path / "a")
     assert caught.value.place["line"] == 3
     with pytest.raises(StiffarmError, match="comua"):
         Campaign.from_dict(with_axes("select", cell=["builtin:comua"], seed=[1])).run(tmp_path / "b")
@@ -184,7 +191,7 @@ def test_a_changed_cell_file_is_another_campaign(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_text(sa.Cell.built_in("comau").to_toml())
     data = with_axes("select", {"rounds": 1}, cell=["cell.toml"], seed=[1])
-    Campaign.from_dict(data, folder=tmp_path).run(tmp_path / "a", engine="serial", progress=False)
+    Campaign.from_dict(data, folder=tmp_path).run(tmp_path / "a", progress=False)
     path.write_text(path.read_text() + "\n")
     with pytest.raises(CampaignError, match=r"cell\.toml was changed since"):
-        Campaign.from_dict(data, folder=tmp_path).run(tmp_path / "a", engine="serial")
+        Campaign.from_dict(data, folder=tmp_path).run(tmp_path / "a")

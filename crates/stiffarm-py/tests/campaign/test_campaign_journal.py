@@ -41,7 +41,6 @@ def test_a_line_torn_anywhere_is_cut_off(tmp_path: Path) -> None:
             journal.append(record(9))
         with Journal(path, 10) as journal:
             assert list(journal.records()) == [record(0), record(4), record(9)]
-            assert journal.dropped == 0
 
 
 def test_looking_at_a_journal_does_not_change_it(tmp_path: Path) -> None:
@@ -58,7 +57,6 @@ def test_a_changed_line_is_dropped_and_the_others_stay(tmp_path: Path) -> None:
     whole = filled(path)
     path.write_bytes(whole.replace(b"0.1", b"0.2", 1))
     with Journal(path, 10) as journal:
-        assert journal.dropped == 1
         assert len(journal) == 2
 
 
@@ -80,7 +78,7 @@ def test_the_last_record_of_an_item_counts(tmp_path: Path) -> None:
         assert journal.failed == set()
     with Journal(path, 10) as journal:
         assert list(journal.records()) == [record(2)]
-        assert journal.failures == 0
+        assert journal.failed == set()
 
 
 def test_an_item_that_there_is_not_is_an_error(tmp_path: Path) -> None:

@@ -5,9 +5,8 @@
 >>> outcome = campaign.run("results", workers=2)          # doctest: +SKIP
 >>> print(campaign.summary())                             # doctest: +SKIP
 
-The folder holds ``results.parquet`` (one row for each item, with equal bytes whatever ran it),
-``timings.parquet``, ``journal.jsonl`` (each item as it was done; what a stopped run is resumed
-from) and ``campaign.json``. Nothing but the standard library is imported before it is needed.
+The folder holds ``results.parquet`` (one row for each item, with equal bytes whatever ran it), ``timings.parquet``,
+``journal.jsonl`` (each item as it was done; what a stopped run is resumed from) and ``campaign.json``.
 """
 
 from __future__ import annotations
@@ -19,14 +18,4 @@ from .items import Item, Items
 from .progress import Progress
 from .summary import Summary
 
-__all__ = [
-    "Campaign",
-    "CampaignError",
-    "Declaration",
-    "Item",
-    "Items",
-    "Outcome",
-    "Progress",
-    "Summary",
-    "open_folder",
-]
+__all__ = ["Campaign", "CampaignError", "Declaration", "Item", "Items", "Outcome", "Progress", "Summary", "open_folder"]

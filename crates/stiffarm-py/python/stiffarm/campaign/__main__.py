@@ -8,13 +8,12 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from datetime import timedelta
 from pathlib import Path
 
-from .campaign import JOURNAL, Campaign, Outcome, open_folder
-from .engine import ENGINES
-from .errors import StiffarmError
+from .._errors import StiffarmError
+from .campaign import JOURNAL, Campaign, open_folder
 from .journal import Journal
-from .progress import duration
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -27,29 +26,16 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="run what is not done yet")
     run.add_argument("campaign", type=Path, help="the campaign, a TOML file")
     run.add_argument("folder", type=Path, help="folder of the results; made if missing")
-    run.add_argument(
-        "--workers", type=_workers, default=1, metavar="N",
-        help="worker processes, or all: one for each processor of the machine or cluster [default: 1]",
-    )  # fmt: skip
-    run.add_argument("--address", metavar="HOST", help="address of a Ray cluster")
-    run.add_argument(
-        "--engine", choices=ENGINES, default="auto",
-        help="serial: one item after the other, without Ray; auto: Ray where there are several workers "
-        "or an address [default: auto]",
-    )  # fmt: skip
-    run.add_argument(
-        "--time-limit-s", type=float, metavar="S", help="longest time of an item [s]"
-    )
-    run.add_argument(
-        "--memory-limit-mb", type=float, metavar="MB", help="most memory of a worker process [MB]"
-    )
+    words = "worker processes, or all: one for each processor of the machine or cluster [default: 1]"
+    run.add_argument("--workers", type=_workers, default=1, metavar="N", help=words)
+    run.add_argument("--address", metavar="HOST", help="address of a Ray cluster [default: this machine, without Ray]")
+    run.add_argument("--time-limit-s", type=float, metavar="S", help="longest time of an item [s]")
     run.add_argument("--retry-failed", action="store_true", help="also run again what failed")
     run.add_argument("-q", "--quiet", action="store_true", help="no progress")
     status = commands.add_parser("status", help="how far a folder is")
     status.add_argument("folder", type=Path)
     summary = commands.add_parser("summary", help="counts, failures and figures of a folder")
     summary.add_argument("folder", type=Path)
-    summary.add_argument("--no-figures", action="store_true", help="the text alone")
     return parser
 
 
@@ -62,21 +48,13 @@ def _run(arguments: argparse.Namespace) -> int:
         arguments.folder,
         workers=arguments.workers,
         address=arguments.address,
-        engine=arguments.engine,
         time_limit_s=arguments.time_limit_s,
-        memory_limit_mb=arguments.memory_limit_mb,
         progress=False if arguments.quiet else None,
         retry_failed=arguments.retry_failed,
     )
-    print(_said(outcome))
-    if outcome.interrupted:
-        return 130
-    return 1 if outcome.failed else 0
-
-
-def _said(outcome: Outcome) -> str:
     text = f"{outcome.done} of {outcome.total} items, {outcome.failed} failed: {outcome.results}"
-    return f"Interrupted. {text}" if outcome.interrupted else text
+    print(f"Interrupted. {text}" if outcome.interrupted else text)
+    return 130 if outcome.interrupted else int(outcome.failed > 0)
 
 
 def _status(arguments: argparse.Namespace) -> int:
@@ -86,22 +64,17 @@ def _status(arguments: argparse.Namespace) -> int:
         print(f"{campaign.name}: 0 of {len(campaign)} items")
         return 0
     with Journal(path, len(campaign), writable=False) as journal:
-        own = [record.get("own_s") or 0.0 for record in journal.records()]
-        text = f"{campaign.name}: {len(journal)} of {len(campaign)} items"
-        print(f"{text}, {journal.failures} failed")
+        own = [record.get("own_s", 0.0) for record in journal.records()]
+        print(f"{campaign.name}: {len(journal)} of {len(campaign)} items, {len(journal.failed)} failed")
     left = len(campaign) - len(own)
     if own and left:
-        rest = duration(sum(own) / len(own) * left)
+        rest = timedelta(seconds=round(sum(own) / len(own) * left))
         print(f"{left} left, about {rest} on one worker")
     return 0
 
 
 def _summary(arguments: argparse.Namespace) -> int:
-    summary = open_folder(arguments.folder).summary()
-    print(summary.text())
-    if not arguments.no_figures:
-        for path in summary.draw():
-            print(path)
+    print(open_folder(arguments.folder).summary())
     return 0
 
 

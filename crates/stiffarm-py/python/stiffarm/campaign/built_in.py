@@ -1,51 +1,21 @@
 """The four built-in tasks: what an item of each computes and which figures it keeps.
 
-Figures are the numbers of the library's results under names with their units; what is relative
-has no unit. Figures of single joints are columns of their own, ``…_joint1`` to ``…_joint6``:
-robots with other numbers of joints have others, empty elsewhere. ``postures_deg`` is a list of
-postures, each a list of angles in degrees.
+Figures are the numbers of the library's results under names with their units; what is relative has no unit. Figures of
+single joints are columns of their own, ``…_joint1`` to ``…_joint6``: robots with other numbers of joints have others,
+empty elsewhere. ``postures_deg`` is a list of postures, each a list of angles in degrees.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from .. import measure, plan
+from .._checks import number, texts, truth, whole
 from .errors import CampaignError
-from .item_cell import Values, cell_of, file_of, library
-from .options import NAMES, NUMBER, TEXT, WHOLE, YES_NO, OptionKind
-
-
-class BadResult(Exception):
-    """A task gave something that a table cannot keep."""
-
-    code = "bad-result"
-
-    def __init__(self, message: str) -> None:
-        super().__init__(message)
-        self.message = message
-
-
-@dataclass(frozen=True)
-class BuiltIn:
-    """Parts of a built-in task, as in :class:`stiffarm.campaign.tasks.Task`."""
-
-    name: str
-    axes: tuple[str, ...]
-    options: Mapping[str, OptionKind]
-    headline: tuple[str, ...]
-    check: Callable[[Mapping[str, Any], Mapping[str, Any], Mapping[str, Any]], None]
-    run: Callable[[Values, Mapping[str, Any], Mapping[str, Any]], dict[str, Any]]
-
-
-# --- Reading results -------------------------------------------------------------------------
-
-
-def plain_result(result: Any) -> dict[str, Any]:
-    """The plain data of a result of the library."""
-    data: dict[str, Any] = result.to_dict()
-    return data
+from .item_cell import Values, cell_of, file_of
+from .kinds import Known, text
+from .task import Task
 
 
 def by_joint(stem: str, values: Sequence[Any] | None) -> dict[str, Any]:
@@ -53,21 +23,12 @@ def by_joint(stem: str, values: Sequence[Any] | None) -> dict[str, Any]:
     return {f"{stem}_joint{number}": value for number, value in enumerate(values or (), start=1)}
 
 
-# --- The tasks -------------------------------------------------------------------------------
-
-_SELECT = {
-    "rounds": WHOLE,
-    "certificate": YES_NO,
-    "angle_step_deg": NUMBER,
-}
 #: Indices that are not numbers alone.
 _INDEX_UNITS = {"task": "index_task_m", "prediction": "index_prediction_m"}
-_PLANNED = ("cell", "tool", "load", "anchor_mm", "load_n", "postures", "index", "noise_factor",
-            "prior_scatter", "seed")  # fmt: skip
 
 
 def _selection(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> Any:
-    return library().select(
+    return plan.select(
         cell_of(values, shared, scattered=True),
         postures=values.get("postures", 6),
         index=values.get("index", "expected_error"),
@@ -79,14 +40,15 @@ def _selection(values: Values, options: Mapping[str, Any], shared: Mapping[str, 
 def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
     """Postures chosen under an index; figures are the indices of the chosen group.
 
-    With ``prior_scatter`` the choice is made with the scattered prior, and all indices but
-    ``index_value`` are those of the chosen group under the cell's own stiffness.
+    With ``prior_scatter`` the choice is made with the scattered prior, and all indices but ``index_value`` are those of
+    the chosen group under the cell's own stiffness.
     """
     result = _selection(values, {"certificate": False, **options}, shared)
-    data = plain_result(result)
+    data = result.to_dict()
     evaluation = data["evaluation"]
-    if float(values.get("prior_scatter", 0.0)) > 0.0:  # type: ignore[arg-type]
-        evaluation = _evaluated(values, data["postures_deg"], shared)
+    if float(values.get("prior_scatter", 0.0)) > 0.0:
+        evaluated = plan.evaluate(cell_of(values, shared), data["postures_deg"], degrees=True)
+        evaluation = evaluated.to_dict()["groups"][0]
     figures: dict[str, Any] = {"index_value": data["value"]}
     figures |= {
         _INDEX_UNITS.get(name, f"index_{name}"): value
@@ -95,20 +57,12 @@ def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
     }
     margin = data.get("smallest_margin_m")
     figures["smallest_margin_mm"] = None if margin is None else margin * 1e3
-    figures["evaluations"] = data["evaluations"]
-    figures["rounds"] = data["rounds"]
-    figures["termination"] = data["termination"]
+    figures |= {name: data[name] for name in ("evaluations", "rounds", "termination")}
     if data.get("certificate"):
         figures["efficiency"] = data["certificate"].get("efficiency")
     figures |= by_joint("expected_relative_deviation", evaluation["expected_deviation"])
     figures["postures_deg"] = data["postures_deg"]
     return figures
-
-
-def _evaluated(values: Values, postures_deg: Any, shared: Mapping[str, Any]) -> dict[str, Any]:
-    evaluated = library().evaluate(cell_of(values, shared), postures_deg, degrees=True)
-    group: dict[str, Any] = plain_result(evaluated)["groups"][0]
-    return group
 
 
 def _group(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> Any:
@@ -121,14 +75,10 @@ def _group(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
 def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
     """Deviations of the stiffness over simulated identifications, relative to the truth."""
     own = {k: v for k, v in options.items() if k not in ("select", "postures_file")}
-    result = library().simulate(
-        cell_of(values, shared),
-        _group(values, options, shared),
-        levels=[1.0],
-        seed=values.get("seed", 1),
-        **own,
+    result = measure.simulate(
+        cell_of(values, shared), _group(values, options, shared), levels=[1.0], seed=values.get("seed", 1), **own
     )
-    group = plain_result(result)["groups"][0]
+    group = result.to_dict()["groups"][0]
     level = group["levels"][0]
     mean = level["mean_deviation"]
     figures: dict[str, Any] = {
@@ -146,23 +96,15 @@ def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
 def coverage(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
     """How often the intervals of simulated identifications held the truth."""
     own = {k: v for k, v in options.items() if k not in ("select", "postures_file")}
-    result = library().coverage(
+    result = measure.coverage(
         cell_of(values, shared), _group(values, options, shared), seed=values.get("seed", 1), **own
     )
-    data = plain_result(result)
-    figures: dict[str, Any] = {
-        "coverage": data["coverage"],
-        "coverage_standard_error": data["standard_error"],
-        "relative_half_width": data["relative_half_width"],
-        "open_above": data["open_above"],
-        "without_interval": data["without_interval"],
-        "experiments": data["experiments"],
-        "degrees_of_freedom": data["degrees_of_freedom"],
-    }
+    data = result.to_dict()
+    names = ("coverage", "relative_half_width", "open_above", "without_interval", "experiments", "degrees_of_freedom")
+    figures: dict[str, Any] = {name: data[name] for name in names}
+    figures["coverage_standard_error"] = data["standard_error"]
     figures |= by_joint("coverage", [joint["coverage"] for joint in data["joints"]])
-    figures |= by_joint(
-        "relative_half_width", [joint["relative_half_width"] for joint in data["joints"]]
-    )
+    figures |= by_joint("relative_half_width", [joint["relative_half_width"] for joint in data["joints"]])
     return figures
 
 
@@ -170,13 +112,13 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
     """Joint stiffness with its intervals from a file of measurements."""
     name = str(values.get("measurements", options.get("measurements")))
     own = {k: v for k, v in options.items() if k != "measurements"}
-    result = library().identify(
+    result = measure.identify(
         cell_of(values, shared, scattered=True),
         file_of(name, shared),
         seed=values.get("seed", 1),
         **{"brief": True, **own},
     )
-    data = plain_result(result)
+    data = result.to_dict()
     joints = data["joints"]
     figures: dict[str, Any] = {
         "residual_rms_mm": data["residual_rms_m"] * 1e3,
@@ -195,103 +137,60 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
     return figures
 
 
-# --- Checks before the start -----------------------------------------------------------------
-
-
-def _needs_cell(axes: Mapping[str, Any], place: Mapping[str, Any]) -> None:
+def _check(axes: Mapping[str, Any], options: Mapping[str, Any]) -> None:
     if "cell" not in axes:
-        raise CampaignError(
-            "missing-key",
-            "The axis cell is missing.",
-            place={**place, "key": "axes.cell"},
-            hint='For example cell = ["builtin:comau"].',
-        )
-
-
-def _check_select(
-    axes: Mapping[str, Any], options: Mapping[str, Any], place: Mapping[str, Any]
-) -> None:
-    _needs_cell(axes, place)
-
-
-def _check_group(
-    axes: Mapping[str, Any], options: Mapping[str, Any], place: Mapping[str, Any]
-) -> None:
-    _needs_cell(axes, place)
+        hint = 'For example cell = ["builtin:comau"].'
+        raise CampaignError("The axis cell is missing.", "missing-key", {"key": "axes.cell"}, hint)
     if "postures_file" not in options:
         return
-    for name in ("postures", "index", "prior_scatter"):
-        if name in axes:
-            raise CampaignError(
-                "conflict",
-                f"The postures come from a file, so the axis {name} would change nothing.",
-                place={**place, "key": f"axes.{name}"},
-                hint="Leave out the axis, or options.postures_file.",
-            )
-    if "select" in options:
-        raise CampaignError(
-            "conflict",
-            "The postures come from a file, so nothing is selected.",
-            place={**place, "key": "options.select"},
-        )
+    message = "The postures come from a file, so this would change nothing."
+    for key in ("axes.postures", "axes.index", "axes.prior_scatter", "options.select"):
+        table, _, name = key.partition(".")
+        if name in (axes if table == "axes" else options):
+            raise CampaignError(message, "conflict", {"key": key}, "Leave it out, or options.postures_file.")
 
 
-def _check_identify(
-    axes: Mapping[str, Any], options: Mapping[str, Any], place: Mapping[str, Any]
-) -> None:
-    _needs_cell(axes, place)
+def _check_identify(axes: Mapping[str, Any], options: Mapping[str, Any]) -> None:
+    _check(axes, options)
     if ("measurements" in axes) == ("measurements" in options):
-        raise CampaignError(
-            "missing-key",
-            "Measurements must be given once: as an axis of files, or as an option with one file.",
-            place={**place, "key": "axes.measurements"},
-        )
+        message = "Measurements must be given once: as an axis of files, or as an option with one file."
+        raise CampaignError(message, "missing-key", {"key": "axes.measurements"})
 
 
+_CELL_AXES = ("cell", "tool", "load", "anchor_mm", "load_n", "noise_factor", "prior_scatter", "seed")
+_PLANNED = (*_CELL_AXES, "postures", "index")
+_SELECT: Known = {"rounds": whole, "certificate": truth, "angle_step_deg": number}
+_GROUP: Known = {"runs": whole, "select": _SELECT, "postures_file": text}
 #: Errors of the model in simulations: their standard deviations, in the unit of the name.
 _MODEL_ERRORS = dict.fromkeys(
-    ("force_scale_percent", "force_percent", "joint_angle_deg", "loading_point_mm", "anchor_mm"),
-    NUMBER,
+    ("force_scale_percent", "force_percent", "joint_angle_deg", "loading_point_mm", "anchor_mm"), number
 )
 #: How the stiffness is estimated.
 _FIT = {
-    "estimator": TEXT,
-    "terms": NAMES,
-    "weights": TEXT,
-    "prior_std_percent": NUMBER,
-    "noise": TEXT,
-    "confidence": NUMBER,
+    "estimator": text,
+    "terms": texts,
+    "weights": text,
+    "prior_std_percent": number,
+    "noise": text,
+    "confidence": number,
 }
-_CHOSEN = OptionKind("a table of options of select", (dict,), inner=_SELECT)
-_FILE = OptionKind("the name of a file", (str,))
+_IDENTIFY = {"measurements": text, "brief": truth, "exclude": texts, "elastic": text, **_FIT}
 
-ALL: tuple[BuiltIn, ...] = (
-    BuiltIn(
-        "select", _PLANNED, _SELECT, ("index_value", "index_expected_error"), _check_select, select
-    ),
-    BuiltIn(
-        "simulate",
-        _PLANNED,
-        {"runs": WHOLE, "select": _CHOSEN, "postures_file": _FILE, **_MODEL_ERRORS},
-        ("relative_deviation", "relative_deviation_worst_joint"),
-        _check_group,
-        simulate,
-    ),
-    BuiltIn(
-        "coverage",
-        _PLANNED,
-        {"runs": WHOLE, "select": _CHOSEN, "postures_file": _FILE, **_FIT, "bootstrap": WHOLE},
-        ("coverage", "relative_half_width"),
-        _check_group,
-        coverage,
-    ),
-    BuiltIn(
-        "identify",
-        ("cell", "tool", "load", "anchor_mm", "load_n", "noise_factor", "prior_scatter",
-         "measurements", "seed"),
-        {"measurements": _FILE, "brief": YES_NO, "exclude": NAMES, "elastic": TEXT, **_FIT},
-        ("residual_rms_mm", "condition"),
-        _check_identify,
-        identify,
-    ),
-)  # fmt: skip
+ALL: Mapping[str, Task] = {
+    task.name: task
+    for task in (
+        Task("select", select, _check, ("index_value", "index_expected_error"), _PLANNED, _SELECT),
+        Task(
+            "simulate", simulate, _check, ("relative_deviation", "relative_deviation_worst_joint"), _PLANNED,
+            {**_GROUP, **_MODEL_ERRORS},
+        ),
+        Task(
+            "coverage", coverage, _check, ("coverage", "relative_half_width"), _PLANNED,
+            {**_GROUP, **_FIT, "bootstrap": whole},
+        ),
+        Task(
+            "identify", identify, _check_identify, ("residual_rms_mm", "condition"), (*_CELL_AXES, "measurements"),
+            _IDENTIFY,
+        ),
+    )
+}  # fmt: skip

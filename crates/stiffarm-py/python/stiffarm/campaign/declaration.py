@@ -1,8 +1,7 @@
 """What a campaign is: a grid of named axes, a task and its fixed options.
 
-A declaration is plain data. It is read from TOML or a dict, checked key by key, and has one
-canonical form, whose hash (with those of the files it names and the version of the package)
-says whether two campaigns are the same.
+A declaration is plain data. It is read from TOML or a dict, checked key by key, and has one canonical form, whose hash
+(with those of the files it names and the version of the package) says whether two campaigns are the same.
 """
 
 from __future__ import annotations
@@ -14,16 +13,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from . import axes as axis_kinds
-from .axes import unknown_key
+from .._errors import StiffarmError
+from . import kinds
 from .errors import CampaignError, load
-from .tasks import COLUMNS, Task, task_of
+from .task import COLUMNS, Task
+from .tasks import task_of
 from .values import Value, canonical, digest, plain
 
 #: Version of the form of campaign files.
 FORMAT = 1
 #: Most items of one campaign.
-MOST_ITEMS = 10_000_000
+MOST_ITEMS = 1_000_000
 _KEYS = ("format", "name", "task", "axes", "options", "cells", "tools", "loads")
 _NAME = re.compile(r"[a-z][a-z0-9_]*\Z")
 
@@ -34,8 +34,7 @@ class Declaration:
 
     Attributes:
         name: Name of the campaign.
-        task: Name of the task: ``select``, ``simulate``, ``coverage``, ``identify`` or
-            ``module:function``.
+        task: Name of the task: ``select``, ``simulate``, ``coverage``, ``identify`` or ``module:function``.
         axes: Values of each axis; the last axis varies fastest.
         options: Fixed options of the task.
         cells: Cells by name: a ``base`` and what is changed in it, or a whole cell.
@@ -60,8 +59,7 @@ class Declaration:
         """The declaration as plain data; ``read_dict`` takes it back."""
         result: dict[str, Any] = {"format": FORMAT, "name": self.name, "task": self.task}
         result["axes"] = {
-            name: [list(v) if isinstance(v, tuple) else v for v in values]
-            for name, values in self.axes.items()
+            name: [list(v) if isinstance(v, tuple) else v for v in values] for name, values in self.axes.items()
         }
         for key in ("options", "cells", "tools", "loads"):
             if getattr(self, key):
@@ -95,12 +93,12 @@ def read_toml(path: Path) -> Declaration:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise CampaignError("file-read", f"{reason}.", place=place) from error
+        raise CampaignError(f"{reason}.", "file-read", place) from error
     toml = toml_reader()
     try:
         data = toml.loads(text)
     except toml.TOMLDecodeError as error:
-        raise CampaignError("toml-syntax", f"This is no TOML: {error}.", place=place) from error
+        raise CampaignError(f"This is no TOML: {error}.", "toml-syntax", place) from error
     return read_dict(data, folder=path.parent, place=place)
 
 
@@ -126,101 +124,48 @@ def read_dict(
         CampaignError: Unknown keys, wrong types, axes that do not fit the task.
     """
     here = dict(place or {})
-    if not isinstance(data, Mapping):
-        raise CampaignError("wrong-type", "A campaign is a table of keys.", place=here)
     try:
-        data = plain(data)
-    except (TypeError, ValueError) as error:
-        raise CampaignError("wrong-type", f"A value {error}.", place=here) from error
-    for key in data:
-        if key not in _KEYS:
-            raise unknown_key(key, _KEYS, here)
+        keys = plain(data)
+    except TypeError as error:
+        raise CampaignError(str(error), "wrong-type", here) from error
+    except ValueError as error:
+        raise CampaignError("All numbers must be finite.", "not-finite", here) from error
+    try:
+        return _read(kinds.table(keys, "campaign"), Path() if folder is None else folder)
+    except StiffarmError as error:
+        raise CampaignError(error.message, error.code, {**here, **error.place}, error.hint) from error
+
+
+def _read(data: dict[str, Any], folder: Path) -> Declaration:
+    kinds.check_keys(data, _KEYS)
     if data.get("format", FORMAT) != FORMAT:
-        raise CampaignError(
-            "unsupported",
-            f"This file has format {data['format']!r}; this version reads format {FORMAT}.",
-            place={**here, "key": "format"},
-        )
-    name = _text(data, "name", here)
-    task = task_of(_text(data, "task", here), here)
-    tables = {key: _tables(data, key, here) for key in ("cells", "tools", "loads")}
-    axes = _axes(data, task, tables, here)
-    options = task.read_options(_table(data, "options", here), here)
-    declaration = Declaration(
-        name=name,
-        task=task.name,
-        axes=axes,
-        options=options,
-        cells=tables["cells"],
-        tools=tables["tools"],
-        loads=tables["loads"],
-        folder=folder if folder is not None else Path(),
-    )
+        message = f"This file has format {data['format']!r}; this version reads format {FORMAT}."
+        raise CampaignError(message, "unsupported", {"key": "format"})
+    for key in ("name", "task", "axes"):
+        if not data.get(key):
+            hint = 'For example [axes] with cell = ["builtin:comau"] and seed = [1, 2, 3].' if key == "axes" else None
+            raise CampaignError(f"The key {key} is missing or empty.", "missing-key", {"key": key}, hint)
+    task = task_of(kinds.text(data["task"], "task"))
+    tables = {key: kinds.table(data.get(key, {}), key) for key in ("axes", "options", "cells", "tools", "loads")}
+    for key in ("cells", "tools", "loads"):
+        for name, written in tables[key].items():
+            kinds.table(written, f"{key}.{name}")
+    tables["axes"] = {name: _axis(name, written, task, tables) for name, written in tables["axes"].items()}
+    if task.options is not None:
+        kinds.check_options(tables["options"], task.options)
+    declaration = Declaration(kinds.text(data["name"], "name"), task.name, **tables, folder=folder)
     if len(declaration) > MOST_ITEMS:
-        raise CampaignError(
-            "invalid-value",
-            f"This grid has {len(declaration)} items; a campaign has at most {MOST_ITEMS}.",
-            place={**here, "key": "axes"},
-            hint="Split it into several campaigns.",
-        )
-    task.check(axes, options, here)
+        message = f"This grid has {len(declaration)} items; a campaign has at most {MOST_ITEMS}."
+        raise CampaignError(message, "invalid-value", {"key": "axes"}, "Split it into several campaigns.")
+    task.check(declaration.axes, declaration.options)
     return declaration
 
 
-def _text(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> str:
-    value = data.get(key)
-    if value is None:
-        raise CampaignError(
-            "missing-key", f"The key {key} is missing.", place={**place, "key": key}
-        )
-    if not isinstance(value, str) or not value.strip():
-        raise CampaignError("wrong-type", f"{value!r} is no text.", place={**place, "key": key})
-    return value
-
-
-def _table(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> dict[str, Any]:
-    value = data.get(key, {})
-    if not isinstance(value, dict):
-        raise CampaignError("wrong-type", f"{value!r} is no table.", place={**place, "key": key})
-    return value
-
-
-def _tables(data: Mapping[str, Any], key: str, place: Mapping[str, Any]) -> dict[str, Any]:
-    tables = _table(data, key, place)
-    for name, table in tables.items():
-        if not isinstance(table, dict):
-            raise CampaignError(
-                "wrong-type",
-                f"{table!r} is no table.",
-                place={**place, "key": f"{key}.{name}"},
-                hint=f"Write [{key}.{name}] and the keys below it.",
-            )
-    return tables
-
-
-def _axes(
-    data: Mapping[str, Any], task: Task, tables: Mapping[str, Any], place: dict[str, Any]
-) -> dict[str, tuple[Value, ...]]:
-    written = _table(data, "axes", place)
-    if not written:
-        raise CampaignError(
-            "missing-key",
-            "The table [axes] is missing or empty.",
-            place={**place, "key": "axes"},
-            hint='For example [axes] with cell = ["builtin:comau"] and seed = [1, 2, 3].',
-        )
-    result: dict[str, tuple[Value, ...]] = {}
-    for name, values in written.items():
-        if task.axes is not None and name not in task.axes:
-            raise unknown_key(name, task.axes, place, "axes")
-        if not _NAME.match(name) or name in COLUMNS:
-            raise CampaignError(
-                "invalid-value",
-                f"{name!r} cannot be the name of an axis.",
-                place={**place, "key": f"axes.{name}"},
-                hint="Names have small letters, digits and _, and no column of the table has them.",
-            )
-        kind = axis_kinds.KINDS[name] if task.axes is not None else axis_kinds.ANY_KIND
-        names = tables.get(kind.names_of or "", {})
-        result[name] = axis_kinds.read_axis(name, values, kind, names, place)
-    return result
+def _axis(name: str, written: Any, task: Task, tables: Mapping[str, Any]) -> tuple[Value, ...]:
+    if task.axes is not None:
+        kinds.check_keys([name], task.axes, "axes.")
+    if not _NAME.match(name) or name in COLUMNS:
+        message = f"{name!r} cannot be the name of an axis."
+        hint = "Names have small letters, digits and _, and no column of the table has them."
+        raise CampaignError(message, "invalid-value", {"key": f"axes.{name}"}, hint)
+    return kinds.read_axis(name, written, kinds.scalar if task.axes is None else kinds.AXES[name], tables)

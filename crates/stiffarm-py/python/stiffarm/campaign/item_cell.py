@@ -11,82 +11,49 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .errors import CampaignError, load
-from .values import Value, canonical, digest, overlay
+from ..cell import Cell
+from .errors import CampaignError
+from .values import canonical, digest
 
-Values = Mapping[str, Value]
+Values = Mapping[str, Any]
 
 #: Cells of items before, which the next ones often share.
-_CELLS: dict[str, Any] = {}
+_CELLS: dict[str, Cell] = {}
 _MOST_CELLS = 64
-_LIBRARY: list[Any] = []
 
 
-def library() -> Any:
-    """The package ``stiffarm`` with one worker thread."""
-    if not _LIBRARY:
-        stiffarm = load("stiffarm", "A built-in task")
-        stiffarm.set_threads(1)
-        _LIBRARY.append(stiffarm)
-    return _LIBRARY[0]
-
-
-def changes_of(values: Values, shared: Mapping[str, Any]) -> dict[str, Any]:
-    """What an item changes in its cell, as keys of a cell file; without the prior's scatter.
-
-    A tool or load takes the place of the cell's own; ``anchor_mm``, ``load_n`` and
-    ``noise_factor`` change one key.
-
-    Raises:
-        CampaignError: ``missing-key`` where there is no variance for ``noise_factor`` to multiply.
-    """
-    keys = shared["cells"][values["cell"]]["keys"]
-    changes: dict[str, Any] = {}
-    for axis, tables in (("tool", "tools"), ("load", "loads")):
-        if axis in values:
-            new = shared[tables][values[axis]]
-            # None takes a key of the old table away.
-            changes[axis] = {**dict.fromkeys(keys.get(axis, {})), **new}
-    if "anchor_mm" in values:
-        anchor = {"anchor_mm": list(values["anchor_mm"])}  # type: ignore[arg-type]
-        changes = overlay(changes, {"load": anchor})
-    if "load_n" in values:
-        changes = overlay(changes, {"load": {"magnitude_n": values["load_n"]}})
-    if "noise_factor" in values:
-        variance = keys.get("noise", {}).get("variance_mm2")
-        if variance is None:
-            raise CampaignError(
-                "missing-key",
-                f"The cell {values['cell']} has no variance that noise_factor could multiply.",
-                place={"key": "noise.variance_mm2"},
-            )
-        changes["noise"] = {"variance_mm2": variance * float(values["noise_factor"])}  # type: ignore[arg-type]
-    return changes
-
-
-def cell_of(values: Values, shared: Mapping[str, Any], scattered: bool = False) -> Any:
+def cell_of(values: Values, shared: Mapping[str, Any], scattered: bool = False) -> Cell:
     """The cell of an item.
+
+    A tool or load takes the place of the cell's own; ``anchor_mm``, ``load_n`` and ``noise_factor`` change one key.
 
     Args:
         values: Values of the item.
         shared: What the driver prepared.
-        scattered: With the prior stiffness drawn about the cell's own, as the item's
-            ``prior_scatter`` says; this is what a planner knows, not the truth.
+        scattered: With the prior stiffness drawn about the cell's own, as the item's ``prior_scatter`` says; this is
+            what a planner knows, not the truth.
+
+    Raises:
+        CampaignError: ``missing-key`` where the cell lacks what an axis changes.
     """
-    changes = changes_of(values, shared)
-    known = shared["cells"][values["cell"]]
-    scatter = float(values.get("prior_scatter", 0.0))  # type: ignore[arg-type]
+    cell: Cell = shared["cells"][values["cell"]]
+    keys = cell.to_dict()
+    changes: dict[str, Any] = {}
+    for axis, tables in (("tool", "tools"), ("load", "loads")):
+        if axis in values:
+            # None takes a key of the old table away.
+            changes[axis] = {**dict.fromkeys(keys.get(axis, {})), **shared[tables][values[axis]]}
+    if "anchor_mm" in values:
+        changes.setdefault("load", {})["anchor_mm"] = list(values["anchor_mm"])
+    if "load_n" in values:
+        changes.setdefault("load", {})["magnitude_n"] = values["load_n"]
+    if "noise_factor" in values:
+        variance = _known(keys.get("noise", {}).get("variance_mm2"), "noise.variance_mm2", "noise_factor")
+        changes["noise"] = {"variance_mm2": variance * values["noise_factor"]}
+    scatter = values.get("prior_scatter", 0.0)
     if scattered and scatter > 0.0:
-        prior = known["prior_nm_per_rad"]
-        if prior is None:
-            raise CampaignError(
-                "missing-key",
-                f"The cell {values['cell']} has no stiffness that prior_scatter could change.",
-                place={"key": "stiffness.prior_nm_per_rad"},
-            )
-        drawn = scatter_prior(prior, scatter, int(values.get("seed", 1)))  # type: ignore[arg-type]
-        changes["stiffness"] = {"prior_nm_per_rad": drawn}
-    cell = known["cell"]
+        prior = _known(cell.prior_stiffness, "stiffness.prior_nm_per_rad", "prior_scatter").tolist()
+        changes["stiffness"] = {"prior_nm_per_rad": scatter_prior(prior, scatter, values.get("seed", 1))}
     if not changes:
         return cell
     key = canonical([values["cell"], changes])
@@ -95,6 +62,12 @@ def cell_of(values: Values, shared: Mapping[str, Any], scattered: bool = False) 
             _CELLS.clear()
         _CELLS[key] = cell.with_changes(changes)
     return _CELLS[key]
+
+
+def _known(value: Any, key: str, axis: str) -> Any:
+    if value is None:
+        raise CampaignError(f"This cell has nothing that {axis} could change.", "missing-key", {"key": key})
+    return value
 
 
 def scatter_prior(prior: Sequence[float], scatter: float, seed: int) -> list[float]:

@@ -1,20 +1,19 @@
 """The journal of a campaign: one line for each item that is done, whole or not at all.
 
-A line is a JSON object whose last key is a checksum of the rest. Lines are appended in one write
-each, so a killed driver leaves at most one torn line at the end, which the next run cuts off.
-What was written survives the end of the process at once, and a loss of power from the last sync
-on, once a second.
+A line is a JSON object whose last key is a checksum of the rest. Lines are appended in one write each, so a killed
+driver leaves at most one torn line at the end, which the next run cuts off. What was written survives the end of the
+process at once, and a loss of power from the last sync on, once a second.
 """
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import time
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from .errors import CampaignError
@@ -65,42 +64,32 @@ class Journal:
         self._synced = time.monotonic()
         #: Place of the last whole line of each item that is done.
         self._offsets: dict[int, int] = {}
-        self._failed: set[int] = set()
-        #: Lines that were torn or changed.
-        self.dropped = 0
+        #: Numbers of the items whose record is an error.
+        self.failed: set[int] = set()
         #: Lines added since it was opened.
         self.added = 0
-        self._read()
-
-    def _read(self) -> None:
         offset = end = 0
-        with open(self.path, "rb") as file:
+        with open(path, "rb") as file:
             for line in file:
                 record = decode(line)
-                if record is None:
-                    # Lost lines in the middle (a disk that failed) are run again.
-                    self.dropped += 1
-                else:
+                # Lines that a failing disk changed are run again.
+                if record is not None:
                     self._note(record, offset)
                 offset += len(line)
-                if line.endswith(b"\n"):
-                    end = offset
-        if end < offset and self._writable:
+                end = offset if line.endswith(b"\n") else end
+        if end < offset and writable:
             self._file.truncate(end)
 
     def _note(self, record: dict[str, Any], offset: int) -> None:
         number = record["number"]
         if not 0 <= number < self._items:
-            raise CampaignError(
-                "broken-journal",
-                f"It has item {number}; the campaign has {self._items}.",
-                place={"file": str(self.path)},
-            )
+            message = f"It has item {number}; the campaign has {self._items}."
+            raise CampaignError(message, "broken-journal", {"file": str(self.path)})
         self._offsets[number] = offset
         if "code" in record:
-            self._failed.add(number)
+            self.failed.add(number)
         else:
-            self._failed.discard(number)
+            self.failed.discard(number)
 
     def append(self, record: dict[str, Any]) -> None:
         """Adds the record of an item, to be synced within about a second.
@@ -112,55 +101,30 @@ class Journal:
         offset = self._file.seek(0, os.SEEK_END)
         try:
             written = self._file.write(line)
+            if written != len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path))
         except OSError:
             self._file.truncate(offset)
             raise
-        if written != len(line):
-            self._file.truncate(offset)
-            raise OSError(28, "No space left on device", str(self.path))
         self._note(record, offset)
         self.added += 1
-        now = time.monotonic()
-        if now - self._synced >= SYNC_S:
-            self.sync()
-
-    def sync(self) -> None:
-        """Makes all that was appended survive a loss of power."""
-        os.fsync(self._file.fileno())
-        self._synced = time.monotonic()
-
-    def close(self) -> None:
-        """Syncs and closes the file."""
-        if self._writable:
-            self.sync()
-        self._file.close()
+        if time.monotonic() - self._synced >= SYNC_S:
+            os.fsync(self._file.fileno())
+            self._synced = time.monotonic()
 
     def __enter__(self) -> Journal:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
+    def __exit__(self, *error: object) -> None:
+        if self._writable:
+            os.fsync(self._file.fileno())
+        self._file.close()
 
     def __len__(self) -> int:
         return len(self._offsets)
 
     def __contains__(self, number: object) -> bool:
         return number in self._offsets
-
-    @property
-    def failures(self) -> int:
-        """Number of the items whose record is an error."""
-        return len(self._failed)
-
-    @property
-    def failed(self) -> frozenset[int]:
-        """Numbers of the items whose record is an error."""
-        return frozenset(self._failed)
 
     def records(self) -> Iterator[dict[str, Any]]:
         """The last record of each item that is done, in the order of the items."""

@@ -7,12 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from . import table
 from .declaration import Declaration
 from .errors import CampaignError, load
-from .spread import STATISTICS, is_number, statistics_of
-from .tasks import COLUMNS
+from .task import COLUMNS
 from .values import show
+
+#: Statistics of a figure; ``p05`` is the 5 % quantile.
+STATISTICS = ("mean", "std", "p05", "p25", "median", "p75", "p95")
+_COUNTS = ("items", "failed", "values")
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -23,8 +29,8 @@ class Summary:
         folder: Its folder.
         total: Items of the campaign.
         done: Items in the table.
-        failures: One entry for each kind of error: ``error_code``, ``count``, and the first item
-            with it (``item``, ``name``, ``error_message``), most frequent first.
+        failures: One entry for each kind of error: ``error_code``, ``count``, and the first item with it (``item``,
+            ``name``, ``error_message``), most frequent first.
         axes: Axes that have several values, without the seed where there are others.
         figures: Names of the figures that are single numbers, those of the task's headline first.
         headline: How many of them belong to the headline.
@@ -54,90 +60,43 @@ class Summary:
             figures: Names of figures; all single numbers by default.
 
         Returns:
-            A ``pyarrow.Table`` with the axes, ``figure``, ``items`` (done), ``failed``, ``values``
-            (items that have the figure), ``mean``, ``std`` (of a sample) and quantiles with linear
-            interpolation.
+            A ``pyarrow.Table`` with the axes, ``figure``, ``items`` (done), ``failed``, ``values`` (items that have the
+            figure), ``mean``, ``std`` (of a sample) and quantiles with linear interpolation.
 
         Raises:
-            CampaignError: ``unknown-name`` or ``unknown-name``.
+            CampaignError: ``unknown-name``.
         """
-        pa = load("pyarrow", "A summary")
-        rows = self.aggregate(axes, figures)
-        names = [*self._columns(axes), "figure", "items", "failed", "values", *STATISTICS]
-        return pa.table({name: [row[name] for row in rows] for name in names})
-
-    def aggregate(
-        self, axes: Sequence[str], figures: Iterable[str] | None = None
-    ) -> list[dict[str, Any]]:
-        """As :meth:`by`, as a list of dicts."""
         chosen = tuple(figures) if figures is not None else self.figures
         for figure in chosen:
             if figure not in self.figures:
-                raise CampaignError(
-                    "unknown-name",
-                    f"There is no figure {figure!r} of single numbers.",
-                    hint=f"Known: {', '.join(self.figures)}.",
-                )
+                hint = f"Known: {', '.join(self.figures)}."
+                raise CampaignError(f"There is no figure {figure!r} of single numbers.", "unknown-name", hint=hint)
         columns = self._columns(axes)
         groups: dict[tuple[Any, ...], list[int]] = {}
         for place in range(self.done):
-            key = tuple(self.rows[column][place] for column in columns)
-            groups.setdefault(key, []).append(place)
+            groups.setdefault(tuple(self.rows[column][place] for column in columns), []).append(place)
         result = []
         for key, places in groups.items():
-            failed = sum(self.rows["status"][place] == "failed" for place in places)
+            counts = {"items": len(places), "failed": sum(self.rows["status"][place] == "failed" for place in places)}
             for figure in chosen:
-                column = self.rows[figure]
-                values = [column[place] for place in places]
-                row = {**dict(zip(columns, key)), "figure": figure, "items": len(places)}
-                result.append({**row, "failed": failed, **statistics_of(values)})
-        return result
+                found = statistics_of([self.rows[figure][place] for place in places])
+                result.append({**dict(zip(columns, key)), "figure": figure, **counts, **found})
+        names = [*columns, "figure", *_COUNTS, *STATISTICS]
+        return load("pyarrow", "A summary").table({name: [row[name] for row in result] for name in names})
 
     def _columns(self, axes: Sequence[str]) -> list[str]:
         columns = []
         for axis in axes:
-            stem, _, unit = axis.rpartition("_")
-            parts = [f"{stem}_{part}_{unit}" for part in ("x", "y", "z")]
+            # The columns of an axis of coordinates.
+            parts = table.axis_columns(axis, [()])
             if axis in self.rows and axis not in COLUMNS and axis not in self.figures:
                 columns.append(axis)
             elif parts[0] in self.rows:
                 columns += parts
             else:
-                raise CampaignError(
-                    "unknown-name",
-                    f"There is no axis {axis!r}.",
-                    hint=f"With several values: {', '.join(self.axes)}.",
-                )
+                hint = f"With several values: {', '.join(self.axes)}."
+                raise CampaignError(f"There is no axis {axis!r}.", "unknown-name", hint=hint)
         return columns
-
-    def group(self, axis: str, figure: str) -> dict[Any, list[float]]:
-        """Values of a figure by value of an axis, in the order of the axis, without the missing."""
-        columns = self._columns((axis,))
-        result: dict[Any, list[float]] = {}
-        for place in range(self.done):
-            key: Any = tuple(self.rows[column][place] for column in columns)
-            key = key[0] if len(key) == 1 else key
-            value = self.rows[figure][place]
-            result.setdefault(key, [])
-            if is_number(value):
-                result[key].append(float(value))
-        return result
-
-    def draw(self, folder: Path | None = None) -> list[Path]:
-        """Draws the figures as PNG and SVG.
-
-        Args:
-            folder: Where to; ``figures`` in the folder of the campaign by default.
-
-        Returns:
-            The files.
-
-        Raises:
-            CampaignError: ``missing-package`` without matplotlib.
-        """
-        from .figures import draw
-
-        return draw(self, folder or self.folder / "figures")
 
     def text(self) -> str:
         """The summary as lines for a terminal."""
@@ -150,21 +109,14 @@ class Summary:
         for figure in self.figures[: max(self.headline, 1)]:
             for axis in self.axes or ("",):
                 lines += ["", f"{figure} by {axis}" if axis else figure]
-                lines += _text_table(self.aggregate((axis,) if axis else (), (figure,)), axis)
+                lines += _text_table(self.by(*[axis] if axis else [], figures=[figure]).to_pylist(), axis)
         return "\n".join(lines)
 
     def __str__(self) -> str:
         return self.text()
 
-    def _repr_html_(self) -> str:
-        import html
 
-        return f"<pre>{html.escape(self.text())}</pre>"
-
-
-def summarise(
-    folder: Path, declaration: Declaration, total: int, headline: Sequence[str]
-) -> Summary:
+def summarise(folder: Path, declaration: Declaration, total: int, headline: Sequence[str]) -> Summary:
     """The summary of the results in a folder.
 
     Raises:
@@ -176,7 +128,8 @@ def summarise(
     # Seeds are repetitions; nobody asks how a figure depends on them.
     axes = tuple(axis for axis in several if axis != "seed") or tuple(several)
     own = {*COLUMNS, *table.all_axis_columns(declaration.axes)}
-    figures = [name for name in rows if name not in own and _all_numbers(rows[name])]
+    numbers = [field.name for field in results.schema if str(field.type) in ("double", "int64")]
+    figures = [name for name in numbers if name not in own]
     first = [name for name in headline if name in figures]
     figures = first + [name for name in figures if name not in first]
     return Summary(
@@ -192,39 +145,34 @@ def summarise(
     )
 
 
+def statistics_of(values: Sequence[float | None]) -> dict[str, Any]:
+    """Number, mean, standard deviation and quantiles of the values that there are."""
+    numbers = [float(value) for value in values if value is not None]
+    if not numbers:
+        return {"values": 0, **dict.fromkeys(STATISTICS)}
+    spread = float(np.std(numbers, ddof=1)) if len(numbers) > 1 else None
+    quantiles = np.quantile(numbers, (0.05, 0.25, 0.5, 0.75, 0.95)).tolist()
+    return {"values": len(numbers), **dict(zip(STATISTICS, (float(np.mean(numbers)), spread, *quantiles)))}
+
+
 def _failures(rows: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
     kinds: dict[str, dict[str, Any]] = {}
     for place, code in enumerate(rows["error_code"]):
-        if code is None:
-            continue
-        if code not in kinds:
-            kinds[code] = {"error_code": code, "count": 0}
-            for name in ("item", "name", "error_message"):
-                kinds[code][name] = rows[name][place]
-        kinds[code]["count"] += 1
+        if code is not None:
+            first = {name: rows[name][place] for name in ("item", "name", "error_message")}
+            kinds.setdefault(code, {"error_code": code, "count": 0, **first})["count"] += 1
     return sorted(kinds.values(), key=lambda kind: (-kind["count"], kind["error_code"]))
-
-
-def _all_numbers(values: Sequence[Any]) -> bool:
-    present = [value for value in values if value is not None]
-    return any(map(is_number, present)) and all(type(value) in (int, float) for value in present)
 
 
 def _text_table(rows: Sequence[Mapping[str, Any]], axis: str) -> list[str]:
     shown = ("mean", "p05", "median", "p95")
-    keys = [name for name in (rows[0] if rows else {}) if name not in (*STATISTICS, "figure")]
-    keys = [name for name in keys if name not in ("items", "failed", "values")]
-    head = [axis or "all items", "items", "failed", "values", *shown]
-    body = [
-        [
-            ", ".join(show(row[key]) for key in keys) or "",
-            *(str(row[name]) for name in ("items", "failed", "values")),
-            *("–" if row[name] is None else f"{row[name]:.4g}" for name in shown),
-        ]
-        for row in rows
-    ]
-    widths = [max(len(line[place]) for line in [head, *body]) for place in range(len(head))]
+    body = [[axis or "all items", *_COUNTS, *shown]]
+    for row in rows:
+        key = ", ".join(show(value) for name, value in row.items() if name not in ("figure", *_COUNTS, *STATISTICS))
+        numbers = ["–" if row[name] is None else f"{row[name]:.4g}" for name in shown]
+        body.append([key, *(str(row[name]) for name in _COUNTS), *numbers])
+    widths = [max(map(len, column)) for column in zip(*body)]
     return [
-        "  " + line[0].ljust(widths[0]) + "".join(f"  {cell:>{w}}" for cell, w in zip(line[1:], widths[1:]))
-        for line in [head, *body]
+        "  " + line[0].ljust(widths[0]) + "".join(f"  {cell:>{width}}" for cell, width in zip(line[1:], widths[1:]))
+        for line in body
     ]

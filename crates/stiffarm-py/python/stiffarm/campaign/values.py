@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
-from collections.abc import Mapping, Sequence
 from typing import Any, Union
 
 #: A value of an axis: text, a whole number, a number, yes or no, or three coordinates.
@@ -19,8 +17,7 @@ def canonical(value: Any) -> str:
 
 def digest(text: str | bytes) -> str:
     """SHA-256 of a text, 64 hexadecimal digits."""
-    data = text.encode() if isinstance(text, str) else text
-    return hashlib.sha256(data).hexdigest()
+    return hashlib.sha256(text.encode() if isinstance(text, str) else text).hexdigest()
 
 
 def show(value: Value) -> str:
@@ -29,45 +26,22 @@ def show(value: Value) -> str:
         return "|".join(show(part) for part in value)
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.15g}"
-    return str(value)
+    return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
 def plain(value: Any) -> Any:
-    """A copy of what TOML or Python gave, of plain types: dict, list, text, numbers.
-
-    Arrays and numbers of NumPy become lists and numbers.
+    """A copy of what TOML or Python gave, of plain types: dict, list, text, numbers; arrays become lists.
 
     Raises:
         TypeError: Something that a declaration cannot hold, for example a function or a date.
         ValueError: A number that is not finite.
     """
-    if value is None or isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, int):
-        return int(value)
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            raise ValueError(f"{value} is not a finite number")
-        return float(value)
-    if isinstance(value, Mapping):
-        return {str(key): plain(part) for key, part in value.items()}
-    if isinstance(value, (Sequence, range)) and not isinstance(value, (bytes, bytearray)):
-        return [plain(part) for part in value]
-    tolist = getattr(value, "tolist", None)
-    if tolist is not None:
-        return plain(tolist())
-    raise TypeError(f"{type(value).__name__} is neither text, number, list nor table")
 
+    def listed(part: Any) -> Any:
+        if isinstance(part, range):
+            return list(part)
+        if hasattr(part, "tolist"):
+            return part.tolist()
+        raise TypeError(f"A value is neither text, number, list nor table, but {type(part).__name__}.")
 
-def overlay(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """``base`` with ``changes`` laid over it: tables key by key, anything else as a whole."""
-    result = dict(base)
-    for key, value in changes.items():
-        below = result.get(key)
-        if isinstance(below, Mapping) and isinstance(value, Mapping):
-            result[key] = overlay(below, value)
-        else:
-            result[key] = value
-    return result
+    return json.loads(json.dumps(value, default=listed, allow_nan=False))
