@@ -5,6 +5,7 @@ mod capsules;
 mod faults;
 mod generated;
 mod plain;
+mod reader;
 mod reference;
 mod shapes;
 
