@@ -37,8 +37,6 @@ pub enum Command {
     Fuzz(Vec<String>),
     /// Every check that is not a test.
     Lint,
-    /// The library with every set of its features.
-    Features,
     /// Sheets that other programs fill, alone.
     Sheets {
         /// Install what the machine lacks.
@@ -185,14 +183,13 @@ pub fn parse(arguments: &[String]) -> Result<Command, Failure> {
         "outputs" => Ok(Command::Outputs(parse_outputs(rest)?)),
         "robots" => parse_robots(rest),
         "fuzz" => Ok(Command::Fuzz(rest.to_vec())),
-        "lint" | "features" => match rest {
-            [] if name == "lint" => Ok(Command::Lint),
-            [] => Ok(Command::Features),
+        "lint" => match rest {
+            [] => Ok(Command::Lint),
             [first, ..] => Err(unexpected(name, first)),
         },
         _ => Err(Failure::usage(
             format!("`{name}` is no command of `cargo xtask`"),
-            "use test, sheets, pages, python, generate, outputs, robots, viewer, fuzz, lint, features, ci or help",
+            "use test, sheets, pages, python, generate, outputs, robots, viewer, fuzz, lint, ci or help",
         )),
     }
 }
@@ -444,7 +441,6 @@ mod tests {
             parsed("sheets --install").unwrap(),
             Command::Sheets { install: true }
         );
-        assert_eq!(parsed("features").unwrap(), Command::Features);
     }
 
     #[test]

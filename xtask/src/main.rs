@@ -56,7 +56,6 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
         Command::Python(options) => python::alone(&workspace, &options),
         Command::Viewer { check } => viewer::run(&workspace, check),
         Command::Lint => checks::lint(&workspace),
-        Command::Features => checks::features(&workspace),
         Command::Ci(options) => checks::ci(&workspace, &options),
     }
 }

@@ -1,5 +1,4 @@
 //! Robots from URDF files, against a second reading of them.
-#![cfg(feature = "urdf")]
 
 mod capsules;
 mod faults;
