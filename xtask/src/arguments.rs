@@ -82,11 +82,9 @@ pub enum Command {
         )]
         words: Vec<String>,
     },
-    /// Formatting, structure of the code, clippy with all, the default and no features, documentation, generated files,
+    /// Formatting, structure of the code, clippy with all and with the default features, documentation, generated files,
     /// licences, unused dependencies.
     Lint,
-    /// Clippy on the library with every set of its features; takes minutes, the nightly workflow runs it.
-    Features,
     /// Lint, half a minute of fuzz, brief outputs on 1, 2 and 4 threads, then test: what the continuous integration
     /// runs.
     Ci(TestOptions),

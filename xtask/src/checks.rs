@@ -43,13 +43,11 @@ fn check_code(workspace: &Workspace) -> Result<(), Failure> {
         .fix("run `cargo fmt --all`");
     step(&format, || format.run())?;
     step("structure of the code", || structure::check(workspace))?;
-    // All features of everything first: the other two combinations that matter leave parts of the library out, and
-    // the nightly workflow checks every one. Clippy and not `cargo check`, because only it can refuse warnings
-    // without compiling every dependency anew.
+    // Once with the schemas and once the library without them. Clippy and not `cargo check`, because only it can refuse
+    // warnings without compiling every dependency anew.
     for selection in [
         &["--workspace", "--all-targets", "--all-features"][..],
         &["--package", "stiffarm"],
-        &["--package", "stiffarm", "--no-default-features"],
     ] {
         clippy(workspace, selection)?;
     }
@@ -60,24 +58,6 @@ fn check_code(workspace: &Workspace) -> Result<(), Failure> {
 fn check_dependencies(workspace: &Workspace) -> Result<(), Failure> {
     run_if_installed(workspace, "deny", &["deny", "check", "licenses", "bans"])?;
     run_if_installed(workspace, "machete", &["machete"])
-}
-
-/// The library with every set of its features: what [`lint`] leaves to the nightly workflow.
-pub fn features(workspace: &Workspace) -> Result<(), Failure> {
-    let path = "crates/stiffarm/Cargo.toml";
-    let manifest = std::fs::read_to_string(workspace.root().join(path)).map_err(|error| {
-        Failure::internal(
-            format!("`{path}` could not be read: {error}"),
-            "check that the checkout is complete",
-        )
-    })?;
-    for names in subsets(&feature_names(&manifest)) {
-        let features = format!("--features={}", names.join(","));
-        let mut selection = vec!["--package", "stiffarm", "--no-default-features"];
-        selection.extend((!names.is_empty()).then_some(features.as_str()));
-        clippy(workspace, &selection)?;
-    }
-    Ok(())
 }
 
 fn clippy(workspace: &Workspace, selection: &[&str]) -> Result<(), Failure> {
@@ -103,32 +83,6 @@ fn document(workspace: &Workspace) -> Result<(), Failure> {
     step(&doc, || doc.run())
 }
 
-/// Every set of `names`, the empty one first.
-fn subsets<'a>(names: &[&'a str]) -> Vec<Vec<&'a str>> {
-    let mut sets = vec![Vec::new()];
-    for name in names {
-        let with: Vec<Vec<&str>> = sets
-            .iter()
-            .map(|set| [set, &[*name][..]].concat())
-            .collect();
-        sets.extend(with);
-    }
-    sets
-}
-
-/// The names in the `[features]` table of a Cargo.toml, without `default`. Read from the manifest, so that a new
-/// feature is checked from its first day.
-fn feature_names(manifest: &str) -> Vec<&str> {
-    let table = manifest
-        .lines()
-        .skip_while(|line| line.trim() != "[features]")
-        .skip(1)
-        .take_while(|line| !line.starts_with('['));
-    let assignments = table.filter(|line| !line.starts_with(['#', ' ', ']']));
-    let names = assignments.filter_map(|line| Some(line.split_once('=')?.0.trim()));
-    names.filter(|name| *name != "default").collect()
-}
-
 /// Runs cargo with `arguments` as one step, headed by the line a developer would type.
 fn run_step(workspace: &Workspace, arguments: &[&str]) -> Result<(), Failure> {
     let call = workspace.cargo(arguments);
@@ -148,50 +102,5 @@ fn run_if_installed(
             "\n== cargo {subcommand}: not installed, left out (cargo install --locked cargo-{subcommand})"
         );
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const MANIFEST: &str = r#"
-[package]
-name = "stiffarm"
-
-[features]
-default = ["files", "parallel"]
-# Reading = files.
-files = ["dep:toml", "dep:csv"]
-long = [
-    "dep:a",
-    "dep:b",
-]
-schema = ["dep:schemars"]
-
-[dependencies]
-nalgebra = "1"
-"#;
-
-    #[test]
-    fn features_are_read_from_the_manifest() {
-        assert_eq!(feature_names(MANIFEST), ["files", "long", "schema"]);
-        assert!(feature_names("[package]\nname = \"a\"\n").is_empty());
-    }
-
-    #[test]
-    fn every_set_of_features_is_checked() {
-        assert_eq!(
-            subsets(&["a", "b"]),
-            [vec![], vec!["a"], vec!["b"], vec!["a", "b"]]
-        );
-        assert_eq!(subsets(&["a", "b", "c", "d"]).len(), 16);
-    }
-
-    #[test]
-    fn the_library_has_features() {
-        let workspace = Workspace::find().unwrap();
-        let manifest = std::fs::read_to_string(workspace.root().join("crates/stiffarm/Cargo.toml"));
-        assert!(feature_names(&manifest.unwrap()).contains(&"files"));
     }
 }

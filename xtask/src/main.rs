@@ -55,7 +55,6 @@ fn run(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Python(options)) => python::alone(&workspace, &options),
         Some(Command::Viewer { check }) => viewer::run(&workspace, check),
         Some(Command::Lint) => checks::lint(&workspace),
-        Some(Command::Features) => checks::features(&workspace),
         Some(Command::Ci(options)) => checks::ci(&workspace, &options),
     }
 }

@@ -1,7 +1,7 @@
 //! Routes through random plans in random cells, looked at densely and held against all orders; prints
 //! what came out. Ends with 1 where something is wrong.
 //!
-//! `cargo run --release -p stiffarm --all-features --example routes -- 200 [first]`
+//! `cargo run --release -p stiffarm --example routes -- 200 [first]`
 
 #[path = "../tests/it/common/mod.rs"]
 #[allow(unused_imports)]

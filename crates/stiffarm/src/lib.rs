@@ -40,14 +40,13 @@
 //! | [`estimate`] | which joint stiffness, how sure, and what limits it? |
 //! | [`work`] | how far does the arm bend at work, and what to command instead? |
 //! | [`study`] | the paper's comparison of indices on any cell |
-//! | `files` | cell files, tables, built-in examples (feature `files`, on by default) |
+//! | [`files`] | cell files, tables, robot descriptions, built-in examples |
 //!
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
 pub mod error;
 pub mod estimate;
-#[cfg(feature = "files")]
 pub mod files;
 pub mod findings;
 pub mod measure;

@@ -10,7 +10,6 @@ pub mod elastic;
 pub mod forecast;
 pub mod freedom;
 // What coverage was counted stands in a table.
-#[cfg(feature = "files")]
 pub mod identified;
 pub mod identify;
 pub mod mixed;

@@ -16,7 +16,6 @@ pub mod builtin;
 pub mod cell;
 pub mod envelope;
 mod json;
-#[cfg(feature = "geometry")]
 pub mod mesh;
 mod names;
 pub mod program;
@@ -27,7 +26,6 @@ pub mod source;
 pub mod stiffness;
 pub mod table;
 mod text;
-#[cfg(feature = "urdf")]
 pub mod urdf;
 
 pub use names::check_name;

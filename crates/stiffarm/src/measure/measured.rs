@@ -151,7 +151,7 @@ impl From<&Measured> for Measured {
 /// ([`not_measured_yet`]).
 ///
 /// ```
-/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::{Cell, prepare, simulated_readings};
 ///
 /// let cell = Cell::built_in("comau")?;
@@ -162,7 +162,6 @@ impl From<&Measured> for Measured {
 /// assert!(measured.findings().all(|finding| !finding.sentence.is_empty()));
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "files"))] fn main() {}
 /// ```
 ///
 /// # Errors

@@ -2,6 +2,7 @@
 
 use crate::error::{Code, Result};
 use crate::numerics::control::Control;
+use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Maps `jobs` on all cores, results in the order of the jobs.
@@ -10,13 +11,7 @@ pub(crate) fn in_order<J: Sync, T: Send>(
     run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
     // The first error by order, whichever thread met one first.
-    #[cfg(feature = "parallel")]
-    let results: Vec<Result<T>> = {
-        use rayon::prelude::*;
-        jobs.par_iter().enumerate().map(run).collect()
-    };
-    #[cfg(not(feature = "parallel"))]
-    let results: Vec<Result<T>> = jobs.iter().enumerate().map(run).collect();
+    let results: Vec<Result<T>> = jobs.par_iter().enumerate().map(run).collect();
     results.into_iter().collect()
 }
 

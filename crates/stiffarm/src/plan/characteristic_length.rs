@@ -68,14 +68,12 @@ impl Problem for Dexterity<'_> {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::characteristic_length::characteristic_length;
 ///
 /// let cell = builtin::cell("comau")?;
 /// let found = characteristic_length(&cell)?;
 /// assert!(found.length > 0.0 && found.condition_number >= 1.0);
-/// # }
 /// # Ok(())
 /// # }
 /// ```

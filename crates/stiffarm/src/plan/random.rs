@@ -26,14 +26,12 @@ pub enum StartKind {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::select::{StartKind, random_group};
 ///
 /// let cell = builtin::cell("comau")?;
 /// let group = random_group(&cell, StartKind::SmallWrist, 6, 1, 0)?;
 /// assert_eq!((group.len(), group[0].len()), (6, 6));
-/// # }
 /// # Ok(())
 /// # }
 /// ```

@@ -176,7 +176,6 @@ struct Values {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::characteristic_length::with_characteristic_length;
 /// use stiffarm::plan::zones::{ZoneOptions, zones};
@@ -186,7 +185,6 @@ struct Values {
 /// options.steps = 5;
 /// let maps = zones(&cell, &options, stiffarm::Control::default())?;
 /// assert_eq!((maps.postures, maps.q2.len()), (25, 5));
-/// # }
 /// # Ok(())
 /// # }
 /// ```

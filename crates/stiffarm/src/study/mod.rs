@@ -168,7 +168,7 @@ pub struct Study {
 /// Runs the study from `initial` (Group 1).
 ///
 /// ```no_run
-/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::model::posture::PostureGroup;
 /// use stiffarm::study::{StudyOptions, study};
 /// use stiffarm::{Cell, Control};
@@ -183,7 +183,6 @@ pub struct Study {
 /// println!("{:?}", result.recommended);
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "files"))] fn main() {}
 /// ```
 ///
 /// # Errors

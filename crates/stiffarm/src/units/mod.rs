@@ -2,7 +2,6 @@
 
 mod sense;
 
-#[cfg(feature = "files")]
 pub(crate) use sense::LARGEST_NUMBER;
 pub use sense::Sense;
 

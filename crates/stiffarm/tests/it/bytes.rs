@@ -1,8 +1,6 @@
 //! Whatever bytes come in: no panic, no endless loop, and what is accepted
 //! holds finite numbers only.
 
-#![cfg(feature = "files")]
-
 use crate::common::cases;
 use proptest::prelude::*;
 use stiffarm::files::builtin;

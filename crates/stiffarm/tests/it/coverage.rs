@@ -3,8 +3,6 @@
 //!
 //! Seeds are fixed, so a failure is a change in behaviour and not bad luck.
 
-#![cfg(feature = "files")]
-
 use crate::common;
 #[path = "../../examples/coverage/page.rs"]
 mod page;
@@ -243,7 +241,6 @@ fn a_bootstrap_is_counted_like_the_others() {
 }
 
 #[test]
-#[cfg(feature = "parallel")]
 fn counts_do_not_depend_on_threads_or_on_later_experiments() {
     let postures = postures(6);
     let mut plain = case(Estimator::TwoVariance, 1100);

@@ -284,7 +284,6 @@ fn noise_grows_with_the_square_root_of_its_variance() {
 }
 
 #[test]
-#[cfg(feature = "parallel")]
 fn results_do_not_depend_on_the_number_of_threads() {
     let cell = reference_cell();
     let groups = groups(&cell);

@@ -1,5 +1,4 @@
 //! Any saved result is read back as what was written, or refused with a reason.
-#![cfg(feature = "files")]
 
 use serde_json::{Value, json};
 use stiffarm::files::builtin;

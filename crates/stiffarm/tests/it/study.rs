@@ -1,6 +1,5 @@
 //! The study as a whole: what it holds, that it repeats, and what it says in
 //! set-ups where parts of it do not exist.
-#![cfg(feature = "files")]
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiffarm::estimate::simulate::SimulationOptions;
@@ -99,7 +98,6 @@ fn the_default_cell_has_every_part_of_the_paper() {
     assert!(has(&result, "paper-order") && has(&result, "classical-q1"));
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let cell = cell();

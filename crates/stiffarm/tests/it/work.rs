@@ -1,7 +1,5 @@
 //! `[work]` of the cell file: each slip with its place, and what may be left out.
 
-#![cfg(feature = "files")]
-
 use nalgebra::{Isometry3, Vector3};
 use stiffarm::files::cell::parse_cell;
 use stiffarm::model::process::{ForceAxes, Process};

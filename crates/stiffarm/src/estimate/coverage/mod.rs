@@ -7,11 +7,9 @@
 //! number below the table's degrees of freedom is not extrapolated.
 
 mod error_model;
-#[cfg(feature = "files")]
 mod table;
 
 pub use error_model::{ErrorModel, Outliers, Truth};
-#[cfg(feature = "files")]
 pub use table::{AdverseCoverage, Intervals, MeasuredCoverage, Record, measured, records};
 
 use crate::error::{Code, Error, Result};

@@ -46,7 +46,6 @@ pub fn measured_system(
 
 impl Experiment {
     /// Size of the largest force that was measured under \[N\], for what is saved.
-    #[cfg(feature = "files")]
     pub(crate) fn largest_force(&self) -> Option<f64> {
         let terms = self.terms.iter().flatten();
         let forces = terms.map(|terms| terms.wrench().force.norm());

@@ -52,7 +52,7 @@ impl Fit {
     /// Fits the unknowns to measured displacements.
     ///
     /// ```
-    /// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+    /// # fn main() -> stiffarm::Result<()> {
     /// use stiffarm::{Cell, Fit, prepare, simulated_readings};
     ///
     /// let cell = Cell::built_in("comau")?;
@@ -67,7 +67,6 @@ impl Fit {
     /// assert_eq!(left_out.postures.len(), postures.len());
     /// # Ok(())
     /// # }
-    /// # #[cfg(not(feature = "files"))] fn main() {}
     /// ```
     ///
     /// # Errors

@@ -176,7 +176,7 @@ fn displacements(
 /// alone: without bands.
 ///
 /// ```
-/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::validate::validate;
 /// use stiffarm::model::stiffness::Model;
 /// use stiffarm::{Cell, prepare, simulated_readings};
@@ -189,7 +189,6 @@ fn displacements(
 /// assert!(found.deviation_rms_m < 5e-5);
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "files"))] fn main() {}
 /// ```
 ///
 /// # Errors

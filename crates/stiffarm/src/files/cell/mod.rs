@@ -57,8 +57,7 @@ pub fn parse_cell(text: &str, file_name: &str) -> Result<Cell> {
 }
 
 /// As [`parse_cell`], of a cell with shapes of kind "mesh": `read` gives the bytes of a file
-/// by the name that the cell has for it, which counts from the folder of the cell file. The
-/// feature `geometry` is needed for them.
+/// by the name that the cell has for it, which counts from the folder of the cell file.
 ///
 /// # Errors
 /// As [`parse_cell`]; what `read` returns, and bytes that are no mesh, at the key that names the file.

@@ -1,4 +1,4 @@
-//! Meshes: STL, OBJ and COLLADA (feature `geometry`).
+//! Meshes: STL, OBJ and COLLADA.
 
 mod collada;
 

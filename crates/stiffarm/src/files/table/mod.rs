@@ -3,8 +3,8 @@
 //! Read from text: UTF-8 with or without byte order mark, UTF-16 with one, LF or CRLF, columns
 //! separated by commas (decimal point), or by semicolons or tabs (decimal comma
 //! or point, as Excel writes in much of Europe). Blank lines and lines that
-//! begin with `#` are skipped. Read from `.xlsx`: the first sheet, with the
-//! feature `xlsx`; which of both a file is, its content says.
+//! begin with `#` are skipped. Read from `.xlsx`: the first sheet.
+//! Which of both a file is, its content says.
 //!
 //! Columns are found by their names, in any order and any case; an unknown
 //! column is an error, so that a slip in a heading is never ignored. Each
@@ -61,7 +61,6 @@ pub use path::{PathFormat, PathKind, PathTable, read_path, write_path};
 pub use poses::{NamedPose, read_poses, write_poses};
 pub use postures::read_postures;
 pub use readings::read_readings;
-#[cfg(feature = "xlsx")]
 pub use sheet::write_sheet_workbook;
 pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, is_turned, reading_sheet};
 pub use write::{write_displacements, write_postures, write_readings};

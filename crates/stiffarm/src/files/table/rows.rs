@@ -83,7 +83,6 @@ impl Rows {
         self.spans.len()
     }
 
-    #[cfg(feature = "xlsx")]
     pub(super) fn is_empty(&self) -> bool {
         self.spans.is_empty()
     }

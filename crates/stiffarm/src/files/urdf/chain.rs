@@ -13,13 +13,13 @@
 //! Else the chain has more axes than the controller has joints, and is refused.
 
 use super::limits::{endless, limits, narrowed};
+use super::robot::{Joint, JointKind};
 use super::source::Source;
-use super::tree::{Tree, pose};
+use super::tree::Tree;
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::findings::Finding;
 use crate::model::robot::{JointAxis, MOST_JOINTS};
-use nalgebra::{DMatrix, Isometry3, UnitQuaternion, UnitVector3, Vector3};
-use urdf_rs::{Joint, JointType};
+use nalgebra::{DMatrix, Isometry3, UnitQuaternion, UnitVector3};
 
 /// Axes are one where directions \[rad\] and places \[m\] differ by no more than rounding.
 const SAME: f64 = 1e-10;
@@ -77,9 +77,7 @@ struct Group<'a> {
 /// # Errors
 /// A joint that does not turn, a mimic joint that C cannot say, limits the wrong way round.
 pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> Result<Chain<'a>> {
-    let moving = path
-        .iter()
-        .filter(|joint| joint.joint_type != JointType::Fixed);
+    let moving = path.iter().filter(|joint| joint.kind != JointKind::Fixed);
     let moving = moving.count();
     if moving > MOST_JOINTS {
         let message =
@@ -91,8 +89,8 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
     let mut at = Isometry3::identity();
     let mut followers = Vec::new();
     for joint in path {
-        at *= pose(&joint.origin);
-        if joint.joint_type != JointType::Fixed {
+        at *= joint.origin;
+        if joint.kind != JointKind::Fixed {
             let direction = direction(tree.source, joint)?;
             let follows = follows(tree, joint)?;
             if follows.multiplier != 0.0 {
@@ -108,7 +106,7 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
             }
         }
         // A link behind a fixed joint goes with the one before it.
-        links.push((joint.child.link.as_str(), at));
+        links.push((joint.child.as_str(), at));
     }
     let links = placed(&groups, links);
     groups.retain(|group| !group.terms.is_empty());
@@ -122,10 +120,7 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
         Ok(limits)
     });
     let limits = limits.collect::<Result<Vec<_>>>()?;
-    let findings = drives
-        .iter()
-        .filter_map(|drive| endless(tree.source, drive));
-    let findings = findings.collect();
+    let findings = drives.iter().filter_map(|drive| endless(drive)).collect();
     Ok(Chain {
         findings,
         axes: groups.iter().map(|group| group.axis).collect(),
@@ -262,13 +257,13 @@ fn coupling<'a>(
 /// The axis of a joint that turns, in its own frame.
 fn direction(source: &Source<'_>, joint: &Joint) -> Result<UnitVector3<f64>> {
     let error = |code, message| source.error_at("joint", &joint.name, code, message);
-    let kind = match joint.joint_type {
-        JointType::Revolute | JointType::Continuous => None,
-        JointType::Prismatic => Some("shifts (prismatic)"),
-        JointType::Floating => Some("floats"),
-        JointType::Planar => Some("moves in a plane"),
-        JointType::Spherical => Some("turns about three axes (spherical)"),
-        JointType::Fixed => Some("is fixed"),
+    let kind = match joint.kind {
+        JointKind::Revolute | JointKind::Continuous => None,
+        JointKind::Prismatic => Some("shifts (prismatic)"),
+        JointKind::Floating => Some("floats"),
+        JointKind::Planar => Some("moves in a plane"),
+        JointKind::Spherical => Some("turns about three axes (spherical)"),
+        JointKind::Fixed => Some("is fixed"),
     };
     if let Some(kind) = kind {
         let message = format!(
@@ -278,8 +273,7 @@ fn direction(source: &Source<'_>, joint: &Joint) -> Result<UnitVector3<f64>> {
         return Err(error(Code::Unsupported, message)
             .hint("choose --base and --tip so that it is not between them: a linear track below the base, a tool behind the tip"));
     }
-    let axis = Vector3::from(joint.axis.xyz.0);
-    UnitVector3::try_new(axis, 1e-9).ok_or_else(|| {
+    UnitVector3::try_new(joint.axis, 1e-9).ok_or_else(|| {
         let message = format!("The axis of the joint \"{}\" has length zero.", joint.name);
         error(Code::InvalidValue, message).hint("give its direction: <axis xyz=\"0 0 1\"/>")
     })
@@ -296,8 +290,8 @@ fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
     let error = |code, message| tree.source.error_at("joint", &joint.name, code, message);
     for _ in 0..=tree.robot.joints.len() {
         let Some(mimic) = &follows.drive.mimic else {
-            let kind = &follows.drive.joint_type;
-            if follows.is_mimic && !matches!(kind, JointType::Revolute | JointType::Continuous) {
+            let kind = follows.drive.kind;
+            if follows.is_mimic && !matches!(kind, JointKind::Revolute | JointKind::Continuous) {
                 let message = format!(
                     "The joint \"{}\" follows the joint \"{}\", which does not turn about one axis.",
                     joint.name, follows.drive.name
@@ -318,8 +312,8 @@ fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
                 None => error,
             });
         };
-        follows.offset += follows.multiplier * mimic.offset.unwrap_or(0.0);
-        follows.multiplier *= mimic.multiplier.unwrap_or(1.0);
+        follows.offset += follows.multiplier * mimic.offset;
+        follows.multiplier *= mimic.multiplier;
         follows.is_mimic = true;
         follows.drive = next;
     }

@@ -1,22 +1,22 @@
 //! Limits of the controller's joints.
 
+use super::robot::{Joint, JointKind};
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::findings::{Finding, Severity};
 use crate::units::{Sense, deg_to_rad, rad_to_deg};
 use std::f64::consts::TAU;
-use urdf_rs::{Joint, JointType};
 
 /// Limits of a joint \[rad\]: full turns for one without end.
 pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
-    if joint.joint_type == JointType::Continuous {
+    if joint.kind == JointKind::Continuous {
         return Ok([-TAU, TAU]);
     }
     let found = [joint.limit.lower, joint.limit.upper];
     let [low, high] = found.map(rad_to_deg);
     let error = |code, message| source.error_at("joint", &joint.name, code, message);
     if found[0] >= found[1] {
-        let message = match source.has_limits(&joint.name) {
+        let message = match joint.limit.is_given {
             true => format!(
                 "The lower limit of the joint \"{}\" is not below the upper one: {low:.3}° and {high:.3}°.",
                 joint.name
@@ -71,9 +71,9 @@ pub(super) fn speeds(drives: &[&Joint]) -> Option<Vec<f64>> {
 }
 
 /// Says that limits of a joint without end do not count.
-pub(super) fn endless(source: &Source<'_>, joint: &Joint) -> Option<Finding> {
-    let given = source.has_limits(&joint.name) && joint.limit.lower < joint.limit.upper;
-    (given && joint.joint_type == JointType::Continuous).then(|| {
+pub(super) fn endless(joint: &Joint) -> Option<Finding> {
+    let given = joint.limit.is_given && joint.limit.lower < joint.limit.upper;
+    (given && joint.kind == JointKind::Continuous).then(|| {
         let [low, high] = [joint.limit.lower, joint.limit.upper].map(rad_to_deg);
         let sentence = format!(
             "The joint is of the type continuous, so that its limits, {low:.1}° to {high:.1}°, do not count; ±360° \
@@ -98,7 +98,7 @@ pub(super) fn narrowed(
     (drive, multiplier, offset): (&Joint, f64, f64),
 ) -> Result<[f64; 2]> {
     let own = [joint.limit.lower, joint.limit.upper].map(meant);
-    if joint.joint_type == JointType::Continuous || own[0] == own[1] || multiplier == 0.0 {
+    if joint.kind == JointKind::Continuous || own[0] == own[1] || multiplier == 0.0 {
         return Ok(limits);
     }
     if own[0] > own[1] {

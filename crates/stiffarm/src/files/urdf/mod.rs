@@ -6,8 +6,7 @@
 //! taken as they stand: a quarter turn written as 1.5708 rad is not made exact. Limits are, as far as their
 //! digits allow: 3.14159 rad is 180°.
 //!
-//! Reading is that of urdf-rs, of the text alone: no program is started, no package
-//! is looked up. What it cannot say, where a fault stands, comes from `tags`.
+//! Only the text is read: no program is started, no package is looked up.
 //!
 //! ```
 //! use stiffarm::files::urdf::{UrdfOptions, read_urdf};
@@ -32,18 +31,21 @@ mod capsules;
 mod chain;
 mod limits;
 mod mesh;
+mod robot;
 mod shapes;
 mod source;
-mod tags;
 mod tree;
+mod xml;
 
 pub use mesh::MeshFolders;
-pub use shapes::{CollisionGeometry, CollisionShape};
+pub use robot::CollisionGeometry;
+pub use shapes::CollisionShape;
 
 use super::check_name;
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::robot::{Controller, DhConvention, DhRobot, rows_of_axes};
+use robot::Robot;
 use source::Source;
 use tree::Tree;
 
@@ -86,7 +88,7 @@ pub struct UrdfRobot {
 /// joints that no square C can say: with place and hint.
 pub fn read_urdf(text: &str, file_name: &str, options: &UrdfOptions) -> Result<UrdfRobot> {
     let source = Source::new(text, file_name)?;
-    let robot = source.robot()?;
+    let robot = Robot::new(&source)?;
     let tree = Tree::new(&source, &robot)?;
     let base = tree.base(options.base.as_deref())?;
     let tip = tree.tip(options.tip.as_deref(), base)?;

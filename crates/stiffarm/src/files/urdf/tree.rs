@@ -1,10 +1,9 @@
 //! Links and joints as a tree, and the chain from base to tip in it.
 
+use super::robot::{Joint, JointKind, Robot};
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use std::collections::{BTreeMap, BTreeSet};
-use urdf_rs::{Joint, JointType, Robot};
 
 /// Links that by custom are the flange, the first one first.
 const TIPS: [&str; 2] = ["tool0", "flange"];
@@ -44,7 +43,7 @@ impl<'a> Tree<'a> {
                 let message = format!("The joint \"{}\" is given twice.", joint.name);
                 return Err(error(Code::Duplicate, message));
             }
-            let (parent, child) = (joint.parent.link.as_str(), joint.child.link.as_str());
+            let (parent, child) = (joint.parent.as_str(), joint.child.as_str());
             for link in [parent, child] {
                 if !below.contains_key(link) {
                     let message = format!(
@@ -102,8 +101,8 @@ impl<'a> Tree<'a> {
         while let Some((link, moved)) = found.get(at).copied() {
             let below = self.joints_below(link).iter();
             found.extend(below.map(|joint| {
-                let moves = joint.joint_type != JointType::Fixed;
-                (joint.child.link.as_str(), moved || moves)
+                let moves = joint.kind != JointKind::Fixed;
+                (joint.child.as_str(), moved || moves)
             }));
             at += 1;
         }
@@ -122,7 +121,7 @@ impl<'a> Tree<'a> {
 
     /// The joints from a link up to the root.
     fn upward(&self, link: &str) -> impl Iterator<Item = &'a Joint> {
-        let above = |joint: &&'a Joint| self.joint_above(&joint.parent.link);
+        let above = |joint: &&'a Joint| self.joint_above(&joint.parent);
         std::iter::successors(self.joint_above(link), above)
     }
 
@@ -207,7 +206,7 @@ impl<'a> Tree<'a> {
         let mut path: Vec<&Joint> = Vec::new();
         for joint in self.upward(tip) {
             path.push(joint);
-            if joint.parent.link == base {
+            if joint.parent == base {
                 path.reverse();
                 return Some(path);
             }
@@ -224,7 +223,7 @@ impl<'a> Tree<'a> {
         path.ok_or_else(|| {
             let message = format!("No joints lead from the link \"{base}\" to \"{tip}\".");
             let error = Error::new(Code::Urdf, message).file(self.source.file());
-            let above = self.upward(tip).map(|joint| joint.parent.link.as_str());
+            let above = self.upward(tip).map(|joint| joint.parent.as_str());
             let above: Vec<&str> = above.collect();
             match above.is_empty() {
                 true => error.hint(format!(
@@ -234,15 +233,6 @@ impl<'a> Tree<'a> {
             }
         })
     }
-}
-
-/// Pose of a joint's frame, or of a shape, in the link above it \[m\]: turns about
-/// fixed x, then y, then z.
-pub(super) fn pose(pose: &urdf_rs::Pose) -> Isometry3<f64> {
-    let [x, y, z] = pose.xyz.0;
-    let [roll, pitch, yaw] = pose.rpy.0;
-    let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Isometry3::from_parts(Translation3::new(x, y, z), rotation)
 }
 
 fn with_hint(error: Error, hint: Option<String>) -> Error {

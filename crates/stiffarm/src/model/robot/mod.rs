@@ -19,7 +19,6 @@ pub use catalogue::{catalogue, find as find_in_catalogue};
 pub use controller::Controller;
 pub use dh::{DhConvention, DhRow};
 pub use dh_robot::DhRobot;
-#[cfg(feature = "files")]
 pub(crate) use dh_robot::MOST_JOINTS;
 pub use entry::{CatalogueEntry, Doubt, DoubtAbout, JointStiffness};
 pub use shapes::LinkCapsule;

@@ -231,7 +231,7 @@ fn add_turned(
     }
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::files::cell::parse_cell;

@@ -295,7 +295,7 @@ impl Scene {
     }
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::files::cell::parse_cell;

@@ -88,7 +88,7 @@ impl TorqueLimits {
     }
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::files::cell::parse_cell;

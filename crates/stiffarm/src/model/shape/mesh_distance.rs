@@ -1,4 +1,4 @@
-//! Exact distances of meshes (feature `geometry`).
+//! Exact distances of meshes.
 //!
 //! The nearest triangle by parry's tree of boxes and its distances of convex shapes. parry sees
 //! the surface of a mesh; that something lies wholly inside is found by how often the surface

@@ -12,7 +12,6 @@ mod capsule;
 mod cover;
 mod fit;
 mod mesh;
-#[cfg(feature = "geometry")]
 mod mesh_distance;
 mod nearest;
 mod signed_distance;
@@ -22,7 +21,6 @@ pub use capsule::Capsule;
 pub use cover::{capsules_around, solids_around};
 pub use fit::capsules_of_mesh;
 pub use mesh::TriangleMesh;
-#[cfg(feature = "geometry")]
 pub use mesh_distance::{MeshBody, hull_volume};
 pub(crate) use nearest::nearest_within;
 pub use nearest::{Nearest, nearest};

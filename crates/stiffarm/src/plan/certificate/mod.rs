@@ -165,7 +165,6 @@ pub struct JointEfficiency {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::certificate::{CertificateOptions, certify};
@@ -177,7 +176,6 @@ pub struct JointEfficiency {
 /// options.samples = 64; // few searches: a quick look, not a bound to rely on
 /// let found = certify(&cell, Index::D, &plan, &options, Control::default())?;
 /// assert!(found.value > Some(found.bound));
-/// # }
 /// # Ok(())
 /// # }
 /// ```
@@ -203,7 +201,6 @@ pub fn certify<Q: AsRef<[f64]>>(
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::certificate::{CertificateOptions, certify_further};
@@ -217,7 +214,6 @@ pub fn certify<Q: AsRef<[f64]>>(
 /// let control = Control::default();
 /// let found = certify_further(&cell, Index::D, measured, new, &options, control)?;
 /// assert_eq!(found.measured_count, 4);
-/// # }
 /// # Ok(())
 /// # }
 /// ```
@@ -290,7 +286,6 @@ pub fn certify_further<Q: AsRef<[f64]>>(
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::certificate::{CertificateOptions, joint_efficiencies};
@@ -303,7 +298,6 @@ pub fn certify_further<Q: AsRef<[f64]>>(
 /// for joint in joint_efficiencies(&cell, &plan, &options, Control::default())? {
 ///     assert!(joint.efficiency.is_none_or(|share| share <= 1.0));
 /// }
-/// # }
 /// # Ok(())
 /// # }
 /// ```

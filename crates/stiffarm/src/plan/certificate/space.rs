@@ -298,7 +298,7 @@ impl DesignSpace for PostureSpace<'_> {
     }
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::files::builtin;

@@ -55,7 +55,6 @@ impl CellCheck {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::check::check;
 ///
@@ -63,7 +62,6 @@ impl CellCheck {
 /// let found = check(&cell)?;
 /// assert!(found.joints.iter().all(|joint| joint.determined));
 /// assert!(!found.is_serious());
-/// # }
 /// # Ok(())
 /// # }
 /// ```

@@ -170,7 +170,6 @@ impl GroupEvaluation {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::{Index, evaluate};
 ///
@@ -181,7 +180,6 @@ impl GroupEvaluation {
 ///     println!("{}: {:?}", index.as_str(), found.indices.get(index));
 /// }
 /// assert!(found.undetermined_joints.is_empty());
-/// # }
 /// # Ok(())
 /// # }
 /// ```

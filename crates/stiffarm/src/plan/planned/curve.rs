@@ -236,7 +236,7 @@ fn sizes(index: Index, points: Vec<ErrorAtCount>, bound_of_one: Option<f64>) -> 
         .collect()
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::files::builtin;

@@ -25,7 +25,6 @@ use std::collections::HashSet;
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::plan::planned::{PlanRequest, plan};
 /// use stiffarm::{Cell, Control};
 ///
@@ -36,7 +35,6 @@ use std::collections::HashSet;
 /// request.certificate = false;
 /// let planned = plan(&cell, &request, &mut |_| {}, Control::default())?;
 /// assert_eq!(planned.result.posture_names, ["1", "2", "3"]);
-/// # }
 /// # Ok(())
 /// # }
 /// ```

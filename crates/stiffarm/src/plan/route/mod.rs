@@ -63,7 +63,6 @@ pub fn rounded<Q: AsRef<[f64]>>(
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::route::{RouteOptions, route};
@@ -73,7 +72,6 @@ pub fn rounded<Q: AsRef<[f64]>>(
 /// let route = route(&cell, &plan, &RouteOptions::default(), Control::default())?;
 /// assert_eq!(route.moves.len(), 1);
 /// assert!(route.moves[0].free);
-/// # }
 /// # Ok(())
 /// # }
 /// ```

@@ -34,7 +34,6 @@ pub struct ErrorAtCount {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
@@ -45,7 +44,6 @@ pub struct ErrorAtCount {
 /// options.rounds = Some(1);
 /// let points = error_by_count(&cell, Index::D, 2..5, &options, Control::default())?;
 /// assert!(points[2].value < points[0].value);
-/// # }
 /// # Ok(())
 /// # }
 /// ```

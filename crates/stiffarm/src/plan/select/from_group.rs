@@ -19,7 +19,6 @@ use crate::plan::index::{Index, evaluate, evaluate_for};
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
@@ -31,7 +30,6 @@ use crate::plan::index::{Index, evaluate, evaluate_for};
 /// options.max_iterations = 50;
 /// let plan = select_from(&cell, Index::D, &initial, options, Control::default())?;
 /// assert!(Some(plan.value) < plan.start_value);
-/// # }
 /// # Ok(())
 /// # }
 /// ```

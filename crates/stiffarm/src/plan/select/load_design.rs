@@ -207,7 +207,7 @@ impl LoadDesign {
     }
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::files::builtin;

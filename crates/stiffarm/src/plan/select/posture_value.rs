@@ -53,7 +53,6 @@ pub struct Dropped {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
@@ -63,7 +62,6 @@ pub struct Dropped {
 /// let group = builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let found = drop_postures(&cell, Index::ExpectedError, &group, 2, Control::default())?;
 /// assert_eq!((found.dropped.len(), found.kept.len()), (2, group.len() - 2));
-/// # }
 /// # Ok(())
 /// # }
 /// ```

@@ -228,14 +228,12 @@ pub(super) fn smallest_length(limits: &[PostureLimits]) -> Option<f64> {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 ///
 /// let cell = builtin::cell("comau")?;
 /// let group = random_group(&cell, StartKind::Uniform, 3, 1, 0)?;
 /// assert!(smallest_margin(&cell, &group)? >= Some(0.0));
-/// # }
 /// # Ok(())
 /// # }
 /// ```

@@ -99,7 +99,6 @@ pub struct Sensitivity {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
@@ -112,7 +111,6 @@ pub struct Sensitivity {
 /// options.rounds = 1;
 /// let found = sensitivity(&cell, Index::D, &plan, &options, Control::default())?;
 /// assert_eq!(found.priors.len(), 6); // one per joint
-/// # }
 /// # Ok(())
 /// # }
 /// ```

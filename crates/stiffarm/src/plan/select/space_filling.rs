@@ -56,7 +56,6 @@ pub struct SpaceFilling {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::select::{smallest_distance, space_filling};
@@ -64,7 +63,6 @@ pub struct SpaceFilling {
 /// let cell = builtin::cell("comau")?;
 /// let group = space_filling(&cell, 4, 1, Control::default())?.postures;
 /// assert!(smallest_distance(&cell.bounds, &group) > Some(0.5));
-/// # }
 /// # Ok(())
 /// # }
 /// ```

@@ -36,7 +36,7 @@ const STARTS: usize = 4;
 /// Runs the study on an experiment.
 ///
 /// ```no_run
-/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::study::{MeasuredStudyOptions, measured_study};
 /// use stiffarm::{Cell, Control, prepare, simulated_readings};
 ///
@@ -48,7 +48,6 @@ const STARTS: usize = 4;
 /// println!("{}", found.findings[0].sentence);
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "files"))] fn main() {}
 /// ```
 ///
 /// # Errors

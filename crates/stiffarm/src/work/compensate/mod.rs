@@ -147,7 +147,7 @@ impl Compensation {
 /// Finds the commands for `postures`, each under its own wrench.
 ///
 /// ```
-/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::compliance::IdentifiedCompliance;
 /// use stiffarm::{Cell, Control, LoadedPosture, Wrench, compensate};
 ///
@@ -159,7 +159,6 @@ impl Compensation {
 /// assert!(found.residual_max_m < 1e-9);
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "files"))] fn main() {}
 /// ```
 ///
 /// # Errors

@@ -44,7 +44,7 @@ use reach::Reach;
 /// the wrist; the rope's length is left out, for there is no rope at work.
 ///
 /// ```
-/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::compliance::IdentifiedCompliance;
 /// use stiffarm::work::map::{MapOptions, stiffness_map};
 /// use stiffarm::{Cell, Control};
@@ -57,7 +57,6 @@ use reach::Reach;
 /// assert!(stiffest.count() > 10);
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "files"))] fn main() {}
 /// ```
 ///
 /// # Errors

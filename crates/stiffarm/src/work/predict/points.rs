@@ -144,7 +144,7 @@ pub struct Prediction {
 /// leaves out: `validate` shows how much that is on the real arm.
 ///
 /// ```
-/// # #[cfg(feature = "files")] fn main() -> stiffarm::Result<()> {
+/// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::compliance::IdentifiedCompliance;
 /// use stiffarm::{Cell, Control, LoadedPosture, Wrench, predict};
 ///
@@ -156,7 +156,6 @@ pub struct Prediction {
 /// assert!(bend.deflection_max_m > 1e-5);
 /// # Ok(())
 /// # }
-/// # #[cfg(not(feature = "files"))] fn main() {}
 /// ```
 ///
 /// # Errors

@@ -1,5 +1,4 @@
 //! Shapes of kind "mesh": the solids of the cell contain the mesh where the keys put it.
-#![cfg(feature = "geometry")]
 
 use super::*;
 use crate::common::random::Dice;

@@ -1,8 +1,6 @@
 //! Cell files: the shipped ones hold the published values, every slip is
 //! reported with its place, and the templates can be used as they are.
 
-#![cfg(feature = "files")]
-
 mod built_in;
 mod meshes;
 mod own_rows;

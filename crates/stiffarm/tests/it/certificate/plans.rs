@@ -252,7 +252,6 @@ fn a_stop_keeps_the_bound_so_far() {
 }
 
 #[test]
-#[cfg(feature = "parallel")]
 fn the_number_of_threads_changes_nothing() {
     let cell = default_cell();
     let with = |threads: usize| {

@@ -1,5 +1,4 @@
 //! The measured robot of the reference data.
-#![cfg(feature = "files")]
 
 use super::*;
 use stiffarm::files::builtin;

@@ -6,7 +6,6 @@ pub mod fanuc;
 mod outliers;
 
 use crate::common;
-#[cfg(feature = "files")]
 #[path = "../../../examples/convert_fanuc.rs"]
 #[allow(dead_code, missing_docs, reason = "its main belongs to the example")]
 mod convert_fanuc;

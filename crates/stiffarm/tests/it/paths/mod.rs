@@ -1,7 +1,5 @@
 //! Path tables: what is read, what is written, and how each slip is reported.
 
-#![cfg(feature = "files")]
-
 mod round_trip;
 mod slips;
 

@@ -108,15 +108,13 @@ fn ten_exports_hold_the_same_readings() -> Check {
         "name = 'Group'\nname_pattern = '{posture}.{state}'\npoint = 'Target'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'",
         false,
     )?;
-    if cfg!(feature = "xlsx") {
-        check(
-            &[export!("faro-style.xlsx")],
-            "sheet = 'Points'\nname = 'Feature'\nname_pattern = '{posture}|{state}|{point}'\nx_mm = 'Actual X'\n\
-             y_mm = 'Actual Y'\nz_mm = 'Actual Z'\ntime_s = 'Measured at'",
-            true,
-        )?;
-        assert_eq!(count, 10);
-    }
+    check(
+        &[export!("faro-style.xlsx")],
+        "sheet = 'Points'\nname = 'Feature'\nname_pattern = '{posture}|{state}|{point}'\nx_mm = 'Actual X'\n\
+         y_mm = 'Actual Y'\nz_mm = 'Actual Z'\ntime_s = 'Measured at'",
+        true,
+    )?;
+    assert_eq!(count, 10);
     // A table of our own is still read with a profile, and one whose names stand apart.
     let own = read(&[("own.csv", PLAIN.as_bytes())], sa)?;
     assert_same(&own, &wanted, true, "own");
@@ -220,11 +218,9 @@ fn each_refused_export_says_the_next_step() {
         &[("a.csv", two), ("b.csv", PLAIN.as_bytes())],
         named,
     );
-    if cfg!(feature = "xlsx") {
-        note("the wrong sheet", &[("faro.xlsx", faro)], "");
-        note("no such sheet", &[("faro.xlsx", faro)], "sheet = 'Point'");
-        insta::assert_snapshot!("refused_exports", report);
-    }
+    note("the wrong sheet", &[("faro.xlsx", faro)], "");
+    note("no such sheet", &[("faro.xlsx", faro)], "sheet = 'Point'");
+    insta::assert_snapshot!("refused_exports", report);
     // With the order given, the same file is read.
     assert!(read(&[("m.csv", &either)], "dates = 'month-first'").is_ok());
     let one_day = clocks([

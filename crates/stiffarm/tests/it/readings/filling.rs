@@ -102,7 +102,6 @@ fn a_sheet_that_says_nothing_yet_is_an_error() -> Check {
     Ok(())
 }
 
-#[cfg(feature = "xlsx")]
 #[test]
 fn a_workbook_to_fill_in_holds_what_its_text_holds() -> Check {
     use stiffarm::files::table::write_sheet_workbook;

@@ -1,11 +1,8 @@
 //! Tables of raw readings: what is read, what is written, and how each slip is
 //! reported.
 
-#![cfg(feature = "files")]
-
 mod exports;
 mod filling;
-#[cfg(feature = "xlsx")]
 mod round_trip;
 mod sheets;
 mod slips;

@@ -1,5 +1,4 @@
 //! Workbooks.
-#![cfg(feature = "xlsx")]
 
 use super::workbook::{
     Cell as Held, Entry, archive, cells, deflated_letters, workbook, workbook_with,

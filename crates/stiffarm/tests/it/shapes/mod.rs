@@ -2,9 +2,7 @@
 
 mod cover;
 mod fit;
-#[cfg(feature = "geometry")]
 mod mesh_distance;
-#[cfg(feature = "geometry")]
 mod mesh_files;
 
 use crate::common::cases;

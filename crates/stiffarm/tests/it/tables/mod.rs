@@ -1,8 +1,6 @@
 //! Posture and measurement tables: what is read, what is written, and how each
 //! slip is reported.
 
-#![cfg(feature = "files")]
-
 mod dh_rows;
 mod round_trip;
 mod slips;

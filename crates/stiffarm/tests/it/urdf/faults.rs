@@ -104,7 +104,7 @@ fn faults_are_named_with_their_lines() {
             Code::UnknownName,
             Some(6),
         ),
-        (with("<child link=\"c\"/>", ""), Code::Urdf, None),
+        (with("<child link=\"c\"/>", ""), Code::Urdf, Some(6)),
         (
             with("<child link=\"c\"/>", "<child link=\"b\"/>"),
             Code::Urdf,

@@ -1,10 +1,10 @@
 //! Robots from URDF files, against a second reading of them.
-#![cfg(feature = "urdf")]
 
 mod capsules;
 mod faults;
 mod generated;
 mod plain;
+mod reader;
 mod reference;
 mod shapes;
 

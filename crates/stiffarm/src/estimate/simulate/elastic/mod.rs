@@ -51,7 +51,6 @@ const MEASUREMENTS: (usize, usize) = (1 << 16, 1);
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::estimate::simulate::{ElasticSimulationOptions, simulate_elastic};
 /// use stiffarm::{Cell, Control, PostureGroup};
 ///
@@ -63,7 +62,6 @@ const MEASUREMENTS: (usize, usize) = (1 << 16, 1);
 /// let found = simulate_elastic(&cell, &[group], &options, Control::default())?;
 /// println!("{}", found.verdict());
 /// # assert!(found.groups[0].levels[0].mixed.is_some());
-/// # }
 /// # Ok(())
 /// # }
 /// ```

@@ -3,19 +3,17 @@
 use crate::error::{Code, Error, Result};
 use crate::files::cell::raw::{At, RawShape};
 use crate::files::cell::source::Source;
+use crate::files::mesh::parse_mesh;
 use crate::model::scene::Carrier;
-use crate::model::shape::Solid;
+use crate::model::shape::{Solid, capsules_of_mesh, solids_around};
 use crate::units::{MM, mm_to_m};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Most boxes around a mesh that stands, and their least thickness \[m\].
-#[cfg(feature = "geometry")]
 const BOXES: (usize, f64) = (24, 0.010);
 /// Most capsules around a mesh of the tool.
-#[cfg(feature = "geometry")]
 const CAPSULES: usize = 4;
 /// Nothing that is worth a shape is smaller \[m\].
-#[cfg(feature = "geometry")]
 const SMALLEST: f64 = 0.001;
 
 /// Capsules around a mesh of the tool, boxes around one that stands.
@@ -83,10 +81,7 @@ fn unit(source: &Source<'_>, raw: &RawShape, table: &str, file: &str) -> Result<
     }
 }
 
-#[cfg(feature = "geometry")]
 fn around(bytes: &[u8], file: &str, unit: f64, carrier: Carrier) -> Result<Vec<Solid>> {
-    use crate::files::mesh::parse_mesh;
-    use crate::model::shape::{capsules_of_mesh, solids_around};
     let mesh = parse_mesh(bytes, file, unit)?;
     let across = mesh.extent().amax();
     if across < SMALLEST {
@@ -103,10 +98,4 @@ fn around(bytes: &[u8], file: &str, unit: f64, carrier: Carrier) -> Result<Vec<S
             capsules.into_iter().map(Solid::Capsule).collect()
         }
     })
-}
-
-#[cfg(not(feature = "geometry"))]
-fn around(_: &[u8], _: &str, _: f64, _: Carrier) -> Result<Vec<Solid>> {
-    let message = "This build of stiffarm reads no meshes.";
-    Err(Error::new(Code::Unsupported, message).hint("build it with its feature `geometry`"))
 }

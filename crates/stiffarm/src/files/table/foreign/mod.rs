@@ -13,7 +13,6 @@ mod times;
 pub(super) use heading::{find, own_unit};
 pub(super) use join::join;
 pub(super) use suggest::suggestion;
-#[cfg(feature = "xlsx")]
 pub(super) use times::{DATED, date_of};
 
 use super::grid::Table;

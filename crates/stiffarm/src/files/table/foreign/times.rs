@@ -372,7 +372,6 @@ fn day_number(year: i64, month: u32, day: u32) -> Option<i64> {
 
 /// Year, month and day of the month of a number of days since 1970-01-01: [`day_number`]
 /// backwards, from the same source.
-#[cfg(feature = "xlsx")]
 pub(in crate::files::table) fn date_of(day: i64) -> (i64, i64, i64) {
     let day = day + 719_468;
     let century = day.div_euclid(146_097);

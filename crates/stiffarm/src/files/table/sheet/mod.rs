@@ -1,11 +1,8 @@
 //! Sheets to fill in beside the robot: rows as data first, then text or a workbook.
 
-#[cfg(feature = "xlsx")]
 mod page;
-#[cfg(feature = "xlsx")]
 mod workbook;
 
-#[cfg(feature = "xlsx")]
 pub use workbook::write_sheet_workbook;
 
 use super::columns::Values;
@@ -141,7 +138,6 @@ impl Sheet {
     }
 
     /// The names in the column of postures (0), states (1) or points (2), each once, in their order.
-    #[cfg(feature = "xlsx")]
     fn names(&self, column: u16) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for row in &self.rows {

@@ -11,14 +11,13 @@
 //! unpacks to is counted before it is read (`unpacked`), and what it holds while
 //! it is read (`sheet`).
 
-#[cfg(feature = "xlsx")]
 mod sheet;
-#[cfg(feature = "xlsx")]
 mod unpacked;
 
 use super::grid::Table;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Columns;
+use sheet::first_sheet;
 
 /// How a ZIP archive begins, which an .xlsx is.
 const ZIP: &[u8] = b"PK\x03\x04";
@@ -37,8 +36,7 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 /// Reads the first sheet of a workbook.
 ///
 /// # Errors
-/// A file that is no .xlsx, an empty first sheet, or a build without the
-/// feature `xlsx`.
+/// A file that is no .xlsx, or an empty first sheet.
 pub(super) fn read<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) -> Result<Table<'a>> {
     if bytes.starts_with(OLE) {
         let message = "This is a workbook of the old format (.xls) or one with a password.";
@@ -47,13 +45,3 @@ pub(super) fn read<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) -> Result
     }
     first_sheet(bytes, file, foreign)
 }
-
-#[cfg(not(feature = "xlsx"))]
-fn first_sheet<'a>(_: &[u8], file: &'a str, _: &Columns) -> Result<Table<'a>> {
-    let message = "This is a ZIP archive, as .xlsx is; this build reads no .xlsx.";
-    let error = Error::new(Code::Unsupported, message).file(file);
-    Err(error.hint("save the sheet as \"CSV UTF-8\", or build with the feature xlsx"))
-}
-
-#[cfg(feature = "xlsx")]
-use sheet::first_sheet;

@@ -146,7 +146,7 @@ pub(super) fn update_multipliers(batch: &mut Batch, lanes: usize) -> f64 {
     worst
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use crate::files::builtin;
     use crate::model::observation::PostureTerms;

@@ -110,7 +110,7 @@ impl SceneKernel {
     }
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use crate::files::cell::parse_cell;
     use crate::model::cell::Cell;

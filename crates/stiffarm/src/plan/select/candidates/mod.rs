@@ -116,7 +116,6 @@ pub struct CandidateSelection {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::model::measurement::Candidate;
@@ -132,7 +131,6 @@ pub struct CandidateSelection {
 /// let options = CandidateOptions::default();
 /// let best = select_candidates(&cell, Index::ExpectedError, 4, &list, &options, Control::default())?;
 /// assert!(best.exact && best.chosen.len() == 4);
-/// # }
 /// # Ok(())
 /// # }
 /// ```

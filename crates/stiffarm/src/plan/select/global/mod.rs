@@ -40,6 +40,7 @@ pub use options::GlobalOptions;
 use options::Schedule;
 use plan::Plan;
 use pool::Pool;
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// Chains; a number that divides well among the cores of a workshop computer.
@@ -59,7 +60,6 @@ const LEAST: f64 = 1e-6;
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
@@ -71,7 +71,6 @@ const LEAST: f64 = 1e-6;
 /// let plan = select(&cell, Index::ExpectedError, 6, &options, Control::default())?;
 /// assert_eq!(plan.group.len(), 6);
 /// println!("expected error {:.2} %", 100.0 * plan.value);
-/// # }
 /// # Ok(())
 /// # }
 /// ```
@@ -93,7 +92,6 @@ pub fn select(
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// # #[cfg(feature = "files")] {
 /// use stiffarm::Control;
 /// use stiffarm::files::builtin;
 /// use stiffarm::plan::index::Index;
@@ -106,7 +104,6 @@ pub fn select(
 /// let control = Control::default();
 /// select_watched(&cell, Index::D, 3, &options, control, &mut |round| values.push(round.value))?;
 /// assert_eq!(values.len(), 2);
-/// # }
 /// # Ok(())
 /// # }
 /// ```
@@ -274,25 +271,13 @@ impl<'a> Global<'a> {
             let mut rng = chain_rng(self.options.seed, self.completed, i);
             chain.work(&mut rng, &self.pool, self.schedule.tries, control)
         };
-        #[cfg(feature = "parallel")]
-        {
-            use rayon::prelude::*;
-            chains
-                .par_iter_mut()
-                .with_max_len(1)
-                .enumerate()
-                .map(work)
-                // Every chain works: no short cut after the first that was stopped.
-                .reduce(|| true, |a, b| a && b)
-        }
-        #[cfg(not(feature = "parallel"))]
-        {
-            let mut complete = true;
-            for each in chains.iter_mut().enumerate() {
-                complete &= work(each);
-            }
-            complete
-        }
+        chains
+            .par_iter_mut()
+            .with_max_len(1)
+            .enumerate()
+            .map(work)
+            // Every chain works: no short cut after the first that was stopped.
+            .reduce(|| true, |a, b| a && b)
     }
 
     /// Takes the best of all chains, and keeps them from doing the same work.
