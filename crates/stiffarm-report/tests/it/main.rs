@@ -7,7 +7,6 @@ mod generic;
 #[cfg(feature = "page")]
 mod identified;
 #[cfg(feature = "page")]
-mod identified_wrong;
 mod maps;
 #[cfg(feature = "page")]
 mod page;
@@ -17,3 +16,4 @@ mod pages;
 mod print;
 mod render;
 mod scenes;
+mod tell;
