@@ -220,7 +220,7 @@ fn identify_fits_a_screen() {
     for options in ["", " --brief", " --estimator huber", " --exclude 5,6"] {
         let out = folder.ok(&format!("identify builtin:comau simulated.csv{options}"));
         assert!(out.starts_with("The stiffness is known to ± "), "{out}");
-        assert!(out.lines().count() <= 32, "{out}");
+        assert!(out.lines().count() <= 38, "{out}");
         for line in out.lines() {
             assert!(line.chars().count() <= 80, "{line}");
         }

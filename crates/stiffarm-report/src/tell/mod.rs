@@ -10,6 +10,7 @@ mod number;
 mod table;
 mod text;
 
+#[cfg(feature = "page")]
 pub(crate) use identify::is_clamped;
 pub use number::{Form, Number, Quantity};
 pub use table::DataTable;

@@ -69,6 +69,15 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
         |w| w.weight,
         |w| [&w.posture, &w.state, ""],
     );
+    // What no interval shows stands in the summary.
+    let (notes, more): (Vec<_>, Vec<_>) = found
+        .findings
+        .iter()
+        .cloned()
+        .partition(|finding| finding.severity == Severity::Note);
+    let mut basis: Vec<Text> = notes.into_iter().map(|f| f.sentence.into()).collect();
+    basis.push(estimator(own));
+    let basis = Section::new("basis", "What it rests on", vec![Block::List(basis)]);
     let sections = [
         Some(stiffness::section(&joints, &found.prior_stiffness)),
         stiffness::further(&joints),
@@ -76,17 +85,10 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
         friction(given, found),
         stiffness::together(&joints),
         weights,
-        Some(
-            Section::new(
-                "basis",
-                "What it rests on",
-                vec![Block::List(vec![estimator(own)])],
-            )
-            .in_summary(),
-        ),
+        Some(basis.in_summary()),
     ];
     let mut all = findings::of_joints(own);
-    all.extend(found.findings.clone());
+    all.extend(more);
     findings::sort(&mut all);
     Ok(Told {
         heading: "Joint stiffness with the flange fixed".to_string(),

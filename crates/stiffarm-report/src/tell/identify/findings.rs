@@ -141,7 +141,7 @@ fn stopped(not_computed: &[String]) -> Option<Finding> {
     let names: Vec<&str> = not_computed.iter().map(words).collect();
     let verb = if names.len() == 1 { "was" } else { "were" };
     let sentence = format!(
-        "Stopped: {} {verb} not computed. The estimates and their intervals by the scatter of the readings are complete.",
+        "The command was stopped before it was done: {} {verb} not computed. The estimates and their intervals by the scatter of the readings are complete.",
         list(&names)
     );
     (!names.is_empty()).then(|| Finding::new("stopped", Severity::Caution, "identify", sentence))
