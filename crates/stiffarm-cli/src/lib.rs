@@ -21,6 +21,7 @@ mod progress;
 mod screen;
 mod session;
 mod table;
+mod text;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};

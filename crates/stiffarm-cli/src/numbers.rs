@@ -45,6 +45,12 @@ pub fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| NONE.to_string(), |v| significant(v, digits))
 }
 
+/// 95 for 0.95, without the last bits of a binary fraction.
+pub fn confidence(fraction: f64) -> String {
+    let text = format!("{:.6}", fraction * 100.0);
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
 /// Joint stiffness \[N·m/rad\], always four digits and a power of ten.
 pub fn stiffness(value: f64) -> String {
     format!("{value:.3e}")

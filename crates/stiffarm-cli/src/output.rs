@@ -2,13 +2,18 @@
 
 use crate::commands::finding_line;
 use crate::files::{Target, write_all};
+use crate::input::Line;
 use crate::screen::{fitted, plain, rendered};
 use crate::session::Session;
+use crate::text;
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
 use stiffarm::files::envelope::{Envelope, write_result};
+use stiffarm::files::result::SavedResult;
+use stiffarm::files::source::NamedCell;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::{Code, Error, Result};
+use stiffarm_report::tell::{Given, tell};
 
 /// How a command ended, where it ended without an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,6 +93,30 @@ impl Session {
             None => {}
         }
         self.show(envelope, table)
+    }
+
+    /// Delivers what a result of `named` says, as [`Session::deliver`].
+    ///
+    /// # Errors
+    /// As [`Session::deliver`].
+    pub fn deliver_told(
+        &self,
+        target: Option<Target>,
+        envelope: &impl Serialize,
+        named: &NamedCell,
+        details: bool,
+    ) -> Result<()> {
+        // The object alone needs no words.
+        if self.json && !matches!(target, Some(Target::Stdout)) {
+            return self.deliver(target, envelope, String::new);
+        }
+        let saved = SavedResult::of(envelope, "result")?;
+        let told = tell(&Given {
+            saved: &saved,
+            cell: Some(&named.cell),
+        })?;
+        let words = || text::told(&told, details) + &named.line();
+        self.deliver(target, envelope, words)
     }
 
     /// Prints text for people to standard output: what others wrote in it is

@@ -8,12 +8,13 @@
 //!
 //! A [`scene::Scene`] is a cell in three dimensions as data, and the script of a page that shows it.
 //!
+//! [`tell`] is what a saved result says, as data: the command shows it in the terminal, [`report`] as a page.
+//!
 //! [`figure`] is generic: it knows nothing of stiffarm. The other modules turn
 //! stiffarm's results into figures and tables.
 
 mod cell;
 pub mod figure;
-#[cfg(feature = "page")]
 pub mod identified;
 mod map;
 #[cfg(feature = "page")]
@@ -29,6 +30,7 @@ pub mod report;
 pub mod scene;
 mod selection;
 pub mod study;
+pub mod tell;
 #[cfg(feature = "page")]
 pub mod validated;
 mod zones;

@@ -1,11 +1,10 @@
 //! `stiffarm compensate`: the path to command so that the loaded tool follows
 //! the nominal one.
 
-use super::identify::confidence;
 use super::{finding_line, others_last, serious_first};
 use crate::args::{CompensateArgs, WriteChoice};
 use crate::input::Line;
-use crate::numbers::{mm, times};
+use crate::numbers::{confidence, mm, times};
 use crate::output::Exit;
 use crate::path::{Outputs, curve, largest_first, of_path_usage, path_line};
 use crate::progress::Progress;

@@ -1,10 +1,9 @@
 //! `stiffarm evaluate`: all indices and expected errors of given postures.
 
-use super::identify::confidence;
 use super::{index_value, with_length};
 use crate::args::EvaluateArgs;
 use crate::input::Line;
-use crate::numbers::{NONE, optional, optional_percent, significant};
+use crate::numbers::{NONE, confidence, optional, optional_percent, significant};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::table::{Align, Table, serious, title, yellow};

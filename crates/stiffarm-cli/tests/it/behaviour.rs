@@ -346,7 +346,7 @@ fn displacements_in_metres_are_suspected() {
     assert_eq!(ran.code, Some(1));
     assert!(
         ran.out.starts_with(
-            "SERIOUS: The displacements look like metres under a heading in millimetres"
+            "The stiffness cannot be used. The displacements look like metres under a heading"
         ),
         "{}",
         ran.out

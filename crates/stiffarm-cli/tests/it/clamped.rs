@@ -87,7 +87,7 @@ fn the_wrench_on_the_fixture_is_named() {
         "{}",
         ran.out
     );
-    assert!(ran.out.contains("sign or model fault"), "{}", ran.out);
+    assert!(ran.out.contains("negative"), "{}", ran.out);
 }
 
 #[test]

@@ -217,8 +217,8 @@ fn identify_fits_a_screen() {
     let folder = measured();
     for options in ["", " --brief", " --estimator huber", " --exclude 5,6"] {
         let out = folder.ok(&format!("identify builtin:comau simulated.csv{options}"));
-        assert!(out.starts_with("Joint stiffness known to ± "), "{out}");
-        assert!(out.lines().count() <= 32, "{out}");
+        assert!(out.starts_with("The stiffness is known to ± "), "{out}");
+        assert!(out.lines().count() <= 38, "{out}");
         for line in out.lines() {
             assert!(line.chars().count() <= 80, "{line}");
         }
@@ -271,7 +271,8 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     folder.write("wrong-sign.csv", lines.join("\n"));
     let ran = folder.run("identify builtin:comau wrong-sign.csv");
     assert_eq!(ran.code, Some(1));
-    assert!(ran.out.contains("sign or model fault"), "{}", ran.out);
+    assert!(ran.out.contains("SERIOUS: joint 1"), "{}", ran.out);
+    assert!(ran.out.contains("negative"), "{}", ran.out);
 
     let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
     folder.write(

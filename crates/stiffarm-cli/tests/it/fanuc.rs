@@ -40,8 +40,8 @@ fn the_measured_fanuc_is_identified() {
         convert_fanuc::convert(&reference.join("fanuc_r2000ic")).unwrap(),
     );
     let out = folder.ok("identify builtin:fanuc-r2000ic fanuc.csv");
-    assert!(out.starts_with("Joint stiffness known to ± "), "{out}");
-    assert!(out.lines().count() <= 34, "{out}");
+    assert!(out.starts_with("The stiffness is known to ± "), "{out}");
+    assert!(out.lines().count() <= 40, "{out}");
     assert!(out.lines().all(|line| line.chars().count() <= 80), "{out}");
     let value = folder.json("identify builtin:fanuc-r2000ic fanuc.csv");
     let result = &value["result"];

@@ -1,11 +1,11 @@
 //! A page as HTML.
 
-use super::number::Number;
-use super::{Block, Comparison, DataTable, Outcome, Page, Part, Piece, Provenance, Section, Text};
+use super::{Comparison, Page, Part, Provenance};
 use crate::figure::svg::{escape, render_drawing};
 use crate::figure::{Axis, Figure, Series};
 use crate::page::chart::chart;
 use crate::scene::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
+use crate::tell::{Block, DataTable, Number, Outcome, Piece, SEEN_AT_ONCE, Section, Text};
 use askama::Template;
 use stiffarm::findings::{Finding, Severity};
 
@@ -15,14 +15,10 @@ const STYLE: &str = include_str!("../../assets/page.css");
 const SCRIPT: &str = include_str!("../../assets/page.js");
 /// Most points of a chart that the table behind it shows.
 const MOST_ROWS: usize = 400;
-/// Longest cell of a column of numbers \[characters\]: a number, its ± and a word.
-const LONGEST_NUMBER: usize = 40;
 /// Longest code that stays on one line \[characters\]; narrow screens have room for it.
 const UNBROKEN: usize = 26;
 /// Most rows of a table that stays on one printed page.
 const FEW_ROWS: usize = 14;
-/// Cautions that are seen without asking.
-const SEEN_AT_ONCE: usize = 4;
 
 #[derive(Template)]
 #[template(path = "page.html")]
@@ -263,19 +259,7 @@ fn number_html(number: &Number) -> String {
 }
 
 fn table(data: &DataTable) -> String {
-    // A column of numbers is set right; one word or sentence in it makes it a column of words.
-    let is_number = |cell: &Text| match cell.0.as_slice() {
-        [] => true,
-        [Piece::Words(words)] => words.is_empty() || words == "–",
-        pieces => {
-            let has_number = pieces.iter().any(|p| matches!(p, Piece::Number(_)));
-            has_number && cell.plain().chars().count() <= LONGEST_NUMBER
-        }
-    };
-    let columns = 0..data.headings.len();
-    let right: Vec<bool> = columns
-        .map(|c| c > 0 && data.rows.iter().all(|row| row.get(c).is_none_or(is_number)))
-        .collect();
+    let right = data.of_numbers();
     let class = |c: usize| match right.get(c) {
         Some(true) => " class=\"r\"",
         _ => "",

@@ -3,6 +3,7 @@
 use crate::cell::{Full, cell_drawing};
 use crate::page::{Block, DataTable, Number, Outcome, Part, Provenance, Section, Text};
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
+use crate::tell::{Given, Told};
 use serde_json::Value;
 use stiffarm::Result;
 use stiffarm::files::result::SavedResult;
@@ -15,15 +16,6 @@ const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
 
 /// Codes of findings that a command was stopped.
 const STOPPED: [&str; 2] = ["interrupted", "stopped"];
-
-/// A saved result with its cell, where that is at hand.
-#[derive(Debug, Clone, Copy)]
-pub struct Given<'a> {
-    /// The result.
-    pub saved: &'a SavedResult,
-    /// The cell it was made with.
-    pub cell: Option<&'a Cell>,
-}
 
 impl Given<'_> {
     /// Cell and robot in words.
@@ -53,9 +45,38 @@ impl<'a> Context<'a> {
 
     /// The number at a JSON Pointer below `/result`.
     pub fn number(&self, below: &str) -> Number {
-        let pointer = format!("/result{below}");
-        let value = self.saved.number(&pointer);
-        Number::new(pointer, value)
+        self.given().number(below)
+    }
+
+    /// The result with its cell.
+    pub fn given(&self) -> Given<'a> {
+        Given {
+            saved: self.saved,
+            cell: self.cell,
+        }
+    }
+
+    /// The part of a page for what a result says.
+    pub fn told(&self, told: Told) -> Part {
+        let is_note = |finding: &Finding| finding.severity == Severity::Note;
+        let (notes, warnings): (Vec<Finding>, Vec<Finding>) =
+            told.findings.into_iter().partition(is_note);
+        let mut sections = told.sections;
+        if !notes.is_empty() {
+            let block = Block::Findings(notes);
+            sections.push(Section::new("notes", "Notes", vec![block]));
+        }
+        Part {
+            command: self.saved.command.clone(),
+            heading: told.heading,
+            name: visible(&self.saved.name).into_owned(),
+            outcome: told.outcome,
+            verdict: told.verdict,
+            warnings,
+            key: Some(told.key),
+            sections,
+            provenance: provenance(self.saved),
+        }
     }
 
     /// The parts that all results have, around what is their own.

@@ -3,6 +3,7 @@
 //! A part of the page is a function of the saved result, and of its cell where that is at hand: without it only
 //! the pictures of the cell are missing. The command that made a result and `stiffarm report` build the same page.
 
+mod arrows;
 mod at_work;
 mod compare;
 mod compensate;
@@ -24,7 +25,7 @@ mod validate;
 mod worth;
 mod zones;
 
-pub use context::Given;
+pub use crate::tell::Given;
 
 use crate::page::{Page, Part};
 use context::Context;

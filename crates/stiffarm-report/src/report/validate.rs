@@ -1,7 +1,7 @@
 //! The page of `validate`: does the stiffness predict what was measured?
 
+use super::arrows::{Residuals, residual_section};
 use super::context::Context;
-use super::identify::{Residuals, residual_section};
 use crate::identified::in_order;
 use crate::page::{Block, DataTable, Number, Outcome, Part, Section, Text};
 use crate::validated::validation_figure;

@@ -1,5 +1,6 @@
 //! Pages of identify and validate.
 
+use super::tell::{good, suspected};
 use serde_json::{Map, Value, json};
 use stiffarm::estimate::clamped::{
     ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
@@ -13,12 +14,12 @@ use stiffarm::files::builtin;
 use stiffarm::files::result::SavedResult;
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::ReadingTarget;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::Model;
 use stiffarm::simulated_readings;
 use stiffarm_report::page::{Block, Number, Outcome, Page, Piece, Text, render_page};
 use stiffarm_report::report::{Given, report};
+use stiffarm_report::validated::validation_figure;
 
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)>";
 
@@ -229,51 +230,6 @@ fn an_earlier_result_without_vectors_has_a_page() {
 }
 
 #[test]
-fn a_fault_in_the_table_comes_first_and_says_what_to_correct() {
-    let cell = Cell::built_in("comau").unwrap();
-    let mut readings = simulated_readings(&cell, &group(&cell), 1).unwrap();
-    // Two points of the second posture exchanged.
-    let states = readings.postures[1].states.iter_mut();
-    for reading in states.flat_map(|state| &mut state.readings) {
-        reading.target = match reading.target.clone() {
-            ReadingTarget::Point(0) => ReadingTarget::Point(2),
-            ReadingTarget::Point(2) => ReadingTarget::Point(0),
-            other => other,
-        };
-    }
-    let measured = prepare(&cell, readings, &Default::default()).unwrap();
-    let made = page(
-        &saved("identify", identified(&cell, &measured)),
-        Some(&cell),
-    );
-    assert_eq!(made.parts[0].outcome, Outcome::Serious);
-    assert!(
-        words(&made)[2].starts_with("Correct the table first"),
-        "{:?}",
-        words(&made)
-    );
-    assert_eq!(made.parts[0].sections[0].id, "readings");
-}
-
-#[test]
-fn a_joint_that_cannot_be_told_is_named() {
-    // The rope's force goes through the axis of joint 6, and the only measuring point lies on it.
-    let mut cell = Cell::built_in("comau").unwrap();
-    cell.setup.tool.loading_point.x = 0.0;
-    cell.setup.tool.loading_point.y = 0.0;
-    let made = identified(&cell, &measured(&cell, &group(&cell)));
-    let result = saved("identify", made);
-    let made = page(&result, None);
-    let [_, came, next] = words(&made);
-    assert!(came.contains("No usable value: joint 6"), "{came}");
-    assert!(next.contains("joint 6"), "{next}");
-    assert_ne!(made.parts[0].outcome, Outcome::Good);
-    let key = made.parts[0].key.as_ref().unwrap();
-    let last = key.rows[5].last().unwrap().plain();
-    assert!(last.contains("not determined"), "{last}");
-}
-
-#[test]
 fn hostile_names_stay_text() {
     let cell = Cell::built_in("comau").unwrap();
     let mut postures = group(&cell);
@@ -340,4 +296,93 @@ fn a_clamped_arm_has_a_page_of_angles() {
     assert!(done.contains("With the flange fixed"), "{done}");
     assert!(came.contains("mdeg"), "{came}");
     numbers_are_those_of_the_file(&made, &result, 30);
+}
+
+#[test]
+fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
+    let (_, result) = good();
+    let mut other = result.clone();
+    let stiffness = other["joints"][2]["stiffness"].as_f64().unwrap();
+    other["joints"][2]["stiffness"] = json!(1.5 * stiffness);
+    let wrong = suspected(result.clone(), "load_units", "serious", "Kilograms.");
+    let total = other["budget"]["uncertainty"][0]["total"].as_f64().unwrap();
+    other["budget"]["uncertainty"][0]["total"] = json!(total + 0.02);
+    let mut given: Vec<SavedResult> = [result, other, wrong.clone(), wrong]
+        .into_iter()
+        .map(|result| saved("identify", result))
+        .collect();
+    for (one, name) in given
+        .iter_mut()
+        .zip(["a.json", "b.json", "c.json", "d.json"])
+    {
+        one.name = name.to_string();
+    }
+    let all: Vec<Given<'_>> = given
+        .iter()
+        .map(|saved| Given { saved, cell: None })
+        .collect();
+    let page = report(&all).unwrap();
+    let comparison = page.comparison.as_ref().unwrap();
+    let [_, came, next] = comparison.verdict.each_ref().map(Text::plain);
+    assert!(came.contains("joint\u{a0}3 differs by 50 %"), "{came}");
+    assert!(came.contains("(b.json against a.json)"), "{came}");
+    assert!(
+        next.starts_with("Do not use c.json and d.json as they are"),
+        "{next}"
+    );
+    let tables = comparison.sections.iter().flat_map(|s| &s.blocks);
+    let tables: Vec<_> = tables
+        .filter_map(|block| match block {
+            Block::Table(table) => Some(table),
+            _ => None,
+        })
+        .collect();
+    let results = tables
+        .iter()
+        .find(|t| t.caption == "What came out")
+        .unwrap();
+    assert_eq!(results.rows[2][1].plain(), "✗\u{a0}Not usable as it is");
+    assert!(matches!(&results.rows[2][0].0[0], Piece::Link(_, anchor) if anchor == "r2"));
+    assert!(render_page(&page).contains("<a href=\"#r2\">c.json</a>"));
+    let numbers = tables.iter().find(|t| t.headings[0] == "number").unwrap();
+    assert_eq!(
+        numbers.headings[5..],
+        [
+            "difference of b.json",
+            "difference of c.json",
+            "difference of d.json"
+        ]
+    );
+    let rows: Vec<String> = numbers.rows.iter().map(|row| row[0].plain()).collect();
+    assert!(
+        rows[..6].iter().all(|row| row.contains("· k [")),
+        "{rows:?}"
+    );
+    assert_eq!(numbers.rows[2][5].plain(), "+50.0 % beyond ±");
+    assert_eq!(numbers.rows[2][6].plain(), "same");
+    let row = &numbers.rows[6];
+    assert_eq!(row[0].plain(), "joint\u{a0}1 · ± total [%]");
+    assert_eq!(row[5].plain(), "+2.0\u{a0}points");
+}
+
+#[test]
+fn bars_of_a_validation_are_named_by_what_tells_them_apart() {
+    let cell = Cell::built_in("comau").unwrap();
+    let prior = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior().unwrap()).unwrap();
+    let figure = |count: usize| {
+        let measured = measured(&cell, &group(&cell)[..count]);
+        let found = validate_with(&cell, &prior, &measured, Model::Linear, None).unwrap();
+        validation_figure(&found)
+    };
+    let one = figure(1);
+    let x = &one.panels[0].x;
+    assert_eq!(x.label, "load state · measuring point");
+    assert_eq!(x.categories.len(), 12);
+    assert!(x.categories[1].ends_with(" · 2"), "{:?}", x.categories);
+    assert!(one.caption.contains(", posture 1,"), "{}", one.caption);
+    // Too many for a name each.
+    let all = figure(6);
+    assert_eq!(all.panels[0].x.label, "posture");
+    assert_eq!(all.panels[0].x.categories.len(), 6);
+    assert_eq!(all.panels[0].series[0].x.len(), 72);
 }

@@ -7,7 +7,6 @@ mod generic;
 #[cfg(feature = "page")]
 mod identified;
 #[cfg(feature = "page")]
-mod identified_wrong;
 mod maps;
 #[cfg(feature = "page")]
 mod page;
@@ -16,3 +15,4 @@ mod pages;
 mod paper;
 mod render;
 mod scenes;
+mod tell;

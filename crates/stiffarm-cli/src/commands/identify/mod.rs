@@ -1,23 +1,13 @@
 //! `stiffarm identify`: joint stiffness from measured displacements or raw readings.
 
-pub mod clamped;
-mod elastic;
-mod messages;
-mod next;
-pub mod readings;
-mod summary;
-mod tables;
-
-pub use messages::confidence;
+mod clamped;
 
 use crate::args::IdentifyArgs;
 use crate::error::of_option;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::progress::Progress;
-use crate::screen::{columns, wrapped};
 use crate::session::Session;
-use crate::table::title;
 use stiffarm::Result;
 use stiffarm::estimate::identified::{Identified, Options, Wanted};
 use stiffarm::estimate::identify::{Fit, implausible_scale};
@@ -66,53 +56,6 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let elastic = args.fit.elastic.map(Into::into);
     let described = Options::new(&options, &wanted, elastic, &args.exclude);
     let envelope = session.envelope("identify", Some(args.seed), described, &result);
-    let table = || {
-        let out = summary::summary(&named, &fit, &result, &args.exclude, args.details);
-        match args.details {
-            true => out + &details(&fit, &result),
-            false => out,
-        }
-    };
-    session.deliver(target, &envelope, table)?;
+    session.deliver_told(target, &envelope, &named, args.details)?;
     Ok(exit)
-}
-
-/// Everything beside the summary.
-fn details(fit: &Fit, result: &Identified) -> String {
-    let found = &result.identification;
-    let mut out = String::new();
-    let columns = columns();
-    let sentence = |text: &str| format!("{}\n", wrapped(text, columns));
-    if result.readings.is_some() || result.sanity.is_some() {
-        out += &title("Readings");
-        let lines = readings::summary(fit.measured());
-        lines.lines().for_each(|line| out += &sentence(line));
-    }
-    out += &title("Intervals of the joint stiffness by the scatter of the readings");
-    let shared = &found.estimates;
-    let (budget, bootstrap) = (result.budget.as_ref(), result.bootstrap.as_ref());
-    out += &tables::estimates(shared, budget, bootstrap).to_string();
-    out += &tables::further(shared);
-    out.push('\n');
-    for text in messages::verdicts(result) {
-        out += &sentence(&text);
-    }
-    if let Some(budget) = &result.budget {
-        out += &title("Systematic errors: change of k [%]");
-        out += &tables::common(budget).to_string();
-    }
-    if let Some(diagnosis) = &result.diagnosis {
-        out += &title("What each joint carries");
-        out += &tables::signals(&diagnosis.signals).to_string();
-        if let Some(trials) = diagnosis.terms.as_ref().filter(|t| !t.trials.is_empty()) {
-            out += &title("Further terms, each tried alone");
-            out += &tables::trials(trials).to_string();
-        }
-    }
-    if !found.weights.is_empty() {
-        out += &tables::weights(found);
-    }
-    out += &title("Postures with the largest residuals");
-    out += &tables::residuals(result).to_string();
-    out + &next::next(fit.cell(), result)
 }

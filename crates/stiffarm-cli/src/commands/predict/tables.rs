@@ -1,7 +1,6 @@
 //! What `stiffarm predict` prints and writes.
 
-use crate::commands::identify::confidence;
-use crate::numbers::{mm, significant};
+use crate::numbers::{confidence, mm, significant};
 use crate::path::largest_first;
 use crate::table::{Align, Table, title};
 use std::io::Write;

@@ -1,20 +1,20 @@
 //! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
 //! postures kept out of the identification, or fold by fold without any.
 
+mod readings;
 mod remarks;
 
-use super::identify::confidence;
-use super::identify::readings::{done, marked};
 use super::serious_first;
 use crate::args::ValidateArgs;
 use crate::error::{of_option, of_usage};
 use crate::files::ends_in;
 use crate::input::Line;
-use crate::numbers::{NONE, mm, percent, significant, times};
+use crate::numbers::{NONE, confidence, mm, percent, significant, times};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::{Align, Table, green, red, serious, title, weight};
+use readings::{done, marked};
 use remarks::said;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::Fit;

@@ -6,12 +6,6 @@ use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::Measured;
 use stiffarm::measure::reduction::UnloadedRegistration;
 
-/// What was done with raw readings, and what was found.
-pub fn summary(measured: &Measured) -> String {
-    let findings: String = measured.findings().map(marked).collect();
-    done(measured) + &findings
-}
-
 /// What was done with raw readings; nothing for displacements.
 pub fn done(measured: &Measured) -> String {
     let mut out = String::new();

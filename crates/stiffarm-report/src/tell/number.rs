@@ -28,7 +28,63 @@ pub enum Form {
     Decimals(usize),
 }
 
+/// Unit and digits of a kind of number, in sentences and columns alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Unit that is shown; empty for a ratio.
+    pub unit: &'static str,
+    /// The shown number is the value in SI units and radians times this.
+    pub factor: f64,
+    /// How many digits are shown.
+    pub form: Form,
+}
+
+impl Quantity {
+    /// Joint stiffness, from N·m/rad.
+    pub const STIFFNESS: Quantity = Self::new("10⁶ N·m/rad", 1e-6, Form::Significant(4));
+    /// A share, from a fraction.
+    pub const PERCENT: Quantity = Self::new("%", 100.0, Form::Significant(2));
+    /// Displacements and residuals, from m.
+    pub const LENGTH: Quantity = Self::new("mm", 1e3, Form::Decimals(4));
+    /// Deflection of an axis with the flange fixed, from rad.
+    pub const AXIS: Quantity = Self::new("mdeg", 1e3 * DEGREE, Form::Significant(3));
+    /// Lost motion, from rad.
+    pub const GAP: Quantity = Self::new("arcmin", 60.0 * DEGREE, Form::Significant(2));
+    /// Torque \[N·m\].
+    pub const TORQUE: Quantity = Self::new("N·m", 1.0, Form::Significant(3));
+    /// A ratio.
+    pub const RATIO: Quantity = Self::new("", 1.0, Form::Significant(3));
+
+    /// A kind of number by its unit, the factor to it and its digits.
+    pub const fn new(unit: &'static str, factor: f64, form: Form) -> Self {
+        Quantity { unit, factor, form }
+    }
+
+    /// The same with so many significant digits.
+    #[must_use]
+    pub const fn digits(self, digits: usize) -> Self {
+        Self::new(self.unit, self.factor, Form::Significant(digits))
+    }
+}
+
+/// Degrees in a radian.
+const DEGREE: f64 = 180.0 / std::f64::consts::PI;
+
 impl Number {
+    /// A number that was computed for the telling and stands in no file.
+    pub fn computed(value: f64) -> Self {
+        Number::new("", Some(value))
+    }
+
+    /// The same as one of this kind, with its unit.
+    #[must_use]
+    pub fn of(self, quantity: Quantity) -> Self {
+        Number {
+            form: quantity.form,
+            ..self.times(quantity.factor).unit(quantity.unit)
+        }
+    }
+
     /// A number with four significant digits and no unit.
     pub fn new(pointer: impl Into<String>, value: Option<f64>) -> Self {
         Number {

@@ -1,8 +1,8 @@
 //! The verdict on the measured readings, in the order in which one acts.
 
+use super::shown;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::page::{Block, DataTable, Section, Text};
-use crate::report::context::Context;
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
 use serde_json::Value;
 use stiffarm::estimate::identified::{Identified, Reduced};
 use stiffarm::findings::{Severity, list, visible};
@@ -10,17 +10,17 @@ use stiffarm::measure::reduction::UnloadedRegistration;
 use stiffarm::measure::screening::{Screening, Suspicion};
 
 /// What was found about the readings; `None` where nothing is worth a word.
-pub(super) fn section(context: &Context<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn section(given: &Given<'_>, found: &Identified) -> Option<Section> {
     let mut blocks = Vec::new();
     if let Some(screening) = found.screening().filter(|s| !s.suspicions.is_empty()) {
         let below = match found.readings {
             Some(_) => "/readings/sanity",
             None => "/sanity",
         };
-        blocks.push(Block::Table(suspicions(context, screening, below)));
+        blocks.push(Block::Table(suspicions(given, screening, below)));
     }
     if let Some(readings) = &found.readings {
-        blocks.push(Block::Table(checks(context, readings)));
+        blocks.push(Block::Table(checks(given, readings)));
         let registration = readings.reduction.registration.as_ref();
         blocks.extend(
             registration
@@ -33,47 +33,36 @@ pub(super) fn section(context: &Context<'_>, found: &Identified) -> Option<Secti
 }
 
 /// What is likely wrong, one row each, the first to be corrected first.
-fn suspicions(context: &Context<'_>, screening: &Screening, below: &str) -> DataTable {
-    let mut table = DataTable::new(
-        "What is likely wrong with the table, in the order to correct it",
-        ["likely cause", "weight", "where"],
-    );
-    // Columns that some row fills.
+fn suspicions(given: &Given<'_>, screening: &Screening, below: &str) -> DataTable {
     let all = &screening.suspicions;
-    let has_lines = all.iter().any(|s| !s.lines.is_empty());
-    let has_misfits = all.iter().any(|s| s.before_m.is_some());
-    if has_lines {
-        table.headings.push("lines".to_string());
-    }
-    if has_misfits {
-        let more = ["misfit as read [mm]", "misfit corrected [mm]"];
-        table.headings.extend(more.map(String::from));
-    }
-    let mut order: Vec<usize> = (0..screening.suspicions.len()).collect();
     let weight = |i: &usize| screening.findings.get(*i).map(|f| f.severity);
+    let mut order: Vec<usize> = (0..all.len()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(weight(i)));
-    for i in order {
-        let own = &screening.suspicions[i];
-        let misfit = |key: &str| {
-            let number = context.number(&format!("{below}/suspicions/{i}/{key}"));
-            number.mm().bare().significant(3)
-        };
-        let lines: Vec<String> = own.lines.iter().map(usize::to_string).collect();
-        let mut cells = vec![
-            match weight(&i) {
-                Some(Severity::Serious) => Text::default().strong("serious"),
-                Some(Severity::Caution) => "caution".into(),
-                _ => "note".into(),
-            },
-            Text::new(place(own)),
-        ];
-        cells.extend(has_lines.then(|| Text::new(shortened(&lines))));
-        if has_misfits {
-            cells.extend(["before_m", "after_m"].map(|key| Text::from(misfit(key))));
-        }
-        table.row(cause(own), cells);
-    }
-    table
+    let misfit = |row: usize, key: &str| {
+        let number = given.number(&format!("{below}/suspicions/{}/{key}", order[row]));
+        number.value.map(|_| number)
+    };
+    DataTable::of(
+        "What is likely wrong with the table, in the order to correct it",
+        "likely cause",
+        order.iter().map(|i| cause(&all[*i])),
+    )
+    .words("weight", |row| match weight(&order[row]) {
+        Some(Severity::Serious) => Text::default().strong("serious"),
+        Some(Severity::Caution) => "caution".into(),
+        _ => "note".into(),
+    })
+    .words("where", |row| place(&all[order[row]]).into())
+    .words("lines", |row| {
+        let lines: Vec<String> = all[order[row]].lines.iter().map(usize::to_string).collect();
+        shortened(&lines).into()
+    })
+    .numbers("misfit as read", Quantity::LENGTH, |row| {
+        misfit(row, "before_m")
+    })
+    .numbers("misfit corrected", Quantity::LENGTH, |row| {
+        misfit(row, "after_m")
+    })
 }
 
 /// The stable name of a cause as words.
@@ -86,10 +75,7 @@ fn cause(own: &Suspicion) -> String {
 /// Posture, state and points of a suspicion.
 fn place(own: &Suspicion) -> String {
     let part = |word: &str, names: &[String]| {
-        let names: Vec<String> = names
-            .iter()
-            .map(|name| visible(name).into_owned())
-            .collect();
+        let names = shown(names);
         (!names.is_empty()).then(|| {
             let word = match names.len() {
                 2.. if !word.is_empty() => format!("{word}s"),
@@ -124,7 +110,7 @@ pub(super) fn shortened(names: &[String]) -> String {
 }
 
 /// What else the readings say of the day: one row per check.
-fn checks(context: &Context<'_>, readings: &Reduced) -> DataTable {
+fn checks(given: &Given<'_>, readings: &Reduced) -> DataTable {
     let mut table = DataTable::new(
         "What the readings say of the measurement itself",
         [
@@ -135,7 +121,7 @@ fn checks(context: &Context<'_>, readings: &Reduced) -> DataTable {
         ],
     );
     let number = |below: &str| {
-        let number = context.number(&format!("/readings/reduction/{below}"));
+        let number = given.number(&format!("/readings/reduction/{below}"));
         Text::from(number.mm().bare().decimals(4))
     };
     let reduction = &readings.reduction;
@@ -157,6 +143,14 @@ fn checks(context: &Context<'_>, readings: &Reduced) -> DataTable {
         let how = match left.is_empty() {
             true => how,
             false => format!("{how}; {} disagrees", shortened(&left)),
+        };
+        let turn = registration.turn_standard_error_rad.into_iter().flatten();
+        let how = match turn.reduce(f64::max) {
+            Some(turn) => {
+                let turn = Number::computed(1e3 * turn).significant(2).unit("mrad");
+                format!("{how}; turn known to {}", turn.text())
+            }
+            None => how,
         };
         let cells = [number("registration/rms_m"), "–".into(), how.into()];
         table.row("registration, RMS from the kinematic model", cells);

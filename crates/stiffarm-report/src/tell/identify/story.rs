@@ -1,21 +1,22 @@
 //! What was done, what came out, what to do next.
 
-use super::super::worth::level;
+use super::basis::excluded;
+use super::findings::is_brief;
 use super::joints::{Joints, is_wide, is_within};
 use super::readings::shortened;
+use super::{counted, level};
 use crate::identified::in_order;
-use crate::page::{Number, Text};
-use crate::report::context::Context;
+use crate::tell::{Given, Number, Quantity, Text};
 use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
 use stiffarm::estimate::identified::Identified;
-use stiffarm::estimate::identify::{Verdict, WELL_KNOWN};
-use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
+use stiffarm::findings::{Finding, Severity, list, visible};
 
 /// Residuals this many times the expected noise hold more than noise, where no test says it.
 const MORE_THAN_NOISE: f64 = 1.5;
 
 /// What was done.
-pub(super) fn done(context: &Context<'_>, found: &Identified) -> Text {
+pub(super) fn done(given: &Given<'_>, found: &Identified) -> Text {
     let estimates = &found.identification.estimates;
     let names = found
         .identification
@@ -27,17 +28,16 @@ pub(super) fn done(context: &Context<'_>, found: &Identified) -> Text {
         Some(_) => "raw readings of the tracker",
         None => "measured displacements",
     };
-    let excluded = context.saved.json["options"]["exclude"].as_array();
-    let excluded = match excluded.map_or(0, Vec::len) {
-        0 => String::new(),
-        1 => " One posture was left out.".to_string(),
-        count => format!(" {count} postures were left out."),
+    let excluded = match excluded(given) {
+        names if names.is_empty() => String::new(),
+        names => format!(" Left out: {}.", list(&names)),
     };
     Text::new(format!(
-        "The stiffness of {} joints was identified from {from} at {postures} {}: {} displacements.{excluded}",
+        "The stiffness of {} joints was identified from {from} at {}: {} ({} components).{excluded}",
         estimates.joints.len(),
-        if postures == 1 { "posture" } else { "postures" },
-        estimates.rows / 3,
+        counted(postures, "posture"),
+        counted(estimates.rows / 3, "displacement"),
+        estimates.rows,
     ))
 }
 
@@ -58,26 +58,21 @@ pub(super) fn unusable(first: &Finding, more: usize) -> Text {
         .words(format!(". {clause}.{others}"))
 }
 
-/// Whether only estimates and residuals were asked for.
-pub(super) fn brief(context: &Context<'_>) -> bool {
-    context.saved.json["options"]["brief"] == true
-}
-
 /// What came out.
 pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
-    let context = joints.context;
+    let given = joints.given;
     let known = match found.budget {
         Some(_) => known(joints),
         None => known(joints)
             .words(" ")
             .strong("Systematic errors were not examined."),
     };
-    let text = residual(known, context, found);
+    let text = residual(known, given, found);
     if found.mixed().is_none() {
         return text;
     }
     let mm = |key: &str| {
-        let number = context.number(&format!("/elastic/{key}"));
+        let number = given.number(&format!("/elastic/{key}"));
         number.mm().decimals(3)
     };
     let text = text.words(" More than the joint axes gives way: ");
@@ -102,15 +97,28 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
         Some(_) => "readings and systematic errors together",
         None => "the scatter of the readings alone",
     };
+    // Before any number: joints that have none.
+    let missing = joints.of(|verdict| !is_within(verdict) && !is_wide(verdict));
+    let text = match missing.is_empty() {
+        true => Text::default(),
+        false if missing.len() == joints.all().len() => {
+            return Text::default().strong("No joint has a usable value.");
+        }
+        false => Text::new("No usable value: ")
+            .strong(joints.names(&missing))
+            .words(". "),
+    };
     let mut text = match within.as_slice() {
-        [] => Text::default().strong("No joint's stiffness is known to better than half of it."),
-        [one] => Text::new(format!(
-            "The stiffness of {} is known to ",
-            joints.name(*one)
-        ))
-        .number(joints.total(*one).plus_minus())
-        .words(format!(" ({level} %, {with}).")),
-        [first, .., last] => Text::new("The stiffness is known to ")
+        [] => text.strong("No joint's stiffness is known to better than half of it."),
+        [one] => text
+            .words(format!(
+                "The stiffness of {} is known to ",
+                joints.name(*one)
+            ))
+            .number(joints.total(*one).plus_minus())
+            .words(format!(" ({level} %, {with}).")),
+        [first, .., last] => text
+            .words("The stiffness is known to ")
             .number(joints.total(*first).plus_minus())
             .words(format!(" ({}) to ", joints.name(*first)))
             .number(joints.total(*last).plus_minus())
@@ -136,18 +144,11 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
         };
         text = text.words(".");
     }
-    let missing = joints.of(|verdict| !is_within(verdict) && !is_wide(verdict));
-    if !missing.is_empty() {
-        text = text
-            .words(" No usable value: ")
-            .strong(joints.names(&missing))
-            .words(".");
-    }
     text
 }
 
 /// Whether the residual is noise.
-fn residual(text: Text, context: &Context<'_>, found: &Identified) -> Text {
+fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
     let own = &found.identification;
     let test = found.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
     let (std, expected) = match test {
@@ -157,9 +158,11 @@ fn residual(text: Text, context: &Context<'_>, found: &Identified) -> Text {
         ),
         None => ("/total_std_m", "/expected_std_m"),
     };
-    let mm = |below: &str| context.number(below).mm().decimals(4);
+    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
     if own.estimates.degrees_of_freedom == 0 {
-        return text.words(" No reading is left over to check the model.");
+        return text.words(
+            " No degree of freedom is left: nothing checks the model, and there are no intervals.",
+        );
     }
     if own.expected_std_m <= 0.0 {
         return text
@@ -189,17 +192,23 @@ fn residual(text: Text, context: &Context<'_>, found: &Identified) -> Text {
         Agreement::Larger => {
             let ratio = Number::new("", own.total_std_m.map(|s| s / own.expected_std_m));
             let ratio = match test {
-                Some(_) => context.number("/diagnosis/noise/ratio"),
+                Some(_) => given.number("/diagnosis/noise/ratio"),
                 None => ratio,
             };
             let text = text
                 .words(" What the fit leaves is ")
                 .strong("not noise alone")
                 .words(": ");
-            numbers(text)
+            let text = numbers(text)
                 .words(", ")
                 .number(ratio.significant(2))
-                .words(" times as much.")
+                .words(" times as much.");
+            match own.estimates.noise {
+                NoiseSource::Known => {
+                    text.words(" The intervals rest on the cell's noise and are too narrow.")
+                }
+                _ => text,
+            }
         }
     }
 }
@@ -210,7 +219,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
         let mut both = screening.suspicions.iter().zip(&screening.findings);
         both.find(|(_, finding)| finding.severity == Severity::Serious)
     });
-    if let Some((fault, _)) = fault.filter(|_| joints.serious) {
+    if let Some((fault, _)) = fault.filter(|_| joints.unusable) {
         let lines: Vec<String> = fault.lines.iter().map(usize::to_string).collect();
         let lines = match lines.as_slice() {
             [] => String::new(),
@@ -221,13 +230,19 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             .strong(format!("Correct the table first{lines}"))
             .words(", then identify again; until then the numbers here are not to be used.");
     }
-    if joints.serious {
+    if joints.unusable {
         return Text::default()
             .strong("Settle what is marked serious first")
             .words(", then identify again; until then the numbers here are not to be used.");
     }
+    let negative = joints.of(|verdict| verdict == Verdict::SignOrModelFault);
+    if !negative.is_empty() {
+        return Text::default()
+            .strong("Check the sign of the force")
+            .words(" (on the robot), the frames and the model, then identify again.");
+    }
     if found.budget.is_none() {
-        let text = match brief(joints.context) {
+        let text = match is_brief(joints.given) {
             true => Text::new("Identify again without ").code("--brief"),
             false => Text::new("Identify again"),
         };
@@ -283,7 +298,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
     if let (Some(advice), false) = (&found.next_posture, missing.is_empty() && weak.is_empty()) {
         let text = Text::new("Measure one more posture: q = ");
-        let text = angles(text, joints.context, advice.angles.len());
+        let text = angles(text, joints.given, advice.angles.len());
         let most = missing.iter().chain(&weak).copied();
         let fallen = |j: &usize| {
             let before = advice.before.get(*j).copied().flatten();
@@ -298,8 +313,8 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             return text.words(" helps most.");
         };
         let at = |key: &str| {
-            let number = joints.context.number(&format!("/next_posture/{key}/{j}"));
-            number.percent().significant(2)
+            let number = joints.given.number(&format!("/next_posture/{key}/{j}"));
+            number.of(Quantity::PERCENT)
         };
         let text = text.words(format!(
             "; it takes the standard error of {}",
@@ -324,13 +339,13 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
 }
 
 /// The angles of the next posture.
-pub(super) fn angles(text: Text, context: &Context<'_>, count: usize) -> Text {
+pub(super) fn angles(text: Text, given: &Given<'_>, count: usize) -> Text {
     let mut text = text.words("(");
     for j in 0..count {
         if j > 0 {
             text = text.words(", ");
         }
-        let number = context.number(&format!("/next_posture/posture_deg/{j}"));
+        let number = given.number(&format!("/next_posture/posture_deg/{j}"));
         text = text.number(number.decimals(2));
     }
     text.words(")°")

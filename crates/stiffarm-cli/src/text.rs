@@ -1,0 +1,106 @@
+//! What a result says, in the terminal: order, widths and colours. Nothing here knows what a result is about.
+
+use crate::screen::{columns, paint, wrapped};
+use crate::table::{Align, Table, title, weight};
+use anstyle::Style;
+use stiffarm::findings::{Finding, Severity};
+use stiffarm_report::tell::{Block, DataTable, Depth, Piece, SEEN_AT_ONCE, Section, Text, Told};
+
+/// The verdict, the table to read first, what to know and to do, and the rest as far as it is asked for.
+pub fn told(told: &Told, details: bool) -> String {
+    let [done, came, next] = &told.verdict;
+    let of = |severity: Severity| told.findings.iter().filter(move |f| f.severity == severity);
+    let mut out = sentence(came);
+    out.extend(of(Severity::Serious).map(finding));
+    out += &format!("\n{}\n", table(&told.key));
+    let cautions: Vec<&Finding> = of(Severity::Caution).collect();
+    let seen = if details {
+        cautions.len()
+    } else {
+        SEEN_AT_ONCE
+    };
+    out.extend(cautions.iter().copied().take(seen).map(finding));
+    if cautions.len() > seen {
+        let more = cautions.len() - seen;
+        let word = weight(Severity::Caution);
+        out += &line(&format!("{word}: {more} more, with --details"));
+    }
+    if details {
+        out.extend(of(Severity::Note).map(finding));
+    }
+    out += &sentence(&Text::new("Next: ").then(next.clone()));
+    let (shown, hidden): (Vec<&Section>, Vec<&Section>) = told
+        .sections
+        .iter()
+        .filter(|section| has_words(&section.blocks))
+        .partition(|section| details || section.depth == Depth::Summary);
+    for section in shown {
+        out += &title(&section.title);
+        out += &blocks(&section.blocks);
+    }
+    out += &sentence(done);
+    if !hidden.is_empty() {
+        let titles: Vec<&str> = hidden.iter().map(|section| &*section.title).collect();
+        out += &line(&format!("--details shows the rest: {}.", titles.join("; ")));
+    }
+    out
+}
+
+/// Whether something of these blocks can be said in words.
+fn has_words(blocks: &[Block]) -> bool {
+    blocks.iter().any(|block| match block {
+        Block::Figure(_) | Block::Figures(_) | Block::Drawing(_) | Block::Scene(..) => false,
+        Block::Details(_, inside) => has_words(inside),
+        _ => true,
+    })
+}
+
+/// Blocks below each other; pictures are left to the page.
+fn blocks(all: &[Block]) -> String {
+    let shown = all.iter().map(|block| match block {
+        Block::Text(text) => sentence(text),
+        Block::List(texts) => texts.iter().map(sentence).collect(),
+        Block::Table(data) => format!("{}{}", line(&data.caption), table(data)),
+        Block::Findings(findings) => findings.iter().map(finding).collect(),
+        Block::Details(_, inside) => blocks(inside),
+        Block::Figure(_) | Block::Figures(_) | Block::Drawing(_) | Block::Scene(..) => {
+            String::new()
+        }
+    });
+    let shown: Vec<String> = shown.filter(|text| !text.is_empty()).collect();
+    shown.join("\n")
+}
+
+/// A finding with its weight.
+fn finding(finding: &Finding) -> String {
+    let word = weight(finding.severity);
+    line(&format!("{word}: {}", finding.sentence))
+}
+
+/// A text in lines of the terminal's width.
+fn sentence(text: &Text) -> String {
+    let pieces = text.0.iter().map(|piece| match piece {
+        Piece::Words(words) | Piece::Link(words, _) | Piece::Different(words) => words.clone(),
+        Piece::Strong(words) => paint(Style::new().bold(), words),
+        Piece::Code(words) => format!("`{words}`"),
+        Piece::Number(number) => number.text(),
+    });
+    line(&pieces.collect::<String>())
+}
+
+/// The same of words; a number keeps its unit on its line.
+fn line(words: &str) -> String {
+    format!("{}\n", wrapped(words, columns())).replace('\u{a0}', " ")
+}
+
+/// A table in columns.
+fn table(data: &DataTable) -> String {
+    let mut table = Table::new(data.headings.iter().cloned());
+    for (column, is_number) in data.of_numbers().into_iter().enumerate() {
+        table.align(column, if is_number { Align::Right } else { Align::Left });
+    }
+    for row in &data.rows {
+        table.row(row.iter().map(Text::plain));
+    }
+    table.to_string().replace('\u{a0}', " ")
+}

@@ -1,0 +1,125 @@
+//! What the stiffness rests on.
+
+use super::findings::is_noted;
+use super::shown;
+use crate::identified::in_order;
+use crate::tell::{Block, Form, Given, Number, Quantity, Section, Text};
+use stiffarm::estimate::identified::Identified;
+use stiffarm::estimate::identify::{Estimates, Estimator};
+use stiffarm::estimate::systematic::SystematicSource;
+use stiffarm::findings::{list, visible};
+use stiffarm::model::cell::Cell;
+
+/// What the numbers rest on: postures, estimator, assumed sizes, and what the intervals do not hold.
+pub(super) fn section(given: &Given<'_>, found: &Identified) -> Section {
+    let own = &found.identification;
+    let screening = found.screening().into_iter().flat_map(|s| &s.findings);
+    let reduction = found.readings.iter().flat_map(|r| &r.reduction.findings);
+    let noted = screening.chain(reduction).filter(|f| is_noted(f));
+    let mut texts: Vec<Text> = noted.map(|f| f.sentence.clone().into()).collect();
+    let several = own.postures.iter().any(|p| p.residuals.len() > 1);
+    let estimates = &own.estimates;
+    if let Some(cell) = given.cell {
+        if several && estimates.degrees_of_freedom > 0 && estimates.independent_rows {
+            texts.push(independent(cell, estimates.estimator));
+        }
+        let names = in_order(own.postures.iter().map(|p| p.posture.as_str()));
+        let is_kept = |name: &&str| cell.validation.iter().any(|v| v.name == *name);
+        let kept: Vec<String> = names
+            .into_iter()
+            .filter(is_kept)
+            .map(String::from)
+            .collect();
+        let kept = shown(&kept);
+        if !kept.is_empty() {
+            let said = format!(
+                "{} of the cell's [validation] took part in this identification; leave out with ",
+                list(&kept)
+            );
+            let option = format!("--exclude {}", kept.join(","));
+            texts.push(Text::new(said).code(option).words("."));
+        }
+    }
+    let assumed = found.budget.iter().flat_map(|budget| &budget.sources);
+    let assumed = assumed.filter(|source| !source.declared);
+    let sizes: Vec<String> = assumed
+        .map(|source| format!("{} {}", source.name.replace('-', " "), size(source).plain()))
+        .collect();
+    if !sizes.is_empty() {
+        texts.push(Text::new(format!(
+            "* Assumed, not declared in [uncertainty]: {}.",
+            list(&sizes)
+        )));
+    }
+    texts.push(estimator(estimates));
+    Section::new("basis", "What it rests on", vec![Block::List(texts)]).in_summary()
+}
+
+/// How the stiffness comes from the readings.
+pub(super) fn estimator(found: &Estimates) -> Text {
+    let of = |count: usize| match count {
+        1 => "1 degree of freedom".to_string(),
+        count => format!("{count} degrees of freedom"),
+    };
+    let quantile = match found.interval_degrees_of_freedom {
+        None => "the stated noise, normal quantiles".to_string(),
+        Some(dof) => format!("t with {dof}"),
+    };
+    Text::new(format!(
+        "Estimator: {}; {} left; {quantile}.",
+        found.estimator.as_str(),
+        of(found.degrees_of_freedom)
+    ))
+}
+
+/// What a posture's points share and an estimator with independent rows ignores.
+fn independent(cell: &Cell, estimator: Estimator) -> Text {
+    let declared = cell.noise.posture_common_std;
+    match estimator {
+        Estimator::Weighted if declared > 0.0 => Text::new("The points of a posture share a shift of ")
+            .number(Number::computed(declared).of(Quantity::LENGTH))
+            .words(
+                " by the cell's noise, and the intervals hold that. What else they share (the size of the load, geometry) \
+                 is not in them.",
+            ),
+        Estimator::Ordinary | Estimator::Weighted | Estimator::Huber => Text::new(
+            "The intervals take the errors of all displacements as independent. Where the points of a posture share one \
+             (load, rope, drift) they are too narrow; ",
+        )
+        .code("--estimator two-variance")
+        .words(" holds that."),
+        _ => Text::new(
+            "There are too few postures to tell what their points share: the intervals take the errors of all \
+             displacements as independent, and are too narrow where they are not.",
+        ),
+    }
+}
+
+/// Size of a source of systematic error with its unit.
+pub(super) fn size(source: &SystematicSource) -> Text {
+    let (size, two) = (source.size, |unit, factor| {
+        Quantity::new(unit, factor, Form::Significant(2))
+    });
+    let quantity = match source.unit.as_str() {
+        "1" => Quantity::PERCENT,
+        "m" => two("mm", 1e3),
+        "rad" if source.name == "lost-motion" => Quantity::GAP,
+        "rad" => two("mrad", 1e3),
+        // A compliance in the file, a stiffness to the reader.
+        _ if size > 0.0 => {
+            return Number::computed(1.0 / size).of(two("N·m/rad", 1.0)).into();
+        }
+        _ => return "rigid".into(),
+    };
+    Number::computed(size).of(quantity).into()
+}
+
+/// Postures that were left out.
+pub(super) fn excluded(given: &Given<'_>) -> Vec<String> {
+    let excluded = given.saved.json["options"]["exclude"].as_array();
+    let names = excluded
+        .into_iter()
+        .flatten()
+        .filter_map(|name| name.as_str());
+    names.map(|name| visible(name).into_owned()).collect()
+}

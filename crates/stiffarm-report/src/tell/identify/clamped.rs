@@ -1,0 +1,160 @@
+//! What `identify --clamped` says: the flange fixed, angles instead of displacements.
+
+use super::basis::{estimator, excluded};
+use super::joints::{Joints, is_within};
+use super::story::known;
+use super::{counted, findings, fit, stiffness};
+use crate::identified::{clamped_residual_figure, in_order};
+use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Text, Told};
+use stiffarm::Result;
+use stiffarm::estimate::clamped::ClampedIdentification;
+use stiffarm::findings::{Severity, list, visible};
+
+/// What a result of the clamped flange says.
+pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<Told> {
+    let own = &found.estimates;
+    let joints = Joints {
+        given,
+        estimates: own,
+        budget: None,
+        unusable: found
+            .findings
+            .iter()
+            .any(|f| f.severity == Severity::Serious),
+    };
+    let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
+    let left_out = match excluded(given) {
+        names if names.is_empty() => String::new(),
+        names => format!(" Left out: {}.", list(&names)),
+    };
+    let done = Text::new(format!(
+        "With the flange fixed, the stiffness of {} joints was identified from motor angles and wrenches at {} in {} \
+         ({} combinations of angles), without a tracker.{left_out}",
+        own.joints.len(),
+        counted(postures.len(), "posture"),
+        counted(found.postures.len(), "load state"),
+        own.rows
+    ));
+    let mdeg = |below: &str| given.number(below).of(Quantity::AXIS);
+    let mut came = known(&joints)
+        .words(" The fit leaves ")
+        .number(mdeg("/residual_rms_rad"))
+        .words(" of angles of ")
+        .number(mdeg("/motor_rms_rad"));
+    if found.motor_rms_rad > 0.0 {
+        let share = Number::computed(found.residual_rms_rad / found.motor_rms_rad);
+        came = came
+            .words(" (")
+            .number(share.of(Quantity::PERCENT))
+            .words(")");
+    }
+    let came = came.words(" that the flange holds (RMS).");
+    let missing = joints.of(|verdict| !is_within(verdict));
+    let next = match (joints.unusable, missing.is_empty()) {
+        (true, _) => Text::default()
+            .strong("Settle what is marked serious first")
+            .words(", then identify again."),
+        (_, false) => Text::new("Push in other directions or postures to show ")
+            .strong(joints.names(&missing))
+            .words("."),
+        _ => Text::new(
+            "The ± holds the scatter of the angles alone. Compare with displacements under load: ",
+        )
+        .code("stiffarm validate")
+        .words(" with the flange free shows what the fixture and friction have changed."),
+    };
+    let weights = fit::weights(
+        given,
+        &found.weights,
+        |w| w.weight,
+        |w| [&w.posture, &w.state, ""],
+    );
+    // What no interval shows stands in the summary.
+    let (notes, more): (Vec<_>, Vec<_>) = found
+        .findings
+        .iter()
+        .cloned()
+        .partition(|finding| finding.severity == Severity::Note);
+    let mut basis: Vec<Text> = notes.into_iter().map(|f| f.sentence.into()).collect();
+    basis.push(estimator(own));
+    let basis = Section::new("basis", "What it rests on", vec![Block::List(basis)]);
+    let sections = [
+        Some(stiffness::section(&joints, &found.prior_stiffness)),
+        stiffness::further(&joints),
+        Some(residuals(given, found)),
+        friction(given, found),
+        stiffness::together(&joints),
+        weights,
+        Some(basis.in_summary()),
+    ];
+    let mut all = findings::of_joints(own);
+    all.extend(more);
+    findings::sort(&mut all);
+    Ok(Told {
+        heading: "Joint stiffness with the flange fixed".to_string(),
+        outcome: joints.outcome(Outcome::of(&all)),
+        verdict: [done, came, next],
+        findings: all,
+        key: joints.key(),
+        sections: sections.into_iter().flatten().collect(),
+    })
+}
+
+/// Residual angles, the largest first.
+fn residuals(given: &Given<'_>, found: &ClampedIdentification) -> Section {
+    let mut order: Vec<usize> = (0..found.postures.len()).collect();
+    let size = |i: &usize| found.postures[*i].residual_rms_rad;
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    order.truncate(fit::SHOWN_RESIDUALS);
+    let posture = |row: usize| &found.postures[order[row]];
+    let number =
+        |row: usize, key: &str| Some(given.number(&format!("/postures/{}/{key}", order[row])));
+    let table = DataTable::of(
+        "Postures and load states with the largest residuals",
+        "posture",
+        order
+            .iter()
+            .map(|i| visible(&found.postures[*i].posture).into_owned()),
+    )
+    .words("load state", |row| {
+        visible(&posture(row).state).into_owned().into()
+    })
+    .numbers("residual RMS", Quantity::AXIS, |row| {
+        number(row, "residual_rms_rad")
+    })
+    .numbers("angle RMS", Quantity::AXIS, |row| {
+        number(row, "motor_rms_rad")
+    })
+    .numbers("residual / mean", Quantity::RATIO, |row| {
+        let mean = found.residual_rms_rad;
+        (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_rad / mean))
+    });
+    let blocks = vec![
+        Block::Figure(clamped_residual_figure(found)),
+        Block::Table(table),
+    ];
+    Section::new("residuals", "Residuals", blocks)
+}
+
+/// Friction, where loads went up and down.
+fn friction(given: &Given<'_>, found: &ClampedIdentification) -> Option<Section> {
+    let number = |j: usize, key: &str| Some(given.number(&format!("/friction/{j}/{key}")));
+    let table = DataTable::of(
+        "Half of the loop of each joint, and the torque that would hold it",
+        "joint",
+        found
+            .friction
+            .iter()
+            .map(|joint| visible(&joint.joint).into_owned()),
+    )
+    .numbers("half loop", Quantity::AXIS, |j| number(j, "half_loop_rad"))
+    .numbers("friction", Quantity::TORQUE, |j| number(j, "torque_nm"))
+    .numbers("torque RMS", Quantity::TORQUE, |j| number(j, "load_rms_nm"))
+    .words("pairs", |j| found.friction[j].pairs.to_string().into());
+    let section = Section::new(
+        "friction",
+        "Loads going up and down",
+        vec![Block::Table(table)],
+    );
+    (!found.friction.is_empty()).then(|| section.in_summary())
+}

@@ -1,0 +1,239 @@
+//! What the experiment shows beside the stiffness: load states, single postures, further terms, the next posture.
+
+use super::joints::Joints;
+use super::story::angles;
+use super::{counted, shown};
+use crate::identified::{influence_figure, load_states_figure};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
+use stiffarm::estimate::identified::Identified;
+use stiffarm::estimate::next_posture::NextPosture;
+use stiffarm::findings::{list, visible};
+
+/// Further terms that the table shows.
+const SHOWN_TERMS: usize = 5;
+
+/// Linearity and hysteresis.
+pub(super) fn states(given: &Given<'_>, found: &Identified) -> Option<Section> {
+    let states = found.diagnosis.as_ref()?.load_states.as_ref()?;
+    let mut table = DataTable::new(
+        "Load states of all postures together",
+        [
+            "what",
+            "found",
+            "standard error",
+            "probability by chance [%]",
+        ],
+    );
+    let mut row = |name: &str, key: &str, is_length: bool, known: bool| {
+        if !known {
+            return;
+        }
+        let at = |own: &str| given.number(&format!("/diagnosis/load_states/{key}/{own}"));
+        let shown = |number: Number| match is_length {
+            true => Text::from(number.mm().decimals(4)),
+            false => Text::from(number.percent().significant(2)),
+        };
+        let chance = at("p_value").percent().bare().significant(2);
+        table.row(
+            name,
+            [
+                shown(at("value")),
+                shown(at("standard_error")),
+                chance.into(),
+            ],
+        );
+    };
+    row(
+        "offset at zero load (lost motion)",
+        "offset",
+        true,
+        states.offset.is_some(),
+    );
+    row(
+        "curvature (softens where positive)",
+        "curvature",
+        false,
+        states.curvature.is_some(),
+    );
+    row(
+        "loop, down minus up (hysteresis)",
+        "hysteresis",
+        true,
+        states.hysteresis.is_some(),
+    );
+    let blocks = vec![
+        Block::Figure(load_states_figure(states)),
+        Block::Table(table),
+    ];
+    Some(Section::new(
+        "load-states",
+        "Loads going up and down",
+        blocks,
+    ))
+}
+
+/// Torque and displacement of each joint.
+pub(super) fn signals(given: &Given<'_>, found: &Identified) -> Option<Section> {
+    let signals = &found.diagnosis.as_ref()?.signals;
+    let number = |j: usize, key: &str| Some(given.number(&format!("/diagnosis/signals/{j}/{key}")));
+    let names = signals.iter().map(|s| visible(&s.name).into_owned());
+    let table = DataTable::of(
+        "Torque on each joint, and what its compliance moves",
+        "joint",
+        names,
+    )
+    .numbers("torque RMS", Quantity::TORQUE, |j| {
+        number(j, "torque_rms_nm")
+    })
+    .numbers("displacement RMS", Quantity::LENGTH, |j| {
+        number(j, "displacement_rms_m")
+    })
+    .numbers("displacement / residual", Quantity::RATIO, |j| {
+        number(j, "to_residual")
+    });
+    let title = "What each joint carries";
+    Some(Section::new("signals", title, vec![Block::Table(table)]))
+}
+
+/// What hangs on single postures.
+pub(super) fn influence(found: &Identified) -> Option<Section> {
+    let influence = found.diagnosis.as_ref()?.influence.as_ref()?;
+    let mut blocks = vec![Block::Figure(influence_figure(influence))];
+    let needed = influence.postures.iter().filter(|p| !p.lost.is_empty());
+    let needed: Vec<Text> = needed
+        .map(|p| {
+            let lost = shown(&p.lost);
+            Text::new(format!(
+                "Only posture {} shows {}.",
+                visible(&p.posture),
+                list(&lost)
+            ))
+        })
+        .collect();
+    if !needed.is_empty() {
+        blocks.push(Block::List(needed));
+    }
+    Some(Section::new(
+        "influence",
+        "What hangs on single postures",
+        blocks,
+    ))
+}
+
+/// Further terms by how well the postures predict each other with them.
+pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
+    let trials = found.diagnosis.as_ref()?.terms.as_ref()?;
+    // The first row is the model without any of them.
+    let names = trials.trials.iter().take(SHOWN_TERMS);
+    let names = names.map(|trial| visible(&trial.name).into_owned());
+    let trial = |row: usize| Some(&trials.trials[row.checked_sub(1)?]);
+    let names = ["none".to_string()].into_iter().chain(names);
+    let table = DataTable::of(
+        "Each posture predicted from the others, with each further term alone",
+        "term",
+        names,
+    )
+    .numbers("leave-one-out RMS", Quantity::LENGTH, |row| {
+        let below = match row.checked_sub(1) {
+            Some(i) => format!("/diagnosis/terms/trials/{i}/rms_m"),
+            None => "/diagnosis/terms/rms_m".to_string(),
+        };
+        Some(given.number(&below))
+    })
+    .numbers("change", Quantity::PERCENT, |row| {
+        Some(Number::computed(trial(row)?.ratio? - 1.0))
+    })
+    .words("estimate", |row| {
+        trial(row)
+            .map(|trial| {
+                let (Some(v), Some(e)) = (trial.value, trial.standard_error) else {
+                    return Text::default();
+                };
+                let gap = |v: f64| Number::computed(v).of(Quantity::GAP);
+                match trial.term.is_spring() {
+                    true if v > 0.0 => {
+                        Text::from(Number::computed(1.0 / v).of(Quantity::STIFFNESS))
+                            .words(" ")
+                            .number(Number::computed(e / v).of(Quantity::PERCENT).plus_minus())
+                    }
+                    true => "negative".into(),
+                    false => Text::from(gap(v).bare())
+                        .words(" ")
+                        .number(gap(e).plus_minus()),
+                }
+            })
+            .unwrap_or_default()
+    })
+    .words("then not determined", |row| {
+        let lost = trial(row).map(|trial| shown(&trial.lost_joints));
+        lost.unwrap_or_default().join(", ").into()
+    });
+    let title = "Further terms";
+    let section = Section::new("terms", title, vec![Block::Table(table)]);
+    (!trials.trials.is_empty()).then_some(section)
+}
+
+/// The next posture, and what it would give.
+pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Option<Section> {
+    let given = joints.given;
+    let title = "The next posture";
+    let Some(advice) = &found.next_posture else {
+        let reason = found.next_posture_missing.as_ref()?;
+        let text = Text::new(format!("None can be given: {}", visible(reason)));
+        return Some(Section::new("next", title, vec![Block::Text(text)]));
+    };
+    let text = angles(Text::new("q = "), given, advice.angles.len()).words(format!(
+        ", measured as posture {} was, {} at the same points and in the same load states; noise as in this fit.",
+        visible(&advice.measured_as),
+        counted(advice.displacements, "displacement")
+    ));
+    let mut blocks = vec![Block::Text(text)];
+    blocks.extend(assumed_load(given, advice).map(Block::Text));
+    let error = |j: usize, key: &str| Some(given.number(&format!("/next_posture/{key}/{j}")));
+    blocks.push(Block::Table(
+        DataTable::of(
+            "Relative standard error of each joint's stiffness by the scatter of the readings",
+            "joint",
+            joints.row_names(),
+        )
+        .numbers("now", Quantity::PERCENT.digits(3), |j| error(j, "before"))
+        .numbers("with it", Quantity::PERCENT.digits(3), |j| {
+            error(j, "after")
+        }),
+    ));
+    Some(Section::new("next", title, blocks))
+}
+
+/// The load that the next posture is assumed to be measured with.
+fn assumed_load(given: &Given<'_>, advice: &NextPosture) -> Option<Text> {
+    let load = advice.assumed_load.as_ref()?;
+    let force = given.number("/next_posture/assumed_load/magnitude_n");
+    let force = force.significant(3).unit("N");
+    let vector = |v: [f64; 3], unit: f64, digits: usize| {
+        v.map(|c| format!("{:.*}", digits, c * unit + 0.0))
+            .join(", ")
+    };
+    let (begin, end) = match (load.anchor_m, load.direction) {
+        (Some(anchor), _) => {
+            let at = vector(anchor, 1e3, 0);
+            let end = format!("({at}) mm, where the measured forces meet.");
+            match load.pushes {
+                true => ("a cylinder that pushes with ", format!(" from {end}")),
+                false => ("a rope of ", format!(" to {end}")),
+            }
+        }
+        (None, Some(direction)) => {
+            let along = vector(direction, 1.0, 2);
+            (
+                "a force of ",
+                format!(" along ({along}), as measured on average."),
+            )
+        }
+        (None, None) => return None,
+    };
+    Some(
+        Text::new(format!("Assumed: {begin}"))
+            .number(force)
+            .words(end),
+    )
+}

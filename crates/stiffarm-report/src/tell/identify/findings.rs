@@ -1,0 +1,183 @@
+//! What to know before relying on the stiffness, in the order in which one acts.
+
+use super::{counted, shown};
+use crate::tell::{Block, Given, Section, Text};
+use stiffarm::estimate::identified::Identified;
+use stiffarm::estimate::identify::{Estimates, Verdict, implausible_scale};
+use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::measure::is_of_table;
+
+/// Findings about data and fit.
+pub(super) struct Findings {
+    /// What the readings say of themselves, then what the fit says.
+    pub data: Vec<Finding>,
+    /// What only follows from a wrong scale.
+    pub held_back: Option<Section>,
+}
+
+/// The findings of a result.
+pub(super) fn of(given: &Given<'_>, found: &Identified) -> Findings {
+    let screening = found.screening();
+    let scales: Vec<&Finding> = screening.into_iter().flat_map(|s| s.scales()).collect();
+    let of_readings = screening.into_iter().flat_map(|s| &s.findings);
+    let of_readings = of_readings.chain(found.readings.iter().flat_map(|r| &r.reduction.findings));
+    let mut data = Vec::new();
+    // What a scale of the table explains is no finding of its own.
+    let cell = given.cell.filter(|_| scales.is_empty());
+    data.extend(cell.and_then(|cell| implausible_scale(cell, &found.identification)));
+    data.extend(scales.iter().copied().chain(of_readings).cloned());
+    data.extend(stopped(&found.not_computed));
+    data.extend(no_budget(given, found));
+    let diagnosed = found.diagnosis.iter().flat_map(|d| &d.findings);
+    let budget = found.budget.iter().flat_map(|b| &b.findings);
+    let profiled = found.profile.iter().map(|p| &p.finding);
+    let mut fit = together(&found.identification.estimates);
+    fit.extend(diagnosed.chain(budget).chain(profiled).cloned());
+    let rest = given.saved.findings();
+    let rest = rest
+        .into_iter()
+        .filter(|f| !fit.contains(f))
+        .collect::<Vec<_>>();
+    let misread = scales.iter().any(|f| f.severity == Severity::Serious);
+    let held_back = if misread {
+        held_back(fit)
+    } else {
+        data.extend(fit);
+        None
+    };
+    data.extend(rest);
+    let mut seen = Vec::new();
+    data.retain(|finding| {
+        let is_new = !seen.contains(finding) && !is_noted(finding);
+        seen.push(finding.clone());
+        is_new
+    });
+    Findings { data, held_back }
+}
+
+/// Whether a finding is a remark on the table, which stands with what the result rests on.
+pub(super) fn is_noted(finding: &Finding) -> bool {
+    finding.severity == Severity::Note && is_of_table(finding)
+}
+
+/// The gravest first.
+pub(super) fn sort(findings: &mut [Finding]) {
+    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+}
+
+/// Joints whose estimate is not simply a number.
+pub(super) fn of_joints(found: &Estimates) -> Vec<Finding> {
+    let mut out = Vec::new();
+    if !found.undetermined_joints.is_empty() {
+        let rest = match found.combinations.is_empty() {
+            true => "",
+            false => "What they determine together stands below the joints; ",
+        };
+        let names = list(&shown(&found.undetermined_joints));
+        let sentence = format!(
+            "These measurements cannot determine {names}. {rest}`stiffarm check` looks for the reason."
+        );
+        out.push(Finding::new(
+            "undetermined",
+            Severity::Serious,
+            names,
+            sentence,
+        ));
+    }
+    let of = |verdict: Verdict| {
+        let all = found.joints.iter().chain(&found.extra_springs);
+        let own = all.filter(|joint| joint.verdict == verdict);
+        shown(own.map(|joint| &joint.name))
+    };
+    let mut add = |code: &str, severity: Severity, names: Vec<String>, said: &str| {
+        if !names.is_empty() {
+            let sentence = format!("{}: {said}", list(&names));
+            out.push(Finding::new(code, severity, list(&names), sentence));
+        }
+    };
+    add(
+        "negative-compliance",
+        Severity::Serious,
+        of(Verdict::SignOrModelFault),
+        "the compliance comes out negative, beyond what noise explains, which is a sign or model fault. Check the sign of \
+         the force (on the robot), the frames and the model.",
+    );
+    add(
+        "no-interval",
+        Severity::Caution,
+        of(Verdict::NoInterval),
+        "no interval, because the data leave no degree of freedom to judge the noise, or show no deflection.",
+    );
+    out
+}
+
+/// Unknowns that the data tell apart only together.
+fn together(found: &Estimates) -> Vec<Finding> {
+    let said = found.collinear.iter().map(|set| {
+        let determined = match set.determined {
+            1 => "only one combination of them is".to_string(),
+            count => format!("only {count} combinations of them are"),
+        };
+        let names = list(&shown(&set.unknowns));
+        let sentence = format!(
+            "These measurements hardly tell {names} apart: their columns are nearly collinear, {determined} determined. \
+             Their single values mean nothing; other postures or loads would separate them."
+        );
+        Finding::new("nearly-collinear", Severity::Caution, names, sentence)
+    });
+    said.collect()
+}
+
+/// What the user did not wait for.
+fn stopped(not_computed: &[String]) -> Option<Finding> {
+    let words = |name: &String| match name.as_str() {
+        "bootstrap" => "the bootstrap intervals",
+        "elastic" => "what gives way beyond the joint axes",
+        "profile" => "the profile of the likelihood",
+        "budget" => "the errors common to the whole experiment",
+        "diagnosis" => "the diagnosis (readings that do not fit, leave-one-out, further terms)",
+        _ => "the next posture",
+    };
+    let names: Vec<&str> = not_computed.iter().map(words).collect();
+    let verb = if names.len() == 1 { "was" } else { "were" };
+    let sentence = format!(
+        "The command was stopped before it was done: {} {verb} not computed. The estimates and their intervals by the scatter of the readings are complete.",
+        list(&names)
+    );
+    (!names.is_empty()).then(|| Finding::new("stopped", Severity::Caution, "identify", sentence))
+}
+
+/// Whether only estimates and residuals were asked for.
+pub(super) fn is_brief(given: &Given<'_>) -> bool {
+    given.saved.json["options"]["brief"] == true
+}
+
+/// What is missing without systematic errors.
+fn no_budget(given: &Given<'_>, found: &Identified) -> Option<Finding> {
+    if found.budget.is_some() {
+        return None;
+    }
+    let why = if is_brief(given) { " (--brief)" } else { "" };
+    let rest = match found.diagnosis.is_some() {
+        true => "",
+        false => ", and nothing has looked for readings that do not fit",
+    };
+    let sentence = format!(
+        "Systematic errors were not examined{why}: force, geometry, registration and lost motion can make each k wrong by \
+         more than its ±{rest}."
+    );
+    let code = "no-systematic-errors";
+    Some(Finding::new(code, Severity::Caution, "budget", sentence))
+}
+
+/// What mostly follows from a wrong scale, folded away.
+fn held_back(held: Vec<Finding>) -> Option<Section> {
+    let summary = counted(held.len(), "finding");
+    let blocks = vec![
+        Block::Text(Text::new(
+            "It mostly follows from the wrong scale: settle that first.",
+        )),
+        Block::Details(summary, vec![Block::Findings(held.clone())]),
+    ];
+    (!held.is_empty()).then(|| Section::new("held-back", "What the fit says besides", blocks))
+}

@@ -1,0 +1,239 @@
+//! How the model fits: what gives way beyond the axes, residuals against noise, errors that all readings share.
+
+use super::basis::size;
+use super::{counted, level};
+use crate::identified::{errors_figure, residual_figure};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
+use stiffarm::estimate::identified::Identified;
+use stiffarm::findings::visible;
+use stiffarm::model::elastic::ElasticClass;
+
+/// Postures whose residuals the table shows.
+pub(super) const SHOWN_RESIDUALS: usize = 5;
+/// Displacements whose weights the table shows.
+const SHOWN_WEIGHTS: usize = 10;
+
+/// What gives way beyond the joint axes, where that was asked.
+pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> {
+    let elastic = found.elastic.as_ref()?;
+    let reasons = elastic.reasons.iter().map(|r| Text::from(r.as_str()));
+    let mut blocks = vec![Block::List(reasons.collect())];
+    let models = [
+        ("joint axes alone", "axes_rms_m"),
+        ("mixed: joints and base in all directions", "mixed_rms_m"),
+    ];
+    let rms = |row: usize| {
+        let number = given.number(&format!("/elastic/{}", models[row].1));
+        number.value.map(|_| number)
+    };
+    let table = DataTable::of(
+        "Each posture predicted from the others, RMS of a displacement component",
+        "elastic model",
+        models.map(|(name, _)| name),
+    )
+    .numbers("missed by", Quantity::LENGTH, rms);
+    if table.headings.len() > 1 {
+        blocks.push(Block::Table(table));
+    }
+    if let Some(mixed) = found.mixed().and_then(|elastic| elastic.mixed.as_ref()) {
+        let caption = format!(
+            "Joint stiffness as the mixed model has it, interval at {} % with all errors [10⁶ N·m/rad]",
+            level(found.identification.estimates.confidence)
+        );
+        let budget = elastic.budget.as_ref();
+        let has_budget = budget.is_some_and(|b| b.uncertainty.len() == mixed.joints.len());
+        let number = |below: String| Some(given.number(&below));
+        let end = |j: usize, i: usize| {
+            number(match has_budget {
+                true => format!("/elastic/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
+                false => format!("/elastic/mixed/joints/{j}/interval/{i}"),
+            })
+        };
+        let bare = Quantity {
+            unit: "",
+            ..Quantity::STIFFNESS
+        };
+        let names = mixed.joints.iter().map(|j| visible(&j.name).into_owned());
+        blocks.push(Block::Table(
+            DataTable::of(caption, "joint", names)
+                .numbers("k", bare, |j| {
+                    number(format!("/elastic/mixed/joints/{j}/stiffness"))
+                })
+                .numbers("from", bare, |j| end(j, 0))
+                .numbers("to", bare, |j| end(j, 1)),
+        ));
+        let sizes = mixed.sizes.iter().map(|size| {
+            let what = match size.class {
+                ElasticClass::Shift => "shifts by forces",
+                ElasticClass::Turn => "turns by moments",
+                ElasticClass::Coupling => "shifts by moments",
+            };
+            let std = Number::computed(size.std).significant(2).plus_minus();
+            format!("{what} {} {}", std.text(), size.class.unit())
+        });
+        let sizes: Vec<String> = sizes.collect();
+        blocks.push(Block::Text(Text::new(format!(
+            "Beyond the axes each joint and the base give way by: {}.",
+            sizes.join(", ")
+        ))));
+    }
+    let title = "What gives way beyond the joint axes";
+    Some(Section::new("elastic", title, blocks).in_summary())
+}
+
+/// Residuals against noise.
+pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
+    let own = &found.identification;
+    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
+    let mut words = Text::new("Residual RMS ")
+        .number(mm("/residual_rms_m"))
+        .words(", beside a displacement RMS of ")
+        .number(mm("/displacement_rms_m"));
+    if own.displacement_rms_m > 0.0 {
+        let share = Number::computed(own.residual_rms_m / own.displacement_rms_m);
+        words = words
+            .words(" (")
+            .number(share.of(Quantity::PERCENT))
+            .words(")");
+    }
+    words = words.words(".");
+    if own.total_std_m.is_some() && own.expected_std_m > 0.0 {
+        words = words.words(
+            " The verdict holds the standard deviation of the residuals against noise, not this RMS: it weighs each \
+             displacement by its noise and counts the degrees of freedom that the fit has used up.",
+        );
+    }
+    let mut blocks = vec![Block::Text(words)];
+    if let (Some(_), Some(common)) = (own.residual_std_m, own.posture_common_std_m) {
+        let sigma = mm("/residual_std_m");
+        let text = match common > 0.0 {
+            true => Text::new("Within a posture the displacements scatter by ")
+                .number(sigma)
+                .words("; what its points share (load, rope, drift, what the model misses) by ")
+                .number(mm("/posture_common_std_m"))
+                .words("."),
+            false => Text::new("The displacements scatter by ")
+                .number(sigma)
+                .words("; nothing shows that the points of a posture share more than that."),
+        };
+        blocks.push(Block::Text(text));
+    }
+    blocks.push(Block::Figure(residual_figure(own)));
+    let mut order: Vec<usize> = (0..own.postures.len()).collect();
+    let size = |i: &usize| own.postures[*i].residual_rms_m;
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    order.truncate(SHOWN_RESIDUALS);
+    let posture = |row: usize| &own.postures[order[row]];
+    let number =
+        |row: usize, key: &str| Some(given.number(&format!("/postures/{}/{key}", order[row])));
+    let influence = found.diagnosis.as_ref().and_then(|d| d.influence.as_ref());
+    let table = DataTable::of(
+        "Postures and load states with the largest residuals",
+        "posture",
+        order
+            .iter()
+            .map(|i| visible(&own.postures[*i].posture).into_owned()),
+    )
+    .words("load state", |row| {
+        visible(&posture(row).state).into_owned().into()
+    })
+    .numbers("residual RMS", Quantity::LENGTH, |row| {
+        number(row, "residual_rms_m")
+    })
+    .numbers("displacement RMS", Quantity::LENGTH, |row| {
+        number(row, "displacement_rms_m")
+    })
+    .numbers("residual / displacement", Quantity::PERCENT, |row| {
+        let own = posture(row);
+        let moves = own.displacement_rms_m > 0.0;
+        moves.then(|| Number::computed(own.residual_rms_m / own.displacement_rms_m))
+    })
+    .numbers("residual / mean", Quantity::RATIO, |row| {
+        let mean = own.residual_rms_m;
+        (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_m / mean))
+    })
+    .numbers("missed by the others", Quantity::LENGTH, |row| {
+        let all = &influence?.postures;
+        let i = all.iter().position(|p| p.posture == posture(row).posture)?;
+        all[i].prediction_rms_m?;
+        Some(given.number(&format!(
+            "/diagnosis/influence/postures/{i}/prediction_rms_m"
+        )))
+    });
+    blocks.push(Block::Table(table));
+    Section::new("residuals", "Residuals against noise", blocks)
+}
+
+/// Systematic errors by source: size, what the readings leave of it, and what it does to each joint.
+pub(super) fn errors(given: &Given<'_>, found: &Identified) -> Option<Section> {
+    let budget = found.budget.as_ref()?;
+    let sources = &budget.sources;
+    // The last row holds all of them together.
+    let names = sources.iter().map(|source| source.name.replace('-', " "));
+    let names = names.chain(["all that is left".to_string()]);
+    let source = |row: usize| sources.get(row);
+    let mut table = DataTable::of(
+        "Sources of systematic error: size as a standard uncertainty, how much of it the readings leave (100 %: they say \
+         nothing of it, above: they look like more of it), and by how much the whole size changes each k",
+        "source",
+        names,
+    )
+    .words("size", |row| source(row).map(size).unwrap_or_default())
+    .words("known from", |row| match source(row) {
+        Some(source) if source.declared => "the cell".into(),
+        Some(_) => "assumed *".into(),
+        None => Text::default(),
+    })
+    .numbers("left", Quantity::PERCENT.digits(3), |row| {
+        source(row)?;
+        Some(given.number(&format!("/budget/sources/{row}/remaining")))
+    });
+    for (j, joint) in budget.joints.iter().enumerate() {
+        table = table.numbers(&visible(joint), Quantity::PERCENT, |row| {
+            let below = match source(row) {
+                Some(_) => format!("/budget/sources/{row}/change/{j}"),
+                None => format!("/budget/combined/{j}"),
+            };
+            Some(given.number(&below))
+        });
+    }
+    let blocks = vec![Block::Figure(errors_figure(budget)), Block::Table(table)];
+    let title = "Systematic errors";
+    Some(Section::new("errors", title, blocks))
+}
+
+/// Huber's smallest weights; `name` gives posture, load state and point.
+pub(super) fn weights<W>(
+    given: &Given<'_>,
+    all: &[W],
+    weight: impl Fn(&W) -> f64,
+    name: impl Fn(&W) -> [&str; 3],
+) -> Option<Section> {
+    if all.is_empty() {
+        return None;
+    }
+    // They come sorted, the smallest first.
+    let low = all.iter().take_while(|own| weight(own) < 1.0).count();
+    let part = |row: usize, i: usize| visible(name(&all[row])[i]).into_owned();
+    let shown = low.min(SHOWN_WEIGHTS);
+    let table = DataTable::of(
+        "The smallest weights of Huber's estimator; 1 counts fully",
+        "posture",
+        (0..shown).map(|row| part(row, 0)),
+    )
+    .words("state", |row| part(row, 1).into())
+    .words("point", |row| part(row, 2).into())
+    .numbers("weight", Quantity::RATIO.digits(2), |row| {
+        Some(given.number(&format!("/weights/{row}/weight")))
+    });
+    let text = Text::new(format!(
+        "{low} of {} count less than the others.",
+        counted(all.len(), "displacement")
+    ));
+    let mut blocks = vec![Block::Text(text)];
+    if shown > 0 {
+        blocks.push(Block::Table(table));
+    }
+    let title = "Displacements that count less";
+    Some(Section::new("weights", title, blocks))
+}

@@ -1,0 +1,208 @@
+//! The joints of an identification: how well each is known, and the table of it.
+
+use super::level;
+use crate::identified::StiffnessRow;
+use crate::tell::{DataTable, Given, Number, Outcome, Quantity, Text};
+use stiffarm::estimate::identify::{Estimates, JointEstimate, NO_LONGER, Verdict, WELL_KNOWN};
+use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors};
+use stiffarm::findings::{list, visible};
+
+/// Names of so many letters are not broken.
+const SHORT: usize = 16;
+/// Parts of a ± from this share of k on say nothing.
+const NOTHING: f64 = 1.0;
+
+/// The joints of a result, with a free or a fixed flange.
+pub(super) struct Joints<'a> {
+    pub given: &'a Given<'a>,
+    pub estimates: &'a Estimates,
+    pub budget: Option<&'a SystematicErrors>,
+    /// Something about the data is so wrong that no value counts.
+    pub unusable: bool,
+}
+
+impl<'a> Joints<'a> {
+    /// All joints.
+    pub fn all(&self) -> &'a [JointEstimate] {
+        &self.estimates.joints
+    }
+
+    /// The name of a joint as it is shown.
+    pub fn name(&self, j: usize) -> String {
+        visible(&self.all()[j].name).into_owned()
+    }
+
+    /// Names of rows, the short ones on a line each.
+    pub fn row_names(&self) -> impl Iterator<Item = String> {
+        let names = (0..self.all().len()).map(|j| self.name(j));
+        names.map(|name| match name.chars().count() <= SHORT {
+            true => name.replace(' ', "\u{a0}"),
+            false => name,
+        })
+    }
+
+    /// A number of a joint by its key.
+    pub fn number(&self, j: usize, key: &str) -> Number {
+        self.given.number(&format!("/joints/{j}/{key}"))
+    }
+
+    /// With all errors, where they are in the result.
+    fn errors(&self, j: usize) -> Option<&'a JointUncertainty> {
+        self.budget?.uncertainty.get(j)
+    }
+
+    /// The half width as a number in percent.
+    pub fn total(&self, j: usize) -> Number {
+        let number = match self.errors(j) {
+            Some(_) => self.error(j, "total"),
+            None => Number::new("", self.all()[j].half_width),
+        };
+        number.of(Quantity::PERCENT)
+    }
+
+    /// One number of the errors of a joint.
+    fn error(&self, j: usize, key: &str) -> Number {
+        self.given.number(&format!("/budget/uncertainty/{j}/{key}"))
+    }
+
+    /// An end of the interval.
+    pub fn end(&self, j: usize, i: usize) -> Number {
+        let below = match self.errors(j) {
+            Some(_) => format!("/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
+            None => format!("/joints/{j}/interval/{i}"),
+        };
+        self.given.number(&below).of(Quantity::STIFFNESS.digits(3))
+    }
+
+    /// The outcome with what the joints say: findings do not name every joint without a ±.
+    pub fn outcome(&self, found: Outcome) -> Outcome {
+        match found {
+            Outcome::Good if !self.of(|verdict| !is_within(verdict)).is_empty() => Outcome::Caution,
+            found => found,
+        }
+    }
+
+    /// Joints of a verdict.
+    pub fn of(&self, is: impl Fn(Verdict) -> bool) -> Vec<usize> {
+        let all = 0..self.all().len();
+        all.filter(|j| is(self.all()[*j].verdict)).collect()
+    }
+
+    /// Their names in words.
+    pub fn names(&self, joints: &[usize]) -> String {
+        let names: Vec<String> = joints.iter().map(|j| self.name(*j)).collect();
+        list(&names)
+    }
+
+    /// The table to read first.
+    pub fn key(&self) -> DataTable {
+        let with = self.budget.is_some();
+        let known = format!("of at most {:.0} %", 100.0 * WELL_KNOWN);
+        let meant = match (self.unusable, with) {
+            (true, _) => "from the data as they are".to_string(),
+            (false, true) => format!("known means a total ± {known}"),
+            (false, false) => {
+                format!("known means a ± {known}, here by the scatter of the readings alone")
+            }
+        };
+        let caption = format!(
+            "Joint stiffness with its ± at {} % confidence; {meant}",
+            level(self.estimates.confidence)
+        );
+        let usable = |j: usize| {
+            let verdict = self.all()[j].verdict;
+            !matches!(verdict, Verdict::Undetermined | Verdict::SignOrModelFault)
+        };
+        let part = |j: usize, key: &str, of: &dyn Fn(&JointUncertainty) -> Option<f64>| {
+            let own = self.errors(j).filter(|_| usable(j));
+            let part = own.and_then(of).filter(|part| *part < NOTHING);
+            part.map(|_| self.error(j, key))
+        };
+        let total = if with { "± total" } else { "± readings" };
+        DataTable::of(caption, "joint", self.row_names())
+            .numbers("k", Quantity::STIFFNESS, |j| {
+                Some(self.number(j, "stiffness"))
+            })
+            .numbers(total, Quantity::PERCENT, |j| {
+                let half = self.all()[j].half_width.filter(|half| *half < NO_LONGER);
+                half.filter(|_| usable(j)).map(|_| self.total(j))
+            })
+            .numbers("± readings", Quantity::PERCENT, |j| {
+                part(j, "statistical", &|own| own.statistical)
+            })
+            .numbers("± systematic", Quantity::PERCENT, |j| {
+                part(j, "systematic", &|own| own.systematic)
+            })
+            .words("largest source", |j| {
+                let own = self.errors(j).filter(|_| usable(j));
+                let name = own.and_then(|own| own.largest_source.as_ref());
+                let source = self
+                    .budget
+                    .zip(name)
+                    .map(|(budget, name)| source(budget, name));
+                source.unwrap_or_default().into()
+            })
+            .words("verdict", |j| self.verdict(j))
+    }
+
+    /// The verdict on a joint in a few words, or the ends of its interval where they are too far apart for a ±.
+    fn verdict(&self, j: usize) -> Text {
+        // In the unit of k, whose column is beside it.
+        let end = |i: usize| self.end(j, i).bare();
+        let verdict = self.all()[j].verdict;
+        let valued = is_within(verdict) || is_wide(verdict);
+        let words = match verdict {
+            _ if valued && self.unusable => return Text::new("not to be used"),
+            Verdict::Determined => return Text::new("known"),
+            Verdict::HardlyKnown => {
+                return Text::default().number(end(0)).words(" to ").number(end(1));
+            }
+            Verdict::LowerBoundOnly => return Text::new("above ").number(end(0)),
+            Verdict::Weak => "weak",
+            Verdict::NotByItself => "not by itself",
+            Verdict::SignOrModelFault => "negative",
+            Verdict::NoInterval => "no interval",
+            Verdict::Undetermined => "not determined",
+        };
+        Text::default().strong(words)
+    }
+
+    /// Rows of the figure.
+    pub fn rows(&self) -> Vec<StiffnessRow> {
+        let rows = self.all().iter().enumerate().map(|(j, joint)| {
+            let own = self.errors(j);
+            StiffnessRow {
+                joint: self.name(j),
+                stiffness: joint.stiffness,
+                statistical: match own {
+                    Some(own) => own.statistical,
+                    None => joint.half_width,
+                },
+                systematic: own.and_then(|own| own.systematic),
+                total: joint.half_width,
+            }
+        });
+        rows.collect()
+    }
+}
+
+/// Whether a joint of this verdict has a ±.
+pub(super) fn is_within(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Determined | Verdict::Weak)
+}
+
+/// Whether it has an interval, too wide for a ±.
+pub(super) fn is_wide(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::HardlyKnown | Verdict::LowerBoundOnly)
+}
+
+/// A source in words, with a star where its size is assumed.
+fn source(budget: &SystematicErrors, name: &str) -> String {
+    let own = budget.sources.iter().find(|source| source.name == name);
+    let star = match own {
+        Some(own) if !own.declared => " *",
+        _ => "",
+    };
+    let words = format!("{}{star}", name.replace('-', " "));
+    visible(&words).replace(' ', "\u{a0}")
+}

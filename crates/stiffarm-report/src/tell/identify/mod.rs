@@ -1,0 +1,114 @@
+//! What `identify` says: which joints are known to what ±, what stands in the way, and what to do next.
+
+mod basis;
+mod clamped;
+mod experiment;
+mod findings;
+mod fit;
+mod joints;
+mod readings;
+mod stiffness;
+mod story;
+
+use super::{Given, Outcome, Told};
+use joints::Joints;
+use stiffarm::Result;
+use stiffarm::estimate::identified::Identified;
+use stiffarm::files::result::SavedResult;
+use stiffarm::findings::{Severity, visible};
+
+/// Whether a result of `identify` comes from postures with the flange fixed.
+pub(crate) fn is_clamped(saved: &SavedResult) -> bool {
+    saved.json["result"].get("motor_rms_rad").is_some()
+}
+
+/// What a result of `identify` says.
+pub(super) fn told(given: &Given<'_>) -> Result<Told> {
+    if is_clamped(given.saved) {
+        return clamped::told(given, &given.saved.result()?);
+    }
+    let mut found: Identified = given.saved.result()?;
+    found.hold_all_errors();
+    let findings = findings::of(given, &found);
+    let is_serious = |f: &&stiffarm::findings::Finding| f.severity == Severity::Serious;
+    let of_data: Vec<_> = findings.data.iter().filter(is_serious).collect();
+    let joints = Joints {
+        given,
+        estimates: &found.identification.estimates,
+        budget: found.budget.as_ref(),
+        unusable: !of_data.is_empty(),
+    };
+    let came = match of_data.as_slice() {
+        [] => story::came(&joints, &found),
+        [first, rest @ ..] => story::unusable(first, rest.len()),
+    };
+    let verdict = [
+        story::done(given, &found),
+        came,
+        story::next(&joints, &found),
+    ];
+    let readings = readings::section(given, &found);
+    // What is wrong with the readings comes first where something is.
+    let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
+    let (first, later) = if suspicious {
+        (readings, None)
+    } else {
+        (None, readings)
+    };
+    let sections = [
+        first,
+        Some(stiffness::section(
+            &joints,
+            &found.identification.prior_stiffness,
+        )),
+        stiffness::further(&joints),
+        fit::elastic(given, &found),
+        Some(fit::residuals(given, &found)),
+        later,
+        fit::errors(given, &found),
+        stiffness::together(&joints),
+        stiffness::resampled(given, &found),
+        experiment::states(given, &found),
+        experiment::signals(given, &found),
+        experiment::influence(&found),
+        experiment::terms(given, &found),
+        fit::weights(
+            given,
+            &found.identification.weights,
+            |w| w.weight,
+            |w| [&w.posture, &w.state, &w.point],
+        ),
+        experiment::next(&joints, &found),
+        findings.held_back,
+        Some(basis::section(given, &found)),
+    ];
+    let mut all = findings::of_joints(joints.estimates);
+    all.extend(findings.data);
+    findings::sort(&mut all);
+    Ok(Told {
+        heading: "Joint stiffness from measurements".to_string(),
+        outcome: joints.outcome(Outcome::of(&all)),
+        verdict,
+        findings: all,
+        key: joints.key(),
+        sections: sections.into_iter().flatten().collect(),
+    })
+}
+
+/// A confidence in percent, without the last bits of a binary fraction.
+fn level(confidence: f64) -> f64 {
+    (1e6 * confidence).round() / 1e4
+}
+
+/// `1 posture`, `6 postures`.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Names from files as they are shown.
+fn shown<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
+    names
+        .into_iter()
+        .map(|name| visible(name).into_owned())
+        .collect()
+}

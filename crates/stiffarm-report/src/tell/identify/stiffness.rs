@@ -1,0 +1,293 @@
+//! Stiffness joint by joint: intervals, prior and published values, and what the data tell apart.
+
+use super::joints::Joints;
+use super::level;
+use crate::identified::{correlation_figure, stiffness_figure};
+use crate::study::published_for;
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text};
+use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
+use stiffarm::estimate::identified::Identified;
+use stiffarm::estimate::identify::JointEstimate;
+use stiffarm::findings::visible;
+use stiffarm::model::robot::catalogue;
+
+/// Unknowns of a picture of correlations at most.
+const MOST_UNKNOWNS: usize = 14;
+
+/// Stiffness with its parts and intervals beside prior and published values \[N·m/rad\].
+pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
+    let given = joints.given;
+    let count = joints.all().len();
+    let published = published(given, count);
+    let series: Vec<(String, Vec<f64>)> = published
+        .iter()
+        .map(|(label, _, values)| (label.clone(), values.clone()))
+        .collect();
+    let figure = stiffness_figure(&joints.rows(), prior, &series, joints.estimates.confidence);
+    let mut blocks = vec![
+        Block::Figure(figure),
+        Block::Table(
+            intervals(
+                given,
+                "/joints",
+                joints.all(),
+                joints.estimates.confidence,
+                "joint",
+            )
+            .numbers("systematic errors", Quantity::PERCENT, |j| {
+                joints.budget?;
+                Some(given.number(&format!("/budget/combined/{j}")))
+            }),
+        ),
+    ];
+    let has_prior = prior.len() == count;
+    let mut table = DataTable::of(
+        "Identified beside prior and published stiffness [10⁶ N·m/rad]",
+        "joint",
+        joints.row_names(),
+    )
+    .words("identified", |j| {
+        joints
+            .number(j, "stiffness")
+            .of(Quantity::STIFFNESS)
+            .bare()
+            .into()
+    })
+    .words("prior", |j| {
+        let own = given.number(&format!("/prior_stiffness/{j}"));
+        let own = own.of(Quantity::STIFFNESS).bare();
+        if has_prior {
+            own.into()
+        } else {
+            Text::default()
+        }
+    })
+    .numbers("identified / prior", Quantity::RATIO, |j| {
+        let k = prior.get(j).filter(|_| has_prior)?;
+        Some(Number::computed(joints.all()[j].stiffness? / k))
+    });
+    for (label, _, values) in &published {
+        table = table.words(label.clone(), |j| {
+            let own = Number::computed(values[j]).of(Quantity::STIFFNESS);
+            own.bare().into()
+        });
+    }
+    if table.headings.len() > 2 {
+        blocks.push(Block::Table(table));
+    }
+    let sources = published
+        .into_iter()
+        .map(|(label, source, _)| Text::new(format!("{label}: {source}")));
+    let sources: Vec<Text> = sources.collect();
+    if !sources.is_empty() {
+        blocks.push(Block::List(sources));
+    }
+    Section::new("stiffness", "Stiffness, joint by joint", blocks)
+}
+
+/// Springs with their intervals by the scatter of the readings; `at` is their place below `/result`.
+fn intervals(
+    given: &Given<'_>,
+    at: &str,
+    springs: &[JointEstimate],
+    confidence: f64,
+    heading: &str,
+) -> DataTable {
+    let number = |j: usize, key: &str| Some(given.number(&format!("{at}/{j}/{key}")));
+    let caption = format!(
+        "Standard errors and {} % intervals by the scatter of the readings [10⁶ N·m/rad]",
+        level(confidence)
+    );
+    let bare = Quantity {
+        unit: "",
+        ..Quantity::STIFFNESS
+    };
+    DataTable::of(
+        caption,
+        heading,
+        springs.iter().map(|s| visible(&s.name).into_owned()),
+    )
+    .numbers("k", bare, |j| number(j, "stiffness"))
+    .numbers("standard error", bare, |j| {
+        number(j, "readings_standard_error")
+    })
+    .numbers("from", bare, |j| number(j, "readings_interval/0"))
+    .numbers("to", bare, |j| number(j, "readings_interval/1"))
+    .numbers("relative error", Quantity::PERCENT, |j| {
+        let (error, k) = (springs[j].readings_standard_error?, springs[j].stiffness?);
+        Some(Number::computed(error / k.abs()))
+    })
+}
+
+/// Further springs, lost motion, and combinations that are determined; `None` where there are none.
+pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
+    let (given, own) = (joints.given, joints.estimates);
+    let mut blocks = Vec::new();
+    if !own.extra_springs.is_empty() {
+        let table = intervals(
+            given,
+            "/extra_springs",
+            &own.extra_springs,
+            own.confidence,
+            "further spring",
+        );
+        blocks.push(Block::Table(table));
+    }
+    if !own.lost_motion.is_empty() {
+        let gap = |j: usize, key: &str| Some(given.number(&format!("/lost_motion/{j}/{key}")));
+        let names = own
+            .lost_motion
+            .iter()
+            .map(|l| visible(&l.name).into_owned());
+        let caption = format!("Lost motion with its {} % interval", level(own.confidence));
+        let quantity = Quantity::GAP.digits(3);
+        blocks.push(Block::Table(
+            DataTable::of(caption, "lost motion", names)
+                .numbers("half gap", quantity, |j| gap(j, "angle"))
+                .numbers("from", quantity, |j| gap(j, "interval/0"))
+                .numbers("to", quantity, |j| gap(j, "interval/1")),
+        ));
+    }
+    if !own.combinations.is_empty() {
+        let names = own.combinations.iter().map(|sum| {
+            let terms = sum.unknowns.iter().zip(&sum.coefficients).enumerate();
+            let terms = terms.map(|(i, (name, c))| term(i, name, *c));
+            visible(&terms.collect::<String>()).into_owned()
+        });
+        let number = |j: usize, key: &str| Some(given.number(&format!("/combinations/{j}/{key}")));
+        let compliance = Quantity::new("rad/(N·m)", 1.0, Form::Significant(4));
+        blocks.push(Block::Table(
+            DataTable::of(
+                "What the data determine together",
+                "determined together",
+                names,
+            )
+            .numbers("compliance", compliance, |j| number(j, "compliance"))
+            .numbers("standard error", compliance.digits(2), |j| {
+                number(j, "standard_error")
+            }),
+        ));
+    }
+    let section = Section::new("further", "Beside the joints", blocks).in_summary();
+    (!section.blocks.is_empty()).then_some(section)
+}
+
+/// One term of a sum of compliances: `1/k(joint 4) + 0.5/k(joint 6)`.
+fn term(position: usize, name: &str, coefficient: f64) -> String {
+    let size = match coefficient.abs() {
+        c if (c - 1.0).abs() < 5e-4 => "1".to_string(),
+        c => Number::computed(c).significant(3).text(),
+    };
+    let sign = match (position, coefficient < 0.0) {
+        (0, false) => "",
+        (0, true) => "-",
+        (_, false) => " + ",
+        (_, true) => " - ",
+    };
+    format!("{sign}{size}/k({name})")
+}
+
+/// Intervals from resampled postures, where they were asked for, and how often intervals that are not exact hold the
+/// truth.
+pub(super) fn resampled(given: &Given<'_>, found: &Identified) -> Option<Section> {
+    let mut blocks = Vec::new();
+    let own = &found.identification.estimates;
+    if let Some(bootstrap) = &found.bootstrap {
+        let names = bootstrap
+            .joints
+            .iter()
+            .map(|j| visible(&j.name).into_owned());
+        let end =
+            |j: usize, i: usize| Some(given.number(&format!("/bootstrap/joints/{j}/interval/{i}")));
+        let caption = format!("Bootstrap: {} % intervals", level(bootstrap.confidence));
+        blocks.push(Block::Table(
+            DataTable::of(caption, "joint", names)
+                .numbers("from", Quantity::STIFFNESS, |j| end(j, 0))
+                .numbers("to", Quantity::STIFFNESS, |j| end(j, 1)),
+        ));
+        let skipped = match bootstrap.skipped {
+            0 => String::new(),
+            count => format!(", {count} of them skipped because they do not determine every joint"),
+        };
+        let dof = bootstrap.degrees_of_freedom;
+        let covered = measured(Intervals::Bootstrap, dof);
+        blocks.push(Block::Text(Text::new(format!(
+            "Bootstrap: {} resamples of {} postures{skipped}. {}",
+            bootstrap.resamples,
+            bootstrap.postures,
+            held("the bootstrap", dof, covered.as_ref())
+        ))));
+    }
+    let dof = own.interval_degrees_of_freedom;
+    if let (Some(_), Some(dof)) = (Intervals::of(own.estimator), dof) {
+        let name = format!("the {} estimator", own.estimator.as_str());
+        let said = held(&name, dof, found.measured_coverage.as_ref());
+        blocks.push(Block::Text(Text::new(said)));
+    }
+    let section = Section::new(
+        "coverage",
+        "How often such intervals hold the truth",
+        blocks,
+    );
+    let section = match found.bootstrap {
+        Some(_) => section.in_summary(),
+        None => section,
+    };
+    (!section.blocks.is_empty()).then_some(section)
+}
+
+fn held(name: &str, dof: usize, measured: Option<&MeasuredCoverage>) -> String {
+    let Some(measured) = measured else {
+        return format!(
+            "How often intervals of {name} hold the truth with {dof} degrees of freedom was not measured: no coverage is \
+             claimed (docs/coverage.md)."
+        );
+    };
+    let mut text = format!(
+        "In simulation the 95 % intervals of {name} held the truth in {:.2} ± {:.2} % ({} experiments, {} degrees of \
+         freedom)",
+        100.0 * measured.coverage,
+        100.0 * measured.standard_error,
+        measured.experiments,
+        measured.degrees_of_freedom
+    );
+    for adverse in &measured.adverse {
+        text += &format!("; {}: {:.2} %", adverse.situation, 100.0 * adverse.coverage);
+    }
+    text + " (docs/coverage.md)."
+}
+
+/// Which unknowns the data tell apart.
+pub(super) fn together(joints: &Joints<'_>) -> Option<Section> {
+    let own = joints.estimates;
+    if own.unknowns.len() < 2 || own.unknowns.len() > MOST_UNKNOWNS {
+        return None;
+    }
+    let condition = joints.given.number("/scaled_condition").significant(3);
+    let text = Text::new("Condition number of the observation matrix with columns of one length: ")
+        .number(condition)
+        .words(". 1 is best: every joint shows by itself.");
+    let blocks = vec![Block::Figure(correlation_figure(own)), Block::Text(text)];
+    Some(Section::new("together", "What the data tell apart", blocks))
+}
+
+/// Published stiffness of the cell's robot: label, source, values.
+fn published(given: &Given<'_>, count: usize) -> Vec<(String, String, Vec<f64>)> {
+    let Some(name) = given.cell.map(|cell| cell.setup.robot.name()) else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    let entry = catalogue().iter().find(|entry| entry.name == name);
+    for (i, own) in entry.iter().flat_map(|e| e.stiffness).enumerate() {
+        if own.values.len() == count {
+            let label = format!("published {}", i + 1);
+            out.push((label, own.source.to_string(), own.values.to_vec()));
+        }
+    }
+    if let (Some(paper), true) = (published_for(name), out.is_empty() && count == 6) {
+        let values = paper.stiffness.iter().map(|row| row[2]).collect();
+        let source = format!("Table 6, Group 3: {}", crate::study::PAPER);
+        out.push(("published".to_string(), source, values));
+    }
+    out
+}

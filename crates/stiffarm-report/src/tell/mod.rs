@@ -1,0 +1,163 @@
+//! What a saved result says: verdict, findings, tables, pictures as data. Nothing here knows where it is shown.
+//!
+//! One file or folder per command holds all judgement of its results: the sentences, the thresholds, and the units
+//! and digits of numbers. The command renders a [`Told`] for the terminal and [`crate::report`] for the page, so
+//! that both say the same. A telling is a function of the saved result and its cell, which is why a page that is
+//! made later says what the terminal said.
+
+mod identify;
+mod number;
+mod table;
+mod text;
+
+#[cfg(feature = "page")]
+pub(crate) use identify::is_clamped;
+pub use number::{Form, Number, Quantity};
+pub use table::DataTable;
+pub use text::{Piece, Text};
+
+use crate::figure::Figure;
+use crate::figure::drawing::Drawing;
+use crate::scene::Scene;
+use stiffarm::files::result::SavedResult;
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::model::cell::Cell;
+use stiffarm::{Code, Error, Result};
+
+/// Cautions that are seen without asking for details.
+pub const SEEN_AT_ONCE: usize = 4;
+
+/// A saved result with its cell, where that is at hand.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// The result.
+    pub saved: &'a SavedResult,
+    /// The cell it was made with.
+    pub cell: Option<&'a Cell>,
+}
+
+/// What a result says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Told {
+    /// What it is, as a heading.
+    pub heading: String,
+    /// How it came out.
+    pub outcome: Outcome,
+    /// What was done, what came out, what to do next. One sentence or two each.
+    pub verdict: [Text; 3],
+    /// What to know before relying on the numbers, the gravest first.
+    pub findings: Vec<Finding>,
+    /// The table to read first.
+    pub key: DataTable,
+    /// Further tables, figures and sentences.
+    pub sections: Vec<Section>,
+}
+
+/// What a result says.
+///
+/// # Errors
+/// A result of a command that is not told here, or one that another version wrote and that looks different.
+pub fn tell(given: &Given<'_>) -> Result<Told> {
+    match given.saved.command.as_str() {
+        "identify" => identify::told(given),
+        other => {
+            let message = format!("Results of `{other}` are not told here.");
+            Err(Error::new(Code::Unsupported, message).file(&given.saved.name))
+        }
+    }
+}
+
+impl Given<'_> {
+    /// The number at a JSON Pointer below `/result`.
+    pub fn number(&self, below: &str) -> Number {
+        let pointer = format!("/result{below}");
+        let value = self.saved.number(&pointer);
+        Number::new(pointer, value)
+    }
+}
+
+/// Whether something is said at once or when it is asked for. A page shows both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Depth {
+    /// In the summary.
+    Summary,
+    /// Among the details.
+    Details,
+}
+
+/// How a result came out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Outcome {
+    /// Nothing to worry about.
+    Good,
+    /// There is something to look at.
+    Caution,
+    /// It cannot be used as it is.
+    Serious,
+}
+
+/// A heading and what stands under it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// Anchor of the section, unique within a part.
+    pub id: String,
+    /// The heading.
+    pub title: String,
+    /// Whether it is part of the summary.
+    pub depth: Depth,
+    /// What stands under it.
+    pub blocks: Vec<Block>,
+}
+
+/// A piece of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Text(Text),
+    /// A list of points.
+    List(Vec<Text>),
+    /// A table.
+    Table(DataTable),
+    /// A chart with its caption and its data.
+    Figure(Figure),
+    /// Charts side by side.
+    Figures(Vec<Figure>),
+    /// A drawing with its caption.
+    Drawing(Drawing),
+    /// The cell in 3D; the drawing stands in where it cannot be shown, and in print.
+    Scene(Box<Scene>, Option<Drawing>),
+    /// Sentences with their weight.
+    Findings(Vec<Finding>),
+    /// What is folded away until it is asked for.
+    Details(String, Vec<Block>),
+}
+
+impl Section {
+    /// A section of the details with these blocks.
+    pub fn new(id: &str, title: impl Into<String>, blocks: Vec<Block>) -> Self {
+        Section {
+            id: id.to_string(),
+            title: title.into(),
+            depth: Depth::Details,
+            blocks,
+        }
+    }
+
+    /// The same as a part of the summary.
+    #[must_use]
+    pub fn in_summary(mut self) -> Self {
+        self.depth = Depth::Summary;
+        self
+    }
+}
+
+impl Outcome {
+    /// What findings make of it.
+    pub fn of(findings: &[Finding]) -> Self {
+        match findings.iter().map(|finding| finding.severity).max() {
+            Some(Severity::Serious) => Outcome::Serious,
+            Some(Severity::Caution) => Outcome::Caution,
+            _ => Outcome::Good,
+        }
+    }
+}
