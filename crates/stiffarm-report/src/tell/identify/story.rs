@@ -137,12 +137,12 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
     }
     for j in joints.of(is_wide) {
         let (low, high) = (joints.end(j, 0), joints.end(j, 1));
-        text = text.words(format!(" {}: ", joints.name(j)));
+        text = text.words(format!(" k of {}: ", joints.name(j)));
         text = match high.value {
-            Some(_) => text.number(low.bare()).words(" to ").number(high),
-            _ => text.words("only a lower bound, ").number(low),
+            Some(_) => text.number(low.bare()).words(" to ").number(high.bare()),
+            _ => text.words("only a lower bound, ").number(low.bare()),
         };
-        text = text.words(".");
+        text = text.words(" · 10⁶ N·m/rad.");
     }
     text
 }
