@@ -132,7 +132,7 @@ fn a_bound_has_its_unit_and_goes_by_all_errors() {
     assert_eq!(verdicts(&part)[4], "above 0.00447");
     let came = part.verdict[1].plain();
     assert!(
-        came.contains("joint 5: only a lower bound, 0.00447\u{a0}10⁶ N·m/rad."),
+        came.contains("k of joint 5: only a lower bound, 0.00447 · 10⁶ N·m/rad."),
         "{came}"
     );
 }
