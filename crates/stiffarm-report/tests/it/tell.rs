@@ -40,6 +40,22 @@ pub(crate) fn suspected(mut result: Value, cause: &str, severity: &str, sentence
     result
 }
 
+/// What is said where two points of the second posture are exchanged.
+fn exchanged() -> Told {
+    let cell = Cell::built_in("comau").unwrap();
+    let mut readings = stiffarm::simulated_readings(&cell, &group(&cell), 1).unwrap();
+    let states = readings.postures[1].states.iter_mut();
+    for reading in states.flat_map(|state| &mut state.readings) {
+        reading.target = match reading.target.clone() {
+            ReadingTarget::Point(0) => ReadingTarget::Point(2),
+            ReadingTarget::Point(2) => ReadingTarget::Point(0),
+            other => other,
+        };
+    }
+    let measured = prepare(&cell, readings, &Default::default()).unwrap();
+    one(identified(&cell, &measured))
+}
+
 fn one(result: Value) -> Told {
     told(&saved("identify", result))
 }
@@ -165,18 +181,7 @@ fn without_a_budget_it_says_what_was_not_examined() {
 
 #[test]
 fn bars_stand_only_where_there_are_values() {
-    let cell = Cell::built_in("comau").unwrap();
-    let mut readings = stiffarm::simulated_readings(&cell, &group(&cell), 1).unwrap();
-    let states = readings.postures[1].states.iter_mut();
-    for reading in states.flat_map(|state| &mut state.readings) {
-        reading.target = match reading.target.clone() {
-            ReadingTarget::Point(0) => ReadingTarget::Point(2),
-            ReadingTarget::Point(2) => ReadingTarget::Point(0),
-            other => other,
-        };
-    }
-    let measured = prepare(&cell, readings, &Default::default()).unwrap();
-    let part = one(identified(&cell, &measured));
+    let part = exchanged();
     let came = part.verdict[1].plain();
     assert!(
         came.starts_with("The stiffness cannot be used. Posture 2: points"),
@@ -257,19 +262,7 @@ fn a_joint_that_cannot_be_told_is_named() {
 
 #[test]
 fn a_fault_in_the_table_comes_first_and_says_what_to_correct() {
-    let cell = Cell::built_in("comau").unwrap();
-    let mut readings = stiffarm::simulated_readings(&cell, &group(&cell), 1).unwrap();
-    // Two points of the second posture exchanged.
-    let states = readings.postures[1].states.iter_mut();
-    for reading in states.flat_map(|state| &mut state.readings) {
-        reading.target = match reading.target.clone() {
-            ReadingTarget::Point(0) => ReadingTarget::Point(2),
-            ReadingTarget::Point(2) => ReadingTarget::Point(0),
-            other => other,
-        };
-    }
-    let measured = prepare(&cell, readings, &Default::default()).unwrap();
-    let made = one(identified(&cell, &measured));
+    let made = exchanged();
     assert_eq!(made.outcome, Outcome::Serious);
     let next = made.verdict[2].plain();
     assert!(next.starts_with("Correct the table first"), "{next}");
