@@ -65,6 +65,12 @@ impl Quantity {
     pub const fn digits(self, digits: usize) -> Self {
         Self::new(self.unit, self.factor, Form::Significant(digits))
     }
+
+    /// The same without its unit, for columns whose caption has it.
+    #[must_use]
+    pub const fn bare(self) -> Self {
+        Self::new("", self.factor, self.form)
+    }
 }
 
 /// Degrees in a radian.
@@ -81,8 +87,13 @@ impl Number {
     pub fn of(self, quantity: Quantity) -> Self {
         Number {
             form: quantity.form,
-            ..self.times(quantity.factor).unit(quantity.unit)
+            ..self.in_unit_of(quantity)
         }
+    }
+
+    /// The same in the unit of this kind, with its own digits.
+    fn in_unit_of(self, quantity: Quantity) -> Self {
+        self.times(quantity.factor).unit(quantity.unit)
     }
 
     /// A number with four significant digits and no unit.
@@ -136,19 +147,19 @@ impl Number {
     /// A length in metres, shown in millimetres with its unit.
     #[must_use]
     pub fn mm(self) -> Self {
-        self.times(1e3).unit("mm")
+        self.in_unit_of(Quantity::LENGTH)
     }
 
     /// A fraction, shown in percent.
     #[must_use]
     pub fn percent(self) -> Self {
-        self.times(100.0).unit("%")
+        self.in_unit_of(Quantity::PERCENT)
     }
 
     /// A joint stiffness in N·m/rad, shown in 10⁶ N·m/rad.
     #[must_use]
     pub fn mega(self) -> Self {
-        self.times(1e-6).unit("10⁶ N·m/rad")
+        self.in_unit_of(Quantity::STIFFNESS)
     }
 
     /// The same without its unit, for a column whose heading has it.

@@ -114,12 +114,14 @@ pub(super) fn size(source: &SystematicSource) -> Text {
     Number::computed(size).of(quantity).into()
 }
 
-/// Postures that were left out.
-pub(super) fn excluded(given: &Given<'_>) -> Vec<String> {
+/// Postures that were left out, as a sentence behind another one; empty where there are none.
+pub(super) fn left_out(given: &Given<'_>) -> String {
     let excluded = given.saved.json["options"]["exclude"].as_array();
-    let names = excluded
-        .into_iter()
-        .flatten()
-        .filter_map(|name| name.as_str());
-    names.map(|name| visible(name).into_owned()).collect()
+    let names = excluded.into_iter().flatten();
+    let names = names.filter_map(|name| name.as_str());
+    let names: Vec<String> = names.map(|name| visible(name).into_owned()).collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(" Left out: {}.", list(&names))
 }

@@ -1,6 +1,6 @@
 //! What `identify --clamped` says: the flange fixed, angles instead of displacements.
 
-use super::basis::{estimator, excluded};
+use super::basis::{estimator, left_out};
 use super::joints::{Joints, is_within};
 use super::story::known;
 use super::{counted, findings, fit, stiffness};
@@ -8,7 +8,7 @@ use crate::identified::{clamped_residual_figure, in_order};
 use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
-use stiffarm::findings::{Severity, list, visible};
+use stiffarm::findings::{Severity, visible};
 
 /// What a result of the clamped flange says.
 pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<Told> {
@@ -23,32 +23,23 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
             .any(|f| f.severity == Severity::Serious),
     };
     let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
-    let left_out = match excluded(given) {
-        names if names.is_empty() => String::new(),
-        names => format!(" Left out: {}.", list(&names)),
-    };
     let done = Text::new(format!(
         "With the flange fixed, the stiffness of {} joints was identified from motor angles and wrenches at {} in {} \
-         ({} combinations of angles), without a tracker.{left_out}",
+         ({} combinations of angles), without a tracker.{}",
         own.joints.len(),
         counted(postures.len(), "posture"),
         counted(found.postures.len(), "load state"),
-        own.rows
+        own.rows,
+        left_out(given)
     ));
     let mdeg = |below: &str| given.number(below).of(Quantity::AXIS);
-    let mut came = known(&joints)
+    let came = known(&joints)
         .words(" The fit leaves ")
         .number(mdeg("/residual_rms_rad"))
         .words(" of angles of ")
-        .number(mdeg("/motor_rms_rad"));
-    if found.motor_rms_rad > 0.0 {
-        let share = Number::computed(found.residual_rms_rad / found.motor_rms_rad);
-        came = came
-            .words(" (")
-            .number(share.of(Quantity::PERCENT))
-            .words(")");
-    }
-    let came = came.words(" that the flange holds (RMS).");
+        .number(mdeg("/motor_rms_rad"))
+        .then(fit::share(found.residual_rms_rad, found.motor_rms_rad))
+        .words(" that the flange holds (RMS).");
     let missing = joints.of(|verdict| !is_within(verdict));
     let next = match (joints.unusable, missing.is_empty()) {
         (true, _) => Text::default()
@@ -102,33 +93,25 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
 
 /// Residual angles, the largest first.
 fn residuals(given: &Given<'_>, found: &ClampedIdentification) -> Section {
-    let mut order: Vec<usize> = (0..found.postures.len()).collect();
-    let size = |i: &usize| found.postures[*i].residual_rms_rad;
-    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    order.truncate(fit::SHOWN_RESIDUALS);
-    let posture = |row: usize| &found.postures[order[row]];
+    let (order, table) = fit::largest(
+        &found.postures,
+        |p| p.residual_rms_rad,
+        |p| [&p.posture, &p.state],
+    );
     let number =
         |row: usize, key: &str| Some(given.number(&format!("/postures/{}/{key}", order[row])));
-    let table = DataTable::of(
-        "Postures and load states with the largest residuals",
-        "posture",
-        order
-            .iter()
-            .map(|i| visible(&found.postures[*i].posture).into_owned()),
-    )
-    .words("load state", |row| {
-        visible(&posture(row).state).into_owned().into()
-    })
-    .numbers("residual RMS", Quantity::AXIS, |row| {
-        number(row, "residual_rms_rad")
-    })
-    .numbers("angle RMS", Quantity::AXIS, |row| {
-        number(row, "motor_rms_rad")
-    })
-    .numbers("residual / mean", Quantity::RATIO, |row| {
-        let mean = found.residual_rms_rad;
-        (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_rad / mean))
-    });
+    let table = table
+        .numbers("residual RMS", Quantity::AXIS, |row| {
+            number(row, "residual_rms_rad")
+        })
+        .numbers("angle RMS", Quantity::AXIS, |row| {
+            number(row, "motor_rms_rad")
+        })
+        .numbers("residual / mean", Quantity::RATIO, |row| {
+            let mean = found.residual_rms_rad;
+            let own = found.postures[order[row]].residual_rms_rad;
+            (mean > 0.0).then(|| Number::computed(own / mean))
+        });
     let blocks = vec![
         Block::Figure(clamped_residual_figure(found)),
         Block::Table(table),

@@ -9,7 +9,7 @@ use stiffarm::findings::visible;
 use stiffarm::model::elastic::ElasticClass;
 
 /// Postures whose residuals the table shows.
-pub(super) const SHOWN_RESIDUALS: usize = 5;
+const SHOWN_RESIDUALS: usize = 5;
 /// Displacements whose weights the table shows.
 const SHOWN_WEIGHTS: usize = 10;
 
@@ -37,8 +37,9 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
     }
     if let Some(mixed) = found.mixed().and_then(|elastic| elastic.mixed.as_ref()) {
         let caption = format!(
-            "Joint stiffness as the mixed model has it, interval at {} % with all errors [10⁶ N·m/rad]",
-            level(found.identification.estimates.confidence)
+            "Joint stiffness as the mixed model has it, interval at {} % with all errors [{}]",
+            level(found.identification.estimates.confidence),
+            Quantity::STIFFNESS.unit
         );
         let budget = elastic.budget.as_ref();
         let has_budget = budget.is_some_and(|b| b.uncertainty.len() == mixed.joints.len());
@@ -49,10 +50,7 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
                 false => format!("/elastic/mixed/joints/{j}/interval/{i}"),
             })
         };
-        let bare = Quantity {
-            unit: "",
-            ..Quantity::STIFFNESS
-        };
+        let bare = Quantity::STIFFNESS.bare();
         let names = mixed.joints.iter().map(|j| visible(&j.name).into_owned());
         blocks.push(Block::Table(
             DataTable::of(caption, "joint", names)
@@ -88,15 +86,9 @@ pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
     let mut words = Text::new("Residual RMS ")
         .number(mm("/residual_rms_m"))
         .words(", beside a displacement RMS of ")
-        .number(mm("/displacement_rms_m"));
-    if own.displacement_rms_m > 0.0 {
-        let share = Number::computed(own.residual_rms_m / own.displacement_rms_m);
-        words = words
-            .words(" (")
-            .number(share.of(Quantity::PERCENT))
-            .words(")");
-    }
-    words = words.words(".");
+        .number(mm("/displacement_rms_m"))
+        .then(share(own.residual_rms_m, own.displacement_rms_m))
+        .words(".");
     if own.total_std_m.is_some() && own.expected_std_m > 0.0 {
         words = words.words(
             " The verdict holds the standard deviation of the residuals against noise, not this RMS: it weighs each \
@@ -119,49 +111,72 @@ pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
         blocks.push(Block::Text(text));
     }
     blocks.push(Block::Figure(residual_figure(own)));
-    let mut order: Vec<usize> = (0..own.postures.len()).collect();
-    let size = |i: &usize| own.postures[*i].residual_rms_m;
-    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    order.truncate(SHOWN_RESIDUALS);
+    let (order, table) = largest(
+        &own.postures,
+        |p| p.residual_rms_m,
+        |p| [&p.posture, &p.state],
+    );
     let posture = |row: usize| &own.postures[order[row]];
     let number =
         |row: usize, key: &str| Some(given.number(&format!("/postures/{}/{key}", order[row])));
     let influence = found.diagnosis.as_ref().and_then(|d| d.influence.as_ref());
+    let table = table
+        .numbers("residual RMS", Quantity::LENGTH, |row| {
+            number(row, "residual_rms_m")
+        })
+        .numbers("displacement RMS", Quantity::LENGTH, |row| {
+            number(row, "displacement_rms_m")
+        })
+        .numbers("residual / displacement", Quantity::PERCENT, |row| {
+            let own = posture(row);
+            let moves = own.displacement_rms_m > 0.0;
+            moves.then(|| Number::computed(own.residual_rms_m / own.displacement_rms_m))
+        })
+        .numbers("residual / mean", Quantity::RATIO, |row| {
+            let mean = own.residual_rms_m;
+            (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_m / mean))
+        })
+        .numbers("missed by the others", Quantity::LENGTH, |row| {
+            let all = &influence?.postures;
+            let i = all.iter().position(|p| p.posture == posture(row).posture)?;
+            all[i].prediction_rms_m?;
+            Some(given.number(&format!(
+                "/diagnosis/influence/postures/{i}/prediction_rms_m"
+            )))
+        });
+    blocks.push(Block::Table(table));
+    Section::new("residuals", "Residuals against noise", blocks)
+}
+
+/// A residual as a part of what was measured, in brackets; empty where nothing moved.
+pub(super) fn share(residual: f64, measured: f64) -> Text {
+    if measured <= 0.0 {
+        return Text::default();
+    }
+    let share = Number::computed(residual / measured);
+    Text::new(" (")
+        .number(share.of(Quantity::PERCENT))
+        .words(")")
+}
+
+/// Which postures and load states have the largest residuals, and a table with their names in the same order; `name`
+/// gives posture and load state.
+pub(super) fn largest<P>(
+    all: &[P],
+    residual: impl Fn(&P) -> f64,
+    name: impl Fn(&P) -> [&String; 2],
+) -> (Vec<usize>, DataTable) {
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by(|a, b| residual(&all[*b]).total_cmp(&residual(&all[*a])));
+    order.truncate(SHOWN_RESIDUALS);
+    let part = |row: usize, i: usize| visible(name(&all[order[row]])[i]).into_owned();
     let table = DataTable::of(
         "Postures and load states with the largest residuals",
         "posture",
-        order
-            .iter()
-            .map(|i| visible(&own.postures[*i].posture).into_owned()),
+        (0..order.len()).map(|row| part(row, 0)),
     )
-    .words("load state", |row| {
-        visible(&posture(row).state).into_owned().into()
-    })
-    .numbers("residual RMS", Quantity::LENGTH, |row| {
-        number(row, "residual_rms_m")
-    })
-    .numbers("displacement RMS", Quantity::LENGTH, |row| {
-        number(row, "displacement_rms_m")
-    })
-    .numbers("residual / displacement", Quantity::PERCENT, |row| {
-        let own = posture(row);
-        let moves = own.displacement_rms_m > 0.0;
-        moves.then(|| Number::computed(own.residual_rms_m / own.displacement_rms_m))
-    })
-    .numbers("residual / mean", Quantity::RATIO, |row| {
-        let mean = own.residual_rms_m;
-        (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_m / mean))
-    })
-    .numbers("missed by the others", Quantity::LENGTH, |row| {
-        let all = &influence?.postures;
-        let i = all.iter().position(|p| p.posture == posture(row).posture)?;
-        all[i].prediction_rms_m?;
-        Some(given.number(&format!(
-            "/diagnosis/influence/postures/{i}/prediction_rms_m"
-        )))
-    });
-    blocks.push(Block::Table(table));
-    Section::new("residuals", "Residuals against noise", blocks)
+    .words("load state", |row| part(row, 1).into());
+    (order, table)
 }
 
 /// Systematic errors by source: size, what the readings leave of it, and what it does to each joint.

@@ -42,7 +42,10 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     ];
     let has_prior = prior.len() == count;
     let mut table = DataTable::of(
-        "Identified beside prior and published stiffness [10⁶ N·m/rad]",
+        format!(
+            "Identified beside prior and published stiffness [{}]",
+            Quantity::STIFFNESS.unit
+        ),
         "joint",
         joints.row_names(),
     )
@@ -95,13 +98,11 @@ fn intervals(
 ) -> DataTable {
     let number = |j: usize, key: &str| Some(given.number(&format!("{at}/{j}/{key}")));
     let caption = format!(
-        "Standard errors and {} % intervals by the scatter of the readings [10⁶ N·m/rad]",
-        level(confidence)
+        "Standard errors and {} % intervals by the scatter of the readings [{}]",
+        level(confidence),
+        Quantity::STIFFNESS.unit
     );
-    let bare = Quantity {
-        unit: "",
-        ..Quantity::STIFFNESS
-    };
+    let bare = Quantity::STIFFNESS.bare();
     DataTable::of(
         caption,
         heading,

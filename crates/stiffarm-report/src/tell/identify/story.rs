@@ -1,6 +1,6 @@
 //! What was done, what came out, what to do next.
 
-use super::basis::excluded;
+use super::basis::left_out;
 use super::findings::is_brief;
 use super::joints::{Joints, is_wide, is_within};
 use super::readings::shortened;
@@ -10,7 +10,7 @@ use crate::tell::{Given, Number, Quantity, Text};
 use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
 use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
-use stiffarm::findings::{Finding, Severity, list, visible};
+use stiffarm::findings::{Finding, Severity, visible};
 
 /// Residuals this many times the expected noise hold more than noise, where no test says it.
 const MORE_THAN_NOISE: f64 = 1.5;
@@ -28,16 +28,13 @@ pub(super) fn done(given: &Given<'_>, found: &Identified) -> Text {
         Some(_) => "raw readings of the tracker",
         None => "measured displacements",
     };
-    let excluded = match excluded(given) {
-        names if names.is_empty() => String::new(),
-        names => format!(" Left out: {}.", list(&names)),
-    };
     Text::new(format!(
-        "The stiffness of {} joints was identified from {from} at {}: {} ({} components).{excluded}",
+        "The stiffness of {} joints was identified from {from} at {}: {} ({} components).{}",
         estimates.joints.len(),
         counted(postures, "posture"),
         counted(estimates.rows / 3, "displacement"),
         estimates.rows,
+        left_out(given),
     ))
 }
 
@@ -142,7 +139,7 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
             Some(_) => text.number(low.bare()).words(" to ").number(high.bare()),
             _ => text.words("only a lower bound, ").number(low.bare()),
         };
-        text = text.words(" · 10⁶ N·m/rad.");
+        text = text.words(format!(" · {}.", Quantity::STIFFNESS.unit));
     }
     text
 }
