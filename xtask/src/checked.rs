@@ -29,6 +29,20 @@ pub struct Script {
 }
 
 impl Checked {
+    /// Adds a check by its name, and says what came of it.
+    pub fn note<T>(&mut self, name: &str, outcome: &Result<T, String>) {
+        match outcome {
+            Ok(_) => {
+                println!("ok {name}");
+                self.passed += 1;
+            }
+            Err(why) => {
+                println!("FAILED {name}: {why}");
+                self.failures.push(format!("{name}: {why}"));
+            }
+        }
+    }
+
     /// Adds what was not looked at.
     pub fn skip(&mut self, name: impl Into<String>, reason: impl Into<String>, fix: &str) {
         self.skips

@@ -1,9 +1,10 @@
 //! `cargo xtask fuzz`, and the half minute of it that is part of CI.
 
+use std::env::consts::EXE_SUFFIX;
 use std::process::Command;
 
-use crate::generate::beside_this_program;
 use crate::run::{Failure, Workspace};
+use crate::tools;
 
 /// How long CI looks for faults \[s\].
 pub const SMOKE_SECONDS: u32 = 30;
@@ -30,7 +31,7 @@ pub fn run(workspace: &Workspace, words: &[String]) -> Result<(), Failure> {
 
 /// Runs the fuzzer that a build of the tests has left beside this program, for [`SMOKE_SECONDS`].
 pub fn smoke() -> Result<(), Failure> {
-    let program = beside_this_program("stiffarm-fuzz")?;
+    let program = tools::built(&format!("stiffarm-fuzz{EXE_SUFFIX}"))?;
     let status = Command::new(program)
         .args(["--seconds", &SMOKE_SECONDS.to_string()])
         .args(["--seed", &SMOKE_SEED.to_string()])

@@ -1,7 +1,7 @@
 //! `cargo xtask generate`: files that are made from the code, so that they cannot contradict it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::files::{self, first_difference};
 use crate::run::{Failure, Workspace};
@@ -28,27 +28,14 @@ type Files = BTreeMap<String, Vec<u8>>;
 
 /// Builds everything, then writes what is generated, or with `check` only compares it.
 pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
-    workspace.build().run()?;
+    workspace.built()?;
     run_built(workspace, check)
 }
 
 /// [`run`] with the `stiffarm` that has been built into the folder of this program.
 pub fn run_built(workspace: &Workspace, check: bool) -> Result<(), Failure> {
-    let expected = expected(workspace.root(), &beside_this_program("stiffarm")?)?;
+    let expected = expected(workspace.root(), &tools::stiffarm()?)?;
     compare(workspace.root(), &expected, check)
-}
-
-/// The program `name` in the folder of this one.
-pub fn beside_this_program(name: &str) -> Result<PathBuf, Failure> {
-    let path = std::env::current_exe()
-        .map(|this| this.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX)));
-    match path {
-        Ok(path) if path.is_file() => Ok(path),
-        _ => Err(Failure::internal(
-            format!("`{name}` does not lie beside this program"),
-            "start it as `cargo xtask`, which builds both into one folder",
-        )),
-    }
 }
 
 /// What every generated file should hold.

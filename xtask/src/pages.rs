@@ -35,9 +35,7 @@ const SCRIPT: Script = Script {
 
 /// Makes the pages and checks them.
 pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Failure> {
-    let build = workspace.build();
-    println!("{build}");
-    build.run()?;
+    workspace.built()?;
 
     let mut checked = Checked::default();
     let find = || [&CHROMIUM[..], &FIREFOX].map(|names| first_that_runs(names, &["--version"]));
@@ -76,7 +74,7 @@ pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Fai
 
     let mut words: Vec<OsString> = vec![script.join("pages.py").into()];
     let mut option = |name: &str, value: OsString| words.extend([name.into(), value]);
-    option("--stiffarm", tools::stiffarm(workspace).into());
+    option("--stiffarm", tools::stiffarm()?.into());
     option("--folder", folder.clone().into());
     for (browser, name) in browsers.iter().zip(["--chromium", "--firefox"]) {
         if let Some(browser) = browser {

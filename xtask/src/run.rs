@@ -98,9 +98,18 @@ impl Workspace {
             "--workspace",
             "--locked",
             "--lib",
-            "--bins",
             "--tests",
+            // Not all programs: this one runs, and Windows lets nobody replace it then.
+            "--bin=stiffarm",
+            "--bin=stiffarm-fuzz",
         ])
+    }
+
+    /// Runs [`Workspace::build`], headed by the line a developer would type.
+    pub fn built(&self) -> Result<(), Failure> {
+        let build = self.build();
+        println!("{build}");
+        build.run()
     }
 }
 

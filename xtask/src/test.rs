@@ -6,10 +6,8 @@ use std::time::Instant;
 use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace, quoted};
-use crate::sheets::{self, Filled, Outcome};
 use crate::tally::{Ignored, Tally};
-use crate::tools::Missing;
-use crate::{pages, python};
+use crate::{pages, python, sheets};
 
 /// One test or part that was not run.
 #[derive(Debug, PartialEq, Eq)]
@@ -31,25 +29,14 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
 
     let mut skips = skips(&tally.ignored, &reference, &options.require);
     if compiles {
-        for Filled { name, outcome } in sheets::run(workspace, options.install)? {
-            match outcome {
-                Outcome::Passed => tally.passed += 1,
-                Outcome::Failed(why) => failures.push(format!(
-                    "{name}: {why}; fix: cargo xtask sheets shows it alone"
-                )),
-                Outcome::Skipped(Missing { reason, fix }) => skips.push(Skip {
-                    part: Part::Sheets,
-                    name: name.to_string(),
-                    reason,
-                    fix: fix.to_string(),
-                }),
-            }
-        }
         let browsers = PagesOptions {
             install: options.install,
             ..PagesOptions::default()
         };
-        let mut parts = vec![(Part::Browser, pages::run(workspace, &browsers)?)];
+        let mut parts = vec![
+            (Part::Sheets, sheets::run(workspace, options.install)?),
+            (Part::Browser, pages::run(workspace, &browsers)?),
+        ];
         let python = PythonOptions {
             install: options.install,
             ..PythonOptions::default()
@@ -178,6 +165,7 @@ fn described(skip: &Skip) -> String {
 /// A failed check with what shows it alone.
 fn failed(part: Part, why: &str) -> String {
     match part {
+        Part::Sheets => format!("{why}; fix: cargo xtask sheets shows it alone"),
         Part::Browser => format!("page {why}; fix: cargo xtask pages shows the pages alone"),
         _ => format!("{why}; fix: cargo xtask python shows it alone"),
     }
@@ -233,6 +221,11 @@ mod tests {
     #[test]
     fn a_failed_check_says_what_shows_it_alone() {
         for (part, start, end) in [
+            (
+                Part::Sheets,
+                "x: wide; fix: ",
+                "cargo xtask sheets shows it alone",
+            ),
             (
                 Part::Browser,
                 "page x: wide; fix: ",

@@ -1,9 +1,10 @@
 //! Programs of other projects that parts of the tests need: whether they are there, calling them, and getting them.
 
+use std::env::consts::EXE_SUFFIX;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use crate::run::Workspace;
+use crate::run::{Failure, Workspace};
 
 /// Why something is not there, and how to get it.
 #[derive(Debug, PartialEq, Eq)]
@@ -36,9 +37,20 @@ pub fn target(workspace: &Workspace) -> PathBuf {
     }
 }
 
-/// The command, as the dev profile builds it.
-pub fn stiffarm(workspace: &Workspace) -> PathBuf {
-    target(workspace).join(format!("debug/stiffarm{}", std::env::consts::EXE_SUFFIX))
+/// The command, from [`Workspace::build`].
+pub fn stiffarm() -> Result<PathBuf, Failure> {
+    built(&format!("stiffarm{EXE_SUFFIX}"))
+}
+
+/// A file that [`Workspace::build`] has left in the folder of this program.
+pub fn built(file: &str) -> Result<PathBuf, Failure> {
+    match std::env::current_exe().map(|this| this.with_file_name(file)) {
+        Ok(path) if path.is_file() => Ok(path),
+        _ => Err(Failure::internal(
+            format!("`{file}` does not lie beside this program"),
+            "start it as `cargo xtask`, which builds both into one folder",
+        )),
+    }
 }
 
 /// How the machine's Python is called, if it has one that is new enough.

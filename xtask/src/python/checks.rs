@@ -12,12 +12,11 @@ use crate::tools::program_in;
 pub fn package(place: &Place, built: &Path, checked: &mut Checked) {
     let sdist = match wheel::sdist(place) {
         Ok(sdist) => sdist,
-        Err(why) => return note(checked, "sdist", Err(why)),
+        Err(why) => return checked.note("sdist", &Err::<(), _>(why)),
     };
-    note(
-        checked,
+    checked.note(
         "sdist holds the crates that it needs",
-        unpacked(place, &sdist),
+        &unpacked(place, &sdist),
     );
     let twine = place.tool("twine", &["check", "--strict"]);
     check(checked, "twine check", with(twine, &[built, &sdist]));
@@ -89,20 +88,7 @@ fn check(checked: &mut Checked, name: &str, mut call: Command) {
     if outcome.is_ok() {
         println!("   {:.1} s", start.elapsed().as_secs_f64());
     }
-    note(checked, name, outcome);
-}
-
-fn note(checked: &mut Checked, name: &str, outcome: Result<(), String>) {
-    match outcome {
-        Ok(()) => {
-            println!("ok {name}");
-            checked.passed += 1;
-        }
-        Err(why) => {
-            println!("FAILED {name}: {why}");
-            checked.failures.push(format!("{name}: {why}"));
-        }
-    }
+    checked.note(name, &outcome);
 }
 
 /// Whether a program ends well. What it says is shown where it does not, and a line of it is the reason.

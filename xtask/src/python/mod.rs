@@ -137,7 +137,7 @@ impl<'a> Place<'a> {
         let mut call = self.pytest(&self.python);
         call.args(["--doctest-modules", "--pyargs", "stiffarm", "tests"])
             .args(words)
-            .env(COMMAND_VARIABLE, tools::stiffarm(self.workspace));
+            .env(COMMAND_VARIABLE, tools::stiffarm()?);
         if let Ok(folder) = reference_folder(std::env::var_os(REFERENCE_VARIABLE)) {
             call.env(REFERENCE_VARIABLE, folder);
         }

@@ -24,42 +24,21 @@ pub fn built_and_installed(
 ) -> Result<Option<PathBuf>, Failure> {
     let folder = place.folder.join("wheels");
     empty(&folder)?;
-    let build = place.workspace.build();
-    println!("{build}");
-    build.run()?;
+    place.workspace.built()?;
     let script = place.workspace.root().join("xtask/python/wheel.py");
-    let module = tools::target(place.workspace).join("debug").join(MODULE);
+    let module = tools::built(MODULE)?;
     let paths = [&script, &place.package, &module, &folder].map(|path| path.to_string_lossy());
-    let made = call(&place.python, &paths.each_ref().map(|path| path.as_ref()));
-    let Some(wheel) = only_file(&folder, "whl") else {
-        let why = made.err().unwrap_or_default();
-        checked
-            .failures
-            .push(format!("the wheel cannot be made: {why}"));
-        return Ok(None);
-    };
-    let noted = place.folder.join("venv/stiffarm.whl");
-    let installed = install(&wheel, &noted, || {
-        let wheel = wheel.to_string_lossy();
+    let made = call(&place.python, &paths.each_ref().map(|path| path.as_ref()))
+        .and_then(|_| only_file(&folder, "whl").ok_or_else(|| "there is not one".to_string()));
+    let installed = made.and_then(|wheel| {
+        let path = wheel.to_string_lossy();
         let words = ["-m", "pip", "install", "--quiet", "--no-deps"];
-        call(
-            &place.python,
-            &[&words[..], &["--force-reinstall", &wheel]].concat(),
-        )
+        let words = [&words[..], &["--force-reinstall", &path]].concat();
+        let noted = place.folder.join("venv/stiffarm.whl");
+        install(&wheel, &noted, || call(&place.python, &words)).map(|()| wheel.clone())
     });
-    match installed {
-        Ok(()) => {
-            checked.passed += 1;
-            println!("ok the wheel builds and is installed");
-            Ok(Some(wheel))
-        }
-        Err(why) => {
-            checked
-                .failures
-                .push(format!("the wheel cannot be installed: {why}"));
-            Ok(None)
-        }
-    }
+    checked.note("the wheel is made and installed", &installed);
+    Ok(installed.ok())
 }
 
 /// The source distribution, beside the wheel.
