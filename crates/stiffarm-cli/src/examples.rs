@@ -170,7 +170,6 @@ pub const DOCS: &str = "Examples:
   $ stiffarm docs errors
   $ stiffarm docs commands";
 
-#[cfg(feature = "report")]
 pub const REPORT: &str = "Examples:
   A page of one result, and of two side by side:
   $ stiffarm report k.json

@@ -108,7 +108,6 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Compensate(args) => commands::compensate::run(session, args),
         Command::Map(args) => commands::map::run(session, args),
         Command::Zones(args) => commands::zones::run(session, args),
-        #[cfg(feature = "report")]
         Command::Report(args) => commands::report::run(session, args),
         Command::Pose(args) => commands::pose::run(session, args),
         Command::Route(args) => commands::route::run(session, args),

@@ -111,10 +111,7 @@ impl Session {
             return self.deliver(target, envelope, String::new);
         }
         let saved = SavedResult::of(envelope, "result")?;
-        let told = tell(&Given {
-            saved: &saved,
-            cell: Some(&named.cell),
-        })?;
+        let told = tell(&Given::new(&saved, Some(&named.cell)).in_words())?;
         let words = || text::told(&told, details) + &named.line();
         self.deliver(target, envelope, words)
     }

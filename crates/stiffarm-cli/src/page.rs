@@ -1,22 +1,21 @@
 //! `--report FILE`: the page of a result that was just made.
 
 use crate::files::write_all;
-#[cfg(feature = "report")]
 use crate::files::{ends_in, only_target};
 use crate::session::Session;
-#[cfg(feature = "report")]
 use crate::session::WantedPage;
 use serde::Serialize;
 use stiffarm::Result;
+use stiffarm::files::result::SavedResult;
 use stiffarm::model::cell::Cell;
-#[cfg(feature = "report")]
 use stiffarm::{Code, Error};
+use stiffarm_report::page::render_page;
+use stiffarm_report::report::{Given, report};
 
 /// Refuses a page whose name says that it is something else: no browser would open it by a double click.
 ///
 /// # Errors
 /// A name with another ending than .html or .htm.
-#[cfg(feature = "report")]
 pub fn check_page_name(path: &str, option: &str) -> Result<()> {
     match path == "-" || ends_in(path, "html") || ends_in(path, "htm") {
         true => Ok(()),
@@ -34,15 +33,12 @@ impl Session {
     /// # Errors
     /// A file that cannot be written, or exists and `force` is not given.
     pub fn will_report(&self, path: Option<&str>, force: bool) -> Result<()> {
-        #[cfg(feature = "report")]
         if let Some(path) = path {
             let target = only_target(self, Some(path), force)?;
             check_page_name(path, "--report")?;
             self.page
                 .replace(target.map(|target| WantedPage { target, cell: None }));
         }
-        #[cfg(not(feature = "report"))]
-        let _ = (path, force);
         Ok(())
     }
 
@@ -54,37 +50,16 @@ impl Session {
         let Some(wanted) = self.page.borrow_mut().take() else {
             return Ok(());
         };
-        match self.page_of(envelope, wanted.cell.as_ref())? {
-            Some(page) => write_all(self, &[(wanted.target, page)]),
-            None => Ok(()),
-        }
+        let page = page_of(envelope, wanted.cell.as_ref())?;
+        write_all(self, &[(wanted.target, page)])
     }
+}
 
-    /// The page of a result; `None` in a program without pages.
-    ///
-    /// # Errors
-    /// A result that has no page.
-    pub fn page_of(
-        &self,
-        envelope: &impl Serialize,
-        cell: Option<&Cell>,
-    ) -> Result<Option<String>> {
-        #[cfg(feature = "report")]
-        {
-            use stiffarm::files::result::SavedResult;
-            use stiffarm_report::page::render_page;
-            use stiffarm_report::report::{Given, report};
-            let saved = SavedResult::of(envelope, "result")?;
-            let page = report(&[Given {
-                saved: &saved,
-                cell,
-            }])?;
-            Ok(Some(render_page(&page)))
-        }
-        #[cfg(not(feature = "report"))]
-        {
-            let _ = (envelope, cell);
-            Ok(None)
-        }
-    }
+/// The page of a result.
+///
+/// # Errors
+/// A result that has no page.
+pub fn page_of(envelope: &impl Serialize, cell: Option<&Cell>) -> Result<String> {
+    let saved = SavedResult::of(envelope, "result")?;
+    Ok(render_page(&report(&[Given::new(&saved, cell)])?))
 }

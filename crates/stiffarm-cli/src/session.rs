@@ -202,7 +202,6 @@ impl Session {
     }
 
     /// Hash of the input of a role that was read last.
-    #[cfg(feature = "report")]
     pub fn last_hash(&self, role: &str) -> Option<String> {
         let inputs = self.inputs.borrow();
         let found = inputs.iter().rev().find(|input| input.role == role);

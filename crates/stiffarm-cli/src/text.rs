@@ -12,7 +12,9 @@ pub fn told(told: &Told, details: bool) -> String {
     let of = |severity: Severity| told.findings.iter().filter(move |f| f.severity == severity);
     let mut out = sentence(came);
     out.extend(of(Severity::Serious).map(finding));
-    out += &format!("\n{}\n", table(&told.key));
+    if let Some(key) = &told.key {
+        out += &format!("\n{}\n", table(key));
+    }
     let cautions: Vec<&Finding> = of(Severity::Caution).collect();
     let seen = if details {
         cautions.len()

@@ -17,7 +17,6 @@ mod cell;
 pub mod figure;
 pub mod identified;
 mod map;
-#[cfg(feature = "page")]
 pub mod page;
 pub mod paper;
 mod path;
@@ -25,13 +24,11 @@ mod path_components;
 mod placement;
 mod plan_page;
 mod point_deflection;
-#[cfg(feature = "page")]
 pub mod report;
 pub mod scene;
 mod selection;
 pub mod study;
 pub mod tell;
-#[cfg(feature = "page")]
 pub mod validated;
 mod zones;
 

@@ -23,7 +23,6 @@ pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
 pub use pose::PoseArgs;
 pub use report::PageArgs;
-#[cfg(feature = "report")]
 pub use report::ReportArgs;
 pub use route::RouteArgs;
 pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
@@ -130,7 +129,6 @@ pub enum Command {
     #[command(after_help = examples::ZONES)]
     Zones(ZonesArgs),
     /// One offline page of saved results, with the cell in 3D; several side by side
-    #[cfg(feature = "report")]
     #[command(after_help = examples::REPORT)]
     Report(ReportArgs),
     /// Poses of postures as the robot's pendant shows them, and all postures of a pose
@@ -376,7 +374,6 @@ pub enum SchemaChoice {
     /// Output of `pose --from --json`
     ResultPoseFrom,
     /// Output of `report --json`
-    #[cfg(feature = "report")]
     ResultReport,
     /// Output of `route --json`
     ResultRoute,

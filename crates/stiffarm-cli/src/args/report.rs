@@ -1,20 +1,15 @@
 //! Pages of results.
 
-#[cfg(feature = "report")]
 use super::values::above_zero;
-#[cfg(feature = "report")]
 use crate::files::picture::{INSTEAD, is_foreign};
 use clap::Args;
-#[cfg(feature = "report")]
 use std::path::PathBuf;
-#[cfg(feature = "report")]
 use stiffarm_report::paper::{Format, PaperOptions};
 
 /// The page of a result that a command has just made.
 #[derive(Debug, Clone, Default, Args)]
 pub struct PageArgs {
     /// Write the result as one offline page, with the cell in 3D
-    #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<String>,
 }
@@ -22,15 +17,11 @@ pub struct PageArgs {
 impl PageArgs {
     /// Where the page goes, if anywhere.
     pub fn path(&self) -> Option<&str> {
-        #[cfg(feature = "report")]
-        return self.report.as_deref();
-        #[cfg(not(feature = "report"))]
-        None
+        self.report.as_deref()
     }
 }
 
 /// Pages of saved results.
-#[cfg(feature = "report")]
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// Saved results: what commands printed with --json (`--json > result.json`), or identify wrote with --output
@@ -54,7 +45,6 @@ pub struct ReportArgs {
 }
 
 /// Pictures for a paper.
-#[cfg(feature = "report")]
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Pictures for a paper")]
 pub struct PaperArgs {
@@ -82,7 +72,6 @@ pub struct PaperArgs {
     pub titles: bool,
 }
 
-#[cfg(feature = "report")]
 impl PaperArgs {
     /// As the report takes them.
     pub fn options(&self) -> PaperOptions {
@@ -97,7 +86,6 @@ impl PaperArgs {
 }
 
 /// Format of a picture.
-#[cfg(feature = "report")]
 fn format(text: &str) -> Result<Format, String> {
     let mut all = Format::ALL.into_iter();
     let found = all.find(|format| text == format.extension());

@@ -16,7 +16,6 @@ pub mod measure;
 pub mod pose;
 pub mod predict;
 pub mod register;
-#[cfg(feature = "report")]
 pub mod report;
 pub mod robots;
 pub mod route;

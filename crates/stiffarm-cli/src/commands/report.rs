@@ -75,10 +75,7 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         .map(|saved| {
             let hash = saved.input("cell");
             let known = cells.iter().find(|known| Some(known.hash.as_str()) == hash);
-            Given {
-                saved,
-                cell: known.map(|known| &known.named.cell),
-            }
+            Given::new(saved, known.map(|known| &known.named.cell))
         })
         .collect();
     let page = report(&given)?;

@@ -65,7 +65,6 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),
         SchemaChoice::ResultPose => of::<poses::Options, poses::Poses>("pose"),
         SchemaChoice::ResultPoseFrom => of::<poses::Options, poses::Found>("pose --from"),
-        #[cfg(feature = "report")]
         SchemaChoice::ResultReport => {
             of::<super::report::Options, super::report::Reported>("report")
         }

@@ -20,7 +20,6 @@ mod map;
 mod numbers;
 mod outputs;
 mod own_robot;
-#[cfg(feature = "report")]
 mod papers;
 mod pictures;
 mod pose;

@@ -61,20 +61,6 @@ pub struct Part {
     pub provenance: Provenance,
 }
 
-impl Part {
-    /// Adds what else to know: the gravest first, and never better than it was.
-    pub fn add_warnings(&mut self, found: impl IntoIterator<Item = Finding>) {
-        for finding in found {
-            self.outcome = self
-                .outcome
-                .max(Outcome::of(std::slice::from_ref(&finding)));
-            self.warnings.push(finding);
-        }
-        self.warnings
-            .sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-    }
-}
-
 /// How a result was made.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Provenance {

@@ -3,48 +3,16 @@
 //! A part of the page is a function of the saved result, and of its cell where that is at hand: without it only
 //! the pictures of the cell are missing. The command that made a result and `stiffarm report` build the same page.
 
-mod arrows;
-mod at_work;
 mod compare;
-mod compensate;
-mod context;
-mod evaluate;
-mod identify;
-mod map;
-mod place;
-mod points;
-mod postures;
-mod predict;
-mod register;
-mod select;
-mod simulate;
-mod study;
-mod study_measured;
-mod tables;
-mod validate;
-mod worth;
-mod zones;
 
-pub use crate::tell::Given;
+pub use crate::tell::{COMMANDS, Given};
 
-use crate::page::{Page, Part};
-use context::Context;
-use stiffarm::{Code, Error, Result};
-
-/// Commands whose results become pages.
-pub const COMMANDS: [&str; 11] = [
-    "compensate",
-    "evaluate",
-    "identify",
-    "map",
-    "predict",
-    "register",
-    "select",
-    "simulate",
-    "study",
-    "validate",
-    "zones",
-];
+use crate::page::{Block, Page, Part, Provenance, Section};
+use crate::tell::{plain, quoted, tell};
+use serde_json::Value;
+use stiffarm::Result;
+use stiffarm::files::result::SavedResult;
+use stiffarm::findings::{Finding, Severity, visible};
 
 /// The page of saved results, in their order.
 ///
@@ -52,7 +20,7 @@ pub const COMMANDS: [&str; 11] = [
 /// A result of a command that has no page, one that another version wrote and that looks different, or
 /// postures that the cell cannot take.
 pub fn report(given: &[Given<'_>]) -> Result<Page> {
-    let parts = given.iter().map(|one| part(&Context::new(one)));
+    let parts = given.iter().map(part);
     let parts = parts.collect::<Result<Vec<Part>>>()?;
     let title = match parts.as_slice() {
         [one] => one.heading.clone(),
@@ -71,27 +39,69 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
     })
 }
 
-fn part(context: &Context<'_>) -> Result<Part> {
-    match context.saved.command.as_str() {
-        "compensate" => compensate::part(context),
-        "evaluate" => evaluate::part(context),
-        "identify" => identify::part(context),
-        "map" => map::part(context),
-        "predict" => predict::part(context),
-        "register" => register::part(context),
-        "select" => select::part(context),
-        "simulate" => simulate::part(context),
-        "study" if context.saved.json["options"]["measured"] == true => {
-            study_measured::part(context)
+/// The part of a page for what a result says.
+fn part(given: &Given<'_>) -> Result<Part> {
+    let told = tell(given)?;
+    let is_note = |finding: &Finding| finding.severity == Severity::Note;
+    let (notes, warnings): (Vec<Finding>, Vec<Finding>) =
+        told.findings.into_iter().partition(is_note);
+    let mut sections = told.sections;
+    if !notes.is_empty() {
+        let block = Block::Findings(notes);
+        sections.push(Section::new("notes", "Notes", vec![block]));
+    }
+    Ok(Part {
+        command: given.saved.command.clone(),
+        heading: told.heading,
+        name: visible(&given.saved.name).into_owned(),
+        outcome: told.outcome,
+        verdict: told.verdict,
+        warnings,
+        key: told.key,
+        sections,
+        provenance: provenance(given.saved),
+    })
+}
+
+/// How a result was made.
+fn provenance(saved: &SavedResult) -> Provenance {
+    let mut options = Vec::new();
+    flatten("", &saved.json["options"], &mut options);
+    let words = saved.arguments.iter().map(|word| quoted(word));
+    let words: Vec<String> = words.collect();
+    let command_line = match saved.arguments.as_slice() {
+        [] => String::new(),
+        [call] if call.starts_with("stiffarm.") => visible(call).into_owned(),
+        _ => format!("stiffarm {}", words.join(" ")),
+    };
+    Provenance {
+        version: visible(&saved.version).into_owned(),
+        seed: saved.seed,
+        command_line,
+        inputs: saved.inputs.clone(),
+        options,
+    }
+}
+
+/// Options by their key path.
+fn flatten(path: &str, value: &Value, out: &mut Vec<(String, String)>) {
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                let path = match path.is_empty() {
+                    true => key.clone(),
+                    false => format!("{path}.{key}"),
+                };
+                flatten(&path, value, out);
+            }
         }
-        "study" => study::part(context),
-        "validate" => validate::part(context),
-        "zones" => zones::part(context),
-        other => {
-            let message = format!("There is no page for the results of `{other}`.");
-            Err(Error::new(Code::Unsupported, message)
-                .file(&context.saved.name)
-                .hint(format!("there are pages for {}", COMMANDS.join(", "))))
+        Value::Null => out.push((path.to_string(), "–".to_string())),
+        Value::String(text) => out.push((path.to_string(), visible(text).into_owned())),
+        Value::Array(items) if items.is_empty() => out.push((path.to_string(), "none".to_string())),
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().map(plain).collect();
+            out.push((path.to_string(), items.join(", ")));
         }
+        other => out.push((path.to_string(), other.to_string())),
     }
 }

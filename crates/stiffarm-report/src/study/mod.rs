@@ -13,5 +13,4 @@ pub use measured::{measured_figure, measured_table};
 pub use published::{PAPER, PublishedTables, published_for};
 pub use table::{Cell, Table};
 pub use tables::tables;
-#[cfg(feature = "page")]
 pub(crate) use tables::{starts_summary, stiffness_side_by_side};

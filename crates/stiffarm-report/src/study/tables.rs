@@ -268,7 +268,6 @@ fn starts(study: &Study) -> Table {
 }
 
 /// The same counted and as medians, for the page.
-#[cfg(feature = "page")]
 pub(crate) fn starts_summary(study: &Study) -> Table {
     let headings = [
         "initial groups",
@@ -335,7 +334,6 @@ fn stiffness(study: &Study) -> Table {
 }
 
 /// The same side by side, beside the paper's Table 6, for the page.
-#[cfg(feature = "page")]
 pub(crate) fn stiffness_side_by_side(study: &Study) -> Table {
     let published = published_for(&study.robot);
     let mut headings = vec!["joint".to_string(), "truth".to_string()];

@@ -5,13 +5,31 @@
 //! that both say the same. A telling is a function of the saved result and its cell, which is why a page that is
 //! made later says what the terminal said.
 
+mod arrows;
+mod at_work;
+mod compensate;
+mod context;
+mod evaluate;
 mod identify;
+mod map;
 mod number;
+mod place;
+mod points;
+mod postures;
+mod predict;
+mod register;
+mod select;
+mod simulate;
+mod study;
+mod study_measured;
 mod table;
+mod tables;
 mod text;
+mod validate;
+mod worth;
+mod zones;
 
-#[cfg(feature = "page")]
-pub(crate) use identify::is_clamped;
+pub(crate) use context::{plain, quoted};
 pub use number::{Form, Number, Quantity};
 pub use table::DataTable;
 pub use text::{Piece, Text};
@@ -19,6 +37,7 @@ pub use text::{Piece, Text};
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;
 use crate::scene::Scene;
+use std::cmp::Reverse;
 use stiffarm::files::result::SavedResult;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
@@ -34,7 +53,24 @@ pub struct Given<'a> {
     pub saved: &'a SavedResult,
     /// The cell it was made with.
     pub cell: Option<&'a Cell>,
+    /// Whether the cell is drawn: a terminal shows none of it.
+    pub pictures: bool,
 }
+
+/// Commands whose results are told.
+pub const COMMANDS: [&str; 11] = [
+    "compensate",
+    "evaluate",
+    "identify",
+    "map",
+    "predict",
+    "register",
+    "select",
+    "simulate",
+    "study",
+    "validate",
+    "zones",
+];
 
 /// What a result says.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +84,7 @@ pub struct Told {
     /// What to know before relying on the numbers, the gravest first.
     pub findings: Vec<Finding>,
     /// The table to read first.
-    pub key: DataTable,
+    pub key: Option<DataTable>,
     /// Further tables, figures and sentences.
     pub sections: Vec<Section>,
 }
@@ -59,15 +95,46 @@ pub struct Told {
 /// A result of a command that is not told here, or one that another version wrote and that looks different.
 pub fn tell(given: &Given<'_>) -> Result<Told> {
     match given.saved.command.as_str() {
+        "compensate" => compensate::told(given),
+        "evaluate" => evaluate::told(given),
         "identify" => identify::told(given),
+        "map" => map::told(given),
+        "predict" => predict::told(given),
+        "register" => register::told(given),
+        "select" => select::told(given),
+        "simulate" => simulate::told(given),
+        "study" if given.saved.json["options"]["measured"] == true => study_measured::told(given),
+        "study" => study::told(given),
+        "validate" => validate::told(given),
+        "zones" => zones::told(given),
         other => {
-            let message = format!("Results of `{other}` are not told here.");
-            Err(Error::new(Code::Unsupported, message).file(&given.saved.name))
+            let message = format!("Results of `{other}` are not told.");
+            Err(Error::new(Code::Unsupported, message)
+                .file(&given.saved.name)
+                .hint(format!("those of {} are", COMMANDS.join(", "))))
         }
     }
 }
 
-impl Given<'_> {
+impl<'a> Given<'a> {
+    /// A result with its cell, pictures included.
+    pub fn new(saved: &'a SavedResult, cell: Option<&'a Cell>) -> Self {
+        Given {
+            saved,
+            cell,
+            pictures: true,
+        }
+    }
+
+    /// The same without the cell's pictures.
+    #[must_use]
+    pub fn in_words(self) -> Self {
+        Given {
+            pictures: false,
+            ..self
+        }
+    }
+
     /// The number at a JSON Pointer below `/result`.
     pub fn number(&self, below: &str) -> Number {
         let pointer = format!("/result{below}");
@@ -159,5 +226,22 @@ impl Outcome {
             Some(Severity::Caution) => Outcome::Caution,
             _ => Outcome::Good,
         }
+    }
+}
+
+impl Told {
+    /// Adds what else to know: the gravest first, and the outcome never better than it was.
+    pub(crate) fn add_findings(&mut self, found: impl IntoIterator<Item = Finding>) {
+        self.findings.extend(found);
+        self.findings
+            .sort_by_key(|finding| Reverse(finding.severity));
+        self.outcome = self.outcome.max(Outcome::of(&self.findings));
+    }
+
+    /// The same with one more thing to look at, where there is one.
+    pub(crate) fn caution(mut self, command: &str, sentence: Option<&str>) -> Self {
+        let finding = sentence.map(|s| Finding::new("page", Severity::Caution, command, s));
+        self.add_findings(finding);
+        self
     }
 }

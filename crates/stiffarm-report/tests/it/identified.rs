@@ -63,7 +63,7 @@ fn to(value: &impl serde::Serialize) -> Map<String, Value> {
 }
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
-    report(&[Given { saved, cell }]).unwrap()
+    report(&[Given::new(saved, cell)]).unwrap()
 }
 
 /// Every text of a page.
@@ -317,10 +317,7 @@ fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
     {
         one.name = name.to_string();
     }
-    let all: Vec<Given<'_>> = given
-        .iter()
-        .map(|saved| Given { saved, cell: None })
-        .collect();
+    let all: Vec<Given<'_>> = given.iter().map(|saved| Given::new(saved, None)).collect();
     let page = report(&all).unwrap();
     let comparison = page.comparison.as_ref().unwrap();
     let [_, came, next] = comparison.verdict.each_ref().map(Text::plain);

@@ -4,13 +4,9 @@ mod cells;
 #[path = "../../examples/gallery/figures.rs"]
 mod gallery;
 mod generic;
-#[cfg(feature = "page")]
 mod identified;
-#[cfg(feature = "page")]
 mod maps;
-#[cfg(feature = "page")]
 mod page;
-#[cfg(feature = "page")]
 mod pages;
 mod paper;
 mod render;

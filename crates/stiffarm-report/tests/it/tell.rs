@@ -61,7 +61,7 @@ fn one(result: Value) -> Told {
 }
 
 fn told(saved: &SavedResult) -> Told {
-    tell(&Given { saved, cell: None }).unwrap()
+    tell(&Given::new(saved, None)).unwrap()
 }
 
 /// What is more than a note.

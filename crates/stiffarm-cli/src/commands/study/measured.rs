@@ -7,6 +7,7 @@ use crate::files::{check_folder, write_folder};
 use crate::input::Line;
 use crate::numbers::{mm, optional_percent};
 use crate::output::Exit;
+use crate::page::page_of;
 use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
@@ -53,8 +54,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
     }
     let measurements = session.read_measurements(&[from.to_string()], None, &named.cell)?;
     let reduce = session.read_registration(args.splits.registration.as_deref())?;
-    let page_name = cfg!(feature = "report").then_some(REPORT);
-    let names = || std::iter::once(RESULT).chain(FILES).chain(page_name);
+    let names = || std::iter::once(RESULT).chain(FILES).chain([REPORT]);
     check_folder(session, &args.output_dir, names(), args.force)?;
     let measured = prepare(&named.cell, measurements, &reduce)?;
     let of_table = measured.findings().filter(|f| is_of_table(f));
@@ -80,8 +80,10 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         render_svg(&measured_figure(study)),
         measured_table(study).csv(),
     ];
-    let page = session.page_of(&envelope, Some(&named.cell))?;
-    let files = names().map(String::from).zip(texts.into_iter().chain(page));
+    let page = page_of(&envelope, Some(&named.cell))?;
+    let files = names()
+        .map(String::from)
+        .zip(texts.into_iter().chain([page]));
     let files = files.collect();
     let earlier = Earlier::of(&args.output_dir);
     write_folder(session, &args.output_dir, files, args.force)?;
@@ -90,7 +92,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         false => earlier.remove_all_but(&args.output_dir, &written.files),
     };
     session.show(&envelope, || {
-        let place = args.output_dir.join(page_name.unwrap_or(RESULT));
+        let place = args.output_dir.join(REPORT);
         format!(
             "{}{}{removed}{}",
             named.line(),

@@ -8,6 +8,7 @@ use crate::files::{check_folder, write_folder};
 use crate::input::Line;
 use crate::numbers::optional_percent;
 use crate::output::Exit;
+use crate::page::page_of;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::{Table, title};
@@ -97,9 +98,8 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         files.push((format!("{}.csv", table.id), table.csv()));
     }
     let names = std::iter::once(RESULT).chain(files.iter().map(|(name, _)| name.as_str()));
-    let page_name = cfg!(feature = "report").then_some(REPORT);
     let result = Written {
-        files: names.chain(page_name).map(String::from).collect(),
+        files: names.chain([REPORT]).map(String::from).collect(),
         study: result,
     };
     let envelope = session.envelope(
@@ -112,11 +112,8 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         &result,
     );
     files.insert(0, (RESULT.to_string(), write_result(&envelope)?));
-    files.extend(
-        session
-            .page_of(&envelope, Some(&named.cell))?
-            .map(|page| (REPORT.to_string(), page)),
-    );
+    let page = page_of(&envelope, Some(&named.cell))?;
+    files.push((REPORT.to_string(), page));
     let earlier = Earlier::of(&args.output_dir);
     let count = files.len();
     write_folder(session, &args.output_dir, files, args.force)?;
@@ -136,7 +133,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
                 false => format!(
                     "\nwrote {count} files to {}: start with {}\n",
                     args.output_dir.display(),
-                    args.output_dir.join(page_name.unwrap_or(RESULT)).display()
+                    args.output_dir.join(REPORT).display()
                 ),
             }
         )

@@ -9,6 +9,7 @@ use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, T
 use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::findings::{Severity, visible};
+use stiffarm::model::posture::{Posture, PostureGroup};
 
 /// What a result of the clamped flange says.
 pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<Told> {
@@ -73,6 +74,7 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
         Some(stiffness::section(&joints, &found.prior_stiffness)),
         stiffness::further(&joints),
         Some(residuals(given, found)),
+        cell_section(given, found)?,
         friction(given, found),
         stiffness::together(&joints),
         weights,
@@ -86,7 +88,7 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
         outcome: joints.outcome(Outcome::of(&all)),
         verdict: [done, came, next],
         findings: all,
-        key: joints.key(),
+        key: Some(joints.key()),
         sections: sections.into_iter().flatten().collect(),
     })
 }
@@ -140,4 +142,27 @@ fn friction(given: &Given<'_>, found: &ClampedIdentification) -> Option<Section>
         vec![Block::Table(table)],
     );
     (!found.friction.is_empty()).then(|| section.in_summary())
+}
+
+/// The postures in which the flange was held, where the result has their angles.
+fn cell_section(given: &Given<'_>, found: &ClampedIdentification) -> Result<Option<Section>> {
+    let of = |name: &str| {
+        let own = found.postures.iter().find(|p| p.posture == name)?;
+        (!own.angles.is_empty()).then(|| Posture {
+            name: name.to_string(),
+            q: own.angles.clone(),
+        })
+    };
+    let names = in_order(found.postures.iter().map(|p| p.posture.as_str()));
+    let postures: Option<Vec<Posture>> = names.into_iter().map(of).collect();
+    let Some(postures) = postures else {
+        return Ok(None);
+    };
+    let group = PostureGroup {
+        name: "clamped".to_string(),
+        postures,
+    };
+    let text = "The postures in which the flange was held, in their order. The load shown is the cell's own, not that of the \
+                fixture.";
+    given.cell_section(&[group], text).map(Some)
 }

@@ -10,7 +10,7 @@ mod readings;
 mod stiffness;
 mod story;
 
-use super::{Given, Outcome, Told};
+use super::{Given, Outcome, Told, arrows};
 use joints::Joints;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;
@@ -64,6 +64,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         stiffness::further(&joints),
         fit::elastic(given, &found),
         Some(fit::residuals(given, &found)),
+        arrows::cell_section(given, &found)?,
         later,
         fit::errors(given, &found),
         stiffness::together(&joints),
@@ -90,7 +91,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         outcome: joints.outcome(Outcome::of(&all)),
         verdict,
         findings: all,
-        key: joints.key(),
+        key: Some(joints.key()),
         sections: sections.into_iter().flatten().collect(),
     })
 }

@@ -19,7 +19,7 @@ fn saved(command: &str, mode: Option<&str>, result: &Value) -> SavedResult {
 }
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
-    let page = report(&[Given { saved, cell }]).unwrap();
+    let page = report(&[Given::new(saved, cell)]).unwrap();
     holds(saved, &page);
     page
 }

@@ -9,18 +9,18 @@ mod planned;
 mod space_filling;
 mod story;
 
-use super::context::Context;
-use crate::page::Part;
+use crate::tell::Given;
+use crate::tell::Told;
 use stiffarm::{Code, Error, Result};
 
-/// The part of a page for a result of `select`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `select`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     match context.saved.text("/options/mode") {
-        Some("global" | "from" | "add") => plan::part(context),
-        Some("drop") => drop::part(context),
-        Some("curve") => curve::part(context),
-        Some("space_filling") => space_filling::part(context),
-        Some("candidates") => candidates::part(context),
+        Some("global" | "from" | "add") => plan::told(context),
+        Some("drop") => drop::told(context),
+        Some("curve") => curve::told(context),
+        Some("space_filling") => space_filling::told(context),
+        Some("candidates") => candidates::told(context),
         _ => {
             let message = "This result of `select` does not say how it was made.";
             Err(Error::new(Code::ResultFile, message)

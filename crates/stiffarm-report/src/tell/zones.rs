@@ -1,15 +1,15 @@
 //! The page of `zones`: where dexterity is high and K_C matters little.
 
-use super::context::Context;
-use crate::page::{Block, DataTable, Part, Section, Text};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use crate::zones::zones_figure;
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::zones::Zones;
 
-/// The part of a page for a result of `zones`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `zones`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut zones: Zones = context.saved.result()?;
     for joint in &mut zones.joints {
         *joint = visible(joint).into_owned();
@@ -104,7 +104,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let map = Block::Figure(zones_figure(&zones));
     sections.insert(0, Section::new("zones", "The maps", vec![map]));
     let heading = "Zones for stiffness identification".to_string();
-    let part = context.part(heading, [done, came, next], Some(key), sections);
+    let told = context.told(heading, [done, came, next], Some(key), sections);
     let none = "No posture of the map is in a good zone.";
-    Ok(Context::caution(part, zones.best.is_none().then_some(none)))
+    Ok(told.caution("zones", zones.best.is_none().then_some(none)))
 }

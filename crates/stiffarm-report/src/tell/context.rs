@@ -1,14 +1,14 @@
-//! What the pages of all results share.
+//! What the tellings of all results share.
 
+use super::Text;
+use super::{Block, DataTable, Given, Outcome, Section, Told};
 use crate::cell::{Full, cell_drawing};
-use crate::page::{Block, DataTable, Number, Outcome, Part, Provenance, Section, Text};
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
-use crate::tell::{Given, Told};
 use serde_json::Value;
+use std::cmp::Reverse;
 use stiffarm::Result;
 use stiffarm::files::result::SavedResult;
 use stiffarm::findings::{Finding, Severity, list, visible};
-use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::{Posture, PostureGroup};
 
 /// Commands whose numbers come after what forbids to use them.
@@ -19,7 +19,7 @@ const STOPPED: [&str; 2] = ["interrupted", "stopped"];
 
 impl Given<'_> {
     /// Cell and robot in words.
-    pub(super) fn cell_line(&self) -> Option<String> {
+    pub(crate) fn cell_line(&self) -> Option<String> {
         let cell = self.cell?;
         Some(format!(
             "{} · robot {}",
@@ -29,77 +29,27 @@ impl Given<'_> {
     }
 }
 
-/// A result while its page is made.
-pub(super) struct Context<'a> {
-    pub saved: &'a SavedResult,
-    pub cell: Option<&'a Cell>,
-}
-
-impl<'a> Context<'a> {
-    pub fn new(given: &Given<'a>) -> Self {
-        Context {
-            saved: given.saved,
-            cell: given.cell,
-        }
-    }
-
-    /// The number at a JSON Pointer below `/result`.
-    pub fn number(&self, below: &str) -> Number {
-        self.given().number(below)
-    }
-
-    /// The result with its cell.
-    pub fn given(&self) -> Given<'a> {
-        Given {
-            saved: self.saved,
-            cell: self.cell,
-        }
-    }
-
-    /// The part of a page for what a result says.
-    pub fn told(&self, told: Told) -> Part {
-        let is_note = |finding: &Finding| finding.severity == Severity::Note;
-        let (notes, warnings): (Vec<Finding>, Vec<Finding>) =
-            told.findings.into_iter().partition(is_note);
-        let mut sections = told.sections;
-        if !notes.is_empty() {
-            let block = Block::Findings(notes);
-            sections.push(Section::new("notes", "Notes", vec![block]));
-        }
-        Part {
-            command: self.saved.command.clone(),
-            heading: told.heading,
-            name: visible(&self.saved.name).into_owned(),
-            outcome: told.outcome,
-            verdict: told.verdict,
-            warnings,
-            key: Some(told.key),
-            sections,
-            provenance: provenance(self.saved),
-        }
-    }
-
-    /// The parts that all results have, around what is their own.
-    pub fn part(
+impl<'a> Given<'a> {
+    /// What all results say, around what is their own.
+    pub(super) fn told(
         &self,
-        heading: String,
+        heading: impl Into<String>,
         verdict: [Text; 3],
         key: Option<DataTable>,
         sections: Vec<Section>,
-    ) -> Part {
-        let findings = self.saved.findings();
-        let doubtful = findings
-            .iter()
-            .any(|f| f.code == "stiffness-doubtful" && f.severity == Severity::Serious);
+    ) -> Told {
+        let mut findings = self.saved.findings();
+        let serious = |f: &&Finding| f.severity == Severity::Serious;
+        let doubtful = |f: &Finding| f.code == "stiffness-doubtful";
         let [done, came, next] = verdict;
         // Whatever else could be done next would rest on it.
-        let next = match doubtful {
+        let next = match findings.iter().filter(serious).any(doubtful) {
             true => Text::default().strong("Do not use these numbers").words(
                 ": correct the readings behind the stiffness, identify again, and then this again.",
             ),
             false => next,
         };
-        let serious = findings.iter().find(|f| f.severity == Severity::Serious);
+        let serious = findings.iter().find(serious);
         let came = match serious.filter(|_| AT_WORK.contains(&self.saved.command.as_str())) {
             Some(serious) => Text::default()
                 .strong(serious.sentence.clone())
@@ -107,50 +57,29 @@ impl<'a> Context<'a> {
                 .then(came),
             None => came,
         };
-        let verdict = [done, came, next];
-        let (mut warnings, notes): (Vec<Finding>, Vec<Finding>) = findings
-            .into_iter()
-            .partition(|finding| finding.severity > Severity::Note);
-        warnings.extend(stopped(self.saved));
-        let outcome = Outcome::of(&warnings);
-        warnings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-        let mut sections = sections;
-        if !notes.is_empty() {
-            let block = Block::Findings(notes);
-            sections.push(Section::new("notes", "Notes", vec![block]));
-        }
-        Part {
-            command: self.saved.command.clone(),
-            heading,
-            name: visible(&self.saved.name).into_owned(),
-            outcome,
-            verdict,
-            warnings,
+        findings.extend(stopped(self.saved));
+        findings.sort_by_key(|finding| Reverse(finding.severity));
+        Told {
+            heading: heading.into(),
+            outcome: Outcome::of(&findings),
+            verdict: [done, came, next],
+            findings,
             key,
             sections,
-            provenance: provenance(self.saved),
         }
-    }
-
-    /// The same with one more thing to look at, where there is one.
-    pub fn caution(mut part: Part, sentence: Option<&str>) -> Part {
-        let subject = part.command.clone();
-        part.add_warnings(
-            sentence.map(|sentence| Finding::new("page", Severity::Caution, subject, sentence)),
-        );
-        part
     }
 
     /// The cell in 3D at groups of postures; `None` where the cell is not at hand or cannot take them.
     ///
     /// # Errors
     /// As [`scene`].
-    pub fn scene(
+    pub(super) fn scene(
         &self,
         groups: &[SceneGroup<'_>],
         options: &SceneOptions<'_>,
     ) -> Result<Option<Scene>> {
-        let made = self.cell.map(|cell| scene(cell, groups, options));
+        let cell = self.cell.filter(|_| self.pictures);
+        let made = cell.map(|cell| scene(cell, groups, options));
         made.transpose()
     }
 
@@ -159,7 +88,7 @@ impl<'a> Context<'a> {
     ///
     /// # Errors
     /// As [`scene`].
-    pub fn cell_section(&self, groups: &[PostureGroup], explained: &str) -> Result<Section> {
+    pub(super) fn cell_section(&self, groups: &[PostureGroup], explained: &str) -> Result<Section> {
         let shown: Vec<SceneGroup<'_>> = groups
             .iter()
             .map(|group| SceneGroup::new(&group.name, &group.postures))
@@ -173,13 +102,14 @@ impl<'a> Context<'a> {
     ///
     /// # Errors
     /// As [`cell_drawing`].
-    pub fn scene_section(
+    pub(super) fn scene_section(
         &self,
         scene: Option<Scene>,
         drawn: &[Posture],
         explained: &str,
     ) -> Result<Section> {
         let blocks = match (scene, self.cell) {
+            _ if !self.pictures => Vec::new(),
             (Some(scene), Some(cell)) => {
                 let drawing = cell_drawing(cell, drawn, Full::Tightest)?;
                 vec![
@@ -252,50 +182,7 @@ fn is_interrupted(value: &Value) -> bool {
     }
 }
 
-/// How a result was made.
-fn provenance(saved: &SavedResult) -> Provenance {
-    let mut options = Vec::new();
-    flatten("", &saved.json["options"], &mut options);
-    let words = saved.arguments.iter().map(|word| quoted(word));
-    let words: Vec<String> = words.collect();
-    let command_line = match saved.arguments.as_slice() {
-        [] => String::new(),
-        [call] if call.starts_with("stiffarm.") => visible(call).into_owned(),
-        _ => format!("stiffarm {}", words.join(" ")),
-    };
-    Provenance {
-        version: visible(&saved.version).into_owned(),
-        seed: saved.seed,
-        command_line,
-        inputs: saved.inputs.clone(),
-        options,
-    }
-}
-
-/// Options by their key path.
-fn flatten(path: &str, value: &Value, out: &mut Vec<(String, String)>) {
-    match value {
-        Value::Object(map) => {
-            for (key, value) in map {
-                let path = match path.is_empty() {
-                    true => key.clone(),
-                    false => format!("{path}.{key}"),
-                };
-                flatten(&path, value, out);
-            }
-        }
-        Value::Null => out.push((path.to_string(), "–".to_string())),
-        Value::String(text) => out.push((path.to_string(), visible(text).into_owned())),
-        Value::Array(items) if items.is_empty() => out.push((path.to_string(), "none".to_string())),
-        Value::Array(items) => {
-            let items: Vec<String> = items.iter().map(plain).collect();
-            out.push((path.to_string(), items.join(", ")));
-        }
-        other => out.push((path.to_string(), other.to_string())),
-    }
-}
-
-fn plain(value: &Value) -> String {
+pub(crate) fn plain(value: &Value) -> String {
     match value {
         Value::String(text) => visible(text).into_owned(),
         other => other.to_string(),
@@ -303,7 +190,7 @@ fn plain(value: &Value) -> String {
 }
 
 /// A word as a shell takes it; an input in braces stays as it is, so that it is seen to stand for a file.
-fn quoted(word: &str) -> String {
+pub(crate) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./:=,@%+-{}".contains(c);
     match !word.is_empty() && word.chars().all(is_plain) {
         true => word.to_string(),

@@ -1,16 +1,16 @@
 //! The page of `study --measured`: which postures and which model predict a measured robot.
 
-use super::context::Context;
 use super::tables::data_table;
-use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::study::{measured_figure, measured_table};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::study::{Choice, MeasuredStudy};
 
 /// The part of a page.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let study: MeasuredStudy = context.saved.result()?;
     let done = Text::new(format!(
         "{} measured postures of {} were split {} times into a pool of {} and {} to be predicted; postures were chosen from \
@@ -142,10 +142,10 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         "Choosing postures on measured readings: {}",
         visible(&study.cell)
     );
-    let mut part = context.part(heading, [done, came, next], Some(key), sections);
+    let mut told = context.told(heading, [done, came, next], Some(key), sections);
     // The notes are all told above.
-    part.sections.retain(|section| section.id != "notes");
-    Ok(part)
+    told.findings.retain(|f| f.severity > Severity::Note);
+    Ok(told)
 }
 
 /// A way to choose in a sentence.

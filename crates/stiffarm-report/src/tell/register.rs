@@ -1,14 +1,14 @@
 //! The page of `register`: where the tracker stands, and which points disagree.
 
-use super::context::Context;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::page::{Block, DataTable, Number, Part, Section, Text};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Number, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::measure::registration::RegistrationRecord;
 
-/// The part of a page for a result of `register`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `register`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let found: RegistrationRecord = context.saved.result()?;
     let mm = |below: &str| context.number(below).mm().decimals(4);
     let done = Text::new(format!(
@@ -89,7 +89,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         Section::new("transform", "The transform", vec![Block::Table(table)]),
     ];
     let heading = "Registration of the tracker".to_string();
-    Ok(context.part(heading, [done, came, next], Some(key), sections))
+    Ok(context.told(heading, [done, came, next], Some(key), sections))
 }
 
 /// A pair's name as it is shown.

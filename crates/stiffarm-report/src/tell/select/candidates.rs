@@ -1,9 +1,9 @@
 //! `--candidates`: the best postures out of a list.
 
-use super::super::context::Context;
 use super::super::postures::{name_of, posture_table};
 use super::super::worth::{Worth, index_number, index_says, worth_sections};
-use crate::page::{Block, DataTable, Part, Section, Text};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::visible;
@@ -26,7 +26,7 @@ struct Chosen {
 }
 
 /// The part of a page for postures out of a list.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut chosen: Chosen = context.saved.result()?;
     chosen.selection.evaluation.name = "chosen postures".to_string();
     let found = &chosen.selection;
@@ -103,7 +103,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         sections.push(Section::new("forbidden", "Left out", blocks));
     }
     let verdict = [done, came, next];
-    Ok(context.part(
+    Ok(context.told(
         "The best of a list".to_string(),
         verdict,
         Some(key),

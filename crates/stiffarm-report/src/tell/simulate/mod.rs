@@ -2,10 +2,10 @@
 
 mod elastic;
 
-use super::context::Context;
 use super::worth::UNSURE;
-use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::deviation_by_noise_figure;
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use serde_json::Value;
 use stiffarm::Result;
 use stiffarm::estimate::simulate::{GroupSimulation, LevelResult, Simulation};
@@ -15,10 +15,10 @@ use stiffarm::model::posture::PostureGroup;
 /// Most groups of which the table has the closed form beside the runs.
 const SIDE_BY_SIDE: usize = 3;
 
-/// The part of a page for a result of `simulate`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `simulate`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     match context.saved.json.pointer("/result/asked") {
-        Some(_) => elastic::part(context),
+        Some(_) => elastic::told(context),
         None => axes(context),
     }
 }
@@ -32,7 +32,7 @@ struct Shown<'a> {
 }
 
 /// An arm of which the joint axes alone give way.
-fn axes(context: &Context<'_>) -> Result<Part> {
+fn axes(context: &Given<'_>) -> Result<Told> {
     let mut result: Simulation = context.saved.result()?;
     for group in &mut result.groups {
         group.name = visible(&group.name).into_owned();
@@ -88,13 +88,13 @@ fn axes(context: &Context<'_>) -> Result<Part> {
     ));
     let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
     let unsure = is_unsure(best).then_some(UNSURE);
-    let part = context.part(
+    let told = context.told(
         "Simulated identifications".to_string(),
         verdict,
         key,
         sections,
     );
-    Ok(Context::caution(part, unsure))
+    Ok(told.caution("simulate", unsure))
 }
 
 /// The level nearest to the cell's own noise.
@@ -120,7 +120,7 @@ fn worst(shown: &Shown<'_>) -> (usize, f64) {
         .unwrap_or((0, f64::NAN))
 }
 
-fn done(context: &Context<'_>, result: &Simulation) -> Text {
+fn done(context: &Given<'_>, result: &Simulation) -> Text {
     let levels = result.groups.first().map_or(0, |group| group.levels.len());
     let groups = match result.groups.len() {
         1 => "one group of postures".to_string(),
@@ -144,7 +144,7 @@ fn done(context: &Context<'_>, result: &Simulation) -> Text {
     ))
 }
 
-fn has_model_errors(context: &Context<'_>) -> bool {
+fn has_model_errors(context: &Given<'_>) -> bool {
     let errors = context.saved.json.pointer("/options/model_errors");
     let values = errors.and_then(Value::as_object);
     let sizes = values.into_iter().flat_map(|map| map.values());
@@ -152,7 +152,7 @@ fn has_model_errors(context: &Context<'_>) -> bool {
 }
 
 fn came(
-    context: &Context<'_>,
+    context: &Given<'_>,
     joints: &[String],
     shown: &[Shown<'_>],
     best: Option<&Shown<'_>>,
@@ -225,7 +225,7 @@ fn next(best: Option<&Shown<'_>>) -> Text {
 }
 
 /// Deviation of each joint at the cell's own noise.
-fn key(context: &Context<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
+fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
     let wide = shown.len() <= SIDE_BY_SIDE && !has_model_errors(context);
     let mut headings = vec!["joint".to_string()];
     for group in shown {
@@ -265,12 +265,7 @@ fn key(context: &Context<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTab
 }
 
 /// Every level of a group.
-fn levels(
-    context: &Context<'_>,
-    joints: &[String],
-    g: usize,
-    group: &GroupSimulation,
-) -> DataTable {
+fn levels(context: &Given<'_>, joints: &[String], g: usize, group: &GroupSimulation) -> DataTable {
     let mut table = DataTable::new(
         format!("{}: simulated and expected deviation [%]", group.name),
         ["variance".to_string(), String::new()]
@@ -307,7 +302,7 @@ fn groups(all: &[GroupSimulation]) -> Vec<PostureGroup> {
 }
 
 /// The cell at all groups; `None` for a result of a version that did not write the postures.
-fn cell_section(context: &Context<'_>, groups: Vec<PostureGroup>) -> Result<Option<Section>> {
+fn cell_section(context: &Given<'_>, groups: Vec<PostureGroup>) -> Result<Option<Section>> {
     if groups.iter().all(|group| group.postures.is_empty()) {
         return Ok(None);
     }

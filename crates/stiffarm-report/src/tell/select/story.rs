@@ -1,9 +1,9 @@
 //! The story of a plan in three sentences.
 
-use super::super::context::Context;
 use super::super::worth::{index_number, index_says, is_beyond_first_order, least_sure};
 use super::planned::Plan;
-use crate::page::Text;
+use crate::tell::Given;
+use crate::tell::Text;
 use stiffarm::Termination;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
@@ -13,7 +13,7 @@ use stiffarm::plan::select::different;
 const WORTH_SEARCHING: f64 = 0.9;
 
 /// What was done, what came out, what to do next.
-pub(super) fn verdict(context: &Context<'_>, plan: &Plan) -> [Text; 3] {
+pub(super) fn verdict(context: &Given<'_>, plan: &Plan) -> [Text; 3] {
     [
         done(context, plan),
         came(context, plan),
@@ -32,7 +32,7 @@ pub(super) fn counted(plan: &Plan) -> String {
 }
 
 /// What of the plan sits on a limit.
-fn on_limits(context: &Context<'_>) -> String {
+fn on_limits(context: &Given<'_>) -> String {
     let findings = context.saved.findings();
     let own = findings
         .iter()
@@ -40,7 +40,7 @@ fn on_limits(context: &Context<'_>) -> String {
     own.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
 
-fn done(context: &Context<'_>, plan: &Plan) -> Text {
+fn done(context: &Given<'_>, plan: &Plan) -> Text {
     let count = plan.selection.group.len();
     let were = if count == 1 { "was" } else { "were" };
     let from = context.saved.text("/options/mode") == Some("from");
@@ -76,7 +76,7 @@ fn done(context: &Context<'_>, plan: &Plan) -> Text {
     ))
 }
 
-fn came(context: &Context<'_>, plan: &Plan) -> Text {
+fn came(context: &Given<'_>, plan: &Plan) -> Text {
     let index = plan.selection.index;
     let mut text = Text::new(index_says(index)).number(index_number(context, index, "/value"));
     let known = plan.before.as_ref();
@@ -125,7 +125,7 @@ fn came(context: &Context<'_>, plan: &Plan) -> Text {
 }
 
 /// What to do depends on what is worst about the plan.
-fn next(context: &Context<'_>, plan: &Plan) -> Text {
+fn next(context: &Given<'_>, plan: &Plan) -> Text {
     let serious = context.saved.findings();
     let is_blocked = serious
         .iter()

@@ -2,15 +2,15 @@
 
 use super::cell_section;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::page::{Block, DataTable, Part, Section, Text};
-use crate::report::context::Context;
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::simulate::{ElasticGroup, ElasticLevel, ElasticSimulation};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
 
 /// The part of a page for an arm that gives way beyond its joint axes.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut result: ElasticSimulation = context.saved.result()?;
     for group in &mut result.groups {
         group.name = visible(&group.name).into_owned();
@@ -55,7 +55,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         blocks,
     ));
     let key = errors(context, &result);
-    Ok(context.part(
+    Ok(context.told(
         "Simulated identifications of an elastic arm".to_string(),
         verdict,
         Some(key),
@@ -64,7 +64,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
 }
 
 fn came(
-    context: &Context<'_>,
+    context: &Given<'_>,
     result: &ElasticSimulation,
     best: Option<(usize, &ElasticGroup, &ElasticLevel)>,
 ) -> Text {
@@ -139,7 +139,7 @@ fn rows(result: &ElasticSimulation) -> impl Iterator<Item = (String, String, &El
     })
 }
 
-fn errors(context: &Context<'_>, result: &ElasticSimulation) -> DataTable {
+fn errors(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
     let mut table = DataTable::new(
         "RMS error of a predicted deflection [mm], ± its Monte Carlo standard error",
         [
@@ -178,7 +178,7 @@ fn errors(context: &Context<'_>, result: &ElasticSimulation) -> DataTable {
     table
 }
 
-fn shares(context: &Context<'_>, result: &ElasticSimulation) -> DataTable {
+fn shares(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
     let mut table = DataTable::new(
         "Share of the bands of predicted deflections that hold the truth [%]",
         [

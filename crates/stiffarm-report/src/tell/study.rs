@@ -1,9 +1,9 @@
 //! The page of `study`: the paper's Section IV on a cell.
 
-use super::context::Context;
 use super::tables::data_table;
-use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::study::{PAPER, figures, published_for, starts_summary, stiffness_side_by_side, tables};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -23,8 +23,8 @@ const INDICES: &str = "Group 1 is the initial group. Each other group is selecte
                        cond(Ψ), novel is their product; scaled is max k(J_N) × cond(Ψ·diag(1/k)); expected_error is the \
                        RMS relative standard error of the joint stiffness. o1 to o5 are larger-is-better.";
 
-/// The part of a page for a result of `study`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `study`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let study: Study = context.saved.result()?;
     let groups = &study.groups;
     let done = Text::new(format!(
@@ -169,14 +169,14 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     sections.retain(|section| !section.blocks.is_empty());
     let heading = format!("Posture selection study: {}", visible(&study.cell));
     let verdict = [done, came, next];
-    let mut part = context.part(heading, verdict, Some(key(context, &study)), sections);
+    let mut told = context.told(heading, verdict, Some(key(context, &study)), sections);
     // The notes are all told above.
-    part.sections.retain(|section| section.id != "notes");
-    Ok(part)
+    told.findings.retain(|f| f.severity > Severity::Note);
+    Ok(told)
 }
 
 /// The expected deviation of each joint and group.
-fn key(context: &Context<'_>, study: &Study) -> DataTable {
+fn key(context: &Given<'_>, study: &Study) -> DataTable {
     let names = study.groups.iter().map(|g| visible(&g.name).into_owned());
     let mut table = DataTable::new(
         "Expected deviation of the joint stiffness [%] at the cell's noise, closed form",
@@ -192,7 +192,7 @@ fn key(context: &Context<'_>, study: &Study) -> DataTable {
     let means = study.groups.iter().map(|group| {
         let mean = group.evaluation.mean_expected_deviation();
         Text::from(
-            crate::page::Number::new("", mean)
+            crate::tell::Number::new("", mean)
                 .percent()
                 .bare()
                 .decimals(2),
@@ -203,7 +203,7 @@ fn key(context: &Context<'_>, study: &Study) -> DataTable {
 }
 
 /// What was simulated.
-fn set_up(context: &Context<'_>, study: &Study) -> Text {
+fn set_up(context: &Given<'_>, study: &Study) -> Text {
     let noise = context.number("/noise_std_m").times(1e6).unit("µm");
     let length = match study.characteristic_length_m {
         Some(_) => Text::default().number(context.number("/characteristic_length_m").mm()),
@@ -222,7 +222,7 @@ fn set_up(context: &Context<'_>, study: &Study) -> Text {
 }
 
 /// Eq. (19) beside what it bounds.
-fn bound(context: &Context<'_>, study: &Study) -> DataTable {
+fn bound(context: &Given<'_>, study: &Study) -> DataTable {
     let mut table = DataTable::new(
         "Relative error of the vector H of joint compliances: the bound of Eq. (19) and what is to be expected",
         ["group", "cond(Ψ)", "bound [%]", "expected [%]"],
@@ -249,7 +249,7 @@ fn best(study: &Study) -> Option<usize> {
 }
 
 fn percent(fraction: Option<f64>) -> String {
-    let number = crate::page::Number::new("", fraction);
+    let number = crate::tell::Number::new("", fraction);
     number.percent().decimals(2).text()
 }
 
@@ -261,7 +261,7 @@ fn counted(count: usize, one: &str, many: &str) -> String {
 }
 
 /// The cell with all groups, the recommended one first.
-fn cell_section(context: &Context<'_>, study: &Study) -> Result<Section> {
+fn cell_section(context: &Given<'_>, study: &Study) -> Result<Section> {
     let first = best(study).unwrap_or(0);
     let order = std::iter::once(first).chain((0..study.groups.len()).filter(|g| *g != first));
     let groups: Vec<PostureGroup> = order

@@ -1,18 +1,18 @@
 //! The page of `map`: where the tool tip gives way least.
 
 use super::at_work::{AtWork, WorkPoint, norm, principal_table, wrench};
-use super::context::Context;
 use super::place;
 use crate::map_figure;
-use crate::page::{Block, DataTable, Number, Part, Section, Text};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Number, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{MapExtremes, StiffnessMap};
 
-/// The part of a page for a result of `map`, with a workpiece to place or without.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `map`, with a workpiece to place or without.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     if context.saved.json["result"]["candidates"].is_array() {
-        return place::part(context);
+        return place::told(context);
     }
     let map: StiffnessMap = context.saved.result()?;
     let verdict = [done(context, &map), came(context, &map), next(&map)];
@@ -39,7 +39,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         "What the arm may reach",
         vec![Block::Table(counts(context, &map))],
     ));
-    Ok(context.part(
+    Ok(context.told(
         "Stiffness of the tool tip over the workspace".to_string(),
         verdict,
         map.extremes.map(|extremes| key(context, &map, extremes)),
@@ -47,7 +47,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     ))
 }
 
-fn done(context: &Context<'_>, map: &StiffnessMap) -> Text {
+fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
     let text = Text::new(format!(
         "The tool tip was held at {} positions under a force of {:.0} N; ",
         map.nodes.len(),
@@ -58,7 +58,7 @@ fn done(context: &Context<'_>, map: &StiffnessMap) -> Text {
 }
 
 /// Position of a node, tied to the file.
-fn place_words(context: &Context<'_>, text: Text, pointer: &str) -> Text {
+fn place_words(context: &Given<'_>, text: Text, pointer: &str) -> Text {
     let names = ["x = ", ", y = ", ", z = "];
     let mut text = text;
     for (axis, name) in names.into_iter().enumerate() {
@@ -71,7 +71,7 @@ fn place_words(context: &Context<'_>, text: Text, pointer: &str) -> Text {
 }
 
 /// A deflection in millimetres, or in micrometres where it is small.
-fn deflection(context: &Context<'_>, node: usize, value: f64) -> Number {
+fn deflection(context: &Given<'_>, node: usize, value: f64) -> Number {
     let number = context.number(&format!("/nodes/{node}/values/deflection_m"));
     match value < 1e-4 {
         true => number.times(1e6).unit("µm").significant(3),
@@ -79,7 +79,7 @@ fn deflection(context: &Context<'_>, node: usize, value: f64) -> Number {
     }
 }
 
-fn came(context: &Context<'_>, map: &StiffnessMap) -> Text {
+fn came(context: &Given<'_>, map: &StiffnessMap) -> Text {
     let value = |node: usize| map.nodes[node].values.as_ref().map(|v| v.deflection_m);
     let ends = map
         .extremes
@@ -108,7 +108,7 @@ fn came(context: &Context<'_>, map: &StiffnessMap) -> Text {
         .words(".")
 }
 
-fn half_width(context: &Context<'_>, map: &StiffnessMap, node: usize, text: Text) -> Text {
+fn half_width(context: &Given<'_>, map: &StiffnessMap, node: usize, text: Text) -> Text {
     let values = map.nodes[node].values.as_ref();
     match values.and_then(|v| Some((v.half_width_m?, v.deflection_m))) {
         None => text,
@@ -147,7 +147,7 @@ fn next(map: &StiffnessMap) -> Text {
 }
 
 /// The two extreme places with their postures.
-fn key(context: &Context<'_>, map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
+fn key(context: &Given<'_>, map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
     let headings = [
         "place",
         "x [mm]",
@@ -194,7 +194,7 @@ fn key(context: &Context<'_>, map: &StiffnessMap, extremes: MapExtremes) -> Data
     table
 }
 
-fn ranges(context: &Context<'_>, map: &StiffnessMap) -> DataTable {
+fn ranges(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
     let mut table = DataTable::new(
         "Over the reachable places, at each the posture that bends least",
         ["quantity", "smallest", "median", "largest"],
@@ -233,7 +233,7 @@ fn ranges(context: &Context<'_>, map: &StiffnessMap) -> DataTable {
     table
 }
 
-fn counts(context: &Context<'_>, map: &StiffnessMap) -> DataTable {
+fn counts(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
     let mut table = DataTable::new(
         "Positions by what the arm may do there",
         ["status", "positions", "share [%]"],
@@ -265,7 +265,7 @@ fn counts(context: &Context<'_>, map: &StiffnessMap) -> DataTable {
     table
 }
 
-fn cell_section(context: &Context<'_>, map: &StiffnessMap) -> Result<Section> {
+fn cell_section(context: &Given<'_>, map: &StiffnessMap) -> Result<Section> {
     let extremes = map.extremes;
     let point = |name: &str, node: usize, number: usize| {
         let node = map.nodes.get(node)?;

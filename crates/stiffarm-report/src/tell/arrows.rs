@@ -1,9 +1,9 @@
 //! Residuals as arrows at the measuring points, on the cell in 3D.
 
 use crate::identified::in_order;
-use crate::page::Section;
-use crate::report::context::Context;
 use crate::scene::{Arrow, SceneGroup, SceneOptions};
+use crate::tell::Given;
+use crate::tell::Section;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;
 use stiffarm::model::kinematics::Frames;
@@ -11,7 +11,7 @@ use stiffarm::model::load::Wrench;
 use stiffarm::model::posture::Posture;
 
 /// A posture in one load state with what is left at its points.
-pub(in crate::report) struct Residuals<'a> {
+pub(in crate::tell) struct Residuals<'a> {
     pub posture: &'a str,
     /// Controller angles \[rad\].
     pub angles: &'a [f64],
@@ -23,7 +23,7 @@ pub(in crate::report) struct Residuals<'a> {
 }
 
 /// The measured postures with their residuals.
-pub(super) fn cell_section(context: &Context<'_>, found: &Identified) -> Result<Option<Section>> {
+pub(super) fn cell_section(context: &Given<'_>, found: &Identified) -> Result<Option<Section>> {
     let own = &found.identification;
     let all = own.postures.iter().map(|posture| Residuals {
         posture: &posture.posture,
@@ -47,8 +47,8 @@ pub(super) fn cell_section(context: &Context<'_>, found: &Identified) -> Result<
 }
 
 /// A section with postures and arrows of one kind; `None` where the result has no angles.
-pub(in crate::report) fn residual_section(
-    context: &Context<'_>,
+pub(in crate::tell) fn residual_section(
+    context: &Given<'_>,
     group: &str,
     all: &[Residuals<'_>],
     stiffness: Option<&[f64]>,

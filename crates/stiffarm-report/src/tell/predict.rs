@@ -3,12 +3,12 @@
 use super::at_work::{
     AtWork, WorkPoint, along, band_table, dominant, norm, principal_table, wrench,
 };
-use super::context::Context;
 use super::points::{all_points, extreme_rows, largest_first};
-use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::work::predict::Prediction;
@@ -16,8 +16,8 @@ use stiffarm::work::predict::Prediction;
 /// Rows of the key table.
 const KEY_ROWS: usize = 5;
 
-/// The part of a page for a result of `predict`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `predict`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let prediction: Prediction = context.saved.result()?;
     let work = What::of(context);
     let verdict = [
@@ -44,7 +44,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         prediction.points.len(),
         |caption, rows| points_table(context, &prediction, caption, rows),
     ));
-    Ok(context.part(
+    Ok(context.told(
         "Predicted deflection".to_string(),
         verdict,
         Some(key),
@@ -61,7 +61,7 @@ struct What {
 }
 
 impl What {
-    fn of(context: &Context<'_>) -> Self {
+    fn of(context: &Given<'_>) -> Self {
         let json = &context.saved.json;
         let is_cell_load = json["options"]["load_at"] == "loading_point";
         What {
@@ -102,7 +102,7 @@ fn worst(prediction: &Prediction) -> Option<usize> {
     largest_first(sizes).first().copied()
 }
 
-fn came(context: &Context<'_>, prediction: &Prediction) -> Text {
+fn came(context: &Given<'_>, prediction: &Prediction) -> Text {
     let number = |below: &str| context.number(below).mm().decimals(3);
     let text = Text::new("The tool bends away by ")
         .number(number("/deflection_rms_m"))
@@ -165,7 +165,7 @@ fn next(prediction: &Prediction, what: &What) -> Text {
 }
 
 fn points_table(
-    context: &Context<'_>,
+    context: &Given<'_>,
     prediction: &Prediction,
     caption: &str,
     rows: &[usize],
@@ -186,7 +186,7 @@ fn points_table(
             Text::from(number.mm().bare().decimals(3))
         };
         let point = &prediction.points[i];
-        let force = crate::page::Number::new("", Some(norm(point.force_n)));
+        let force = crate::tell::Number::new("", Some(norm(point.force_n)));
         let cells = [
             at("/deflection_m"),
             at("/band/size_m/3"),
@@ -200,7 +200,7 @@ fn points_table(
     table
 }
 
-fn cell_section(context: &Context<'_>, prediction: &Prediction, what: &What) -> Result<Section> {
+fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Result<Section> {
     let extremes = prediction.extremes.iter().flat_map(|e| [e.best, e.worst]);
     let extremes: Vec<_> = extremes.collect();
     let points = prediction.points.iter().enumerate().map(|(i, point)| {
@@ -292,7 +292,7 @@ fn along_path(prediction: &Prediction) -> Section {
     Section::new("path", "Along the path", blocks)
 }
 
-fn band_section(context: &Context<'_>, prediction: &Prediction) -> Option<Section> {
+fn band_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section> {
     let i = worst(prediction)?;
     let band = prediction.points[i].band?;
     let name = visible(&prediction.points[i].point);
@@ -310,7 +310,7 @@ fn band_section(context: &Context<'_>, prediction: &Prediction) -> Option<Sectio
     Some(Section::new("how-sure", "How sure that is", blocks))
 }
 
-fn stiffness_section(context: &Context<'_>, prediction: &Prediction) -> Option<Section> {
+fn stiffness_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section> {
     let extremes = prediction.extremes?;
     let rows = extreme_rows(&extremes, |at| {
         Some(prediction.points.get(at)?.point.to_string())

@@ -1,10 +1,10 @@
 //! Certificate, prices, chosen load and sensitivity of a plan.
 
-use super::super::context::Context;
 use super::super::worth::index_number;
 use super::planned::Plan;
-use crate::page::{Block, DataTable, Section, Text};
 use crate::selection::{IndexUnit, index_name, sensitivity_figure};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text};
 use stiffarm::Termination;
 use stiffarm::findings::{list, visible};
 use stiffarm::plan::select::{LimitPrice, Spread, WORTH_CHANGING};
@@ -49,7 +49,7 @@ pub(super) fn repeats(plan: &Plan) -> Option<Block> {
 }
 
 /// What each kind of limit costs.
-pub(super) fn price_table(context: &Context<'_>, plan: &Plan, prices: &[LimitPrice]) -> DataTable {
+pub(super) fn price_table(context: &Given<'_>, plan: &Plan, prices: &[LimitPrice]) -> DataTable {
     let index = plan.selection.index;
     let unit = match IndexUnit::of(index).unit {
         "" => String::new(),
@@ -75,7 +75,7 @@ pub(super) fn price_table(context: &Context<'_>, plan: &Plan, prices: &[LimitPri
 }
 
 /// The load that was chosen together with the postures.
-pub(super) fn load_section(context: &Context<'_>, plan: &Plan) -> Option<Section> {
+pub(super) fn load_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
     let mut table = DataTable::new(
         "The load that the plan holds for: put it into cell.toml",
@@ -107,7 +107,7 @@ pub(super) fn load_section(context: &Context<'_>, plan: &Plan) -> Option<Section
 }
 
 /// Whether wrong assumptions would change the plan.
-pub(super) fn sensitivity_section(context: &Context<'_>, plan: &Plan) -> Option<Section> {
+pub(super) fn sensitivity_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let found = plan.sensitivity.as_ref()?;
     let mut blocks = Vec::new();
     let said = match (found.priors.is_empty(), found.would_change) {

@@ -1,9 +1,9 @@
 //! The page of `validate`: does the stiffness predict what was measured?
 
 use super::arrows::{Residuals, residual_section};
-use super::context::Context;
 use crate::identified::in_order;
-use crate::page::{Block, DataTable, Number, Outcome, Part, Section, Text};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Number, Outcome, Section, Text, Told};
 use crate::validated::validation_figure;
 use stiffarm::Result;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
@@ -14,8 +14,8 @@ const MODEL: f64 = 3.0;
 /// Postures of the table to read first.
 const MOST_ROWS: usize = 8;
 
-/// The part of a page for a result of `validate`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `validate`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let found: Validation = context.saved.result()?;
     let verdict = [done(&found), came(context, &found), next(context, &found)];
     let mut sections = vec![Section::new(
@@ -30,13 +30,13 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         None => "Validation of the joint stiffness",
     };
     let key = key(context, &found);
-    let mut part = context.part(heading.to_string(), verdict, Some(key), sections);
-    part.outcome = match (found.passed, found.unpredicted.is_empty()) {
+    let mut told = context.told(heading.to_string(), verdict, Some(key), sections);
+    told.outcome = match (found.passed, found.unpredicted.is_empty()) {
         (Some(false), _) => Outcome::Serious,
-        (_, false) if part.outcome == Outcome::Good => Outcome::Caution,
-        _ => part.outcome,
+        (_, false) if told.outcome == Outcome::Good => Outcome::Caution,
+        _ => told.outcome,
     };
-    Ok(part)
+    Ok(told)
 }
 
 fn done(found: &Validation) -> Text {
@@ -61,7 +61,7 @@ fn done(found: &Validation) -> Text {
     ))
 }
 
-fn came(context: &Context<'_>, found: &Validation) -> Text {
+fn came(context: &Given<'_>, found: &Validation) -> Text {
     let mm = |below: &str| context.number(below).mm().decimals(4);
     let mut text = Text::new("Calculated and measured differ by ")
         .number(mm("/deviation_rms_m"))
@@ -116,7 +116,7 @@ fn came(context: &Context<'_>, found: &Validation) -> Text {
     }
 }
 
-fn next(context: &Context<'_>, found: &Validation) -> Text {
+fn next(context: &Given<'_>, found: &Validation) -> Text {
     let findings = context.saved.findings();
     if findings.iter().any(|f| f.severity == Severity::Serious) {
         return Text::default()
@@ -190,7 +190,7 @@ fn inside(point: &PointDeviation) -> &'static str {
 }
 
 /// The worst point of each posture, the worst posture first.
-fn key(context: &Context<'_>, found: &Validation) -> DataTable {
+fn key(context: &Given<'_>, found: &Validation) -> DataTable {
     let names = in_order(found.points.iter().map(|p| p.posture.as_str()));
     let size = |i: &usize| found.points[*i].deviation_m;
     let worst = names.iter().filter_map(|name| {
@@ -209,7 +209,7 @@ fn key(context: &Context<'_>, found: &Validation) -> DataTable {
 }
 
 /// Rows of Eq. (22).
-fn table(context: &Context<'_>, found: &Validation, caption: &str, rows: &[usize]) -> DataTable {
+fn table(context: &Given<'_>, found: &Validation, caption: &str, rows: &[usize]) -> DataTable {
     let mut table = DataTable::new(
         caption,
         [
@@ -251,7 +251,7 @@ fn table(context: &Context<'_>, found: &Validation, caption: &str, rows: &[usize
 }
 
 /// Every point, folded away.
-fn points(context: &Context<'_>, found: &Validation) -> Section {
+fn points(context: &Given<'_>, found: &Validation) -> Section {
     let rows: Vec<usize> = (0..found.points.len()).collect();
     let caption = "Every displacement: measured against calculated";
     let all = table(context, found, caption, &rows);
@@ -261,7 +261,7 @@ fn points(context: &Context<'_>, found: &Validation) -> Section {
 }
 
 /// The postures with the deviations as arrows.
-fn cell(context: &Context<'_>, found: &Validation) -> Result<Option<Section>> {
+fn cell(context: &Given<'_>, found: &Validation) -> Result<Option<Section>> {
     let all = found.postures.iter().map(|posture| {
         let own = found.points.iter();
         let own = own.filter(|p| p.posture == posture.posture && p.state == posture.state);

@@ -1,6 +1,6 @@
 //! What pages about many points share: those where something is largest, and all of them.
 
-use crate::page::{Block, DataTable, Section};
+use crate::tell::{Block, DataTable, Section};
 use stiffarm::findings::visible;
 use stiffarm::work::predict::PathExtremes;
 

@@ -1,9 +1,9 @@
 //! `--space-filling`: postures that cover the joint space evenly, as a baseline.
 
-use super::super::context::Context;
 use super::super::postures::{posture_table, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::page::{Part, Text};
+use crate::tell::Given;
+use crate::tell::{Text, Told};
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
@@ -25,7 +25,7 @@ struct SpaceFilling {
 }
 
 /// The part of a page for evenly spread postures.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let result: SpaceFilling = context.saved.result()?;
     let evaluation = &result.evaluation;
     let mut done = Text::new(format!(
@@ -93,7 +93,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     let route = result.route.as_ref();
     sections.extend(route.and_then(|route| route_section(context, &result.posture_names, route)));
     let verdict = [done, came, next];
-    let part = context.part(
+    let told = context.told(
         "Evenly spread postures".to_string(),
         verdict,
         Some(key),
@@ -103,5 +103,5 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         true => is_beyond_first_order(evaluation).then_some(UNSURE),
         false => Some("These postures leave a joint undetermined."),
     };
-    Ok(Context::caution(part, unsure))
+    Ok(told.caution("select", unsure))
 }

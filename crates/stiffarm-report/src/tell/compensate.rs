@@ -1,11 +1,11 @@
 //! The page of `compensate`: the path to command, and what it leaves.
 
 use super::at_work::{AtWork, WorkPoint, along, band_table, dominant, principal_table, wrench};
-use super::context::Context;
 use super::points::{all_points, extreme_rows, largest_first};
-use crate::page::{Block, DataTable, Number, Part, Section, Text};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Number, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
@@ -14,8 +14,8 @@ use stiffarm::work::compensate::Compensation;
 /// Rows of the key table.
 const KEY_ROWS: usize = 5;
 
-/// The part of a page for a result of `compensate`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `compensate`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let result: Compensation = context.saved.result()?;
     let count = result.points.len();
     let done = Text::new(format!(
@@ -36,10 +36,10 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     sections.push(all_points("The corrections", count, |caption, rows| {
         corrections(context, &result, caption, rows)
     }));
-    Ok(context.part("Compensated path".to_string(), verdict, Some(key), sections))
+    Ok(context.told("Compensated path".to_string(), verdict, Some(key), sections))
 }
 
-fn came(context: &Context<'_>, result: &Compensation) -> Text {
+fn came(context: &Given<'_>, result: &Compensation) -> Text {
     let mm = |below: &str| context.number(below).mm().decimals(3);
     let text = Text::new("Without it the tool bends away by ")
         .number(mm("/uncompensated_rms_m"))
@@ -100,7 +100,7 @@ fn next(result: &Compensation) -> Text {
 }
 
 fn corrections(
-    context: &Context<'_>,
+    context: &Given<'_>,
     result: &Compensation,
     caption: &str,
     rows: &[usize],
@@ -134,7 +134,7 @@ fn corrections(
     table
 }
 
-fn cell_section(context: &Context<'_>, result: &Compensation) -> Result<Section> {
+fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
     let extremes = result.extremes.iter().flat_map(|e| [e.best, e.worst]);
     let extremes: Vec<_> = extremes.collect();
     let points = result
@@ -199,7 +199,7 @@ fn path_section(result: &Compensation) -> Section {
     Section::new("path", "Along the path", blocks)
 }
 
-fn band_section(context: &Context<'_>, result: &Compensation) -> Option<Section> {
+fn band_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
     let i = *largest_first(result.points.iter().map(|p| p.uncompensated_m)).first()?;
     let band = result.points[i].band?;
     let name = visible(&result.points[i].point);
@@ -223,7 +223,7 @@ fn band_section(context: &Context<'_>, result: &Compensation) -> Option<Section>
     ))
 }
 
-fn stiffness_section(context: &Context<'_>, result: &Compensation) -> Option<Section> {
+fn stiffness_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
     let extremes = result.extremes?;
     let rows = extreme_rows(&extremes, |at| {
         Some(result.points.get(at)?.point.to_string())

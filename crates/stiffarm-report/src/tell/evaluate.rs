@@ -1,15 +1,15 @@
 //! The page of `evaluate`: indices and expected errors of given postures.
 
-use super::context::Context;
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::page::{Block, DataTable, Part, Section, Text};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::{Evaluated, EvaluatedGroup};
 
-/// The part of a page for a result of `evaluate`.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+/// What a result says of `evaluate`.
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let result: Evaluated = context.saved.result()?;
     let groups: Vec<Worth<'_>> = result
         .groups
@@ -79,12 +79,12 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         _ => "What groups of postures can tell".to_string(),
     };
     let unsure = best.is_some_and(|g| is_beyond_first_order(groups[g].evaluation));
-    let part = context.part(heading, [done, came, next], Some(key), sections);
-    Ok(Context::caution(part, unsure.then_some(UNSURE)))
+    let told = context.told(heading, [done, came, next], Some(key), sections);
+    Ok(told.caution("evaluate", unsure.then_some(UNSURE)))
 }
 
 /// Whether some posture lies outside bounds or limits.
-fn is_outside(context: &Context<'_>) -> bool {
+fn is_outside(context: &Given<'_>) -> bool {
     let findings = context.saved.findings();
     findings.iter().any(|found| found.code == "posture-outside")
 }
@@ -108,7 +108,7 @@ fn best(groups: &[Worth<'_>]) -> Option<usize> {
 }
 
 fn came(
-    context: &Context<'_>,
+    context: &Given<'_>,
     result: &Evaluated,
     groups: &[Worth<'_>],
     best: Option<usize>,
@@ -159,7 +159,7 @@ fn came(
 }
 
 /// One row per group.
-fn key(context: &Context<'_>, groups: &[Worth<'_>]) -> DataTable {
+fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let mut table = DataTable::new(
         "The groups; expected errors are relative standard errors of the joint stiffness",
         [
@@ -206,7 +206,7 @@ fn key(context: &Context<'_>, groups: &[Worth<'_>]) -> DataTable {
 }
 
 /// k(J_N) posture by posture; `None` without any.
-fn dexterity(context: &Context<'_>, groups: &[Worth<'_>]) -> Option<DataTable> {
+fn dexterity(context: &Given<'_>, groups: &[Worth<'_>]) -> Option<DataTable> {
     groups
         .iter()
         .flat_map(|g| &g.evaluation.k_jn)

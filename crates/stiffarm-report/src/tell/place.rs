@@ -1,9 +1,9 @@
 //! The page of `map --place`: where the workpiece should stand.
 
 use super::at_work::{AtWork, WorkPoint, wrench};
-use super::context::Context;
-use crate::page::{Block, DataTable, Number, Part, Section, Text};
 use crate::placement_figure;
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Number, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
@@ -13,7 +13,7 @@ use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
 const WORTH: f64 = 1.05;
 
 /// The part of a page for a search of the best place.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let placement: Placement = context.saved.result()?;
     let done = Text::new(format!(
         "{} places of the workpiece were tried for a path of ",
@@ -34,7 +34,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         ),
     ];
     let key = key(context, &placement);
-    Ok(context.part(
+    Ok(context.told(
         "Place of the workpiece".to_string(),
         verdict,
         Some(key),
@@ -42,7 +42,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     ))
 }
 
-fn came(context: &Context<'_>, placement: &Placement) -> Text {
+fn came(context: &Given<'_>, placement: &Placement) -> Text {
     let mm = |below: &str| context.number(below).mm().decimals(3);
     let Some(best) = &placement.best else {
         return Text::new("At none of them can the arm go along the whole path.");
@@ -115,7 +115,7 @@ fn lines(best: &Placed) -> String {
     )
 }
 
-fn key(context: &Context<'_>, placement: &Placement) -> DataTable {
+fn key(context: &Given<'_>, placement: &Placement) -> DataTable {
     let headings = [
         "place",
         "x [mm]",
@@ -192,7 +192,7 @@ fn counts(placement: &Placement) -> DataTable {
     table
 }
 
-fn cell_section(context: &Context<'_>, placement: &Placement) -> Result<Section> {
+fn cell_section(context: &Given<'_>, placement: &Placement) -> Result<Section> {
     let points = |placed: &Placed| -> Vec<WorkPoint> {
         let points = placed.along.iter().map(|point| WorkPoint {
             name: point.point.clone(),

@@ -1,7 +1,7 @@
 //! Tables of the studies' folders as tables of a page.
 
-use crate::page::{DataTable, Number, Text};
 use crate::study::{Cell, Table};
+use crate::tell::{DataTable, Number, Text};
 use stiffarm::findings::visible;
 
 /// The same table; its numbers have four digits.

@@ -1,10 +1,10 @@
 //! What the pages of a loaded tool share: the path in 3D, the bands, how the tip gives way.
 
-use super::context::Context;
 use crate::cell::{Full, cell_drawing};
-use crate::page::{Block, DataTable, Section, Text};
 use crate::path::thinned;
 use crate::scene::{Ellipsoid, Scene, SceneGroup, SceneOptions, ScenePath, scene};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text};
 use std::collections::BTreeSet;
 use stiffarm::Result;
 use stiffarm::findings::visible;
@@ -67,7 +67,7 @@ impl AtWork<'_> {
     ///
     /// # Errors
     /// Angles that do not fit the cell's robot.
-    pub fn section(&self, context: &Context<'_>, explained: &str) -> Result<Section> {
+    pub fn section(&self, context: &Given<'_>, explained: &str) -> Result<Section> {
         let first = self.groups.iter().find_map(|(_, points)| points.first());
         let (Some(cell), Some(first)) = (context.cell, first) else {
             return context.scene_section(None, &[], explained);
@@ -240,7 +240,7 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
 }
 
 fn digits(value: f64) -> String {
-    let number = crate::page::Number::new("", Some(value)).significant(3);
+    let number = crate::tell::Number::new("", Some(value)).significant(3);
     number.text()
 }
 
@@ -262,7 +262,7 @@ pub(super) fn along(tips: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
 }
 
 /// What gives way how much at some places: the pointer of three principal axes, and the name of each.
-pub(super) fn principal_table(context: &Context<'_>, rows: &[(String, String)]) -> DataTable {
+pub(super) fn principal_table(context: &Given<'_>, rows: &[(String, String)]) -> DataTable {
     let mut table = DataTable::new(
         "Stiffness of the tip along its principal axes, under a force without moment, softest first",
         ["place", "axis", "stiffness [N/µm]", "x", "y", "z"],
@@ -283,7 +283,7 @@ pub(super) fn principal_table(context: &Context<'_>, rows: &[(String, String)]) 
 }
 
 /// What the ± of a point is made of; `pointer` is that of its band.
-pub(super) fn band_table(context: &Context<'_>, caption: String, pointer: &str) -> DataTable {
+pub(super) fn band_table(context: &Given<'_>, caption: String, pointer: &str) -> DataTable {
     let headings = ["from", "size [mm]", "x [mm]", "y [mm]", "z [mm]"];
     let mut table = DataTable::new(caption, headings);
     let rows = [

@@ -1,7 +1,7 @@
 //! Tables of postures, their room and the moves between them.
 
-use super::context::Context;
-use crate::page::{Block, DataTable, Section, Text};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text};
 use stiffarm::findings::visible;
 use stiffarm::model::cell::LimitKind;
 use stiffarm::plan::feasibility::{NearestLimit, PostureLimits};
@@ -12,7 +12,7 @@ pub(super) const FEW: usize = 12;
 
 /// Postures with their angles, and what leaves each the least room; `at` is the place of the angles below `/result`.
 pub(super) fn posture_table(
-    context: &Context<'_>,
+    context: &Given<'_>,
     caption: &str,
     names: &[String],
     (at, postures): (&str, &[Vec<f64>]),
@@ -110,7 +110,7 @@ fn place(limit: &NearestLimit) -> String {
 
 /// The margins of every posture to every kind of limit; `None` without limits.
 pub(super) fn limit_table(
-    context: &Context<'_>,
+    context: &Given<'_>,
     names: &[String],
     limits: &[PostureLimits],
 ) -> Option<DataTable> {
@@ -152,7 +152,7 @@ pub(super) fn limit_table(
 
 /// The moves of a route; `None` where there are none.
 pub(super) fn route_section(
-    context: &Context<'_>,
+    context: &Given<'_>,
     names: &[String],
     route: &Route,
 ) -> Option<Section> {

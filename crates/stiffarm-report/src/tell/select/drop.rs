@@ -1,10 +1,10 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
-use super::super::context::Context;
 use super::super::postures::name_of;
 use super::super::worth::{index_number, index_says};
-use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::{IndexUnit, index_name, worth_figure};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
@@ -24,7 +24,7 @@ struct DropResult {
 }
 
 /// The part of a page for postures of which some are left out.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let result: DropResult = context.saved.result()?;
     let dropped = &result.dropped;
     let index = dropped.index;
@@ -116,7 +116,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         vec![Block::Figure(figure)],
     ));
     let verdict = [done, came, next];
-    Ok(context.part(
+    Ok(context.told(
         "Postures to leave out".to_string(),
         verdict,
         Some(key),

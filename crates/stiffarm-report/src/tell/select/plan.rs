@@ -1,20 +1,20 @@
 //! A plan: from a global search, from an initial group, or beside given postures.
 
-use super::super::context::Context;
 use super::super::postures::{FEW, limit_table, posture_table, route_section};
 use super::super::worth::{
     UNSURE, Worth, is_beyond_first_order, joint_names, level, worth_sections,
 };
 use super::planned::Plan;
 use super::{details, story};
-use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::{convergence_figure, price_figure};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
 
 /// The part of a page for a plan.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut plan: Plan = context.saved.result()?;
     if let Some(evaluation) = &mut plan.evaluation {
         evaluation.name = match plan.given_names.is_empty() {
@@ -25,9 +25,9 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     // The plan holds for the load that was chosen with it.
     let with_load = plan.selection.load.as_ref().zip(context.cell);
     let with_load = with_load.map(|(load, cell)| load.applied(cell));
-    let context = &Context {
-        saved: context.saved,
+    let context = &Given {
         cell: with_load.as_ref().or(context.cell),
+        ..*context
     };
     let count = plan.selection.group.len();
     let postures = posture_table(
@@ -79,15 +79,15 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
         (true, 1) => "Plan of one posture".to_string(),
         (true, _) => format!("Plan of {}", story::counted(&plan)),
     };
-    let mut part = context.part(heading, story::verdict(context, &plan), Some(key), sections);
+    let mut told = context.told(heading, story::verdict(context, &plan), Some(key), sections);
     if let Some(cell) = context.cell {
-        part.add_warnings(cell.posture_findings(&plan.postures()));
+        told.add_findings(cell.posture_findings(&plan.postures()));
     }
     let unsure = plan.evaluation.as_ref().is_some_and(is_beyond_first_order);
-    Ok(Context::caution(part, unsure.then_some(UNSURE)))
+    Ok(told.caution("select", unsure.then_some(UNSURE)))
 }
 
-fn worth(context: &Context<'_>, plan: &Plan) -> Vec<Section> {
+fn worth(context: &Given<'_>, plan: &Plan) -> Vec<Section> {
     let Some(after) = &plan.evaluation else {
         return Vec::new();
     };
@@ -112,7 +112,7 @@ fn worth(context: &Context<'_>, plan: &Plan) -> Vec<Section> {
 }
 
 /// What each joint can be expected to have, with its bound.
-fn joint_table(context: &Context<'_>, plan: &Plan) -> Option<DataTable> {
+fn joint_table(context: &Given<'_>, plan: &Plan) -> Option<DataTable> {
     let evaluation = plan.evaluation.as_ref()?;
     if evaluation
         .relative_standard_error
@@ -168,7 +168,7 @@ fn joint_table(context: &Context<'_>, plan: &Plan) -> Option<DataTable> {
 }
 
 /// The cell with the plan in measuring order; what was there before is laid over it.
-fn cell_section(context: &Context<'_>, plan: &Plan) -> Result<Section> {
+fn cell_section(context: &Given<'_>, plan: &Plan) -> Result<Section> {
     let (name, before) = match plan.given_names.is_empty() {
         true => ("the plan", "the initial group"),
         false => ("new postures", "given postures"),
@@ -199,7 +199,7 @@ fn search_section(plan: &Plan) -> Option<Section> {
     (!blocks.is_empty()).then(|| Section::new("search", "How far the search came", blocks))
 }
 
-fn limit_section(context: &Context<'_>, plan: &Plan) -> Option<Section> {
+fn limit_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let mut blocks = Vec::new();
     if let Some(prices) = plan.prices.as_ref().filter(|prices| !prices.is_empty()) {
         blocks.push(Block::Figure(price_figure(prices)));

@@ -1,9 +1,9 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
-use super::super::context::Context;
 use super::super::worth::index_number;
-use crate::page::{Block, DataTable, Part, Section, Text};
 use crate::selection::{CountPoint, IndexUnit, count_figure, index_name};
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Section, Text, Told};
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::visible;
@@ -30,7 +30,7 @@ struct Size {
 }
 
 /// The part of a page for the best value against the number of postures.
-pub(super) fn part(context: &Context<'_>) -> Result<Part> {
+pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let curve: Curve = context.saved.result()?;
     let (index, sizes) = (curve.index, &curve.sizes);
     let largest = sizes.last().map_or(0, |size| size.point.postures);
@@ -116,7 +116,7 @@ pub(super) fn part(context: &Context<'_>) -> Result<Part> {
     }
     let sections = vec![Section::new("count", "How many postures", blocks)];
     let verdict = [done, came, next];
-    Ok(context.part(
+    Ok(context.told(
         "How many postures".to_string(),
         verdict,
         Some(key),

@@ -1,11 +1,11 @@
 //! What groups of postures are worth, as sections that several pages share.
 
-use super::context::Context;
-use crate::page::{Block, DataTable, Number, Section, Text};
 use crate::selection::{
     Deviations, IndexUnit, correlation_figure, dexterity_figure, expected_deviation_figure,
     index_name, singular_values_figure,
 };
+use crate::tell::Given;
+use crate::tell::{Block, DataTable, Number, Section, Text};
 use stiffarm::findings::visible;
 use stiffarm::plan::index::{FIRST_ORDER_LIMIT, GroupEvaluation, Index, expected_deviation};
 
@@ -21,7 +21,7 @@ pub(super) struct Worth<'a> {
 }
 
 /// The value of an index in its unit; `below` is its place below `/result`.
-pub(super) fn index_number(context: &Context<'_>, index: Index, below: &str) -> Number {
+pub(super) fn index_number(context: &Given<'_>, index: Index, below: &str) -> Number {
     let unit = IndexUnit::of(index);
     context.number(below).times(unit.factor).unit(unit.unit)
 }
@@ -62,7 +62,7 @@ pub(super) fn index_says(index: Index) -> &'static str {
 /// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise alone.
 /// `at` is the evaluation's place below `/result`.
 pub(super) fn least_sure(
-    context: &Context<'_>,
+    context: &Given<'_>,
     at: &str,
     evaluation: &GroupEvaluation,
     joints: &[String],
@@ -115,7 +115,7 @@ pub(super) fn joint_names(joints: &[String], evaluation: &GroupEvaluation) -> Ve
 /// Expected errors joint by joint, singular values, correlations, the parts of the novel index, and all indices.
 /// `bounds` are relative standard errors that no plan of as many postures goes below.
 pub(super) fn worth_sections(
-    context: &Context<'_>,
+    context: &Given<'_>,
     joints: &[String],
     groups: &[Worth<'_>],
     bounds: &[f64],
@@ -215,7 +215,7 @@ fn headed(first: &str, groups: &[Worth<'_>]) -> Vec<String> {
     std::iter::once(first.to_string()).chain(names).collect()
 }
 
-fn errors(context: &Context<'_>, joints: &[String], groups: &[Worth<'_>]) -> DataTable {
+fn errors(context: &Given<'_>, joints: &[String], groups: &[Worth<'_>]) -> DataTable {
     let mut table = DataTable::new(
         "Relative standard error of the joint stiffness [%] at the cell's noise; about two thirds of all \
          identifications lie within ± this",
@@ -247,7 +247,7 @@ pub(super) fn level(confidence: f64) -> f64 {
 }
 
 /// The ± that `identify` is expected to print; nothing where no group has one.
-fn forecast(context: &Context<'_>, joints: &[String], groups: &[Worth<'_>]) -> Option<DataTable> {
+fn forecast(context: &Given<'_>, joints: &[String], groups: &[Worth<'_>]) -> Option<DataTable> {
     let found = groups.iter().find_map(|g| g.evaluation.forecast.as_ref())?;
     let title = format!(
         "± of the joint stiffness at {} % that identify will print [%], readings and systematic errors together",
@@ -264,7 +264,7 @@ fn forecast(context: &Context<'_>, joints: &[String], groups: &[Worth<'_>]) -> O
     Some(table)
 }
 
-fn correlations(context: &Context<'_>, joints: &[String], group: &Worth<'_>) -> DataTable {
+fn correlations(context: &Given<'_>, joints: &[String], group: &Worth<'_>) -> DataTable {
     let name = visible(&group.evaluation.name);
     let mut table = DataTable::new(
         format!("Correlation of the joints' errors, {name}"),
@@ -281,7 +281,7 @@ fn correlations(context: &Context<'_>, joints: &[String], group: &Worth<'_>) -> 
 }
 
 /// Every index that some group has.
-pub(super) fn indices(context: &Context<'_>, groups: &[Worth<'_>]) -> DataTable {
+pub(super) fn indices(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let mut table = DataTable::new(
         "All indices; the lower, the better, unless said otherwise; – where one does not exist",
         [headed("index", groups), vec!["what it is".to_string()]].concat(),
