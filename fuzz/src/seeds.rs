@@ -297,7 +297,7 @@ impl Scratch {
     pub fn run(&self, words: impl IntoIterator<Item = String>) -> stiffarm_cli::Captured {
         let mut line = vec![OsString::from("stiffarm")];
         line.extend(words.into_iter().map(|word| self.placed(&word)));
-        stiffarm_cli::run_captured(&line)
+        stiffarm_cli::run_captured(&line, stiffarm_cli::Host::default())
     }
 
     /// A word; the name of a file becomes its path.

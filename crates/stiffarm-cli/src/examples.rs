@@ -66,6 +66,11 @@ pub const MEASURE: &str = "Examples:
   A rehearsal, in two terminals:
   stiffarm simulate builtin:comau plan.csv --readings day.csv --slowly 2
   stiffarm measure builtin:comau plan.csv day.csv --until 3%";
+pub const COVERAGE: &str = "\
+Examples:
+  How often do the intervals of six postures hold the truth?
+  $ stiffarm coverage builtin:comau builtin:comau-group1 --runs 1000";
+
 pub const REGISTER: &str = "Examples:
   $ stiffarm register builtin:example-pairs --output registration.json
   $ stiffarm register builtin:example-pairs --exclude B --std-mm 0.03";

@@ -50,6 +50,9 @@ impl Line for Saved {
 impl Source for Session {
     /// Reads a file, `-` or `builtin:NAME`; standard input can be read once.
     fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)> {
+        if let Some(bytes) = self.host.inputs.get(from) {
+            return Ok(self.taken(role, visible(from).into_owned(), bytes.clone(), None, false));
+        }
         if from == STANDARD_INPUT {
             self.refuse_output(of_stdin().as_ref(), STANDARD_INPUT_NAME)?;
             let bytes = self.read_stdin()?;

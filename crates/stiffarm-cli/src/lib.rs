@@ -1,15 +1,17 @@
 //! The command `stiffarm` as a function: parses the command line and runs one command.
 //!
-//! The program calls [`run_process`]; the fuzzer calls [`run_captured`] many times in one
-//! process. Nothing else is promised, the library to build on is `stiffarm`.
+//! The program calls [`run_process`]; fuzzer and Python package call [`run_captured`] many times in one process.
+//! Nothing else is promised, the library to build on is `stiffarm`.
 
 mod args;
 mod arguments;
 mod commands;
+mod described;
 mod error;
 mod examples;
 mod excerpt;
 mod files;
+mod host;
 mod identity;
 mod input;
 mod interrupt;
@@ -22,6 +24,9 @@ mod screen;
 mod session;
 mod table;
 mod text;
+
+pub use described::{Argument, Described, Kind, described};
+pub use host::{Host, page, told};
 
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
@@ -36,7 +41,7 @@ use std::rc::Rc;
 pub fn run_process() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     interrupt::listen();
-    let code = error::without_panic_text(|| run_words(&words, None));
+    let code = error::without_panic_text(|| run_words(&words, None, Host::default()));
     ExitCode::from(code)
 }
 
@@ -55,9 +60,9 @@ pub struct Captured {
 ///
 /// Files are read and written as ever; what goes to standard output and standard error
 /// is in the answer. The hook for panics stays the caller's.
-pub fn run_captured(words: &[OsString]) -> Captured {
+pub fn run_captured(words: &[OsString], host: Host) -> Captured {
     let printed = Rc::<RefCell<Captured>>::default();
-    let code = run_words(words, Some(Rc::clone(&printed)));
+    let code = run_words(words, Some(Rc::clone(&printed)), host);
     Captured {
         code,
         ..printed.take()
@@ -65,7 +70,7 @@ pub fn run_captured(words: &[OsString]) -> Captured {
 }
 
 /// Runs one command line and gives its exit code.
-fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>) -> u8 {
+fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: Host) -> u8 {
     // What help and usage errors need before the words are parsed.
     let color = args::color_of(words);
     let command = Cli::command().color(color);
@@ -74,7 +79,7 @@ fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>) -> u8 
         Ok(cli) => cli,
         Err(stop) => return error::usage(&stop, args::wants_json(words), captured.as_deref()),
     };
-    let session = Session::new(words, &cli.global, captured);
+    let session = Session::new(words, &cli.global, captured, host);
     let ran = error::catch_panic(|| {
         session.set_threads(&cli.global)?;
         if let Some((page, force)) = cli.command.page() {
@@ -100,6 +105,7 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Select(args) => commands::select::run(session, args),
         Command::Evaluate(args) => commands::evaluate::run(session, args),
         Command::Simulate(args) => commands::simulate::run(session, args),
+        Command::Coverage(args) => commands::coverage::run(session, args),
         Command::Register(args) => commands::register::run(session, args),
         Command::Measure(args) => commands::measure::run(session, args),
         Command::Identify(args) => commands::identify::run(session, args),

@@ -30,6 +30,8 @@ pub fn announce(session: &Session, pieces: usize, many: usize, what: &str) {
 /// A progress bar that shows itself when the work takes long.
 pub struct Progress {
     bar: ProgressBar,
+    /// Who watches instead of a terminal.
+    host: Option<Watch>,
     /// Dropped with the bar: the thread that waits to show it ends.
     _finished: Option<Sender<()>>,
 }
@@ -39,9 +41,11 @@ impl Progress {
     pub fn new(session: &Session, what: &str) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden())
             .with_message(what.to_string());
-        if session.quiet || !std::io::stderr().is_terminal() {
+        let is_hosted = session.host.watch.is_some();
+        if session.quiet || is_hosted || !std::io::stderr().is_terminal() {
             return Progress {
                 bar,
+                host: session.host.watch.clone(),
                 _finished: None,
             };
         }
@@ -56,17 +60,24 @@ impl Progress {
         });
         Progress {
             bar,
+            host: None,
             _finished: Some(sender),
         }
     }
 
     /// Tells how far the work is.
     pub fn report(&self, what: &str, done: usize, of: usize) {
-        report(&self.bar, what, done, of);
+        match &self.host {
+            Some(watch) => watch.control().report(what, done, of),
+            None => report(&self.bar, what, done, of),
+        }
     }
 
     /// Tells how work stands whose end is not known.
     pub fn tell(&self, what: &str) {
+        if self.host.is_some() {
+            return self.report(what, 0, 0);
+        }
         if self.bar.length().is_some() {
             self.bar.unset_length();
             set_style(&self.bar, SPINNER);
@@ -76,6 +87,9 @@ impl Progress {
 
     /// This bar and Ctrl-C for a value whose later questions can take long.
     pub fn shared(&self) -> Watch {
+        if let Some(watch) = &self.host {
+            return watch.clone();
+        }
         interrupt::look_out();
         let bar = self.bar.clone();
         let report = move |what: &str, done: usize, of: usize| report(&bar, what, done, of);
@@ -84,6 +98,9 @@ impl Progress {
 
     /// Runs `work` with this bar and Ctrl-C.
     pub fn watch<T>(&self, work: impl FnOnce(Control<'_>) -> T) -> T {
+        if let Some(watch) = &self.host {
+            return work(watch.control());
+        }
         interrupt::look_out();
         let stop = interrupt::stopped;
         let progress = |what: &str, done: usize, of: usize| self.report(what, done, of);

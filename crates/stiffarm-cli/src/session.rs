@@ -4,7 +4,9 @@ use crate::Captured;
 use crate::args::Global;
 use crate::arguments::arguments;
 use crate::files::target::Target;
+use crate::host::Host;
 use crate::identity::{FileId, Input};
+use crate::interrupt;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -47,6 +49,8 @@ pub struct Session {
     pub page: RefCell<Option<WantedPage>>,
     /// Takes what is printed, instead of the process's own output.
     pub captured: Option<Rc<RefCell<Captured>>>,
+    /// What the program around the command hands over.
+    pub host: Rc<Host>,
 }
 
 impl Session {
@@ -55,6 +59,7 @@ impl Session {
         words: &[OsString],
         global: &Global,
         captured: Option<Rc<RefCell<Captured>>>,
+        host: Host,
     ) -> Self {
         Session {
             words: words.to_vec(),
@@ -71,6 +76,7 @@ impl Session {
             written: RefCell::default(),
             page: RefCell::default(),
             captured,
+            host: Rc::new(host),
         }
     }
 
@@ -87,6 +93,7 @@ impl Session {
             written: RefCell::default(),
             page: RefCell::default(),
             captured: self.captured.clone(),
+            host: Rc::clone(&self.host),
         }
     }
 
@@ -109,6 +116,12 @@ impl Session {
                     .key("--threads")
                     .hint("give fewer; the results are the same")
             })
+    }
+
+    /// True once the user has asked to stop.
+    pub fn stopped(&self) -> bool {
+        let watch = self.host.watch.as_ref();
+        watch.map_or_else(interrupt::stopped, |watch| watch.control().stopped())
     }
 
     /// Remembers an input.

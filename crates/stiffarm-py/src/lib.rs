@@ -4,17 +4,14 @@
 mod arrays;
 mod arrow;
 mod cell;
+mod command;
 mod cores;
 mod error;
-mod identify;
-mod inputs;
 mod kinematics;
 mod long;
 mod objective;
-mod select;
-mod simulate;
+mod plans;
 mod values;
-mod work;
 
 use pyo3::prelude::*;
 
@@ -28,25 +25,19 @@ mod _stiffarm {
     #[pymodule_export]
     use crate::cell::PyCell;
     #[pymodule_export]
-    use crate::cores::set_threads;
+    use crate::command::{commands, page, run, told};
     #[pymodule_export]
-    use crate::identify::{identify, identify_with_flange_fixed, validate};
+    use crate::cores::set_threads;
     #[pymodule_export]
     use crate::kinematics::{axes_table, flange_pose, inverse, jacobian, nearest, urdf_table};
     #[pymodule_export]
     use crate::objective::Objective;
     #[pymodule_export]
-    use crate::select::{
-        certificate, select, select_candidates, select_curve, select_drop, select_space_filling,
-    };
-    #[pymodule_export]
-    use crate::simulate::{coverage, evaluate, register, simulate, simulate_measurements};
+    use crate::plans::{certificate, simulate_measurements};
     #[pymodule_export]
     use crate::values::{
-        check, degrees, json_of_toml, posture_text, radians, read_postures, robots, toml_of_json,
+        degrees, json_of_toml, posture_text, radians, read_postures, toml_of_json,
     };
-    #[pymodule_export]
-    use crate::work::{compensate, map, place_workpiece, predict};
 
     use super::*;
 

@@ -82,11 +82,6 @@ impl Watched {
         })
     }
 
-    /// Tells how far the work is.
-    pub fn tell(&self, what: &str, done: usize, of: usize) {
-        self.0.tell(what, done, of);
-    }
-
     /// Runs `work` with what it borrows.
     pub fn with<T>(&self, work: impl FnOnce(Control<'_>) -> T) -> T {
         let stop = || self.0.stopped();

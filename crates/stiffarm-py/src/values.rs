@@ -3,18 +3,14 @@
 use crate::arrays::check_radians;
 use crate::cell::{PyCell, rows};
 use crate::error::Raised;
-use crate::inputs::{GivenPostures, Inputs, Postures};
-use crate::long::watched;
+use crate::plans::named;
 use numpy::{
     PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use serde::Serialize;
-use stiffarm::files::source::Source;
-use stiffarm::files::table::write_postures;
-use stiffarm::model::robot::{CatalogueEntry, catalogue};
-use stiffarm::plan::check::check as check_cell;
+use stiffarm::files::builtin;
+use stiffarm::files::table::{read_postures as read_table, write_postures};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::{Code, Error};
 
@@ -53,8 +49,15 @@ pub fn read_postures<'py>(
     from: &str,
 ) -> PyResult<(Vec<String>, Bound<'py, PyArray2<f64>>)> {
     let robot = &cell.cell.setup.robot;
-    let read = Inputs::of(cell).read_postures("postures", from, robot);
-    let postures = read.raised(py)?;
+    let bytes = match from.strip_prefix(builtin::PREFIX) {
+        Some(name) => builtin::bytes(name).map(<[u8]>::to_vec),
+        None => std::fs::read(from).map_err(|error| {
+            let message = format!("The file cannot be read: {error}.");
+            Error::new(Code::FileRead, message).file(from)
+        }),
+    };
+    let postures = bytes.and_then(|bytes| read_table(&bytes, from, robot));
+    let postures = postures.raised(py)?;
     let angles = postures
         .iter()
         .flat_map(|posture| posture.q.iter().copied());
@@ -72,10 +75,7 @@ pub fn posture_text(
     names: Vec<String>,
     angles: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<String> {
-    match GivenPostures::Values(names, angles).owned(py)? {
-        Postures::Values(postures) => Ok(write_postures(&postures)),
-        Postures::Table(_) => Ok(String::new()),
-    }
+    Ok(write_postures(&named(py, names, &angles)?))
 }
 
 /// The text of a cell file with the keys of a JSON object.
@@ -114,24 +114,4 @@ pub fn json_of_toml(py: Python<'_>, text: &str) -> PyResult<String> {
         serde_json::to_string(&value).map_err(|error| fault(&error))
     };
     made().raised(py)
-}
-
-/// Key, name, reach \[m\] and payload \[kg\] of every robot of the catalogue.
-#[pyfunction]
-pub fn robots() -> Vec<(&'static str, &'static str, Option<f64>, Option<f64>)> {
-    let row = |robot: &CatalogueEntry| (robot.key, robot.name, robot.reach_m(), robot.payload_kg());
-    catalogue().iter().map(row).collect()
-}
-
-/// A check has no options.
-#[derive(Serialize)]
-struct NoOptions {}
-
-/// `check`.
-#[pyfunction]
-pub fn check(py: Python<'_>, cell: &PyCell) -> PyResult<(String, bool)> {
-    watched(py, None, |_| {
-        let found = check_cell(&cell.cell)?;
-        Inputs::of(cell).document("check", None, NoOptions {}, found)
-    })
 }

@@ -338,7 +338,10 @@ fn schema(words: &[String]) -> Option<Value> {
         let made = schemas.entry(name.to_string()).or_insert_with(|| {
             let line =
                 ["stiffarm", "schema", &format!("result-{name}")].map(std::ffi::OsString::from);
-            serde_json::from_str(&stiffarm_cli::run_captured(&line).out).ok()
+            serde_json::from_str(
+                &stiffarm_cli::run_captured(&line, stiffarm_cli::Host::default()).out,
+            )
+            .ok()
         });
         made.clone()
     })

@@ -1,11 +1,11 @@
 //! Options of `capsules`.
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 
 #[derive(Debug, Args)]
 pub struct CapsulesArgs {
     /// Triangle meshes: .stl, .obj or .dae
-    #[arg(required = true, value_name = "MESH")]
+    #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "MESH")]
     pub meshes: Vec<String>,
     /// Unit of the meshes: m in robot descriptions, mm from most CAD systems
     #[arg(long, value_name = "UNIT", default_value = "m")]

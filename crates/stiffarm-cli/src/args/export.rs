@@ -1,7 +1,7 @@
 //! Options of `export`.
 
 use clap::builder::PossibleValuesParser;
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 use stiffarm::files::program::Language;
 use stiffarm::model::robot::Controller;
@@ -9,9 +9,10 @@ use stiffarm::model::robot::Controller;
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// The plan: postures in the order in which they are measured
-    #[arg(value_name = "POSTURES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "POSTURES.csv")]
     pub plan: String,
     /// Language of the robot's controller
     #[arg(long, value_name = "LANGUAGE")]
@@ -26,11 +27,11 @@ pub struct ExportArgs {
     pub output_dir: Option<PathBuf>,
     /// Write nothing: read this program, as it is or changed at the pendant, and say where its
     /// postures differ from the plan (KRL: both files)
-    #[arg(long, value_name = "FILE", num_args = 1..=2)]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "FILE", num_args = 1..=2)]
     pub compare: Vec<String>,
     /// Posture where the program begins and ends: a table with one row [default: the cell's
     /// route.start_deg, where it has one]
-    #[arg(long, value_name = "POSTURE.csv")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURE.csv")]
     pub start: Option<String>,
     /// Speed of the moves in per cent; the first move has half of it, at most 5 [default: the cell's
     /// route.speed_percent, 10 unless it is given]

@@ -1,6 +1,6 @@
 //! Options of `init`.
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use serde::Serialize;
 use std::path::PathBuf;
 use stiffarm::model::robot::DhConvention;
@@ -16,7 +16,7 @@ pub struct InitArgs {
     )]
     pub robot: String,
     /// Robot of a URDF; a .xacro file is expanded where the program xacro is found
-    #[arg(long, value_name = "FILE", conflicts_with = "dh")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "FILE", conflicts_with = "dh")]
     pub urdf: Option<String>,
     /// Link whose frame is the base frame [default: the root of the tree]
     #[arg(long, value_name = "LINK", requires = "urdf")]
@@ -32,7 +32,7 @@ pub struct InitArgs {
     pub no_shapes: bool,
     /// Robot of a table of your own rows: joint, alpha_deg, a_mm, d_mm, offset_deg; low_deg,
     /// high_deg and sign (1 or -1) where wanted
-    #[arg(long, value_name = "ROWS.csv")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "ROWS.csv")]
     pub dh: Option<String>,
     /// Convention of these rows
     #[arg(long, value_name = "NAME", default_value = "modified", requires = "dh")]

@@ -1,7 +1,7 @@
 //! The command line of `stiffarm measure`.
 
 use super::values::pause;
-use clap::Args;
+use clap::{Args, ValueHint};
 use std::time::Duration;
 use stiffarm::units::mm_to_m;
 
@@ -11,12 +11,13 @@ const WIDEST: f64 = 0.5;
 #[derive(Debug, Args)]
 pub struct MeasureArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// The plan, in measuring order
-    #[arg(value_name = "PLAN.csv")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "PLAN.csv")]
     pub plan: String,
     /// The files that tracker or engineer fill in; without --once they need not be there yet
-    #[arg(value_name = "READINGS", required = true)]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "READINGS", required = true)]
     pub readings: Vec<String>,
     /// Good enough, at 95 % with all errors together: `2%` for every joint's stiffness known to 2 %, or `0.05mm` for
     /// the deflection at each of the cell's tasks predicted to 0.05 mm
@@ -32,7 +33,7 @@ pub struct MeasureArgs {
     #[arg(long)]
     pub no_search: bool,
     /// Result of `register`: places raw readings in the base frame
-    #[arg(long, value_name = "registration.json")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json")]
     pub registration: Option<String>,
     /// Seed of the search for a better posture
     #[arg(long, value_name = "N", default_value_t = 1)]

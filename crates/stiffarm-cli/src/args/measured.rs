@@ -3,14 +3,14 @@
 use super::PageArgs;
 use super::fit::FitArgs;
 use super::values::{above_zero, count, number};
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use stiffarm::estimate::validate::Model;
 use stiffarm::estimate::validated::Folds;
 
 #[derive(Debug, Args)]
 pub struct RegisterArgs {
     /// Pairs of points: name, tracker_x_mm to tracker_z_mm, base_x_mm to base_z_mm
-    #[arg(value_name = "PAIRS.csv")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "PAIRS.csv")]
     pub pairs: String,
     /// Standard deviation of each coordinate of a pair, both frames together [mm] [default: from
     /// the residuals]
@@ -30,15 +30,16 @@ pub struct RegisterArgs {
 #[derive(Debug, Args)]
 pub struct IdentifyArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Measurements (.csv or .xlsx); several files are read as one table
-    #[arg(value_name = "MEASUREMENTS.csv", required = true)]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "MEASUREMENTS.csv", required = true)]
     pub measurements: Vec<String>,
     /// Controller angles by posture name, where the measurements have none
-    #[arg(long, value_name = "POSTURES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv")]
     pub postures: Option<String>,
     /// Result of `register`: places raw readings in the base frame
-    #[arg(long, value_name = "registration.json")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json")]
     pub registration: Option<String>,
     /// Postures to leave out, for example those kept for validation
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -81,18 +82,19 @@ pub struct IdentifyArgs {
 #[command(allow_missing_positional = true)]
 pub struct ValidateArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Result of `identify`, or {"stiffness_nm_per_rad": [k1, …]}; none with --folds
-    #[arg(value_name = "STIFFNESS.json")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "STIFFNESS.json")]
     pub stiffness: Option<String>,
     /// Measurements (.csv or .xlsx); several files are read as one table
-    #[arg(value_name = "MEASUREMENTS.csv", required = true)]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "MEASUREMENTS.csv", required = true)]
     pub measurements: Vec<String>,
     /// Controller angles by posture name, where the measurements have none
-    #[arg(long, value_name = "POSTURES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv")]
     pub postures: Option<String>,
     /// Result of `register`: places raw readings in the base frame
-    #[arg(long, value_name = "registration.json")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json")]
     pub registration: Option<String>,
     /// How displacements are calculated
     #[arg(long, default_value = "linear")]

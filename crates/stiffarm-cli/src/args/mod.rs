@@ -1,6 +1,7 @@
 //! The command line. Each command's help ends with examples, which run as tests.
 
 mod capsules;
+mod coverage;
 mod export;
 mod fit;
 mod init;
@@ -16,6 +17,7 @@ mod values;
 mod work;
 
 pub use capsules::{CapsulesArgs, MeshUnit};
+pub use coverage::CoverageArgs;
 pub use export::{ControllerArgs, ExportArgs};
 pub use init::{DhChoice, InitArgs};
 pub use measure::{Goal, MeasureArgs};
@@ -30,7 +32,7 @@ pub use simulate::SimulateArgs;
 pub use work::MapArgs;
 
 use crate::examples;
-use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
+use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use values::{count_or_none, number};
@@ -104,6 +106,9 @@ pub enum Command {
     /// Beside the robot: judge each posture as its readings arrive, and say when it is enough
     #[command(after_help = examples::MEASURE)]
     Measure(MeasureArgs),
+    /// How often the intervals of `identify` hold the truth, counted in simulated experiments
+    #[command(after_help = examples::COVERAGE)]
+    Coverage(CoverageArgs),
     /// Transform from tracker to base axes from pairs of points, with residuals and uncertainty
     #[command(after_help = examples::REGISTER)]
     Register(RegisterArgs),
@@ -160,14 +165,14 @@ pub enum Command {
 #[derive(Debug, Args)]
 pub struct StudyArgs {
     /// Cell file
-    #[arg(default_value = "builtin:comau")]
+    #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
     /// Initial group (Group 1) [default: builtin:comau-group1 where it fits, else drawn]
-    #[arg(long, value_name = "POSTURES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv")]
     pub initial: Option<String>,
     /// Choose from the postures of these measurements instead, and predict the others: which
     /// postures and which model predict a measured robot
-    #[arg(long, value_name = "MEASUREMENTS.csv", conflicts_with_all = ["initial", "runs", "starts", "elastic"])]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "MEASUREMENTS.csv", conflicts_with_all = ["initial", "runs", "starts", "elastic"])]
     pub measured: Option<String>,
     /// How to split measurements.
     #[command(flatten)]
@@ -222,20 +227,20 @@ pub struct SplitArgs {
     #[arg(long, value_name = "X", requires = "measured", value_parser = values::above_zero("1"), allow_negative_numbers = true)]
     pub size_factor: Option<f64>,
     /// Result of `register`: places raw readings in the base frame
-    #[arg(long, value_name = "registration.json", requires = "measured")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json", requires = "measured")]
     pub registration: Option<String>,
 }
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
     /// Cell file
-    #[arg(default_value = "builtin:comau")]
+    #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
     /// Draw the cell from the side, from above and in perspective, what violates a limit in red
     #[arg(long, value_name = "FILE.svg")]
     pub figure: Option<String>,
     /// Postures to draw [default: the middle of the bounds, or where that violates a limit, one that does not]
-    #[arg(long, value_name = "POSTURES.csv", requires = "figure")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", requires = "figure")]
     pub postures: Option<String>,
     /// The posture to draw in full, among those of --postures or the validation postures; all: each
     /// as a line [default: the one with the least room]
@@ -249,9 +254,10 @@ pub struct CheckArgs {
 #[derive(Debug, Args)]
 pub struct EvaluateArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Posture files, one group each
-    #[arg(required = true, value_name = "POSTURES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "POSTURES.csv")]
     pub postures: Vec<String>,
     /// The page of the result.
     #[command(flatten)]
@@ -264,7 +270,7 @@ pub struct EvaluateArgs {
 #[derive(Debug, Args)]
 pub struct ZonesArgs {
     /// Cell file
-    #[arg(default_value = "builtin:comau")]
+    #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
     /// Folder for the maps as picture (zones.svg) and table (zones.csv)
     #[arg(long, value_name = "DIR")]
@@ -347,6 +353,8 @@ pub enum SchemaChoice {
     ResultSimulate,
     /// Output of `simulate --elastic mixed --json` and `--elastic auto`
     ResultSimulateElastic,
+    /// Output of `coverage --json`
+    ResultCoverage,
     /// Output of `register --json`
     ResultRegister,
     /// Output of `identify --json`
@@ -392,7 +400,7 @@ pub enum SchemaChoice {
 pub enum DocsPage {
     /// Error codes with their meaning and exit code
     Errors,
-    /// Reference of all commands
+    /// What the commands take, as JSON
     Commands,
 }
 
@@ -405,6 +413,7 @@ impl Command {
             Command::Select(args) => Some((&args.output.page, args.output.force)),
             Command::Evaluate(args) => Some((&args.page, args.force)),
             Command::Simulate(args) => Some((&args.page, args.force)),
+            Command::Coverage(args) => Some((&args.page, args.force)),
             Command::Identify(args) => Some((&args.page, args.force)),
             Command::Validate(args) => Some((&args.page, args.force)),
             Command::Predict(args) => Some((&args.page, args.force)),

@@ -4,7 +4,7 @@ use super::PageArgs;
 use super::measured::ModelChoice;
 use super::values::{number, triple};
 use super::work::{AxesChoice, Triple};
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 
 /// The path, its loads and its postures.
 #[derive(Debug, Clone, Args)]
@@ -55,12 +55,13 @@ pub struct PathArgs {
 #[derive(Debug, Args)]
 pub struct PredictArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's
-    #[arg(value_name = "STIFFNESS.json")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "STIFFNESS.json")]
     pub stiffness: String,
     /// Path or postures [default: the tasks of the cell]
-    #[arg(value_name = "PATH.csv")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "PATH.csv")]
     pub path: Option<String>,
     /// How the loads and postures of the path are found.
     #[command(flatten)]
@@ -95,12 +96,13 @@ pub struct PredictArgs {
 #[derive(Debug, Args)]
 pub struct CompensateArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's
-    #[arg(value_name = "STIFFNESS.json")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "STIFFNESS.json")]
     pub stiffness: String,
     /// Path that the loaded tool should follow
-    #[arg(value_name = "PATH.csv")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "PATH.csv")]
     pub path: String,
     /// How the loads and postures of the path are found.
     #[command(flatten)]

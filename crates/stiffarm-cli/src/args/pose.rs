@@ -1,22 +1,24 @@
 //! Options of `pose`.
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use stiffarm::model::pose::Convention;
 use stiffarm::plan::poses::{PoseFrame, PosePoint};
 
 #[derive(Debug, Args)]
 pub struct PoseArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Postures whose poses are wanted
     #[arg(
+        value_hint = ValueHint::FilePath,
         required_unless_present = "from",
         conflicts_with = "from",
         value_name = "POSTURES.csv"
     )]
     pub postures: Option<String>,
     /// Poses whose postures are wanted: x_mm, y_mm, z_mm and the convention's numbers
-    #[arg(long, value_name = "POSES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSES.csv")]
     pub from: Option<String>,
     /// How orientations are written [default: as the controller that the cell names does, else matrix]
     #[arg(long, value_name = "NAME")]

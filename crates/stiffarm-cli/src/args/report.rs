@@ -2,7 +2,7 @@
 
 use super::values::above_zero;
 use crate::files::picture::{INSTEAD, is_foreign};
-use clap::Args;
+use clap::{Args, ValueHint};
 use std::path::PathBuf;
 use stiffarm_report::paper::{Format, PaperOptions};
 
@@ -25,11 +25,11 @@ impl PageArgs {
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// Saved results: what commands printed with --json (`--json > result.json`), or identify wrote with --output
-    #[arg(required = true, value_name = "RESULT.json")]
+    #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "RESULT.json")]
     pub results: Vec<String>,
     /// Cell file that a result was made with; it is known by its hash, so several may be given. Built-in
     /// cells are found without
-    #[arg(long, value_name = "CELL.toml")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "CELL.toml")]
     pub cell: Vec<String>,
     /// File for the page; report.html, or no page where --figures is given
     #[arg(long, value_name = "FILE.html")]

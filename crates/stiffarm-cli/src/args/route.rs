@@ -1,14 +1,15 @@
 //! The command line of `stiffarm route`.
 
 use super::values::angle_step;
-use clap::Args;
+use clap::{Args, ValueHint};
 
 #[derive(Debug, Args)]
 pub struct RouteArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// The plan
-    #[arg(value_name = "POSTURES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "POSTURES.csv")]
     pub plan: String,
     /// Keep the order of the plan
     #[arg(long)]

@@ -2,7 +2,7 @@
 
 use super::PageArgs;
 use super::values::{above_zero, angle_step, count, numbers};
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum, ValueHint};
 use std::time::Duration;
 use stiffarm::plan::planned;
 
@@ -12,6 +12,7 @@ const MOST_POSTURES: u64 = planned::MOST_POSTURES as u64;
 #[derive(Debug, Args)]
 pub struct SelectArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Index to improve; `stiffarm evaluate` shows all of them
     #[arg(long, value_name = "NAME", default_value = "expected-error")]
@@ -38,7 +39,7 @@ pub struct SelectArgs {
     pub space_filling: bool,
     /// Choose the best postures out of this list: a table of postures, or one of measurements,
     /// whose postures count under their measured wrenches
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["space_filling", "curve", "sensitivity", "from", "given",
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "TABLE", conflicts_with_all = ["space_filling", "curve", "sensitivity", "from", "given",
           "rounds", "time_limit", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
     pub candidates: Option<String>,
     /// Postures that are there already.
@@ -60,7 +61,7 @@ pub struct SelectArgs {
 #[command(next_help_heading = "Postures that are there already")]
 pub struct ExistingArgs {
     /// Initial group to improve locally, as in the paper, instead of a global search
-    #[arg(long, value_name = "POSTURES.csv",
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv",
           conflicts_with_all = ["given", "seed", "rounds", "time_limit", "no_certificate", "anchor_box_mm",
                                 "loading_point_box_mm", "largest_load_n"])]
     pub from: Option<String>,
@@ -68,7 +69,7 @@ pub struct ExistingArgs {
     #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_iterations: Option<u64>,
     /// Postures measured or planned already: they stay as they are, and --add or --drop says what to do
-    #[arg(long, value_name = "POSTURES.csv", conflicts_with_all = ["sensitivity", "anchor_box_mm",
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", conflicts_with_all = ["sensitivity", "anchor_box_mm",
           "loading_point_box_mm", "largest_load_n"])]
     pub given: Option<String>,
     /// Add the M postures that help most; --output and --sheet hold these alone, under new names [default: 1]

@@ -3,7 +3,7 @@
 use super::PageArgs;
 use super::fit::ElasticArg;
 use super::values::{count, number, pause};
-use clap::Args;
+use clap::{Args, ValueHint};
 use std::time::Duration;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulated::{ErrorRequest, Request};
@@ -11,9 +11,10 @@ use stiffarm::estimate::simulated::{ErrorRequest, Request};
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// Cell file; its prior stiffness is the truth of the simulation
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Posture files, one group each
-    #[arg(required = true, value_name = "POSTURES.csv")]
+    #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "POSTURES.csv")]
     pub postures: Vec<String>,
     /// Runs per group and noise level [default: 200; 100 where the arm gives way beyond its axes]
     #[arg(long, value_parser = count())]

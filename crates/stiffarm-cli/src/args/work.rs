@@ -2,7 +2,7 @@
 
 use super::PageArgs;
 use super::values::{number, triple};
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 use stiffarm::model::process::ForceAxes;
 use stiffarm::work::region::{Plane, RegionRequest, Steps};
@@ -10,9 +10,10 @@ use stiffarm::work::region::{Plane, RegionRequest, Steps};
 #[derive(Debug, Args)]
 pub struct MapArgs {
     /// Cell file
+    #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's own
-    #[arg(value_name = "STIFFNESS.json")]
+    #[arg(value_hint = ValueHint::FilePath, value_name = "STIFFNESS.json")]
     pub stiffness: String,
     /// Where to map.
     #[command(flatten)]
@@ -98,7 +99,7 @@ pub struct ToolArgs {
 pub struct PlaceArgs {
     /// Instead of a map: the place of the workpiece in the region where this path bends the arm
     /// least [region by default: the plane through the given place]
-    #[arg(long, value_name = "PATH.csv")]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "PATH.csv")]
     pub place: Option<String>,
     /// Axes of the path's forces, where its rows do not say
     #[arg(long, value_name = "AXES", requires = "place")]

@@ -4,6 +4,7 @@ pub mod capsules;
 pub mod check;
 pub mod compensate;
 pub mod completions;
+pub mod coverage;
 pub mod docs;
 mod earlier;
 pub mod evaluate;

@@ -1,6 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{capsules, check, export, measure, route, study, zones};
+use super::{capsules, check, coverage, export, measure, route, study, zones};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::Exit;
 use crate::session::Session;
@@ -9,6 +9,7 @@ use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use stiffarm::Result;
 use stiffarm::estimate::clamped::{self, ClampedIdentification};
+use stiffarm::estimate::coverage::Coverage;
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
 use stiffarm::estimate::{identified, simulated, validated};
 use stiffarm::files::cell::cell_schema;
@@ -46,6 +47,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultSimulateElastic => {
             of::<simulated::ElasticOptions, ElasticSimulation>("simulate --elastic")
         }
+        SchemaChoice::ResultCoverage => of::<coverage::Options, Coverage>("coverage"),
         SchemaChoice::ResultRegister => of::<registered::Options, RegistrationRecord>("register"),
         SchemaChoice::ResultIdentify => {
             of::<identified::Options, identified::Identified>("identify")

@@ -10,10 +10,10 @@ The steps, from a cell to a deflection::
     found = stiffarm.identify(cell, "readings.csv")    # the stiffness, and how sure it is
     bend = stiffarm.predict(cell, found, "path.csv")   # how far the arm bends at work
 
-Arrays of angles are in radians unless ``degrees=True``; other numbers have their unit in their name. Every result is
-what the command ``stiffarm`` prints with ``--json``, to the last bit: keys as attributes, ``to_dict()``,
-``to_frame()``, ``save()``; ``call`` and ``options`` say how it was made. Whatever is wrong raises
-:class:`StiffarmError` with a code, a place and a hint.
+Every command of ``stiffarm`` is a function with the same options (:mod:`stiffarm.commands`). Arrays of angles are in
+radians unless ``degrees=True``; other numbers have their unit in their name. Every result is what the command prints with
+``--json``, to the last bit: ``print(result)`` says it in words, keys are attributes, ``to_dict()``, ``to_frame()``,
+``save()`` and ``report()`` hand it on. Whatever is wrong raises :class:`StiffarmError` with a code, a place and a hint.
 """
 
 from . import plot
@@ -21,32 +21,35 @@ from ._errors import StiffarmError, StiffarmWarning
 from ._result import Record, Result
 from ._stiffarm import __version__, set_threads
 from ._table import Table
+from .arrays import certificate, index_names, indices, observation_matrix, simulate_measurements
 from .cell import Cell, cases, measured, rope, tool, weight, wrench
-from .measure import (
+from .commands import (
+    capsules,
+    check,
+    compensate,
     coverage,
-    diagnose,
+    evaluate,
+    export,
     identify,
+    init,
+    map,
+    measure,
+    pose,
+    predict,
     register,
+    report,
+    robots,
+    route,
+    schema,
+    select,
     simulate,
-    simulate_measurements,
+    study,
     validate,
+    zones,
 )
 from .objective import Objective
-from .plan import (
-    certificate,
-    check,
-    curve,
-    drop,
-    evaluate,
-    index_names,
-    indices,
-    observation_matrix,
-    select,
-    space_filling,
-)
 from .postures import Postures
-from .robot import Branch, Robot, robots
-from .work import compensate, map, place, predict
+from .robot import Branch, Robot
 
 __all__ = [
     "Branch",
@@ -60,34 +63,39 @@ __all__ = [
     "StiffarmWarning",
     "Table",
     "__version__",
+    "capsules",
     "cases",
     "certificate",
     "check",
     "compensate",
     "coverage",
-    "curve",
-    "diagnose",
-    "drop",
     "evaluate",
+    "export",
     "identify",
     "index_names",
     "indices",
+    "init",
     "map",
+    "measure",
     "measured",
     "observation_matrix",
-    "place",
     "plot",
+    "pose",
     "predict",
     "register",
+    "report",
     "robots",
     "rope",
+    "route",
+    "schema",
     "select",
     "set_threads",
     "simulate",
     "simulate_measurements",
-    "space_filling",
+    "study",
     "tool",
     "validate",
     "weight",
     "wrench",
+    "zones",
 ]

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import functools
-import inspect
 import operator
 import os
-import re
-from collections.abc import Callable, Mapping
-from typing import Any, ParamSpec, TypeVar
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _calls
-from ._errors import StiffarmError, nearest
+from ._errors import StiffarmError
 from ._stiffarm import MOST_POSTURES
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 #: Largest whole number of an option, so that the library's own are wide enough for it.
 LARGEST = 2**53
@@ -156,70 +149,3 @@ def shown(value: Any) -> str:
     """A value in a message, in a few words."""
     found = repr(value).replace("\n", " ")
     return found if len(found) <= 40 else f"{type(value).__name__} {found[:30]}..."
-
-
-#: What is checked of a parameter, by its annotation; others are checked where they are used.
-_CHECKS: dict[str, Callable[[Any, str], Any]] = {
-    "Cell": cell,
-    "int": whole,
-    "float": number,
-    "bool": truth,
-    "str": text,
-    "Sequence[str]": texts,
-    "Sequence[float]": numbers,
-}
-
-
-def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """``function`` with its plain arguments checked by their annotations, and with the call in its result."""
-    from ._result import Result
-
-    signature = inspect.signature(function)
-    _calls.FUNCTIONS[function.__name__] = signature.parameters
-    checks: dict[str, tuple[Callable[[Any, str], Any], bool]] = {}
-    for name, parameter in signature.parameters.items():
-        plain, _, none = str(parameter.annotation).partition(" | None")
-        if plain in _CHECKS and not none:
-            checks[name] = _CHECKS[plain], str(parameter.annotation).endswith("| None")
-
-    @functools.wraps(function)
-    def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        try:
-            bound = signature.bind(*args, **kwargs)
-        except TypeError as error:
-            raise TypeError(_unbound(function.__name__, signature, kwargs, str(error))) from None
-        for name, value in bound.arguments.items():
-            if name in checks and not (value is None and checks[name][1]):
-                bound.arguments[name] = checks[name][0](value, name)
-        try:
-            found = function(*bound.args, **bound.kwargs)
-        except StiffarmError:
-            raise
-        except (TypeError, OverflowError) as error:
-            refused = _refused(error)
-            if refused is None:
-                raise
-            raise refused from None
-        if isinstance(found, Result):
-            found._made_by(_calls.text(function.__name__, signature.parameters, bound.arguments))
-        return found
-
-    return call
-
-
-def _unbound(name: str, signature: inspect.Signature, kwargs: Mapping[str, Any], reason: str) -> str:
-    """What is wrong with a call, as Python says it, with the name that was probably meant."""
-    unknown = next((key for key in kwargs if key not in signature.parameters), None)
-    if unknown is None:
-        return f"{name}() {'got ' if reason.startswith('too many') else ''}{reason}"
-    meant = nearest(unknown, signature.parameters)
-    return f"{name}() got an unexpected keyword argument {unknown!r}" + (f". {meant}" if meant else "")
-
-
-def _refused(error: Exception) -> StiffarmError | None:
-    """What the extension module says of an argument that it cannot take; it names the argument."""
-    found = re.match(r"(?:argument '(\w+)': |failed to extract field \w+\.(\w+))(.*)", str(error), re.DOTALL)
-    if not found:
-        return None
-    reason = str(error.__cause__ or found[3]).splitlines()[0]
-    return StiffarmError(f"This cannot be used: {reason}.", "wrong-type", {"key": found[1] or found[2]})

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _stiffarm
-from ._checks import path as checked_path
-from ._checks import shown
-from ._errors import StiffarmError
+from ._checks import shown, vector
+from ._errors import StiffarmError, StiffarmWarning
 from ._result import Result
 from ._table import Table, has_columns
 
@@ -31,9 +32,6 @@ PosturesLike: TypeAlias = Union[TableLike, "Postures", Result, ArrayLike]
 
 #: Called as ``progress(what, done, of)`` while long work runs; ``True`` shows a bar of tqdm where that is installed.
 Progress: TypeAlias = Union[Callable[[str, int, int], Any], bool, None]
-
-#: What the extension module takes: a file's name, a text in memory with its name, or angles with the postures' names.
-Given: TypeAlias = Union[str, tuple[str, bytes], tuple[list[str], Floats]]
 
 
 def angles(values: Any, degrees: bool, dimensions: int = 2, what: str = "Postures") -> Floats:
@@ -77,68 +75,59 @@ def is_table(value: object) -> bool:
     return isinstance(value, (str, os.PathLike)) or has_columns(value)
 
 
-def table(value: TableLike, role: str) -> str | tuple[str, bytes]:
-    """A table as the library reads it."""
+def contents(key: str, value: Any, degrees: bool, cell: Any) -> bytes:
+    """What is no file, as the bytes of one: a saved result, or a table."""
     from .postures import Postures
 
-    if isinstance(value, (str, os.PathLike)):
-        return checked_path(value, role)
-    if isinstance(value, (Postures, Result)):
-        return f"<{role}>", Postures.of(value).to_csv().encode()
-    return f"<{role}>", Table.of(value).to_csv().encode()
+    has_postures = isinstance(value, Result) and "postures_deg" in value.to_dict()
+    if isinstance(value, Result) and (key == "results" or not has_postures):
+        other = value.inputs.get("cell", "")
+        if key == "stiffness" and cell is not None and other not in ("", cell.inputs["cell"]):
+            message = "The stiffness was identified with another version of this cell."
+            warnings.warn(message, StiffarmWarning, stacklevel=7)
+        return value.to_json().encode()
+    if key == "stiffness":
+        return _stiffness(value)
+    if isinstance(value, (Postures, Result)) or not has_columns(value):
+        return Postures.of(value, degrees=degrees).to_csv().encode()
+    return Table.of(value).to_csv().encode()
 
 
-def tables(value: TableLike | list[TableLike], role: str) -> list[str | tuple[str, bytes]]:
-    """One table or several that are read as one."""
-    if not isinstance(value, (list, tuple)):
-        return [table(value, role)]
-    return [table(one, f"{role} {number}") for number, one in enumerate(value, 1)]
+def _stiffness(value: Any) -> bytes:
+    """A bare stiffness, alone or as its file has it."""
+    if not isinstance(value, Mapping):
+        value = {"stiffness_nm_per_rad": vector(value, "stiffness")}
+    own = {str(key): item.tolist() if isinstance(item, np.ndarray) else item for key, item in value.items()}
+    try:
+        return json.dumps(own).encode()
+    except (TypeError, ValueError) as error:
+        raise StiffarmError(f"The stiffness cannot be written as JSON: {error}.", "wrong-type") from None
 
 
-def result(value: Result | str | os.PathLike[str], role: str) -> str | tuple[str, bytes]:
-    """A saved result, or one in memory."""
-    if isinstance(value, Result):
-        return f"<{role}>", value.to_json().encode()
-    if isinstance(value, (str, os.PathLike)):
-        return checked_path(value, role)
-    raise StiffarmError(
-        f"The {role} must be a result or the name of a saved one, got {type(value).__name__}.",
-        "wrong-type",
-    )
-
-
-def postures(value: PosturesLike, role: str = "postures", *, degrees: bool = False) -> Given:
-    """Postures as the library reads them."""
+def named(path: str | os.PathLike[str], cell: Any) -> Postures:
+    """Postures of a file that is a group under another name than its own."""
     from .postures import Postures
 
-    if is_table(value) and not isinstance(value, (Postures, Result)):
-        return table(value, role)
-    own = Postures.of(value, degrees=degrees)
-    return own.names, own.angles
+    return Postures.read(path, cell)
 
 
-def groups(
-    value: PosturesLike | Mapping[str, PosturesLike] | Iterable[PosturesLike],
-    *,
-    degrees: bool = False,
-) -> list[tuple[str, Given]]:
-    """Groups of postures with their names: one, several, or several by name."""
+def groups(value: Any) -> list[tuple[str, Any]]:
+    """Groups of postures with their names: one, several, or several by name; a file without one has its own."""
     from .postures import Postures
 
     if isinstance(value, Mapping) and not isinstance(value, (Result, Table)) and not _is_columns(value):
-        return [(str(name), postures(one, str(name), degrees=degrees)) for name, one in value.items()]
+        return [(str(name), one) for name, one in value.items()]
     listed: Sequence[Any] = value if isinstance(value, (list, tuple)) else ()
     several = any(
         isinstance(one, (str, os.PathLike, Postures, Result)) or is_table(one) or depth(one) == 2
         for one in listed
     )
     members: list[Any] = [*listed] if several else [value]
-    out: list[tuple[str, Given]] = []
+    out: list[tuple[str, Any]] = []
     for number, one in enumerate(members, 1):
         own = one.name if isinstance(one, Postures) and one.name else ""
         fallback = f"group {number}" if len(members) > 1 else "postures"
-        is_file = isinstance(one, (str, os.PathLike))
-        out.append(("" if is_file else own or fallback, postures(one, own or fallback, degrees=degrees)))
+        out.append(("" if isinstance(one, (str, os.PathLike)) else own or fallback, one))
     return out
 
 
@@ -190,4 +179,4 @@ class Watching:
             self._bar.close()
 
 
-__all__ = ["Floats", "Given", "PosturesLike", "Progress", "TableLike", "_stiffarm"]
+__all__ = ["Floats", "PosturesLike", "Progress", "TableLike"]

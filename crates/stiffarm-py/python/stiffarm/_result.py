@@ -6,21 +6,22 @@ import copy
 import html
 import json
 import os
+import shlex
 import tempfile
-import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from . import _calls, _checks
-from ._errors import StiffarmError, StiffarmWarning
+from . import _checks, _stiffarm
+from ._errors import StiffarmError
 from ._table import Table
 
+if TYPE_CHECKING:
+    from .cell import Cell
+
 _R = TypeVar("_R", bound="Result")
-_Part = TypeVar("_Part", bound="Record")
 
 
 class Record(Mapping[str, Any]):
@@ -60,38 +61,6 @@ class Record(Mapping[str, Any]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._data,)
-
-    # What the properties of _typed.py are made of. A key that is not there is an AttributeError: then __getattr__ says
-    # which there are.
-
-    def _value(self, name: str) -> Any:
-        try:
-            return wrapped(self._data[name])
-        except KeyError:
-            raise AttributeError(name) from None
-
-    def _raw(self, name: str) -> Any:
-        try:
-            return self._data[name]
-        except KeyError:
-            raise AttributeError(name) from None
-
-    def _one(self, name: str, kind: type[_Part]) -> _Part:
-        return kind(self._raw(name))
-
-    def _maybe(self, name: str, kind: type[_Part]) -> _Part | None:
-        found = self._raw(name)
-        return None if found is None else kind(found)
-
-    def _many(self, name: str, kind: type[_Part]) -> list[_Part]:
-        return [kind(one) for one in self._raw(name)]
-
-    def _numbers(self, name: str) -> NDArray[Any]:
-        found = self._raw(name)
-        return np.zeros(0) if not found else np.asarray(wrapped(found))
-
-    def _maybe_numbers(self, name: str) -> NDArray[Any] | None:
-        return None if self._raw(name) is None else self._numbers(name)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries, lists and numbers: a copy of one's own."""
@@ -136,27 +105,20 @@ class Result(Record):
     of numbers are NumPy arrays (``null`` is NaN), objects are records of the same kind.
     """
 
-    __slots__ = ("_document", "_text", "interrupted")
+    __slots__ = ("_cell", "_document", "_text", "interrupted")
 
     #: Keys that lead to the rows of :meth:`to_frame`.
     _rows: ClassVar[tuple[str, ...]] = ()
-    _command: ClassVar[str] = ""
 
     #: True where Ctrl-C stopped the work and this is the best so far.
     interrupted: bool
 
-    def __init__(self, text: str, interrupted: bool = False) -> None:
+    def __init__(self, text: str, interrupted: bool = False, cell: Cell | None = None) -> None:
         self._text = text
+        self._cell = cell
         self._document: dict[str, Any] = json.loads(text)
         self.interrupted = interrupted
         super().__init__(self._document["result"])
-
-    @classmethod
-    def _of(cls: type[_R], found: tuple[str, bool]) -> _R:
-        text, interrupted = found
-        if interrupted:
-            warnings.warn("Stopped by Ctrl-C: this is the best so far.", StiffarmWarning, stacklevel=4)
-        return cls(text, interrupted)
 
     @property
     def command(self) -> str:
@@ -170,25 +132,14 @@ class Result(Record):
         return None if seed is None else int(seed)
 
     @property
-    def call(self) -> str:
-        """The call that gives the same, inputs by the names of their parameters; empty where the command made it."""
-        words: list[str] = self._document["arguments"]
-        return words[0] if len(words) == 1 and words[0].startswith("stiffarm.") else ""
-
-    def _made_by(self, call: str) -> None:
-        self._document["arguments"] = [call]
-        before, _, after = self._text.partition('\n  "arguments": []')
-        self._text = f'{before}\n  "arguments": [{json.dumps(call, ensure_ascii=False)}]{after}'
+    def options(self) -> Record:
+        """Options of the command, defaults included, as its JSON has them."""
+        return Record(self._document["options"])
 
     @property
-    def options(self) -> Record:
-        """Options of the function that made it, defaults included: given to it again, they give the same result.
-
-        ``stiffarm.identify(cell, readings, **found.options)``. What was chosen where an option is ``None`` stands in
-        :meth:`to_json`, and so do the options of a result that the command made, which are those here.
-        """
-        options = _calls.options(self.call)
-        return Record(self._document["options"] if options is None else options)
+    def command_line(self) -> str:
+        """The command that gives the same; inputs are written as ``{role}``."""
+        return shlex.join(["stiffarm", *self._document["arguments"]])
 
     @property
     def inputs(self) -> dict[str, str]:
@@ -226,24 +177,37 @@ class Result(Record):
         Raises:
             StiffarmError: It cannot be read, or is the result of another function.
         """
+        from .results import result_of
+
         file = _checks.path(path)
         try:
-            found = cls(Path(file).read_text(encoding="utf-8"))
+            text = Path(file).read_text(encoding="utf-8")
+            found = result_of(text, json.loads(text))
         except OSError as error:
-            raise StiffarmError(
-                f"The file cannot be read: {error.strerror}.", "file-read", {"file": file}
-            ) from None
+            raise StiffarmError(f"The file cannot be read: {error.strerror}.", "file-read", {"file": file}) from None
         except (ValueError, KeyError, TypeError):
-            raise StiffarmError(
-                "This is not a saved result.", "result-file", {"file": file}
-            ) from None
-        if cls._command and found.command != cls._command:
-            raise StiffarmError(
-                f"This is the result of {found.command}, not of {cls._command}.",
-                "result-file",
-                {"file": file},
-            )
+            raise StiffarmError("This is not a saved result.", "result-file", {"file": file}) from None
+        if not isinstance(found, cls):
+            message = f"This is the result of {found.command}, a {type(found).__name__}, not a {cls.__name__}."
+            raise StiffarmError(message, "result-file", {"file": file})
         return found
+
+    def told(self, *, details: bool = False) -> str:
+        """What the result says, in the words of the command; ``print(result)`` shows the same without details.
+
+        Raises:
+            StiffarmError: A result of a command that prints no more than its values.
+        """
+        return _stiffarm.told(self._text, self._cell and self._cell._native, details)
+
+    def report(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Writes the result as one offline page, with the cell in 3D where the result was made in this process.
+
+        Raises:
+            StiffarmError: A result that has no page, a file that exists or cannot be written.
+        """
+        page = _stiffarm.page(self._text, self._cell and self._cell._native)
+        return write_text(path, page, overwrite=overwrite)
 
     def table(self) -> Table:
         """The main table of the result, a row each; see :meth:`to_frame`."""
@@ -257,6 +221,12 @@ class Result(Record):
     def to_frame(self, library: str | None = None) -> Any:
         """The main table as a frame of ``"pandas"`` or ``"polars"``; vectors become a column per component."""
         return self.table().to_frame(library)
+
+    def __str__(self) -> str:
+        try:
+            return self.told().rstrip("\n")
+        except StiffarmError:
+            return repr(self)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self._headline()}{self._weight()}>"
@@ -282,7 +252,7 @@ class Result(Record):
             return out
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._text, self.interrupted)
+        return type(self), (self._text, self.interrupted, self._cell)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Result) and self._text == other._text

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from . import _typed
+from . import _keys
 from ._errors import StiffarmError
 from ._result import Record, Result
 from ._table import Table
@@ -17,6 +17,7 @@ from ._table import Table
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from .cell import Cell
     from .postures import Postures
 
 
@@ -35,11 +36,10 @@ class _WithPostures(Result):
         return self.postures.table()
 
 
-class Checked(Result, _typed.CheckedKeys):
+class Checked(Result, _keys.CheckedKeys):
     """What to know about a cell before anybody measures: :func:`stiffarm.check`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "check"
     _rows: ClassVar[tuple[str, ...]] = ("findings",)
 
     def _headline(self) -> str:
@@ -47,11 +47,10 @@ class Checked(Result, _typed.CheckedKeys):
         return f"{len(self._data['findings'])} findings; {within} of {sampled} random postures are within the limits"
 
 
-class Plan(_WithPostures, _typed.PlanKeys):
+class Plan(_WithPostures, _keys.PlanKeys):
     """Postures to measure, and what they are worth: :func:`stiffarm.select`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "select"
 
     def _headline(self) -> str:
         index, value = self._data["index"], self._data["value"]
@@ -62,31 +61,28 @@ class Plan(_WithPostures, _typed.PlanKeys):
         return out
 
 
-class Chosen(_WithPostures, _typed.ChosenKeys):
+class Chosen(_WithPostures, _keys.ChosenKeys):
     """The best postures of a list: :func:`stiffarm.select` with ``candidates``."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "select"
 
     def _headline(self) -> str:
         return f"{', '.join(self._data['posture_names'])}: {self._data['index']} = {self._data['value']:.4g}"
 
 
-class SpaceFilling(_WithPostures, _typed.SpaceFillingKeys):
-    """Postures that cover the joint space evenly: :func:`stiffarm.space_filling`."""
+class SpaceFilling(_WithPostures, _keys.SpaceFillingKeys):
+    """Postures that cover the joint space evenly: :func:`stiffarm.select` with ``space_filling``."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "select"
 
     def _headline(self) -> str:
         return f"{len(self._data['postures_deg'])} postures"
 
 
-class Dropped(_WithPostures, _typed.DroppedKeys):
-    """What each given posture is worth, and which ones stay: :func:`stiffarm.drop`."""
+class Dropped(_WithPostures, _keys.DroppedKeys):
+    """What each given posture is worth, and which ones stay: :func:`stiffarm.select` with ``drop``."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "select"
 
     def _headline(self) -> str:
         names = self._data["posture_names"]
@@ -98,31 +94,17 @@ class Dropped(_WithPostures, _typed.DroppedKeys):
         return self.postures[list(self._data["kept"])]
 
 
-class Curve(Result, _typed.CurveKeys):
-    """The best value for each number of postures: :func:`stiffarm.curve`."""
+class Curve(Result, _keys.CurveKeys):
+    """The best value for each number of postures: :func:`stiffarm.select` with ``curve``."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "select"
     _rows: ClassVar[tuple[str, ...]] = ("sizes",)
 
 
-class Certificate(Result):
-    """How good any plan of as many postures could be: :func:`stiffarm.certificate`."""
-
-    __slots__ = ()
-    _command: ClassVar[str] = "certificate"
-
-    def _headline(self) -> str:
-        efficiency = self._data.get("efficiency")
-        share = "" if efficiency is None else f", this plan is {100 * efficiency:.1f} % efficient"
-        return f"{self._data['index']} not below {self._data['bound']:.4g}{share}"
-
-
-class Evaluated(Result, _typed.EvaluatedKeys):
+class Evaluated(Result, _keys.EvaluatedKeys):
     """Every index of groups of postures: :func:`stiffarm.evaluate`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "evaluate"
 
     def _headline(self) -> str:
         return ", ".join(group["name"] for group in self._data["groups"])
@@ -139,11 +121,10 @@ class Evaluated(Result, _typed.EvaluatedKeys):
         return Table(columns)
 
 
-class Simulation(Result, _typed.SimulationKeys):
+class Simulation(Result, _keys.SimulationKeys):
     """Monte Carlo of identifications with tracker noise: :func:`stiffarm.simulate`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "simulate"
 
     def _headline(self) -> str:
         groups = ", ".join(group["name"] for group in self._data["groups"])
@@ -175,19 +156,17 @@ class Simulation(Result, _typed.SimulationKeys):
         return _table_of(rows)
 
 
-class Coverage(Result):
+class Coverage(Result, _keys.CoverageKeys):
     """How often intervals held the truth in simulation: :func:`stiffarm.coverage`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "coverage"
     _rows: ClassVar[tuple[str, ...]] = ("joints",)
 
 
-class Identified(Result, _typed.IdentifiedKeys):
+class Identified(Result, _keys.IdentifiedKeys):
     """Joint stiffness and how far to trust it: :func:`stiffarm.identify`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "identify"
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
@@ -239,11 +218,10 @@ class Identified(Result, _typed.IdentifiedKeys):
         return f"k = {shown} N·m/rad"
 
 
-class Validated(Result, _typed.ValidatedKeys):
+class Validated(Result, _keys.ValidatedKeys):
     """Calculated against measured displacements: :func:`stiffarm.validate`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "validate"
     _rows: ClassVar[tuple[str, ...]] = ("points",)
 
     def _headline(self) -> str:
@@ -256,32 +234,29 @@ class Validated(Result, _typed.ValidatedKeys):
         return [Record(f) for f in own]
 
 
-class Registered(Result, _typed.RegisteredKeys):
+class Registered(Result, _keys.RegisteredKeys):
     """The transform from tracker to base axes: :func:`stiffarm.register`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "register"
 
     def _headline(self) -> str:
         return f"{len(self._data['pairs'])} pairs, residual RMS {1e3 * self._data['rms_m']:.3g} mm"
 
 
-class Predicted(Result, _typed.PredictedKeys):
+class Predicted(Result, _keys.PredictedKeys):
     """How far the loaded tool bends away along a path: :func:`stiffarm.predict`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "predict"
     _rows: ClassVar[tuple[str, ...]] = ("points",)
 
     def _headline(self) -> str:
         return f"{len(self._data['points'])} points, deflection at most {1e3 * self._data['deflection_max_m']:.4g} mm"
 
 
-class Compensated(Result, _typed.CompensatedKeys):
+class Compensated(Result, _keys.CompensatedKeys):
     """The commands that make up for the deflection: :func:`stiffarm.compensate`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "compensate"
     _rows: ClassVar[tuple[str, ...]] = ("points",)
 
     def _headline(self) -> str:
@@ -289,11 +264,10 @@ class Compensated(Result, _typed.CompensatedKeys):
         return f"{len(self._data['points'])} points, at most {1e3 * before:.4g} mm without, {1e3 * left:.2g} mm left by the model"
 
 
-class StiffnessMap(Result, _typed.StiffnessMapKeys):
+class StiffnessMap(Result, _keys.StiffnessMapKeys):
     """Stiffness over a region of the workspace: :func:`stiffarm.map`."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "map"
     _rows: ClassVar[tuple[str, ...]] = ("nodes",)
 
     def _headline(self) -> str:
@@ -301,11 +275,10 @@ class StiffnessMap(Result, _typed.StiffnessMapKeys):
         return f"{counts['reachable']} of {len(self._data['nodes'])} nodes are reachable"
 
 
-class Placement(Result, _typed.PlacementKeys):
-    """The best place of a workpiece: :func:`stiffarm.place`."""
+class Placement(Result, _keys.PlacementKeys):
+    """The best place of a workpiece: :func:`stiffarm.map` with ``place``."""
 
     __slots__ = ()
-    _command: ClassVar[str] = "map"
     _rows: ClassVar[tuple[str, ...]] = ("candidates",)
 
     def _headline(self) -> str:
@@ -313,8 +286,39 @@ class Placement(Result, _typed.PlacementKeys):
         return "no better place" if gain is None else f"the best place bends {gain:.3g} times less"
 
 
+_CLASSES: dict[str, type[Result]] = {
+    "check": Checked,
+    "compensate": Compensated,
+    "coverage": Coverage,
+    "evaluate": Evaluated,
+    "identify": Identified,
+    "map": StiffnessMap,
+    "predict": Predicted,
+    "register": Registered,
+    "select": Plan,
+    "simulate": Simulation,
+    "validate": Validated,
+}
+#: Commands that answer several questions, by the mode of their options.
+_MODES: dict[str, type[Result]] = {
+    "candidates": Chosen,
+    "curve": Curve,
+    "drop": Dropped,
+    "space_filling": SpaceFilling,
+}
+
+
+def result_of(text: str, document: dict[str, Any], interrupted: bool = False, cell: Cell | None = None) -> Result:
+    """The result of a command as its class."""
+    kind = _CLASSES.get(document["command"], Result)
+    if kind is Plan:
+        kind = _MODES.get(document["options"]["mode"], Plan)
+    elif kind is StiffnessMap and "candidates" in document["result"]:
+        kind = Placement
+    return kind(text, interrupted, cell)
+
+
 __all__ = [
-    "Certificate",
     "Checked",
     "Chosen",
     "Compensated",

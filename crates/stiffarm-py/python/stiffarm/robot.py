@@ -13,13 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _checks, _inputs, _stiffarm
 from ._errors import StiffarmError
-from ._table import Table
-
-
-def robots() -> Table:
-    """The robots of the catalogue: ``key``, which :meth:`Robot.catalogue` takes, ``name``, ``reach_m``, ``payload_kg``."""
-    rows = _stiffarm.robots()
-    return Table(dict(zip(("key", "name", "reach_m", "payload_kg"), zip(*rows, strict=True), strict=True)))
 
 
 class Branch(NamedTuple):

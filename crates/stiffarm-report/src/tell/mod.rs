@@ -9,6 +9,7 @@ mod arrows;
 mod at_work;
 mod compensate;
 mod context;
+mod coverage;
 mod evaluate;
 mod identify;
 mod map;
@@ -58,8 +59,9 @@ pub struct Given<'a> {
 }
 
 /// Commands whose results are told.
-pub const COMMANDS: [&str; 11] = [
+pub const COMMANDS: [&str; 12] = [
     "compensate",
+    "coverage",
     "evaluate",
     "identify",
     "map",
@@ -96,6 +98,7 @@ pub struct Told {
 pub fn tell(given: &Given<'_>) -> Result<Told> {
     match given.saved.command.as_str() {
         "compensate" => compensate::told(given),
+        "coverage" => coverage::told(given),
         "evaluate" => evaluate::told(given),
         "identify" => identify::told(given),
         "map" => map::told(given),

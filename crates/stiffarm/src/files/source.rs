@@ -243,7 +243,7 @@ fn borrowed(files: &[(String, Vec<u8>)]) -> Vec<(&[u8], &str)> {
 }
 
 /// Where a file lies that the cell `cell` names.
-fn beside(cell: &str, file: &str) -> String {
+pub fn beside(cell: &str, file: &str) -> String {
     if cell.starts_with(builtin::PREFIX) || file.starts_with(builtin::PREFIX) {
         let name = file.strip_prefix(builtin::PREFIX).unwrap_or(file);
         return format!("{}{name}", builtin::PREFIX);

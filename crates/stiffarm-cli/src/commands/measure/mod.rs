@@ -6,7 +6,6 @@ mod words;
 
 use crate::args::{Goal, MeasureArgs};
 use crate::input::Line;
-use crate::interrupt;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -57,7 +56,7 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     session.show(&envelope, || {
         named.line() + &words::whole(&named.cell, &plan, &found, args.until)
     })?;
-    Ok(match interrupt::stopped() {
+    Ok(match session.stopped() {
         true => Exit::Interrupted,
         false => Exit::finding(is_serious(&found) || is_missed(&found)),
     })

@@ -39,7 +39,7 @@ pub(super) fn watch(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     ))?;
     let mut day = Day::default();
     loop {
-        if interrupt::stopped() {
+        if session.stopped() {
             return Ok(Exit::Interrupted);
         }
         let stamp = stamp(&args.readings);
@@ -50,7 +50,7 @@ pub(super) fn watch(session: &Session, args: &MeasureArgs) -> Result<Exit> {
             }
         }
         let mut slept = Duration::ZERO;
-        while slept < args.every && !interrupt::stopped() {
+        while slept < args.every && !session.stopped() {
             let nap = NAP.min(args.every - slept);
             std::thread::sleep(nap);
             slept += nap;

@@ -2,7 +2,6 @@
 
 use super::certificate::efficient;
 use super::job::{Job, number, to_usize, with_unit};
-use crate::interrupt;
 use crate::numbers::{optional_percent, percent};
 use crate::progress::Progress;
 use crate::table::{Table, title};
@@ -91,7 +90,7 @@ fn table(job: &Job<'_>, curve: &Curve, largest: usize) -> String {
     if curve.sizes.iter().any(|s| s.point.value.is_none()) {
         out += "-: so few postures cannot determine every joint\n";
     }
-    if interrupt::stopped() {
+    if job.session.stopped() {
         let last = curve.sizes.last().map_or(0, |s| s.point.postures);
         if last < largest {
             out += &format!(

@@ -15,7 +15,6 @@ mod table;
 
 use super::with_length;
 use crate::args::SelectArgs;
-use crate::interrupt;
 use crate::output::Exit;
 use crate::session::Session;
 use job::{Job, Outputs};
@@ -50,7 +49,7 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
     } else {
         blocked = plan::run(&job)?;
     }
-    Ok(if interrupt::stopped() {
+    Ok(if session.stopped() {
         Exit::Interrupted
     } else {
         Exit::finding(blocked)

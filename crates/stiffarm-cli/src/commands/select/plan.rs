@@ -45,6 +45,7 @@ fn request(job: &Job<'_>) -> Result<PlanRequest> {
     request.seed = args.budget.seed.unwrap_or(request.seed);
     request.angle_step_deg = job.angle_step();
     request.load = load::design(&args.load);
+    request.accept = session.host.accept.clone();
     request.certificate = !args.no_certificate;
     request.sensitivity = args.sensitivity;
     request.prices = args.prices;

@@ -7,7 +7,6 @@ use crate::args::SimulateArgs;
 use crate::error::of_usage;
 use crate::files::{Target, check_targets, write_all};
 use crate::input::Line;
-use crate::interrupt;
 use crate::numbers::{percent, percent_with_error};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -93,7 +92,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     } else {
         session.show(&envelope, table)?;
     }
-    Ok(match result.interrupted || interrupt::stopped() {
+    Ok(match result.interrupted || session.stopped() {
         true => Exit::Interrupted,
         false => Exit::Done,
     })

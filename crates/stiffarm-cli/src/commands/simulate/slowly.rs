@@ -44,8 +44,8 @@ pub(super) fn write_slowly(
             if let Target::File { force, .. } = &mut target {
                 *force = true;
             }
-            wait(pause);
-            if interrupt::stopped() {
+            wait(session, pause);
+            if session.stopped() {
                 return Ok(());
             }
             last = Some(state);
@@ -55,9 +55,9 @@ pub(super) fn write_slowly(
     write_all(session, &[(target, so_far)])
 }
 
-fn wait(pause: Duration) {
+fn wait(session: &Session, pause: Duration) {
     let mut slept = Duration::ZERO;
-    while slept < pause && !interrupt::stopped() {
+    while slept < pause && !session.stopped() {
         let nap = NAP.min(pause - slept);
         std::thread::sleep(nap);
         slept += nap;

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .. import measure, plan
+from .. import commands
 from .._checks import number, texts, truth, whole
 from .errors import CampaignError
 from .item_cell import Values, cell_of, file_of
@@ -28,12 +28,14 @@ _INDEX_UNITS = {"task": "index_task_m", "prediction": "index_prediction_m"}
 
 
 def _selection(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> Any:
-    return plan.select(
+    own = dict(options)
+    return commands.select(
         cell_of(values, shared, scattered=True),
         postures=values.get("postures", 6),
         index=values.get("index", "expected_error"),
         seed=values.get("seed", 1),
-        **options,
+        no_certificate=not own.pop("certificate", False),
+        **own,
     )
 
 
@@ -43,11 +45,11 @@ def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
     With ``prior_scatter`` the choice is made with the scattered prior, and all indices but ``index_value`` are those of
     the chosen group under the cell's own stiffness.
     """
-    result = _selection(values, {"certificate": False, **options}, shared)
+    result = _selection(values, options, shared)
     data = result.to_dict()
     evaluation = data["evaluation"]
     if float(values.get("prior_scatter", 0.0)) > 0.0:
-        evaluated = plan.evaluate(cell_of(values, shared), data["postures_deg"], degrees=True)
+        evaluated = commands.evaluate(cell_of(values, shared), data["postures_deg"], degrees=True)
         evaluation = evaluated.to_dict()["groups"][0]
     figures: dict[str, Any] = {"index_value": data["value"]}
     figures |= {
@@ -69,13 +71,13 @@ def _group(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
     """Postures of an item: those of the option's file, or chosen."""
     if "postures_file" in options:
         return file_of(options["postures_file"], shared)
-    return _selection(values, {"certificate": False, **options.get("select", {})}, shared)
+    return _selection(values, options.get("select", {}), shared)
 
 
 def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
     """Deviations of the stiffness over simulated identifications, relative to the truth."""
     own = {k: v for k, v in options.items() if k not in ("select", "postures_file")}
-    result = measure.simulate(
+    result = commands.simulate(
         cell_of(values, shared), _group(values, options, shared), levels=[1.0], seed=values.get("seed", 1), **own
     )
     group = result.to_dict()["groups"][0]
@@ -96,7 +98,7 @@ def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
 def coverage(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
     """How often the intervals of simulated identifications held the truth."""
     own = {k: v for k, v in options.items() if k not in ("select", "postures_file")}
-    result = measure.coverage(
+    result = commands.coverage(
         cell_of(values, shared), _group(values, options, shared), seed=values.get("seed", 1), **own
     )
     data = result.to_dict()
@@ -112,7 +114,7 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
     """Joint stiffness with its intervals from a file of measurements."""
     name = str(values.get("measurements", options.get("measurements")))
     own = {k: v for k, v in options.items() if k != "measurements"}
-    result = measure.identify(
+    result = commands.identify(
         cell_of(values, shared, scattered=True),
         file_of(name, shared),
         seed=values.get("seed", 1),

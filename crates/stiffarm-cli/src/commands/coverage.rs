@@ -1,0 +1,57 @@
+//! `stiffarm coverage`: how often the intervals of `identify` hold the truth, counted in simulated experiments.
+
+use crate::args::CoverageArgs;
+use crate::output::Exit;
+use crate::progress::Progress;
+use crate::session::Session;
+use schemars::JsonSchema;
+use serde::Serialize;
+use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
+use stiffarm::files::source::Source;
+use stiffarm::{Code, Error, Result};
+
+/// What was counted.
+#[derive(Serialize, JsonSchema)]
+pub struct Options {
+    /// Simulated experiments.
+    pub runs: u64,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+    /// Estimator.
+    pub estimator: &'static str,
+    /// Resamples of each experiment, where the intervals are those of a bootstrap.
+    pub bootstrap: Option<u64>,
+}
+
+/// Counts.
+pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
+    if args.fit.elastic.is_some() {
+        let message = "Coverage is counted for springs at the joint axes.";
+        let error = Error::new(Code::Usage, message).key("--elastic");
+        return Err(error.hint("`simulate --elastic` counts what the mixed model holds"));
+    }
+    let named = session.read_cell(&args.cell)?;
+    let robot = &named.cell.setup.robot;
+    let postures = session.read_postures("postures", &args.postures, robot)?;
+    let options = args.fit.options(robot)?;
+    let described = Options {
+        runs: args.runs,
+        confidence: options.confidence,
+        estimator: options.estimator.as_str(),
+        bootstrap: args.bootstrap,
+    };
+    let to_usize = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
+    let case = CoverageCase {
+        experiments: to_usize(args.runs),
+        seed: args.seed,
+        resamples: args.bootstrap.map(to_usize),
+        options,
+        world: ErrorModel::default(),
+    };
+    let progress = Progress::new(session, "counting");
+    let found = progress.watch(|control| coverage(&named.cell, &postures, &case, control))?;
+    drop(progress);
+    let envelope = session.envelope("coverage", Some(args.seed), described, &found);
+    session.deliver_told(None, &envelope, &named, false)?;
+    Ok(Exit::Done)
+}

@@ -1,0 +1,78 @@
+//! The command in this process: words and inputs in, what it prints out.
+
+use crate::cell::PyCell;
+use crate::error::Raised;
+use crate::long::watched;
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use stiffarm::files::envelope::to_json;
+use stiffarm::files::source::beside;
+use stiffarm_cli::{Host, described, run_captured};
+
+/// An input that is no file.
+#[derive(FromPyObject)]
+pub enum Given<'py> {
+    /// A cell with its meshes.
+    Cell(PyRef<'py, PyCell>),
+    /// The bytes of a table or of a saved result.
+    Bytes(Vec<u8>),
+}
+
+/// Runs a command line, the program's name first: its exit code, what it prints on standard output and on standard
+/// error, and whether Ctrl-C stopped it. `inputs` are read before files of their names.
+#[pyfunction]
+#[pyo3(signature = (words, inputs, accept, progress))]
+pub fn run(
+    py: Python<'_>,
+    words: Vec<OsString>,
+    inputs: BTreeMap<String, Given<'_>>,
+    accept: Option<Py<PyAny>>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(u8, String, String, bool)> {
+    let mut memory = BTreeMap::new();
+    for (name, given) in inputs {
+        match given {
+            Given::Cell(cell) => {
+                let meshes = cell.files.iter();
+                memory.extend(meshes.map(|(file, bytes)| (beside(&name, file), bytes.clone())));
+                memory.insert(name, cell.text.clone());
+            }
+            Given::Bytes(bytes) => {
+                memory.insert(name, bytes);
+            }
+        }
+    }
+    let (captured, interrupted) = watched(py, progress, |watched| {
+        let host = Host {
+            inputs: memory,
+            watch: Some(watched.shared()),
+            accept: accept.map(|function| watched.accept(function)),
+        };
+        Ok(run_captured(&words, host))
+    })?;
+    Ok((captured.code, captured.out, captured.err, interrupted))
+}
+
+/// What the commands take, as JSON.
+#[pyfunction]
+pub fn commands(py: Python<'_>) -> PyResult<String> {
+    to_json(&described()).raised(py)
+}
+
+/// What a result says, in words.
+#[pyfunction]
+#[pyo3(signature = (json, cell, details))]
+pub fn told(py: Python<'_>, json: &str, cell: Option<&PyCell>, details: bool) -> PyResult<String> {
+    let cell = cell.map(|cell| &cell.cell);
+    py.detach(|| stiffarm_cli::told(json, cell, details))
+        .raised(py)
+}
+
+/// The page of a result.
+#[pyfunction]
+#[pyo3(signature = (json, cell))]
+pub fn page(py: Python<'_>, json: &str, cell: Option<&PyCell>) -> PyResult<String> {
+    let cell = cell.map(|cell| &cell.cell);
+    py.detach(|| stiffarm_cli::page(json, cell)).raised(py)
+}
