@@ -211,13 +211,16 @@ def functions() -> str:
         found = [one for one, schemas in RESULTS.items() if any(s == name or s.startswith(f"{name}-") for s in schemas)]
         returned = "dict[str, Any]" if name == "schema" else " | ".join(found) or "Result"
         places = [one for one in spec["arguments"] if one["option"] is None]
-        options = [one for one in spec["arguments"] if one["option"] is not None]
+        places += [one for one in spec["arguments"] if one["short"]]
+        options = [one for one in spec["arguments"] if one not in places]
         words: list[str] = []
         for one in places:
             open_ = bool(words and words[-1].endswith("= ..."))
             words.append(parameter(one, open_ or not one["required"]))
         words += ["*", *[parameter(one, True) for one in options]]
-        words += ["degrees: bool = ...", "accept: Callable[[Any], Any] | None = ..."] if name == "select" else ["degrees: bool = ..."]
+        tables = [one for one in spec["arguments"] if one["kind"] == "input" and one["name"] not in ("cell", "stiffness")]
+        words += ["degrees: bool = ..."] * bool(tables)
+        words += ["accept: Callable[[Any], Any] | None = ..."] * (name == "select")
         words += ["progress: Progress = ..."]
         out += ["", f"def {name}(", *[f"    {word}," for word in words], f") -> {returned}:"]
         out += [*quoted(f"{spec['about']}.", 4)]

@@ -1,13 +1,15 @@
 """Puts a wheel together from the checkout and the extension module that cargo has built with everything else.
 
-    python wheel.py PACKAGE MODULE OUT
+    python wheel.py PACKAGE MODULE COMMAND OUT
 
-maturin writes what a wheel says of itself; building by maturin would compile the library a second time, because of
+The types of what the package makes when it runs are written of what COMMAND says (``generate.py``). maturin writes what a
+wheel says of itself; building by maturin would compile the library a second time, because of
 other features of its dependencies. The workflow builds and tries what is published.
 """
 
 import base64
 import hashlib
+import os
 import pathlib
 import subprocess
 import sys
@@ -15,13 +17,18 @@ import zipfile
 
 
 def main():
-    package, module, out = map(pathlib.Path, sys.argv[1:])
+    package, module, command, out = map(pathlib.Path, sys.argv[1:])
+    types = out / "types"
+    types.mkdir()
+    environment = {**os.environ, "STIFFARM_COMMAND": str(command)}
+    subprocess.run([sys.executable, package / "generate.py", types], env=environment, check=True)
     maturin = [sys.executable, "-m", "maturin", "pep517", "write-dist-info", "--interpreter", sys.executable]
     subprocess.run([*maturin, "--metadata-directory", out], cwd=package, check=True, stdout=subprocess.DEVNULL)
     (info,) = out.glob("*.dist-info")
     source = package / "python"
     files = {path.relative_to(source): path for path in source.rglob("*") if path.suffix in (".py", ".pyi", ".typed")}
     files |= {path.relative_to(out): path for path in info.rglob("*") if path.is_file()}
+    files |= {pathlib.Path("stiffarm", path.name): path for path in types.iterdir()}
     ending = "pyd" if module.suffix == ".dll" else "abi3.so"
     files[pathlib.Path(f"stiffarm/_stiffarm.{ending}")] = module
     name, version = info.name.removesuffix(".dist-info").split("-")

@@ -33,7 +33,7 @@ pub enum Command {
     Pages(PagesOptions),
     /// The Python package, a part of test, alone: one wheel, built and installed into target/python.
     Python(PythonOptions),
-    /// Write the generated files: docs/errors.md, docs/commands.md, docs/cell.schema.json, cells/, the licences of the
+    /// Write the generated files: docs/errors.md, docs/cell.schema.json, cells/, the licences of the
     /// Python package.
     Generate {
         /// Write nothing and fail when one of them is out of date.

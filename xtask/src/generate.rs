@@ -8,9 +8,8 @@ use crate::run::{Failure, Workspace};
 use crate::tools;
 
 /// Files that the `stiffarm` command prints, and with which arguments. Paths begin at the workspace root.
-const PRINTED: [(&str, [&str; 2]); 3] = [
+const PRINTED: [(&str, [&str; 2]); 2] = [
     ("docs/errors.md", ["docs", "errors"]),
-    ("docs/commands.md", ["docs", "commands"]),
     ("docs/cell.schema.json", ["schema", "cell"]),
 ];
 

@@ -25,6 +25,8 @@ pub struct Argument {
     pub name: String,
     /// The option without its dashes; none for what stands by its place.
     pub option: Option<String>,
+    /// It has a short form, which is for what one gives nearly always.
+    pub short: bool,
     /// What it is.
     pub help: String,
     /// What a value is.
@@ -95,6 +97,7 @@ fn argument(argument: &Arg) -> Argument {
     Argument {
         name: argument.get_id().to_string(),
         option: argument.get_long().map(String::from),
+        short: argument.get_short().is_some(),
         help: help.map(ToString::to_string).unwrap_or_default(),
         kind,
         choices: choices

@@ -26,8 +26,9 @@ pub fn built_and_installed(
     empty(&folder)?;
     place.workspace.built()?;
     let script = place.workspace.root().join("xtask/python/wheel.py");
-    let module = tools::built(MODULE)?;
-    let paths = [&script, &place.package, &module, &folder].map(|path| path.to_string_lossy());
+    let (module, command) = (tools::built(MODULE)?, tools::stiffarm()?);
+    let paths =
+        [&script, &place.package, &module, &command, &folder].map(|path| path.to_string_lossy());
     let made = call(&place.python, &paths.each_ref().map(|path| path.as_ref()))
         .and_then(|_| only_file(&folder, "whl").ok_or_else(|| "there is not one".to_string()));
     let installed = made.and_then(|wheel| {

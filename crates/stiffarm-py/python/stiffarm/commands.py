@@ -80,9 +80,11 @@ def _signature(spec: _Spec) -> inspect.Signature:
             optional |= not argument["required"]
             default = _default(argument) if optional else kinds.empty
             found.append(kinds(python_name(argument), kinds.POSITIONAL_OR_KEYWORD, default=default))
-    for argument in spec["arguments"]:
+    # What has a short form on the command line may stand by its place here: select(cell, 6).
+    for argument in sorted(spec["arguments"], key=lambda one: not one["short"]):
         if argument["option"] is not None:
-            found.append(kinds(python_name(argument), kinds.KEYWORD_ONLY, default=_default(argument)))
+            kind = kinds.POSITIONAL_OR_KEYWORD if argument["short"] else kinds.KEYWORD_ONLY
+            found.append(kinds(python_name(argument), kind, default=_default(argument)))
     for extra in _extras(spec):
         default = False if extra is _DEGREES else None
         found.append(kinds(extra.partition(":")[0], kinds.KEYWORD_ONLY, default=default))

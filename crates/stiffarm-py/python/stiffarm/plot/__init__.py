@@ -19,7 +19,7 @@ function               of                                              shows
 :func:`residuals`      :func:`stiffarm.identify`                       what the fit leaves, against the expected noise
 :func:`stiffness`      :func:`stiffarm.identify`                       k with intervals and prior
 :func:`deflection`     :func:`stiffarm.predict`, ``compensate``        deflection along a path with its band
-:func:`curve`          :func:`stiffarm.curve`                          value by number of postures with its bound
+:func:`curve`          :func:`stiffarm.select`, ``curve=True``          value by number of postures with its bound
 :func:`map`            :func:`stiffarm.map`                            a slice of a map
 =====================  ==============================================  ==========================================
 """

@@ -38,7 +38,7 @@ def curve(result: Curve, *, ax: Axes | None = None, width_in: float = 3.5) -> Ax
     """The best value found for each number of postures, and the bound below which no plan of as many can go.
 
     Args:
-        result: What :func:`stiffarm.curve` found.
+        result: What :func:`stiffarm.select` with ``curve`` found.
         ax: Axes to draw into; new ones unless given.
         width_in: Width of a new figure [in].
     """
