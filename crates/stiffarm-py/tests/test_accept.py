@@ -19,13 +19,13 @@ def test_every_posture_of_the_plan_is_accepted_as_it_is_written() -> None:
         asked.append(q.shape)
         return away(q)
 
-    own = stiffarm.select(cell, 6, rounds=2, certificate=False, accept=accept)
-    free = stiffarm.select(cell, 6, rounds=2, certificate=False)
+    own = stiffarm.select(cell, postures=6, rounds=2, no_certificate=True, accept=accept)
+    free = stiffarm.select(cell, postures=6, rounds=2, no_certificate=True)
     assert all(away(q) for q in own.postures.angles)
     assert not all(away(q) for q in free.postures.angles)
     assert own.value > free.value
     assert asked and set(asked) == {(6,)}
-    again = stiffarm.select(cell, 6, rounds=2, certificate=False, accept=away)
+    again = stiffarm.select(cell, postures=6, rounds=2, no_certificate=True, accept=away)
     assert again.to_json() == own.to_json()
 
 
@@ -36,13 +36,13 @@ def test_what_the_constraint_raises_is_raised_and_ends_the_search() -> None:
         raise LookupError("the planner does not answer")
 
     with pytest.raises(LookupError, match="does not answer"):
-        stiffarm.select(cell, 4, accept=accept)
+        stiffarm.select(cell, postures=4, accept=accept)
 
 
 def test_a_constraint_that_accepts_nothing_is_named() -> None:
     cell = stiffarm.Cell.built_in("comau")
     with pytest.raises(stiffarm.StiffarmError, match="None of") as error:
-        stiffarm.select(cell, 4, accept=lambda q: False)
+        stiffarm.select(cell, postures=4, accept=lambda q: False)
     assert error.value.place["key"] == "accept"
     with pytest.raises(stiffarm.StiffarmError, match="cannot be used"):
-        stiffarm.select(cell, start=np.zeros((4, 6)), accept=away)
+        stiffarm.select(cell, from_=np.zeros((4, 6)), accept=away)

@@ -171,8 +171,8 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
     select, validate, identify = stiffarm.select, stiffarm.validate, stiffarm.identify
-    refused(lambda: select(cell, 6, start=group), "conflict", key="postures")
-    refused(lambda: select(cell, start=group, given=group), "conflict", key="given")
+    refused(lambda: select(cell, postures=6, from_=group), "conflict", key="postures")
+    refused(lambda: select(cell, from_=group, given=group), "conflict", key="given")
     refused(lambda: select(cell, add=2), "conflict", key="add")
     refused(lambda: select(cell, candidates=group, rounds=1), "conflict", key="rounds")
     refused(lambda: select(cell, given=group, largest_load_n=600), "conflict", key="largest_load_n")
@@ -181,8 +181,8 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     refused(lambda: validate(cell, None, measured, folds=1), "invalid-value", key="folds")
     refused(lambda: validate(cell, None, measured, folds="some"), "invalid-value", key="folds")
     refused(lambda: validate(cell, [1e6] * 6, measured, estimator="huber"), "usage", key="estimator")
-    refused(lambda: identify(cell, measured, flange_fixed=True, bootstrap=200), "conflict", key="flange_fixed")
-    refused(lambda: identify(cell, [measured, measured], flange_fixed=True), "usage", key="measurements")
+    refused(lambda: identify(cell, measured, clamped=True, bootstrap=200), "conflict", key="flange_fixed")
+    refused(lambda: identify(cell, [measured, measured], clamped=True), "usage", key="measurements")
     refused(lambda: stiffarm.diagnose(cell, measured, brief=True), "conflict", key="brief")
     refused(lambda: stiffarm.weight(), "usage", key="mass_kg")
 

@@ -11,7 +11,7 @@ CELL = stiffarm.Cell.built_in("comau")
 
 
 def job(seed: int) -> tuple[str, float]:
-    plan = stiffarm.space_filling(CELL, 4, seed=1)
+    plan = stiffarm.select(CELL, space_filling=True, postures=4, seed=1)
     simulated = stiffarm.simulate(CELL, plan, runs=50, levels=[1.0], seed=seed).to_json()
     return simulated, float(stiffarm.indices(CELL, [plan.postures.angles] * 50, ["d"])["d"][7])
 

@@ -126,7 +126,7 @@ def test_observation_matrix(cell: stiffarm.Cell) -> None:
 def test_scipy_reaches_our_optimum(cell: stiffarm.Cell, index: str) -> None:
     """L-BFGS-B on our gradients from several starts, against the search of `select`, on the same cell."""
     count = 3
-    plan = stiffarm.select(cell, count, index=index, rounds=30, angle_step_deg=0, certificate=False)
+    plan = stiffarm.select(cell, count, index=index, rounds=30, angle_step_deg=0, no_certificate=True)
     objective = stiffarm.Objective(cell, index, postures=count)
     low, high = np.array(objective.bounds).T
     random_numbers = np.random.default_rng(2)

@@ -94,11 +94,11 @@ def contents(folder: Path) -> dict[str, dict[str, str]]:
         own = folder / f"cell {number}"
         own.mkdir()
         truth = stand_in if cell is fanuc else cell
-        planned = stiffarm.space_filling(truth, 8, seed=number + 3).postures
+        planned = stiffarm.select(truth, space_filling=True, postures=8, seed=number + 3).postures
         planned.save(own / "plan.csv")
         planned[:5].save(own / "few.csv")
-        stiffarm.space_filling(truth, 6, seed=number + 40).postures.save(own / "other.csv")
-        candidates = stiffarm.space_filling(truth, 20, seed=number + 80).postures
+        stiffarm.select(truth, space_filling=True, postures=6, seed=number + 40).postures.save(own / "other.csv")
+        candidates = stiffarm.select(truth, space_filling=True, postures=20, seed=number + 80).postures
         candidates.save(own / "candidates.csv")
         for seed, what in ((5, "measured"), (6, "second")):
             table = dict(stiffarm.simulate_measurements(truth, planned, seed=seed))
@@ -664,7 +664,7 @@ def test_options_of_paths(command: Any, work: dict[str, dict[str, str]], tmp_pat
         inputs = [name, files["stiffness.json"], files["path.csv"]]
         same(command, [function.__name__, *inputs, f"--start-deg={words}", "--max-step-deg=25.5"], found)
 
-    found = stiffarm.identify(cell, files["clamped.csv"], flange_fixed=True, noise="known", angle_noise_deg=0.002)
+    found = stiffarm.identify(cell, files["clamped.csv"], clamped=True, noise="known", angle_noise_deg=0.002)
     options = ["--clamped", "--noise=known", "--angle-noise-deg=0.002"]
     same(command, ["identify", name, files["clamped.csv"], *options], found)
 
@@ -729,7 +729,7 @@ def test_measurements_in_every_form(work: dict[str, dict[str, str]]) -> None:
 def test_results_in_memory_and_as_files(work: dict[str, dict[str, str]], tmp_path: Path) -> None:
     cell = stiffarm.Cell("builtin:comau")
     files = work["builtin:comau"]
-    plan = stiffarm.select(cell, 4, rounds=1, certificate=False)
+    plan = stiffarm.select(cell, postures=4, rounds=1, no_certificate=True)
     plan.postures.save(tmp_path / "plan.csv")
     by_file = stiffarm.evaluate(cell, tmp_path / "plan.csv")
     assert by_file.inputs == stiffarm.evaluate(cell, plan).inputs
@@ -766,7 +766,7 @@ def test_save_and_load(command: Any, work: dict[str, dict[str, str]], tmp_path: 
     with pytest.raises(stiffarm.StiffarmError, match="not of predict"):
         stiffarm.results.Predicted.load(saved)
 
-    plan = stiffarm.select(cell, 3, rounds=1, certificate=False)
+    plan = stiffarm.select(cell, postures=3, rounds=1, no_certificate=True)
     plan.postures.save(tmp_path / "own.csv")
     words = ["select", "builtin:comau", "-n", "3", "--rounds", "1", "--no-certificate", "--quiet"]
     command([*words, f"--output={tmp_path / 'command.csv'}"])
@@ -784,10 +784,10 @@ import hashlib, sys, stiffarm
 cell = stiffarm.Cell("builtin:comau")
 plan, measured = sys.argv[1:]
 found = [
-    stiffarm.select(cell, 4, rounds=2, seed=3),
+    stiffarm.select(cell, postures=4, rounds=2, seed=3),
     stiffarm.simulate(cell, plan, runs=20),
     stiffarm.identify(cell, measured, bootstrap=200),
-    stiffarm.map(cell, "prior", plane=("z", 800), steps=5),
+    stiffarm.map(cell, "prior", plane="z=800", steps=5),
     stiffarm.coverage(cell, plan, runs=50),
     stiffarm.certificate(cell, plan, samples=32),
     stiffarm.Table({k: v for k, v in stiffarm.indices(cell, [stiffarm.Postures.read(plan, cell).angles] * 50).items()}).to_csv(),
@@ -814,7 +814,7 @@ for one in found:
 def test_mixed_is_read_again() -> None:
     """Whatever is identified can be used: 6 simulated experiments with the mixed model."""
     cell = stiffarm.Cell.built_in("comau-shapes")
-    postures = stiffarm.space_filling(cell, 8, seed=5)
+    postures = stiffarm.select(cell, space_filling=True, postures=8, seed=5)
     refused = []
     for seed in range(6):
         found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, postures, seed=seed), elastic="mixed")

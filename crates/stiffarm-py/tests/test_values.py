@@ -194,19 +194,19 @@ def test_keys_are_properties(cell: stiffarm.Cell, group: stiffarm.Postures, foun
     mixed = stiffarm.identify(cell, measured, elastic="mixed", bootstrap=200)
     results = [
         stiffarm.compensate(full, "prior", "builtin:contour"),
-        stiffarm.curve(cell, 4, rounds=1),
+        stiffarm.select(cell, curve=True, postures=4, rounds=1),
         stiffarm.drop(cell, group),
         stiffarm.evaluate(full, group),
-        stiffarm.map(full, "prior", plane=("z", 1200.0), steps=4),
-        stiffarm.place(full, "prior", "builtin:contour", steps=2),
+        stiffarm.map(full, "prior", plane="z=1200", steps=4),
+        stiffarm.map(full, "prior", place="builtin:contour", steps=2),
         stiffarm.predict(full, found, "builtin:contour", matrix=True),
         stiffarm.register("builtin:example-pairs"),
-        stiffarm.select(cell, 3, rounds=1, sensitivity=True),
-        stiffarm.select(full, 3, rounds=1, prices=True, largest_load_n=700),
-        stiffarm.select(cell, 4, candidates=group),
+        stiffarm.select(cell, postures=3, rounds=1, sensitivity=True),
+        stiffarm.select(full, postures=3, rounds=1, prices=True, largest_load_n=700),
+        stiffarm.select(cell, postures=4, candidates=group),
         stiffarm.simulate(cell, group, runs=3),
         stiffarm.simulate(cell, group, runs=2, elastic="auto"),
-        stiffarm.space_filling(full, 3),
+        stiffarm.select(full, space_filling=True, postures=3),
         stiffarm.validate(cell, found, measured),
         stiffarm.validate(cell, None, measured, folds=3),
         found,
@@ -293,12 +293,12 @@ import pickle, sys, stiffarm
 values = pickle.load(open(sys.argv[1], "rb"))
 pickle.dump(values, open(sys.argv[2], "wb"))
 cell = values[0]
-print(stiffarm.select(cell, 3, rounds=1, certificate=False).to_json(), end="")
+print(stiffarm.select(cell, postures=3, rounds=1, no_certificate=True).to_json(), end="")
 """
 
 
 def in_process(cell: stiffarm.Cell) -> str:
-    return stiffarm.select(cell, 3, rounds=1, certificate=False).to_json()
+    return stiffarm.select(cell, postures=3, rounds=1, no_certificate=True).to_json()
 
 
 def test_pickles(found: stiffarm.results.Identified, group: stiffarm.Postures, tmp_path: Path) -> None:
@@ -358,7 +358,7 @@ def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
     for page in shown:
         assert tags(page) <= {"p", "b", "table", "thead", "tbody", "tr", "th", "td"}, page
     assert "&lt;script&gt;" in shown[0]
-    for page in (found._repr_html_(), stiffarm.select(cell, 3, rounds=1)._repr_html_()):
+    for page in (found._repr_html_(), stiffarm.select(cell, postures=3, rounds=1)._repr_html_()):
         assert page.count("<table>") == page.count("</table>") == 1
     many = stiffarm.Table({"x": list(range(100))})._repr_html_()
     assert "80 further rows" in many and many.count("<tr>") == 21
@@ -372,7 +372,7 @@ def test_progress(cell: stiffarm.Cell) -> None:
         assert threading.get_ident() == main
         told.append((what, done, of))
 
-    stiffarm.select(cell, 6, rounds=60, certificate=False, progress=tell)
+    stiffarm.select(cell, postures=6, rounds=60, no_certificate=True, progress=tell)
     assert told and all(isinstance(what, str) and 0 <= done <= max(of, done) for what, done, of in told)
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
 
@@ -386,18 +386,18 @@ def test_an_exception_of_the_callback_ends_the_work(cell: stiffarm.Cell) -> None
 
     began = time.monotonic()
     with pytest.raises(Enough):
-        stiffarm.select(cell, 6, rounds=100_000, progress=tell)
+        stiffarm.select(cell, postures=6, rounds=100_000, progress=tell)
     assert time.monotonic() - began < 20
 
     def wrong(what: str) -> None:
         """Takes too few arguments."""
 
     with pytest.raises(TypeError, match="positional"):
-        stiffarm.select(cell, 6, rounds=100_000, progress=wrong)
+        stiffarm.select(cell, postures=6, rounds=100_000, progress=wrong)
 
 
 def test_a_bar_of_tqdm(cell: stiffarm.Cell, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    stiffarm.select(cell, 6, rounds=60, certificate=False, progress=True)
+    stiffarm.select(cell, postures=6, rounds=60, no_certificate=True, progress=True)
     assert "%" in capsys.readouterr().err
     # Without tqdm there is no bar, and no error.
     monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
@@ -419,7 +419,7 @@ def test_the_interpreter_goes_on(cell: stiffarm.Cell) -> None:
     thread = threading.Thread(target=count)
     thread.start()
     began = time.monotonic()
-    stiffarm.select(cell, 6, rounds=100, certificate=False)
+    stiffarm.select(cell, postures=6, rounds=100, no_certificate=True)
     took = time.monotonic() - began
     stop.set()
     thread.join()
@@ -436,7 +436,7 @@ def tell(what, done, of):
     told.append(what)
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
-    plan = stiffarm.select(cell, 6, rounds=10_000_000, progress=tell)
+    plan = stiffarm.select(cell, postures=6, rounds=10_000_000, progress=tell)
 assert plan.interrupted and len(plan.postures) == 6 and plan.value > 0, plan
 assert [w.category for w in caught] == [stiffarm.StiffarmWarning], caught
 assert caught[0].filename == "<string>", caught[0].filename
@@ -482,7 +482,7 @@ def test_control_c_without_a_result_is_keyboard_interrupt() -> None:
 
 def test_degrees_that_are_taken_for_radians_are_refused() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    degrees = stiffarm.space_filling(cell, 4).postures.degrees
+    degrees = stiffarm.select(cell, space_filling=True, postures=4).postures.degrees
     calls = [
         lambda: stiffarm.Postures(degrees),
         lambda: stiffarm.indices(cell, degrees),
@@ -521,8 +521,8 @@ def test_degrees_that_a_robot_takes_for_radians_are_refused() -> None:
 
 def test_a_result_says_the_call_that_makes_it_again(tmp_path: Path) -> None:
     cell = stiffarm.Cell.built_in("comau")
-    plan = stiffarm.select(cell, 3, rounds=1, certificate=False, progress=lambda *_: None)
-    assert plan.call == "stiffarm.select(cell, postures=3, rounds=1, certificate=False)"
+    plan = stiffarm.select(cell, postures=3, rounds=1, no_certificate=True, progress=lambda *_: None)
+    assert plan.call == "stiffarm.select(cell, postures=3, rounds=1, no_certificate=True)"
     assert eval(plan.call, {"stiffarm": stiffarm, "cell": cell}) == plan
     again = stiffarm.results.Plan.load(plan.save(tmp_path / "plan.json"))
     assert again == plan and again.call == plan.call and again.options == plan.options
@@ -545,12 +545,12 @@ def test_a_wrong_keyword_is_said_with_the_function_and_the_name_that_was_meant()
     with pytest.raises(TypeError, match=r"^identify\(\) missing a required argument: 'measurements'$"):
         stiffarm.identify(cell)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match=r"^select\(\) got too many positional arguments$"):
-        stiffarm.select(cell, 6, 7)  # type: ignore[misc]
+        stiffarm.select(cell, postures=6, 7)  # type: ignore[misc]
 
 
 def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    own = stiffarm.space_filling(cell, 4).postures
+    own = stiffarm.select(cell, space_filling=True, postures=4).postures
     frame = own.to_frame()
     assert stiffarm.Postures.of(frame) == own
     assert stiffarm.Postures.of(frame.drop(columns="posture")) == own
@@ -569,7 +569,7 @@ def test_a_stiffness_may_be_a_dictionary() -> None:
     for values in (stiffness, np.array(stiffness)):
         same = stiffarm.predict(cell, {"stiffness_nm_per_rad": values}, "builtin:contour")
         assert same.to_dict() == listed.to_dict()
-    plan = stiffarm.space_filling(cell, 8)
+    plan = stiffarm.select(cell, space_filling=True, postures=8)
     found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan), brief=True)
     document = json.loads(found.to_json())
     again = stiffarm.predict(cell, document, "builtin:contour")
@@ -584,7 +584,7 @@ def test_a_stiffness_may_be_a_dictionary() -> None:
 
 def test_a_stiffness_of_another_cell_is_said() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    plan = stiffarm.space_filling(cell, 8)
+    plan = stiffarm.select(cell, space_filling=True, postures=8)
     found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan), brief=True)
     other = cell.with_changes({"load": {"magnitude_n": 500}})
     with pytest.warns(stiffarm.StiffarmWarning, match="another version of this cell"):
@@ -593,7 +593,7 @@ def test_a_stiffness_of_another_cell_is_said() -> None:
 
 def test_serious_findings_of_readings_are_counted() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    plan = stiffarm.space_filling(cell, 8)
+    plan = stiffarm.select(cell, space_filling=True, postures=8)
     table = stiffarm.simulate_measurements(cell, plan, readings=True)
     sound = stiffarm.identify(cell, table, brief=True)
     assert "serious" not in repr(sound)

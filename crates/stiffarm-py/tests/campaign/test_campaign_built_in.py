@@ -56,7 +56,7 @@ def test_select_is_what_the_library_selects(tmp_path: Path) -> None:
             cell = sa.Cell(row["cell"])
         plan = sa.select(
             cell, postures=row["postures"], index=row["index"], seed=row["seed"], rounds=1,
-            certificate=False,
+            no_certificate=True,
         ).to_dict()  # fmt: skip
         assert row["postures_deg"] == plan["postures_deg"]
         assert row["index_value"] == plan["value"] == row[f"index_{row['index']}"]
@@ -161,7 +161,7 @@ def test_tools_loads_and_anchors_change_the_cell(tmp_path: Path) -> None:
         keys["tool"] = long_tool
         keys["load"] = {**rope, "magnitude_n": row["load_n"]}
         cell = sa.Cell.from_dict(keys)
-        plan = sa.select(cell, postures=6, index="expected_error", seed=1, rounds=1, certificate=False)
+        plan = sa.select(cell, postures=6, index="expected_error", seed=1, rounds=1, no_certificate=True)
         assert row["postures_deg"] == plan.to_dict()["postures_deg"]
 
 
