@@ -6,12 +6,13 @@ use std::path::Path;
 use crate::files::{self, first_difference};
 use crate::run::{Failure, Workspace};
 use crate::tools;
+use serde_json::Value;
 
 /// Files that the `stiffarm` command prints, and with which arguments. Paths begin at the workspace root.
-const PRINTED: [(&str, [&str; 2]); 2] = [
-    ("docs/errors.md", ["docs", "errors"]),
-    ("docs/cell.schema.json", ["schema", "cell"]),
-];
+const PRINTED: [(&str, [&str; 2]); 1] = [("docs/errors.md", ["docs", "errors"])];
+
+/// Folder of the schemas that the command prints, and where that of the cell file is read by people and editors.
+const SCHEMAS: (&str, &str) = ("crates/stiffarm-cli/schemas", "docs/cell.schema.json");
 
 /// Copies of files. The licences go into the wheel, which takes nothing from outside its folder.
 const COPIES: [(&str, &str); 2] = [
@@ -40,14 +41,25 @@ pub fn run_built(workspace: &Workspace, check: bool) -> Result<(), Failure> {
 /// What every generated file should hold.
 fn expected(root: &Path, stiffarm: &Path) -> Result<Files, Failure> {
     let mut expected = Files::new();
+    let fault = |words: [&str; 2], why: &dyn std::fmt::Display| {
+        let message = format!("`stiffarm {}` failed: {why}", words.join(" "));
+        Failure::internal(message, "correct it, then run it again")
+    };
+    let printed =
+        |words: [&str; 2]| tools::call(stiffarm, &words).map_err(|why| fault(words, &why));
     for (target, words) in PRINTED {
-        let text = tools::call(stiffarm, &words).map_err(|why| {
-            Failure::internal(
-                format!("`stiffarm {}` failed: {why}", words.join(" ")),
-                "correct it, then run it again",
-            )
-        })?;
-        expected.insert(target.to_string(), text.into_bytes());
+        expected.insert(target.to_string(), printed(words)?.into_bytes());
+    }
+    let words = ["docs", "schemas"];
+    let schemas: BTreeMap<String, Value> =
+        serde_json::from_str(&printed(words)?).map_err(|why| fault(words, &why))?;
+    let (folder, cell) = SCHEMAS;
+    for (name, schema) in schemas {
+        let text = format!("{schema:#}\n").into_bytes();
+        if name == "cell" {
+            expected.insert(cell.to_string(), text.clone());
+        }
+        expected.insert(format!("{folder}/{name}.json"), text);
     }
     for (target, original) in COPIES {
         expected.insert(target.to_string(), files::read(&root.join(original))?);

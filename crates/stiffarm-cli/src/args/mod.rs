@@ -31,6 +31,7 @@ pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
 pub use simulate::SimulateArgs;
 pub use work::MapArgs;
 
+use crate::commands::schema::schemas;
 use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use std::ffi::{OsStr, OsString};
@@ -305,7 +306,8 @@ pub struct RobotsArgs {
 #[derive(Debug, Args)]
 pub struct SchemaArgs {
     /// What to describe
-    pub what: SchemaChoice,
+    #[arg(value_parser = schemas())]
+    pub what: String,
 }
 
 #[derive(Debug, Args)]
@@ -330,71 +332,6 @@ pub struct DocsArgs {
     pub page: DocsPage,
 }
 
-/// What a schema describes.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum SchemaChoice {
-    /// The cell file
-    Cell,
-    /// Output of `check --json`
-    ResultCheck,
-    /// Output of `evaluate --json`
-    ResultEvaluate,
-    /// Output of `select --json`: a plan
-    ResultSelect,
-    /// Output of `select --drop --json`
-    ResultSelectDrop,
-    /// Output of `select --curve --json`
-    ResultSelectCurve,
-    /// Output of `select --space-filling --json`
-    ResultSelectSpaceFilling,
-    /// Output of `select --candidates --json`
-    ResultSelectCandidates,
-    /// Output of `simulate --json`
-    ResultSimulate,
-    /// Output of `simulate --elastic mixed --json` and `--elastic auto`
-    ResultSimulateElastic,
-    /// Output of `coverage --json`
-    ResultCoverage,
-    /// Output of `register --json`
-    ResultRegister,
-    /// Output of `identify --json`
-    ResultIdentify,
-    /// Output of `identify --clamped --json`
-    ResultIdentifyClamped,
-    /// Output of `validate --json`
-    ResultValidate,
-    /// Output of `predict --json`
-    ResultPredict,
-    /// Output of `compensate --json`
-    ResultCompensate,
-    /// Output of `map --json`
-    ResultMap,
-    /// Output of `map --place --json`
-    ResultMapPlace,
-    /// Output of `zones --json`
-    ResultZones,
-    /// Output of `capsules --json`
-    ResultCapsules,
-    /// Output of `measure --once --json`
-    ResultMeasure,
-    /// Output of `pose --json`
-    ResultPose,
-    /// Output of `pose --from --json`
-    ResultPoseFrom,
-    /// Output of `report --json`
-    ResultReport,
-    /// Output of `route --json`
-    ResultRoute,
-    /// Output of `export --json`
-    ResultExport,
-    /// Output of `export --compare --json`
-    ResultExportCompare,
-    /// Output of `study --json`, and study.json
-    ResultStudy,
-    /// Output of `study --measured --json`
-    ResultStudyMeasured,
-}
-
 /// Generated pages.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum DocsPage {
@@ -402,6 +339,9 @@ pub enum DocsPage {
     Errors,
     /// What the commands take, as JSON
     Commands,
+    /// The schemas that `schema` prints, made of the types
+    #[cfg(feature = "schema")]
+    Schemas,
 }
 
 impl Command {

@@ -6,7 +6,6 @@ use crate::output::Exit;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::Table;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -17,7 +16,8 @@ use stiffarm::model::shape::{Capsule, capsules_of_mesh, hull_volume};
 use stiffarm::units::m_to_mm;
 
 /// Options of the result.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Unit of the meshes.
     unit: &'static str,
@@ -30,12 +30,14 @@ pub struct Options {
 }
 
 /// The capsules of each mesh.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fitted {
     meshes: Vec<Mesh>,
 }
 
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Mesh {
     /// Name of the file.
     mesh: String,
@@ -52,7 +54,8 @@ struct Mesh {
     capsules: Vec<InMillimetres>,
 }
 
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct InMillimetres {
     from_mm: [f64; 3],
     to_mm: [f64; 3],

@@ -24,7 +24,8 @@ use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 const ALL: &str = "all";
 
 /// A check has no options.
-#[derive(serde::Serialize, schemars::JsonSchema)]
+#[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {}
 
 /// Checks the cell, and draws it where that is asked for.

@@ -4,14 +4,14 @@ use crate::args::CoverageArgs;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
-use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
 use stiffarm::files::source::Source;
 use stiffarm::{Code, Error, Result};
 
 /// What was counted.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Simulated experiments.
     pub runs: u64,

@@ -9,6 +9,8 @@ pub mod docs;
 mod earlier;
 pub mod evaluate;
 pub mod export;
+#[cfg(feature = "schema")]
+pub mod generated;
 pub mod identify;
 pub mod init;
 pub mod man;

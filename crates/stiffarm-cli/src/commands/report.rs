@@ -5,7 +5,6 @@ use crate::files::{check_folder, only_target, shown, write_all, write_folder};
 use crate::output::Exit;
 use crate::page::check_page_name;
 use crate::session::Session;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::builtin;
@@ -21,18 +20,21 @@ use stiffarm_report::report::{Given, report};
 const PAGE: &str = "report.html";
 
 /// Options of the result: none, where files go changes nothing.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {}
 
 /// What the page shows.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reported {
     /// The results, in their order.
     pub results: Vec<Shown>,
 }
 
 /// A result on the page.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shown {
     /// The command that made it.
     pub command: String,

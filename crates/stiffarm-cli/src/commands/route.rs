@@ -9,7 +9,6 @@ use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::{Align, Table, title};
-use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::files::source::Source;
@@ -23,7 +22,8 @@ use stiffarm::plan::route::{Route, RouteMove, RouteOptions, blocked_moves, round
 use stiffarm::units::rad_to_deg;
 
 /// Options of the result.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Whether the plan's order was kept.
     pub keep_order: bool,
@@ -34,7 +34,8 @@ pub struct Options {
 }
 
 /// The route with the names of its stops.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Routed {
     /// Names of the stops.
     pub posture_names: Vec<String>,

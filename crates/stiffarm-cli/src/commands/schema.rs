@@ -1,101 +1,63 @@
-//! `stiffarm schema`: JSON Schemas.
+//! `stiffarm schema`: JSON Schemas, as `cargo xtask generate` has made them of the types.
 
-use super::{capsules, check, coverage, export, measure, route, study, zones};
-use crate::args::{SchemaArgs, SchemaChoice};
+use crate::args::SchemaArgs;
 use crate::output::Exit;
 use crate::session::Session;
-use schemars::generate::SchemaSettings;
-use schemars::transform::RecursiveTransform;
-use schemars::{JsonSchema, Schema};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use stiffarm::Result;
-use stiffarm::estimate::clamped::{self, ClampedIdentification};
-use stiffarm::estimate::coverage::Coverage;
-use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
-use stiffarm::estimate::{identified, simulated, validated};
-use stiffarm::files::cell::cell_schema;
-use stiffarm::files::envelope::{Written, to_json};
-use stiffarm::measure::registered;
-use stiffarm::measure::registration::RegistrationRecord;
-use stiffarm::plan::check::CellCheck;
-use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::planned;
-use stiffarm::plan::poses;
-use stiffarm::plan::zones::Zones;
-use stiffarm::work::map::{Placement, StiffnessMap};
-use stiffarm::work::{compensated, mapped, placed, predicted};
+
+/// A schema: its name, what it describes, its text.
+type Row = (&'static str, &'static str, &'static str);
+
+/// One row for each file in `schemas/`.
+macro_rules! rows {
+    ($($name:literal: $about:literal,)*) => {
+        [$(($name, $about, include_str!(concat!("../../schemas/", $name, ".json")))),*]
+    };
+}
+
+/// All schemas.
+static SCHEMAS: [Row; 30] = rows! {
+    "cell": "The cell file",
+    "result-check": "Output of `check --json`",
+    "result-evaluate": "Output of `evaluate --json`",
+    "result-select": "Output of `select --json`: a plan",
+    "result-select-drop": "Output of `select --drop --json`",
+    "result-select-curve": "Output of `select --curve --json`",
+    "result-select-space-filling": "Output of `select --space-filling --json`",
+    "result-select-candidates": "Output of `select --candidates --json`",
+    "result-simulate": "Output of `simulate --json`",
+    "result-simulate-elastic": "Output of `simulate --elastic mixed --json` and `--elastic auto`",
+    "result-coverage": "Output of `coverage --json`",
+    "result-register": "Output of `register --json`",
+    "result-identify": "Output of `identify --json`",
+    "result-identify-clamped": "Output of `identify --clamped --json`",
+    "result-validate": "Output of `validate --json`",
+    "result-predict": "Output of `predict --json`",
+    "result-compensate": "Output of `compensate --json`",
+    "result-map": "Output of `map --json`",
+    "result-map-place": "Output of `map --place --json`",
+    "result-zones": "Output of `zones --json`",
+    "result-capsules": "Output of `capsules --json`",
+    "result-measure": "Output of `measure --once --json`",
+    "result-pose": "Output of `pose --json`",
+    "result-pose-from": "Output of `pose --from --json`",
+    "result-report": "Output of `report --json`",
+    "result-route": "Output of `route --json`",
+    "result-export": "Output of `export --json`",
+    "result-export-compare": "Output of `export --compare --json`",
+    "result-study": "Output of `study --json`, and study.json",
+    "result-study-measured": "Output of `study --measured --json`",
+};
+
+/// The names that may be asked for.
+pub fn schemas() -> PossibleValuesParser {
+    PossibleValuesParser::new(SCHEMAS.map(|(name, about, _)| PossibleValue::new(name).help(about)))
+}
 
 /// Prints one schema.
 pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
-    let schema: Schema = match args.what {
-        SchemaChoice::Cell => cell_schema(),
-        SchemaChoice::ResultCheck => of::<check::Options, CellCheck>("check"),
-        SchemaChoice::ResultEvaluate => of::<EvaluatedOptions, Evaluated>("evaluate"),
-        SchemaChoice::ResultSelect => of::<planned::PlanOptions, planned::Plan>("select"),
-        SchemaChoice::ResultSelectDrop => {
-            of::<planned::DropOptions, planned::DropResult>("select --drop")
-        }
-        SchemaChoice::ResultSelectCurve => {
-            of::<planned::CurveOptions, planned::Curve>("select --curve")
-        }
-        SchemaChoice::ResultSelectSpaceFilling => {
-            of::<planned::SpaceFillingOptions, planned::SpaceFillingPlan>("select --space-filling")
-        }
-        SchemaChoice::ResultSelectCandidates => {
-            of::<planned::ChosenOptions, planned::Chosen>("select --candidates")
-        }
-        SchemaChoice::ResultSimulate => of::<simulated::Options, Simulation>("simulate"),
-        SchemaChoice::ResultSimulateElastic => {
-            of::<simulated::ElasticOptions, ElasticSimulation>("simulate --elastic")
-        }
-        SchemaChoice::ResultCoverage => of::<coverage::Options, Coverage>("coverage"),
-        SchemaChoice::ResultRegister => of::<registered::Options, RegistrationRecord>("register"),
-        SchemaChoice::ResultIdentify => {
-            of::<identified::Options, identified::Identified>("identify")
-        }
-        SchemaChoice::ResultIdentifyClamped => {
-            of::<clamped::Options, ClampedIdentification>("identify --clamped")
-        }
-        SchemaChoice::ResultValidate => of::<validated::Options, validated::Validated>("validate"),
-        SchemaChoice::ResultPredict => of::<predicted::Options, predicted::Predicted>("predict"),
-        SchemaChoice::ResultCompensate => {
-            of::<compensated::Options, compensated::Compensated>("compensate")
-        }
-        SchemaChoice::ResultMap => of::<mapped::Options, StiffnessMap>("map"),
-        SchemaChoice::ResultMapPlace => of::<placed::Options, Placement>("map --place"),
-        SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
-        SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
-        SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),
-        SchemaChoice::ResultPose => of::<poses::Options, poses::Poses>("pose"),
-        SchemaChoice::ResultPoseFrom => of::<poses::Options, poses::Found>("pose --from"),
-        SchemaChoice::ResultReport => {
-            of::<super::report::Options, super::report::Reported>("report")
-        }
-        SchemaChoice::ResultRoute => of::<route::Options, route::Routed>("route"),
-        SchemaChoice::ResultExport => of::<export::Options, export::Exported>("export"),
-        SchemaChoice::ResultExportCompare => {
-            of::<export::Options, export::compare::Compared>("export --compare")
-        }
-        SchemaChoice::ResultStudyMeasured => {
-            of::<study::measured::Options, study::measured::Written>("study --measured")
-        }
-        SchemaChoice::ResultStudy => of::<study::Options, study::Written>("study"),
-    };
-    session.print_exact(&to_json(&schema)?)?;
+    let found = SCHEMAS.iter().find(|(name, ..)| *name == args.what);
+    session.print_exact(found.map_or("", |(.., text)| text))?;
     Ok(Exit::Done)
-}
-
-/// Schema of what a command prints with `--json`.
-fn of<O: JsonSchema, R: JsonSchema>(command: &str) -> Schema {
-    // `double` and `uint64` are names of Rust's types, not of JSON Schema's formats.
-    let drop_format = RecursiveTransform(|schema: &mut Schema| {
-        schema.remove("format");
-    });
-    let mut schema = SchemaSettings::draft2020_12()
-        .for_serialize()
-        .with_transform(drop_format)
-        .into_generator()
-        .into_root_schema_for::<Written<O, R>>();
-    let title = format!("Output of stiffarm {command} --json");
-    schema.insert("title".to_string(), title.into());
-    schema
 }

@@ -9,7 +9,6 @@ use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
 use crate::table::{Table, title, yellow};
-use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::plan::zones::{MapRange, ZoneOptions, Zones, zones};
@@ -23,7 +22,8 @@ const FILES: [&str; 2] = ["zones.svg", "zones.csv"];
 const MANY: usize = 100_000;
 
 /// Options of the result.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Angles per axis of the map.
     pub steps: usize,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,6 +21,14 @@ from .postures import Postures
 #: Indices that :func:`indices` gives unless others are named: all but ``prediction``, which takes longer than all others
 #: together.
 USUAL = tuple(name for name, _, _ in _stiffarm.index_names() if name != "prediction")
+
+
+def _postures(cell: Cell, value: PosturesLike, degrees: bool) -> Postures:
+    """Postures of a file for the robot of the cell, or of what is at hand."""
+    in_degrees = truth(degrees, "degrees")
+    if isinstance(value, (str, os.PathLike)):
+        return Postures.read(value, cell)
+    return Postures.of(value, degrees=in_degrees)
 
 
 def certificate(
@@ -46,8 +55,8 @@ def certificate(
     Raises:
         StiffarmError: An index without a bound (``unsupported``).
     """
-    own = _inputs.angles(postures, truth(degrees, "degrees"))
-    before = np.zeros((0, own.shape[1])) if given is None else _inputs.angles(given, degrees)
+    own = _postures(cell, postures, degrees).angles
+    before = np.zeros((0, own.shape[1])) if given is None else _postures(cell, given, degrees).angles
     limit = None if samples is None else whole(samples, "samples")
     with _inputs.Watching(progress) as told:
         found, _ = _stiffarm.certificate(native(cell), text(index, "index"), own, before, limit, told)
@@ -158,7 +167,7 @@ def simulate_measurements(
     Raises:
         StiffarmError: A cell without prior.
     """
-    own = Postures.of(postures, degrees=truth(degrees, "degrees"))
+    own = _postures(cell, postures, degrees)
     raw = truth(readings, "readings")
     made = _stiffarm.simulate_measurements(native(cell), own.names, own.angles, whole(seed, "seed"), raw)
     return Table.from_csv(made)

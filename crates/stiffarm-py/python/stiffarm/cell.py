@@ -191,7 +191,9 @@ class Cell:
             StiffarmError: Anything wrong with the new values.
         """
         text = _toml(_merged(self.to_dict(), _plain(_checks.mapping(changes, "changes"))))
-        native = _stiffarm.Cell(self._native.name, text.encode(), self._native.files, None)
+        # A changed cell is built in no more.
+        name = "<cell>" if self.file.startswith("builtin:") else self.file
+        native = _stiffarm.Cell(name, text.encode(), self._native.files, None)
         return Cell._of(native)
 
     def to_dict(self) -> dict[str, Any]:

@@ -201,9 +201,11 @@ class _Call:
             value = Cell(value)
         if isinstance(value, Cell):
             self.cell, native = value, value._native
-            if not native.name.startswith("builtin:"):
-                self.inputs[native.name] = native
-            return str(native.name)
+            known = str(native.name)
+            while self.inputs.setdefault(known, native) is not native:
+                # Another cell of the same name.
+                known = f"<{known}>"
+            return known
         if key == "cell":
             _checks.cell(value, key)
         if isinstance(value, (str, os.PathLike)):

@@ -8,7 +8,6 @@ use crate::output::Exit;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::red;
-use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::files::program::{
@@ -28,7 +27,8 @@ const TOLERANCE_DEG: f64 = 0.001;
 const MOST_LINES: usize = 12;
 
 /// How the program compares with the plan.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compared {
     /// Name of the program.
     program: String,

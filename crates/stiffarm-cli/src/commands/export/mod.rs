@@ -13,7 +13,6 @@ use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{red, yellow};
 use moves::Driven;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::files::check_name;
@@ -37,7 +36,8 @@ use stiffarm::{Code, Error, Result};
 const START: &str = "home";
 
 /// Options of the result.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Language of the controller.
     language: Language,
@@ -58,7 +58,8 @@ pub struct Options {
 }
 
 /// What was written.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Exported {
     /// Name of the program on the controller.
     program: String,
@@ -83,7 +84,8 @@ pub struct Exported {
 }
 
 /// A file of the program.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WrittenFile {
     /// Its name in the folder.
     name: String,

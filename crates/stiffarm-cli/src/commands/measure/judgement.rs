@@ -2,7 +2,6 @@
 
 use crate::args::{Goal, MeasureArgs};
 use crate::session::Session;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use stiffarm::Result;
@@ -29,7 +28,8 @@ const ROUNDS: u64 = 1;
 const STEP_DEG: f64 = 0.01;
 
 /// How the day stands.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judgement {
     /// Postures of which a displacement can be formed, in the order of the readings.
     pub measured: Vec<String>,
@@ -51,7 +51,8 @@ pub struct Judgement {
 }
 
 /// How well the deflection at the tasks is predicted.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DeflectionStanding {
     /// Largest half width of all tasks \[m\]; `null` while it is not known.
     pub largest_m: Option<f64>,

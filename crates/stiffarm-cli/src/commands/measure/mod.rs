@@ -11,7 +11,6 @@ use crate::progress::Progress;
 use crate::session::Session;
 pub use judgement::Judgement;
 use judgement::judge;
-use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::files::source::Source;
 use stiffarm::findings::Severity;
@@ -20,7 +19,8 @@ use stiffarm::work::predicted::tasks;
 use stiffarm::{Code, Error, Result};
 
 /// Options of the result.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Half width of every joint's stiffness that is good enough (fraction of k); `null` unless it is the goal.
     pub until_stiffness: Option<f64>,

@@ -12,7 +12,6 @@ use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::{Align, Table, title};
-use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
@@ -28,14 +27,16 @@ use stiffarm_report::study::{measured_figure, measured_table};
 const FILES: [&str; 2] = ["measured-choices.svg", "measured-choices.csv"];
 
 /// Options of the result: those of the study stand in it.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// True: the study is one on measurements.
     pub measured: bool,
 }
 
 /// The study with the files that stand beside it.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Written {
     /// The study.
     #[serde(flatten)]

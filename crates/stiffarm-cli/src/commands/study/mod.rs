@@ -12,7 +12,6 @@ use crate::page::page_of;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::{Table, title};
-use schemars::JsonSchema;
 use serde::Serialize;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::SimulationOptions;
@@ -38,7 +37,8 @@ const REPORT: &str = "report.html";
 const POSTURES: usize = 6;
 
 /// Options of the result.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Where Group 1 came from: `given`, `builtin:comau-group1` or `drawn`.
     pub initial: &'static str,
@@ -47,7 +47,8 @@ pub struct Options {
 }
 
 /// The study with the files that stand beside it.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Written {
     /// The study.
     #[serde(flatten)]
