@@ -18,11 +18,11 @@ from stiffarm import commands
 #: Each command once: names of inputs, in their order, and options; an option that is the name of an input has its value.
 CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "capsules": (["meshes"], {"unit": "mm"}),
-    "check": (["cell"], {"postures": "postures", "posture": "2"}),
+    "check": (["cell"], {"postures": "postures", "posture": "2", "figure": "figure.svg", "force": True}),
     "compensate": (["cell", "stiffness", "path"], {"axes": "base", "load_uncertainty_percent": 5.5}),
     "coverage": (["cell", "postures"], {"runs": 60, "terms": ["tilt1"]}),
     "evaluate": (["cell", "postures"], {}),
-    "export": (["cell", "postures"], {"language": "pdl2", "output_dir": "program", "force": True}),
+    "export": (["cell", "postures"], {"language": "pdl2", "name": "plan", "output_dir": "program", "force": True}),
     "identify": (["cell", "readings"], {"registration": "registration", "bootstrap": 200, "exclude": ["3"]}),
     "init": ([], {"robot": "fanuc-m20ia", "output_dir": "start", "force": True}),
     "map": (["cell", "stiffness"], {"plane": "z=800", "steps": 3, "force_n": [200.0, -300.5, 100.0]}),
@@ -139,10 +139,10 @@ import hashlib, sys, stiffarm
 cell, plan, measured = stiffarm.Cell(sys.argv[1]), sys.argv[2], sys.argv[3]
 group = stiffarm.Postures.read(plan, cell).angles
 found = [
-    stiffarm.select(cell, postures=4, rounds=2, seed=3), stiffarm.simulate(cell, plan, runs=20),
-    stiffarm.identify(cell, measured, bootstrap=200), stiffarm.map(cell, "prior", plane="z=800", steps=5),
+    stiffarm.select(cell, postures=3, rounds=2, seed=3), stiffarm.simulate(cell, plan, runs=20),
+    stiffarm.identify(cell, measured, bootstrap=200), stiffarm.map(cell, "prior", plane="z=800", steps=4),
     stiffarm.coverage(cell, plan, runs=50), stiffarm.Table(stiffarm.indices(cell, [group] * 50)).to_csv(),
-    repr(stiffarm.certificate(cell, plan, samples=32).to_dict()),
+    repr(stiffarm.certificate(cell, plan, samples=8).to_dict()),
 ]
 for one in found:
     print(hashlib.sha256((one if isinstance(one, str) else one.to_json()).encode()).hexdigest())
@@ -154,6 +154,6 @@ def test_threads_change_no_byte(inputs: Any) -> None:
     program = [sys.executable, "-c", PROGRAM, files["cell"], files["postures"], files["measurements"]]
     printed = [
         subprocess.run(program, env={**os.environ, "RAYON_NUM_THREADS": threads}, stdout=subprocess.PIPE, check=True).stdout
-        for threads in ("1", "2", "3")
+        for threads in ("1", "3")
     ]
-    assert printed[0] == printed[1] == printed[2] and len(printed[0].splitlines()) == 7
+    assert printed[0] == printed[1] and len(printed[0].splitlines()) == 7
