@@ -120,11 +120,7 @@ fn table(data: &DataTable, details: bool) -> String {
         table.align(column, if is_number { Align::Right } else { Align::Left });
     }
     let count = data.rows.len();
-    let shown = if details {
-        count
-    } else {
-        count.min(MOST_ROWS)
-    };
+    let shown = if details { count } else { count.min(MOST_ROWS) };
     for row in &data.rows[..shown] {
         table.row(row.iter().map(Text::plain));
     }

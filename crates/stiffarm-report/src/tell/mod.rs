@@ -7,6 +7,7 @@
 
 mod arrows;
 mod at_work;
+mod check;
 mod compensate;
 mod context;
 mod evaluate;
@@ -18,6 +19,7 @@ mod points;
 mod postures;
 mod predict;
 mod register;
+mod route;
 mod select;
 mod simulate;
 mod study;
@@ -33,6 +35,8 @@ pub(crate) use context::{plain, quoted};
 pub use number::{Form, Number, Quantity};
 pub use table::DataTable;
 pub use text::{Piece, Text};
+pub(crate) use text::{counted, shown};
+pub use worth::index_quantity;
 
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;
@@ -58,13 +62,15 @@ pub struct Given<'a> {
 }
 
 /// Commands whose results are told.
-pub const COMMANDS: [&str; 11] = [
+pub const COMMANDS: [&str; 13] = [
+    "check",
     "compensate",
     "evaluate",
     "identify",
     "map",
     "predict",
     "register",
+    "route",
     "select",
     "simulate",
     "study",
@@ -95,12 +101,14 @@ pub struct Told {
 /// A result of a command that is not told here, or one that another version wrote and that looks different.
 pub fn tell(given: &Given<'_>) -> Result<Told> {
     match given.saved.command.as_str() {
+        "check" => check::told(given),
         "compensate" => compensate::told(given),
         "evaluate" => evaluate::told(given),
         "identify" => identify::told(given),
         "map" => map::told(given),
         "predict" => predict::told(given),
         "register" => register::told(given),
+        "route" => route::told(given),
         "select" => select::told(given),
         "simulate" => simulate::told(given),
         "study" if given.saved.json["options"]["measured"] == true => study_measured::told(given),
